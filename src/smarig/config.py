@@ -1,0 +1,245 @@
+"""Configuration files: TOML in, frozen and checked values out, every mistake one sentence with its key.
+
+Knows the schema of actuators and rigs. Refuses to know what is done with them, and never fills in a
+physical quantity that the file leaves out.
+"""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from smarig.catalogue import suggestion
+from smarig.errors import ConfigError, UsageError
+from smarig.resources import shipped
+
+
+class Section(BaseModel):
+    """A frozen table of a configuration file; unknown keys are errors."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Quantity(Section):
+    """A physical quantity: value, unit, and where the value comes from."""
+
+    value: float = Field(allow_inf_nan=False)
+    unit: str
+    source: str
+
+    def __float__(self) -> float:
+        return self.value
+
+
+def _unit(expected: str):
+    def check(q: Quantity) -> Quantity:
+        if q.unit != expected:
+            raise ValueError(f"unit is '{q.unit}', expected '{expected}'")
+        if q.value <= 0:
+            raise ValueError(f"value {q.value:g} must be positive")
+        return q
+
+    return AfterValidator(check)
+
+
+Millimetres = Annotated[Quantity, _unit("mm")]
+Ohms = Annotated[Quantity, _unit("ohm")]
+Kelvin = Annotated[Quantity, _unit("K")]
+Amperes = Annotated[Quantity, _unit("A")]
+Density = Annotated[Quantity, _unit("kg/m^3")]
+SpecificHeat = Annotated[Quantity, _unit("J/(kg K)")]
+
+
+class Wire(Section):
+    """The wire itself; lengths of one active wire."""
+
+    material: str
+    diameter: Millimetres
+    active_length: Millimetres
+    density: Density
+    specific_heat: SpecificHeat
+
+
+class Heating(Section):
+    """What sets the temperature: resistances and one known steady state (5.3)."""
+
+    resistance_martensite: Ohms
+    resistance_austenite: Ohms
+    reference_current: Amperes
+    reference_temperature: Kelvin
+
+
+class Transmission(Section):
+    """How contraction becomes encoder angle and the rig's unit of position."""
+
+    unit: Literal["mm", "deg"]
+    radius: Millimetres
+
+
+class Hysteresis(Section):
+    """The operator a twin uses: a surface of Table 5.1 or a model file."""
+
+    surface: str
+    initial: Literal["negative", "anhysteretic"]
+
+
+class ActuatorFile(Section):
+    """configs/actuators/NAME.toml"""
+
+    name: str
+    arrangement: Literal["one_wire", "two_wire"]
+    source: str
+    wire: Wire
+    heating: Heating
+    transmission: Transmission
+    hysteresis: Hysteresis
+    notes: str = ""
+
+
+class LimitsFile(Section):
+    """[limits]: checked on every tick, by the host; the device has its own."""
+
+    current_min_A: float
+    current_max_A: float
+    current_rate_A_per_s: float = Field(gt=0)
+    temperature_max_K: float = Field(gt=0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "LimitsFile":
+        if not self.current_min_A <= 0 <= self.current_max_A:
+            raise ValueError("current_min_A ≤ 0 ≤ current_max_A is needed: zero current must always be allowed")
+        return self
+
+
+class AmplifierFile(Section):
+    """[amplifier]: saturation and read-back noise (standard deviations)."""
+
+    saturation_A: float = Field(gt=0)
+    current_noise_A: float = Field(ge=0)
+    voltage_noise_V: float = Field(ge=0)
+
+
+class EncoderFile(Section):
+    """[encoder]: resolution and noise of one sample before quantisation."""
+
+    counts_per_rev: int = Field(gt=0)
+    noise_counts: float = Field(ge=0)
+
+
+class RigFile(Section):
+    """configs/rigs/NAME.toml"""
+
+    name: str
+    kind: Literal["twin"]
+    actuator: str
+    wire: str
+    period_s: float = Field(gt=0)
+    ambient_degC: float
+    lease_s: float = Field(gt=0)
+    temperature_noise_K: float = Field(ge=0)
+    temperature_noise_time_s: float = Field(gt=0)
+    limits: LimitsFile
+    amplifier: AmplifierFile
+    encoder: EncoderFile
+
+
+class CampaignStep(Section):
+    """One protocol of a campaign with its settings."""
+
+    protocol: str
+    name: str = ""
+    purpose: Literal["prepare", "test", "train", "held_out"] = "train"
+    set: dict[str, Any] = {}
+
+
+class CampaignFile(Section):
+    """configs/campaigns/NAME.toml: protocols in order."""
+
+    name: str
+    summary: str
+    step: tuple[CampaignStep, ...] = Field(min_length=1)
+
+
+Model = TypeVar("Model", bound=BaseModel)
+_FOLDERS: dict[str, type[BaseModel]] = {"rigs": RigFile, "actuators": ActuatorFile, "campaigns": CampaignFile}
+
+
+def listed(folder: str) -> list[str]:
+    """Names shipped in a folder of configs/.
+
+    >>> listed("actuators")
+    ['gorbet_one_wire', 'gorbet_two_wire']
+    """
+    return sorted(p.stem for p in (shipped("configs") / folder).glob("*.toml"))
+
+
+def locate(folder: str, name: str) -> Path:
+    """Path of a named or given configuration file; UsageError with the nearest name otherwise."""
+    path = Path(name)
+    if path.suffix == ".toml" or path.is_file():
+        if not path.is_file():
+            raise UsageError(f"There is no file {path}.")
+        return path
+    if name in listed(folder):
+        return shipped("configs") / folder / f"{name}.toml"
+    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(name, listed(folder))}.")
+
+
+def load_actuator(name: str) -> ActuatorFile:
+    """An actuator by name or path."""
+    return load(ActuatorFile, locate("actuators", name))
+
+
+def load_rig(name: str) -> RigFile:
+    """A rig by name or path."""
+    return load(RigFile, locate("rigs", name))
+
+
+def load_campaign(name: str) -> CampaignFile:
+    """A campaign by name or path."""
+    return load(CampaignFile, locate("campaigns", name))
+
+
+def load(schema: type[Model], path: Path) -> Model:
+    """Read and check a TOML file against a schema; ConfigError names file, key and what was expected."""
+    return check(schema, read_toml(path), str(path))
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """A TOML file as a dictionary; ConfigError with the line on a syntax error."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path} is not valid TOML: {error}.") from None
+
+
+def check(schema: type[Model], data: Any, where: str) -> Model:
+    """Validate data against a schema; every problem in one ConfigError."""
+    try:
+        return schema.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError("\n".join(f"{where}: {_sentence(e, schema)}" for e in error.errors())) from None
+
+
+def _sentence(error: Any, schema: type[BaseModel]) -> str:
+    key = ".".join(str(part) for part in error["loc"]) or "file"
+    if error["type"] == "extra_forbidden":
+        return f"unknown key '{key}'{suggestion(str(error['loc'][-1]), _keys(schema, error['loc'][:-1]))}"
+    if error["type"] == "missing":
+        return f"key '{key}' is missing."
+    message = error["msg"].removeprefix("Value error, ")
+    given = "" if isinstance(error["input"], dict) else f" (given: {error['input']!r})"
+    return f"{key}: {message}{given}."
+
+
+def _keys(schema: type[BaseModel], path: tuple) -> list[str]:
+    for part in path:
+        fields = schema.model_fields.get(str(part))
+        inner = fields.annotation if fields else None
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return sorted(schema.model_fields)
+        schema = inner
+    return sorted(schema.model_fields)

@@ -1,0 +1,1 @@
+"""Physics of the wire: heating, hysteresis, mechanics. Knows no device, no protocol, no file."""

@@ -1,0 +1,100 @@
+"""An actuator's constants, derived ones derived: what theory needs to know of one rig's wire.
+
+Knows equations (5.1)–(5.3) for one wire and the signed temperature of the differential rig.
+Refuses to know the hysteresis and the instruments.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from smarig.config import ActuatorFile, load_actuator
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """Constants of a wire rig, SI inside; ``input`` is kelvin above ambient, signed for two wires.
+
+    >>> wire = Actuator.named("gorbet_one_wire")
+    >>> round(wire.hA_W_per_K, 4), round(wire.tau_s, 1)
+    (0.0273, 5.3)
+    """
+
+    file: ActuatorFile
+
+    @classmethod
+    def named(cls, name: str) -> "Actuator":
+        """From configs/actuators by name, or from a path."""
+        return cls(load_actuator(name))
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter set."""
+        return self.file.name
+
+    @property
+    def two_wire(self) -> bool:
+        """Differential rig: the sign of current and temperature says which wire."""
+        return self.file.arrangement == "two_wire"
+
+    @property
+    def unit(self) -> str:
+        """Unit of position: mm or deg."""
+        return self.file.transmission.unit
+
+    @property
+    def resistance_ohm(self) -> float:
+        """Mean resistance R = (R_M + R_A)/2 used in (5.3)."""
+        h = self.file.heating
+        return (h.resistance_martensite.value + h.resistance_austenite.value) / 2
+
+    def resistance_at_ohm(self, austenite: float) -> float:
+        """R(ξ) = R_M + ξ (R_A − R_M), ξ the austenite fraction in [0, 1]."""
+        h = self.file.heating
+        return h.resistance_martensite.value + austenite * (
+            h.resistance_austenite.value - h.resistance_martensite.value
+        )
+
+    @cached_property
+    def gain_K_per_A2(self) -> float:
+        """R/hA: steady temperature per squared current (5.3)."""
+        h = self.file.heating
+        return h.reference_temperature.value / h.reference_current.value**2
+
+    @property
+    def hA_W_per_K(self) -> float:
+        """Heat loss per kelvin, hA = R/(R/hA)."""
+        return self.resistance_ohm / self.gain_K_per_A2
+
+    @property
+    def h_W_per_m2_K(self) -> float:
+        """Heat transfer coefficient over the wire's surface π d L."""
+        return self.hA_W_per_K / (math.pi * self._diameter_m * self._length_m)
+
+    @cached_property
+    def tau_s(self) -> float:
+        """τ = ρ c_p V / (hA), thesis §5.1.3."""
+        wire = self.file.wire
+        volume_m3 = math.pi / 4 * self._diameter_m**2 * self._length_m
+        return wire.density.value * wire.specific_heat.value * volume_m3 / self.hA_W_per_K
+
+    def current_for(self, input_K: float) -> float:
+        """I = sign(T) √(|T| hA/R), the steady current for a temperature (§5.2.1)."""
+        return math.copysign(math.sqrt(abs(input_K) / self.gain_K_per_A2), input_K)
+
+    def input_for(self, current_A: float) -> float:
+        """T_ss = sign(i) (R/hA) i² (5.3)."""
+        return math.copysign(self.gain_K_per_A2 * current_A**2, current_A)
+
+    def position_per_count(self, counts_per_rev: int) -> float:
+        """Rig units per encoder count: 2πr/N in mm, 360/N in degrees."""
+        turn = 360.0 if self.unit == "deg" else 2 * math.pi * self.file.transmission.radius.value
+        return turn / counts_per_rev
+
+    @property
+    def _diameter_m(self) -> float:
+        return self.file.wire.diameter.value / 1000
+
+    @property
+    def _length_m(self) -> float:
+        return self.file.wire.active_length.value / 1000

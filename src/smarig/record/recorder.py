@@ -1,0 +1,179 @@
+"""Writes a run as it happens: appended in the tick, committed by a thread at least once a second.
+
+A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). Knows the schema;
+refuses to know what is measured. A listener: ``sample``, ``step``, ``event`` are called by the runner.
+"""
+
+import contextlib
+import json
+import shutil
+import sqlite3
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from smarig.command import StepResult
+from smarig.errors import StorageError, UsageError
+from smarig.record import schema
+from smarig.sample import Sample
+
+COMMIT_INTERVAL_S = 0.5
+RESERVE_BYTES = 8_000_000  # stop while there is still room to close the run
+
+
+class Recorder:
+    """One run file being written. ``close(cause)`` makes it one finished file; idempotent."""
+
+    def __init__(self, path: Path, meta: dict[str, Any], *, force: bool = False) -> None:
+        self.path = path
+        self._rows: list[tuple] = []
+        self._statements: list[tuple[str, tuple]] = []
+        self._lock = threading.Lock()
+        self._wake = threading.Event()
+        self._closing = False
+        self._failure: str | None = None
+        self._db = _create(path, {"schema_version": schema.VERSION, **meta}, force)
+        self._thread = threading.Thread(target=self._write_until_closed, name="recorder", daemon=True)
+        self._thread.start()
+
+    # --- called in the tick ----------------------------------------------------------------------
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """One sample; a few microseconds. Raises StorageError once writing has failed."""
+        if self._failure is not None:
+            raise StorageError(self._failure)
+        self._rows.append((s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9])))
+
+    def step(self, result: StepResult, *, branch: str, target: float | None, attempt: int = 0) -> None:
+        """One finished step; committed at once."""
+        row = (
+            result.index,
+            attempt,
+            0,
+            branch,
+            target,
+            result.t_start_s,
+            result.t_end_s,
+            str(result.verdict),
+            result.position,
+            result.n,
+        )
+        self._execute(schema.INSERT_STEP, row)
+        self._wake.set()
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """Something worth a line in the record."""
+        self._execute(schema.INSERT_EVENT, (t_s, level, kind, text, json.dumps(data)))
+
+    def describe(self, key: str, value: Any) -> None:
+        """Set a key of the run table."""
+        self._execute(schema.UPSERT_KEY, (key, json.dumps(value)))
+
+    def _execute(self, sql: str, row: tuple) -> None:
+        with self._lock:
+            self._statements.append((sql, row))
+
+    # --- the writer thread -------------------------------------------------------------------------
+
+    def _write_until_closed(self) -> None:
+        while not self._closing:
+            self._wake.wait(COMMIT_INTERVAL_S)
+            self._wake.clear()
+            try:
+                self._commit()
+                self._check_space()
+            except (sqlite3.Error, OSError) as error:
+                self._failure = f"Run {self.path} cannot be written: {error}. The current is at zero."
+                return
+
+    def _commit(self) -> None:
+        rows, self._rows = self._rows, []
+        with self._lock:
+            statements, self._statements = self._statements, []
+        if not rows and not statements:
+            return
+        with self._db:
+            self._db.executemany(schema.INSERT_SAMPLE, rows)
+            for sql, row in statements:
+                self._db.execute(sql, row)
+
+    def _check_space(self) -> None:
+        free = shutil.disk_usage(self.path.parent).free
+        if free < RESERVE_BYTES:
+            raise OSError(f"only {free / 1e6:.1f} MB left on the disk")
+
+    # --- the end ---------------------------------------------------------------------------------
+
+    def close(self, cause: str = "done", *, t_s: float = 0.0) -> None:
+        """Write what is left, note the cause, and leave one file (no -wal beside it)."""
+        if self._closing:
+            return
+        self.event(t_s, "end", f"Run ended: {cause}.", level="info" if cause == "done" else "warning")
+        self.describe("end", {"cause": cause, "epoch": time.time()})
+        self._closing = True
+        self._wake.set()
+        self._thread.join()
+        with contextlib.suppress(sqlite3.Error):  # a full disk: what was committed stays readable
+            self._commit()
+        with contextlib.suppress(sqlite3.Error):
+            self._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._db.execute("PRAGMA journal_mode=DELETE")
+        self._db.close()
+
+
+def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
+    if path.exists():
+        if not force:
+            raise UsageError(f"{path} exists; give another name or --force to replace it.")
+        for suffix in ("", "-wal", "-shm"):
+            path.with_name(path.name + suffix).unlink(missing_ok=True)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        db = sqlite3.connect(path, check_same_thread=False)
+        db.execute("PRAGMA journal_mode=WAL")
+        db.execute("PRAGMA synchronous=FULL")
+        with db:
+            db.executescript(schema.CREATE)
+            db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
+    except (OSError, sqlite3.Error) as error:
+        raise StorageError(f"Run file {path} cannot be created: {error}.") from None
+    return db
+
+
+def write_run(path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: list[tuple], *, force: bool) -> None:
+    """Write a whole run at once (imports, simulations): all of it or nothing.
+
+    ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
+    ``steps`` are rows in STEP_COLUMNS order.
+    """
+    part = path.with_name(path.name + ".part")
+    part.unlink(missing_ok=True)
+    if path.exists() and not force:
+        raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    try:
+        db = _create(part, {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}}, True)
+        try:
+            n = len(columns["tick"])
+            given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
+            given[-1] = given[-1] if given[-1] is not None else [0] * n
+            with db:
+                db.executemany(
+                    schema.INSERT_SAMPLE, zip(*[[None] * n if c is None else _plain(c) for c in given], strict=True)
+                )
+                db.executemany(schema.INSERT_STEP, steps)
+            db.execute("PRAGMA journal_mode=DELETE")
+        finally:
+            db.close()
+        for suffix in ("-wal", "-shm"):
+            path.with_name(path.name + suffix).unlink(missing_ok=True)
+        part.replace(path)
+    except (OSError, sqlite3.Error) as error:
+        raise StorageError(f"Run file {path} cannot be written: {error}.") from None
+    finally:
+        for suffix in ("", "-wal", "-shm"):
+            part.with_name(part.name + suffix).unlink(missing_ok=True)
+
+
+def _plain(column: Any) -> list:
+    return column.tolist() if hasattr(column, "tolist") else list(column)

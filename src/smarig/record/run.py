@@ -1,0 +1,161 @@
+"""A run as data: columns with units, steps, events, and what was measured where.
+
+Knows how to read a run file, finished or not. Refuses to know rigs, models and plots.
+"""
+
+import json
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError, UsageError
+from smarig.record.schema import SAMPLE_COLUMNS, VERSION
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One settled (or not) step: ``position`` is the mean over its window of n samples."""
+
+    index: int
+    attempt: int
+    void: bool
+    branch: str
+    target: float | None
+    t_start_s: float
+    t_end_s: float | None
+    verdict: str
+    position: float | None
+    n: int
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened: level (info, warning, error), kind, one sentence."""
+
+    t_s: float
+    level: str
+    kind: str
+    text: str
+    data: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.meta`` its description.
+
+    Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,
+    position, ambient_degC, quality. ``input``/``position`` have the quantities and units named in ``meta``.
+    """
+
+    path: Path
+    meta: dict[str, Any]
+    columns: dict[str, NDArray[np.float64]] = field(repr=False)
+    steps: tuple[Step, ...] = field(repr=False)
+    events: tuple[Event, ...] = field(repr=False)
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name not in self.columns:
+            raise UsageError(f"A run has no column '{name}'; there are: {', '.join(SAMPLE_COLUMNS)}.")
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return self["tick"].size
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run was closed at all (kill -9 and power cuts leave it open)."""
+        return "end" in self.meta
+
+    @property
+    def cause(self) -> str:
+        """Why the run ended: 'done', or what interrupted it, or that nobody closed it."""
+        return self.meta.get("end", {}).get("cause", "incomplete: the run was never closed")
+
+    @property
+    def twin(self) -> bool:
+        """True when no hardware was involved."""
+        return self.meta.get("source") == "twin"
+
+    @property
+    def unit(self) -> str:
+        """Unit of position."""
+        return self.meta.get("output", {}).get("unit", "")
+
+    @property
+    def input_unit(self) -> str:
+        """Unit of the hysteresis input."""
+        return self.meta.get("input", {}).get("unit", "")
+
+    @cached_property
+    def settled(self) -> tuple[Step, ...]:
+        """Valid steps with a target and a position, in order: the points (T_i, p_i) of §5.2.1."""
+        return tuple(s for s in self.steps if not s.void and s.target is not None and s.position is not None)
+
+    def points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Settled inputs and outputs, each (k,); every sample's input and position where there are no steps."""
+        if self.settled:
+            return (
+                np.array([s.target for s in self.settled], dtype=float),
+                np.array([s.position for s in self.settled], dtype=float),
+            )
+        known = np.isfinite(self["input"]) & np.isfinite(self["position"])
+        return self["input"][known], self["position"][known]
+
+    def has(self, name: str) -> bool:
+        """Whether a channel was measured at all."""
+        return bool(np.isfinite(self[name]).any())
+
+    def __repr__(self) -> str:
+        kind = "twin" if self.twin else self.meta.get("source", "?")
+        hours = (self["t_s"][-1] - self["t_s"][0]) / 3600 if len(self) and self.has("t_s") else 0.0
+        return (
+            f"Run({self.meta.get('protocol', '?')} on {self.meta.get('rig', '?')} ({kind}), "
+            f"{len(self)} samples, {hours:.2f} h, {len(self.steps)} steps, {self.cause})"
+        )
+
+
+def load_run(path: str | Path) -> Run:
+    """Read a run file, finished, running or interrupted; DataError if it is not one."""
+    file = Path(path)
+    if not file.is_file():
+        raise UsageError(f"There is no run file {file}.")
+    try:
+        with _opened(file) as db:
+            meta = {k: json.loads(v) for k, v in db.execute("SELECT key, value FROM run")}
+            _check_version(file, meta)
+            rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
+            steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
+            events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
+    except (sqlite3.Error, json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
+    data = np.array(rows, dtype=float).reshape(len(rows), len(SAMPLE_COLUMNS))
+    columns = {name: data[:, k] for k, name in enumerate(SAMPLE_COLUMNS)}
+    return Run(
+        file,
+        meta,
+        columns,
+        tuple(Step(r[0], r[1], bool(r[2]), r[3] or "", *r[4:7], r[7] or "", r[8], r[9] or 0) for r in steps),
+        tuple(Event(r[0], r[1], r[2], r[3], json.loads(r[4] or "{}")) for r in events),
+    )
+
+
+@contextmanager
+def _opened(file: Path) -> Iterator[sqlite3.Connection]:
+    db = sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True, timeout=10.0)
+    try:
+        yield db
+    finally:
+        db.close()
+
+
+def _check_version(file: Path, meta: dict[str, Any]) -> None:
+    version = meta.get("schema_version")
+    if version != VERSION:
+        raise DataError(f"{file} has run schema version {version}; this smarig reads version {VERSION}.")

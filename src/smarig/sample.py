@@ -1,0 +1,43 @@
+"""What a rig says: one Sample a tick, with its quality.
+
+Knows: names, units, marks. Refuses to know: who measured it, or what it means.
+"""
+
+from enum import IntFlag
+from typing import NamedTuple
+
+NAN = float("nan")
+
+
+class Quality(IntFlag):
+    """Marks on a sample; 0 means good. Stored as an integer in the run."""
+
+    GOOD = 0
+    RETRIED = 1
+    STALE = 2
+    SATURATED = 4
+    TRIPPED = 8
+
+
+class Sample(NamedTuple):
+    """One tick of a rig. Time is the device's integer ``tick``; ``t_s`` is tick × period.
+
+    ``counts`` are raw encoder counts since the last zero, ``position`` the same in the rig's unit
+    (mm or deg). ``temperature_degC`` is a measured wire temperature, NaN where there is no sensor.
+    A named tuple, because a frozen dataclass costs three times as much in the tick.
+
+    >>> Sample(tick=3, t_s=0.3, current_command_A=0.5, current_A=0.5, voltage_V=2.4,
+    ...        temperature_degC=NAN, counts=12, position=0.565, ambient_degC=22.0, quality=0).counts
+    12
+    """
+
+    tick: int
+    t_s: float
+    current_command_A: float
+    current_A: float
+    voltage_V: float
+    temperature_degC: float
+    counts: int
+    position: float
+    ambient_degC: float
+    quality: int
