@@ -10,6 +10,7 @@ import shutil
 import sqlite3
 import threading
 import time
+from collections import deque
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ class Recorder:
 
     def __init__(self, path: Path, meta: dict[str, Any], *, force: bool = False) -> None:
         self.path = path
-        self._rows: list[tuple] = []
+        self._rows: deque[tuple] = deque()  # appended in the tick, popped by the writer: both atomic
         self._statements: list[tuple[str, tuple]] = []
         self._lock = threading.Lock()
         self._wake = threading.Event()
@@ -88,7 +89,7 @@ class Recorder:
                 return
 
     def _commit(self) -> None:
-        rows, self._rows = self._rows, []
+        rows = [self._rows.popleft() for _ in range(len(self._rows))]
         with self._lock:
             statements, self._statements = self._statements, []
         if not rows and not statements:

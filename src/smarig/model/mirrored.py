@@ -1,0 +1,43 @@
+"""A hysteresis seen in the mirror (u, y) → (−u, −y): what FOD is for rising, FOA is for falling.
+
+Magnetic first-order reversal curves rise from a reversal point below positive saturation: they are
+FOD curves of the mirrored hysteresis. Reflection keeps the measure: F(α, β) = F̃(−β, −α).
+"""
+
+from dataclasses import dataclass
+
+from smarig.model.everett import Everett
+
+
+@dataclass(frozen=True, eq=False)
+class Mirrored:
+    """The hysteresis whose mirror image is ``image``."""
+
+    image: Everett
+
+    @property
+    def lower(self) -> float:
+        """Negative saturation: the image's positive one, reflected."""
+        return -self.image.upper
+
+    @property
+    def upper(self) -> float:
+        """Positive saturation."""
+        return -self.image.lower
+
+    @property
+    def y_lower(self) -> float:
+        """Output at negative saturation."""
+        return -(self.image.y_lower + self.image.everett(self.image.upper, self.image.lower))
+
+    def everett(self, alpha: float, beta: float) -> float:
+        """F(α, β) = F̃(−β, −α)."""
+        return self.image.everett(-beta, -alpha)
+
+    def rise_from_diagonal(self, centre: float, u: float) -> float:
+        """A rise here is a fall in the mirror."""
+        return self.image.fall_from_diagonal(-centre, -u)
+
+    def fall_from_diagonal(self, centre: float, u: float) -> float:
+        """A fall here is a rise in the mirror."""
+        return self.image.rise_from_diagonal(-centre, -u)
