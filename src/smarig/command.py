@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from smarig.errors import UsageError
 from smarig.sample import Sample
 
 
@@ -32,6 +33,13 @@ class Settled:
     band_counts: float = 1.0
     window_s: float = 25.0
     timeout_s: float = 600.0
+
+    def __post_init__(self) -> None:
+        if not (self.band_counts > 0 and self.window_s > 0 and self.timeout_s >= self.window_s):
+            raise UsageError(
+                "Settling needs band_counts > 0, window_s > 0 and timeout_s ≥ window_s; got "
+                f"{self.band_counts:g}, {self.window_s:g}, {self.timeout_s:g}."
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,17 +31,19 @@ class Heating:
 
     def step(self, current_A: float) -> float:
         """One tick at a constant current; returns the hysteresis input u (T, or T₁ − T₂), kelvin."""
-        steady = self.gain_K_per_A2 * current_A * current_A
-        t1, t2 = self.wire_K
-        first = steady if current_A > 0 or not self.two_wire else 0.0
-        t1 = first + (t1 - first) * self.decay
+        source = self.gain_K_per_A2 * current_A * current_A
+        return self.relax(-source if current_A < 0 and self.two_wire else source)
+
+    def relax(self, source_K: float) -> float:
+        """One tick towards a steady temperature, signed: whose sign says which wire is heated."""
+        wires, decay = self.wire_K, self.decay
         if not self.two_wire:
-            self.wire_K[0] = t1
-            return t1
-        second = steady if current_A < 0 else 0.0
-        t2 = second + (t2 - second) * self.decay
-        self.wire_K[0], self.wire_K[1] = t1, t2
-        return t1 - t2
+            wires[0] = source_K + (wires[0] - source_K) * decay
+            return wires[0]
+        first, second = (source_K, 0.0) if source_K > 0 else (0.0, -source_K)
+        wires[0] = first + (wires[0] - first) * decay
+        wires[1] = second + (wires[1] - second) * decay
+        return wires[0] - wires[1]
 
     @property
     def input_K(self) -> float:

@@ -1,0 +1,1 @@
+"""What carries commands out: the Rig seam, its limits, and the software twin behind it."""

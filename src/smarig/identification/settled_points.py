@@ -1,0 +1,67 @@
+"""Settled points with their own uncertainty, read from the samples of each step's window.
+
+The standard uncertainty of a settled mean has three parts: scatter of the window's block means, what
+the wire still moved within the window, and quantisation where noise does not dither it. Knows no model.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.record import Run, Step
+
+Array = NDArray[np.float64]
+_BLOCKS = 25
+
+
+@dataclass(frozen=True)
+class SettledPoints:
+    """Points (T_i, p_i) of §5.2.1: input (k,), output (k,), standard uncertainty (k,), branch labels."""
+
+    input: Array
+    output: Array
+    uncertainty: Array
+    branch: tuple[str, ...]
+    unit: str
+
+    def of(self, *branches: str) -> "SettledPoints":
+        """The points of some branches, in order."""
+        keep = np.array([b in branches for b in self.branch], dtype=bool)
+        kept = tuple(b for b in self.branch if b in branches)
+        return SettledPoints(self.input[keep], self.output[keep], self.uncertainty[keep], kept, self.unit)
+
+    @property
+    def noise(self) -> float:
+        """Root mean square of the uncertainties."""
+        return float(np.sqrt(np.mean(self.uncertainty**2))) if self.uncertainty.size else float("nan")
+
+
+def settled_points(run: Run) -> SettledPoints:
+    """All valid settled steps of a run with their uncertainties."""
+    per_count = float(run.meta.get("output", {}).get("per_count") or 0.0)
+    rows = _rows_by_step(run)
+    steps = run.settled
+    uncertainty = np.array([_uncertainty(run, s, rows.get(s.index), per_count) for s in steps])
+    inputs, outputs = run.points()
+    return SettledPoints(inputs, outputs, uncertainty, tuple(s.branch for s in steps), run.unit)
+
+
+def _rows_by_step(run: Run) -> dict[int, slice]:
+    steps = run["step"]
+    if not steps.size:
+        return {}
+    edges = np.flatnonzero(np.diff(np.nan_to_num(steps, nan=-1.0)) != 0) + 1
+    starts, stops = np.concatenate([[0], edges]), np.concatenate([edges, [steps.size]])
+    return {int(steps[a]): slice(a, b) for a, b in zip(starts, stops) if np.isfinite(steps[a])}
+
+
+def _uncertainty(run: Run, step: Step, rows: slice | None, per_count: float) -> float:
+    window = run["position"][rows][-step.n :] if rows is not None and step.n else np.empty(0)
+    if window.size < 2 * _BLOCKS:
+        return per_count / np.sqrt(12)
+    used = window[: window.size // _BLOCKS * _BLOCKS].reshape(_BLOCKS, -1).mean(axis=1)
+    scatter = used.std(ddof=1) / np.sqrt(_BLOCKS)
+    still_moving = used[-5:].mean() - used.mean()
+    undithered = per_count / np.sqrt(12) if window.std() < 0.3 * per_count else 0.0
+    return float(np.sqrt(scatter**2 + still_moving**2 + undithered**2))

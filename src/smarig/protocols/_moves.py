@@ -1,0 +1,44 @@
+"""Shared phrases of protocols: settled holds at inputs, and checks of what was asked for."""
+
+from collections.abc import Iterable, Sequence
+
+from smarig.command import Hold, Protocol, Settled
+from smarig.errors import UsageError
+from smarig.protocols._setup import Setup
+
+
+def settle_at(setup: Setup, inputs_K: Iterable[float], branch: str, settle: Settled) -> Protocol:
+    """Hold each input until the wire stands still (§5.2.1, steps 4 and 5)."""
+    for input_K in inputs_K:
+        yield Hold(setup.current_for(input_K), settle, target=input_K, branch=branch)
+
+
+def saturate(setup: Setup, settle: Settled, *, upper: bool = False) -> Protocol:
+    """Go to an end of the range, wiping out all memory (negative saturation unless ``upper``)."""
+    yield from settle_at(setup, [setup.upper_K if upper else setup.lower_K], "saturate", settle)
+
+
+def within_range(setup: Setup, inputs_K: Sequence[float], name: str) -> tuple[float, ...]:
+    """The inputs, checked against the rig's range; UsageError names the first outside."""
+    for value in inputs_K:
+        if not setup.lower_K - 1e-6 <= value <= setup.upper_K + 1e-6:
+            raise UsageError(
+                f"{name}: {value:g} K is outside the rig's range {setup.lower_K:g}…{setup.upper_K:g} K above ambient."
+            )
+    return tuple(float(v) for v in inputs_K)
+
+
+def increasing(setup: Setup, partition_K: Sequence[float], name: str = "partition_K") -> tuple[float, ...]:
+    """A partition: at least three strictly increasing inputs inside the range."""
+    levels = within_range(setup, partition_K, name)
+    if len(levels) < 3:
+        raise UsageError(f"{name} needs at least 3 inputs, got {len(levels)}.")
+    for before, after in zip(levels, levels[1:], strict=False):
+        if not after > before:
+            raise UsageError(f"{name} must increase: {after:g} follows {before:g}.")
+    return levels
+
+
+def line(start: float, stop: float, points: int) -> list[float]:
+    """``points`` inputs from start (left out) to stop (included), evenly spaced."""
+    return [start + (stop - start) * (k + 1) / points for k in range(points)]

@@ -1,0 +1,56 @@
+"""What a protocol may know of the rig it is written for: ranges and the heating law. Never the rig itself."""
+
+from dataclasses import dataclass
+
+from smarig.config import LimitsFile, load_rig
+from smarig.model.actuator import Actuator
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Actuator, limits and tick of the rig a protocol will run on.
+
+    >>> setup = Setup.of("one_wire_twin")
+    >>> setup.lower_K, setup.upper_K, round(setup.current_for(43.5), 3)
+    (0.0, 174.1, 0.5)
+    """
+
+    actuator: Actuator
+    limits: LimitsFile
+    period_s: float
+
+    @classmethod
+    def of(cls, rig: str) -> "Setup":
+        """For a rig by name or path."""
+        file = load_rig(rig)
+        return cls(Actuator.named(file.actuator), file.limits, file.period_s)
+
+    @property
+    def lower_K(self) -> float:
+        """Smallest hysteresis input the limits allow, kelvin above ambient."""
+        return self.actuator.input_for(self.limits.current_min_A)
+
+    @property
+    def upper_K(self) -> float:
+        """Largest hysteresis input the limits allow."""
+        return self.actuator.input_for(self.limits.current_max_A)
+
+    @property
+    def tau_s(self) -> float:
+        """Thermal time constant."""
+        return self.actuator.tau_s
+
+    @property
+    def two_wire(self) -> bool:
+        """Differential rig."""
+        return self.actuator.two_wire
+
+    def current_for(self, input_K: float) -> float:
+        """Steady current for an input, kept within the limits against rounding."""
+        current = self.actuator.current_for(input_K)
+        low, high = self.limits.current_min_A, self.limits.current_max_A
+        return min(max(current, low - 0.0), high) if low - 1e-9 <= current <= high + 1e-9 else current
+
+    def at(self, share: float) -> float:
+        """Input at a share of the range: 0 is the lower end, 1 the upper."""
+        return self.lower_K + share * (self.upper_K - self.lower_K)

@@ -1,0 +1,38 @@
+"""The congruent-minor-loop test of §5.3.2: do comparable loops have one shape?"""
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.errors import UsageError
+from smarig.protocols._moves import line, saturate, settle_at
+from smarig.protocols._setup import Setup
+
+
+def congruency(
+    setup: Setup,
+    *,
+    low: float = 0.3,
+    high: float = 0.5,
+    peak: float = 0.9,
+    points_per_branch: int = 6,
+    settle: Settled | None = None,
+) -> Protocol:
+    """Two minor loops between the same inputs, a higher peak between them (Fig. 5.9).
+
+    ``low``, ``high``, ``peak`` are shares of the range. Loop A starts at its top on the rising major
+    branch, loop B at its bottom after the peak: same inputs, different history, same shape if the wire
+    has a Preisach representation (§3.3.2).
+    """
+    if not 0 <= low < high < peak <= 1:
+        raise UsageError(f"congruency needs 0 ≤ low < high < peak ≤ 1, got {low:g}, {high:g}, {peak:g}.")
+    settle = settle or Settled()
+    bottom, top, crest = setup.at(low), setup.at(high), setup.at(peak)
+    n = points_per_branch
+    yield Mark("congruency", {"bottom_K": bottom, "top_K": top, "peak_K": crest})
+    yield from saturate(setup, settle)
+    yield from settle_at(setup, line(setup.lower_K, top, n), "rise", settle)
+    yield from settle_at(setup, line(top, bottom, n), "A down", settle)
+    yield from settle_at(setup, line(bottom, top, n), "A up", settle)
+    yield from settle_at(setup, line(top, crest, n), "peak", settle)
+    yield from settle_at(setup, line(crest, bottom, n), "fall", settle)
+    yield from settle_at(setup, line(bottom, top, n), "B up", settle)
+    yield from settle_at(setup, line(top, bottom, n), "B down", settle)
+    yield from saturate(setup, settle)

@@ -1,0 +1,24 @@
+"""The mirror of the FOD protocol (§4.2): first-order ascending (FOA) curves."""
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.model.gorbet_1997 import PARTITIONS
+from smarig.protocols._moves import increasing, saturate, settle_at
+from smarig.protocols._setup import Setup
+
+
+def first_order_ascending(
+    setup: Setup, *, partition_K: tuple[float, ...] = (), settle: Settled | None = None
+) -> Protocol:
+    """First-order ascending curves: from positive saturation fall to β, then rise through the partition.
+
+    A classical Preisach operator gives the same density from either set; comparing them tests it.
+    """
+    settle = settle or Settled()
+    default = PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
+    levels = increasing(setup, partition_K or default)
+    yield Mark("first-order ascending", {"partition_K": list(levels)})
+    yield from saturate(setup, settle)
+    yield from saturate(setup, settle, upper=True)
+    for k in range(len(levels) - 2, -1, -1):
+        yield from settle_at(setup, [levels[k]], f"fall {k}", settle)
+        yield from settle_at(setup, levels[k + 1 :], f"foa {k}", settle)

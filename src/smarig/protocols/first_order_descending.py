@@ -1,0 +1,25 @@
+"""The identification protocol of §3.4 and §5.4.1: first-order descending (FOD) curves."""
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.model.gorbet_1997 import PARTITIONS
+from smarig.protocols._moves import increasing, saturate, settle_at
+from smarig.protocols._setup import Setup
+
+
+def first_order_descending(
+    setup: Setup, *, partition_K: tuple[float, ...] = (), settle: Settled | None = None
+) -> Protocol:
+    """First-order descending curves over a partition: the identification data of a Preisach model.
+
+    From negative saturation u₀ rise to α = u_i, then fall through u_{i−1} … u₀; for i = 1 … n. With n
+    segments that is n curves and n(n+3)/2 points y(α, β). Default: the thesis's partitions.
+    """
+    settle = settle or Settled()
+    default = PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
+    levels = increasing(setup, partition_K or default)
+    yield Mark("first-order descending", {"partition_K": list(levels)})
+    yield from saturate(setup, settle)
+    yield from settle_at(setup, levels[:1], "base", settle)
+    for k in range(1, len(levels)):
+        yield from settle_at(setup, [levels[k]], f"rise {k}", settle)
+        yield from settle_at(setup, reversed(levels[:k]), f"fod {k}", settle)

@@ -1,0 +1,25 @@
+"""The experiment of Fig. 5.3: minor loops at a chosen pace, to see what the heating's lag does."""
+
+from smarig.command import Elapsed, Hold, Mark, Protocol, Waveform
+from smarig.errors import UsageError
+from smarig.protocols._setup import Setup
+
+
+def minor_loops(
+    setup: Setup, *, low_A: float = 0.5, high_A: float = 0.75, loops: int = 5, loop_s: float = 8.0
+) -> Protocol:
+    """Triangular current from zero, then back and forth between two values (Fig. 5.3, §5.1.3).
+
+    With loops of seconds the wire's temperature lags the current and the loops drift; with loops of
+    minutes they close. ``loop_s`` is the period of one loop; the first rise takes half of it.
+    """
+    if not 0 <= low_A < high_A or loops < 1 or loop_s <= 0:
+        raise UsageError("minor_loops needs 0 ≤ low_A < high_A, loops ≥ 1 and loop_s > 0.")
+    half = max(1, round(loop_s / 2 / setup.period_s))
+    up = [low_A + (high_A - low_A) * (k + 1) / half for k in range(half)]
+    first = [high_A * (k + 1) / half for k in range(half)]
+    currents = first + (list(reversed(up))[1:] + [low_A] + up) * loops
+    yield Mark("minor loops", {"low_A": low_A, "high_A": high_A, "loops": loops, "loop_s": loop_s})
+    yield Hold(0.0, Elapsed(8 * setup.tau_s), branch="cool")
+    yield Waveform(tuple(currents), setup.period_s, branch="loops")
+    yield Hold(0.0, Elapsed(8 * setup.tau_s), branch="cool")

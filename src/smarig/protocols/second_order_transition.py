@@ -1,0 +1,24 @@
+"""Second-order transition curves (§3.5): what a non-linear Preisach model needs besides FODs."""
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.protocols._moves import increasing, line, saturate, settle_at
+from smarig.protocols._setup import Setup
+
+
+def second_order_transition(
+    setup: Setup, *, partition_K: tuple[float, ...] = (), settle: Settled | None = None
+) -> Protocol:
+    """For every pair β < α of a partition: negative saturation → α → β → rising back towards α.
+
+    The re-rising branches are second-order: they tell congruent from input-dependent hysteresis (§3.5).
+    """
+    settle = settle or Settled()
+    levels = increasing(setup, partition_K or tuple([setup.lower_K, *line(setup.lower_K, setup.upper_K, 6)]))
+    yield Mark("second-order transition", {"partition_K": list(levels)})
+    for i in range(2, len(levels)):
+        for j in range(1, i):
+            yield from saturate(setup, settle)
+            yield from settle_at(setup, [levels[i]], f"rise {i}", settle)
+            yield from settle_at(setup, [levels[j]], f"fall {i}.{j}", settle)
+            yield from settle_at(setup, levels[j + 1 : i + 1], f"return {i}.{j}", settle)
+    yield from saturate(setup, settle)

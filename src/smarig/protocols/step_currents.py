@@ -1,0 +1,71 @@
+"""The data collection of §5.2.1: any profile, sampled at N points, each held until the wire stands still."""
+
+import csv
+import math
+from pathlib import Path
+from typing import Literal
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.errors import DataError, UsageError
+from smarig.protocols._moves import line, settle_at, within_range
+from smarig.protocols._setup import Setup
+
+
+def step_currents(
+    setup: Setup,
+    *,
+    profile: Literal["major_loop", "staircase", "sine", "decaying"] = "major_loop",
+    points: int = 40,
+    temperatures_K: tuple[float, ...] = (),
+    currents_A: tuple[float, ...] = (),
+    file: str = "",
+    settle: Settled | None = None,
+) -> Protocol:
+    """Steady-state steps along a temperature or current profile (§5.2.1, steps 1 to 6).
+
+    ``profile`` names a shape over the rig's range, sampled at ``points``; ``temperatures_K`` or
+    ``currents_A`` list one; ``file`` is a CSV with one column named temperature_K or current_A.
+    """
+    settle = settle or Settled()
+    if file:
+        temperatures_K, currents_A = _from_csv(Path(file))
+    if currents_A:
+        temperatures_K = tuple(setup.actuator.input_for(i) for i in currents_A)
+    inputs = within_range(setup, temperatures_K or _named(setup, profile, points), "step_currents")
+    yield Mark("step currents", {"points": len(inputs)})
+    yield from settle_at(setup, inputs, profile if not temperatures_K else "listed", settle)
+
+
+def _named(setup: Setup, profile: str, points: int) -> list[float]:
+    if points < 2:
+        raise UsageError(f"points must be at least 2, got {points}.")
+    low, high = setup.lower_K, setup.upper_K
+    if profile == "major_loop":
+        half = (points + 1) // 2
+        return [low, *line(low, high, half), *line(high, low, half)]
+    if profile == "staircase":
+        return [low, *line(low, high, points)]
+    middle, size = (low + high) / 2, (high - low) / 2
+    turns = [2 * math.pi * 3 * (k + 1) / points for k in range(points)]
+    fade = [1.0 if profile == "sine" else 1 - (k + 1) / points for k in range(points)]
+    return [middle - size * f * math.cos(t) for f, t in zip(fade, turns, strict=True)]
+
+
+def _from_csv(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as lines:
+            rows = list(csv.reader(lines))
+    except OSError as error:
+        raise UsageError(f"Profile {path} cannot be read: {error.strerror}.") from None
+    header = rows[0][0].strip() if rows and rows[0] else ""
+    if header not in ("temperature_K", "current_A"):
+        raise DataError(f"Profile {path} must begin with a header temperature_K or current_A, found '{header}'.")
+    values = []
+    for number, row in enumerate(rows[1:], start=2):
+        try:
+            values.append(float(row[0]))
+        except (ValueError, IndexError):
+            raise DataError(f"Profile {path}, line {number}: '{','.join(row)}' is not a number.") from None
+    if not values:
+        raise DataError(f"Profile {path} has a header but no values.")
+    return (tuple(values), ()) if header == "temperature_K" else ((), tuple(values))

@@ -1,0 +1,24 @@
+"""Seeded random holds: data to judge a model on, never used to fit one."""
+
+import random
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.errors import UsageError
+from smarig.protocols._moves import saturate, settle_at
+from smarig.protocols._setup import Setup
+
+
+def validation(setup: Setup, *, points: int = 40, seed: int = 1, settle: Settled | None = None) -> Protocol:
+    """Random holds over the whole range, from negative saturation: nested memory of every depth.
+
+    The sequence follows from ``seed``; a model is judged on it, and never fitted to it.
+    """
+    if points < 2:
+        raise UsageError(f"points must be at least 2, got {points}.")
+    settle = settle or Settled()
+    dice = random.Random(seed)
+    inputs = [setup.at(dice.random()) for _ in range(points)]
+    yield Mark("validation", {"seed": seed, "points": points})
+    yield from saturate(setup, settle)
+    yield from settle_at(setup, inputs, "validation", settle)
+    yield from saturate(setup, settle)

@@ -1,0 +1,30 @@
+"""The wiping-out test of §5.3.1: does a peak erase what came before it?"""
+
+from smarig.command import Mark, Protocol, Settled
+from smarig.errors import UsageError
+from smarig.protocols._moves import line, saturate, settle_at
+from smarig.protocols._setup import Setup
+
+# Shares of the range at which the nested branches of one segment turn (Fig. 5.5).
+_TURNS = (0.9, 0.2, 0.72, 0.35, 0.58)
+
+
+def wiping_out(setup: Setup, *, points_per_branch: int = 5, settle: Settled | None = None) -> Protocol:
+    """Two identical nested inputs A and B, four nested branches each; B must retrace A (Fig. 5.5).
+
+    The peak that opens B wipes out the memory of A, if the wire has a Preisach representation (§3.3.1).
+    """
+    if points_per_branch < 1:
+        raise UsageError(f"points_per_branch must be at least 1, got {points_per_branch}.")
+    settle = settle or Settled()
+    turns = [setup.at(share) for share in _TURNS]
+    yield Mark("wiping-out", {"turns_K": turns})
+    yield from saturate(setup, settle)
+    start = setup.lower_K
+    for segment in ("A", "B"):
+        yield from settle_at(setup, line(start, turns[0], points_per_branch), f"{segment} peak", settle)
+        for k in range(1, len(turns)):
+            branch = line(turns[k - 1], turns[k], points_per_branch)
+            yield from settle_at(setup, branch, f"{segment} {k}", settle)
+        start = turns[-1]
+    yield from saturate(setup, settle)

@@ -1,0 +1,56 @@
+"""One runner per wire: a lock file held by the operating system, gone when the process is.
+
+Refuses to know rigs; a wire is its name. Twins lock the wire name in their rig file like hardware does.
+"""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+from smarig.errors import RigFault
+
+
+def lock_folder() -> Path:
+    """Where locks live: $SMARIG_LOCK_DIR, or a folder of the system's temporary one."""
+    return Path(os.environ.get("SMARIG_LOCK_DIR") or Path(tempfile.gettempdir()) / "smarig-locks")
+
+
+@contextmanager
+def wire_lock(wire: str) -> Iterator[None]:
+    """Hold the lock of a wire; RigFault naming the holder if somebody else does."""
+    folder = lock_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    name = "".join(c if c.isalnum() or c in "-_" else "_" for c in wire)
+    with (folder / f"{name}.lock").open("a+") as file:
+        if not _try_lock(file):
+            file.seek(0)
+            holder = file.read().strip() or "another process"
+            raise RigFault(
+                f"Wire '{wire}' is in use by {holder}; wait for it, or name another wire with --wire."
+            )
+        file.seek(0)
+        file.truncate()
+        file.write(f"process {os.getpid()}")
+        file.flush()
+        yield
+        file.seek(0)
+        file.truncate()
+
+
+def _try_lock(file: IO) -> bool:
+    try:
+        if os.name == "nt":
+            import msvcrt
+
+            file.seek(1 << 30)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

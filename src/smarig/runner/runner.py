@@ -1,0 +1,136 @@
+"""Interprets a protocol's commands on a guarded rig, one tick at a time, and tells listeners.
+
+The only place where protocols meet rigs. Refuses to know which protocol, which rig, and who listens.
+Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol as Shape
+
+from smarig.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, StepResult, Verdict, Waveform, Zero
+from smarig.errors import UsageError
+from smarig.rig.guard import Guard
+from smarig.runner.control import Control
+from smarig.runner.settling import SettleWindow
+from smarig.sample import Sample
+
+
+class Listener(Shape):
+    """Who wants to know: the recorder, a progress line, a viewer. Must not block the tick."""
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """A sample, with its step and the predicted hysteresis input (kelvin)."""
+        ...
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """A finished step."""
+        ...
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data) -> None:
+        """Something worth a line."""
+        ...
+
+
+class Runner:
+    """Runs protocols one after the other on one rig; step numbers and time go on between them."""
+
+    def __init__(
+        self, rig: Guard, position_per_count: float, listeners: Sequence[Listener], control: Control | None = None
+    ) -> None:
+        self.rig, self.listeners = rig, listeners
+        self.control = control or Control()
+        self.position_per_count = position_per_count
+        self.steps_done = 0
+        self.t_s = 0.0
+        self._step: int | None = None
+        self._last: Sample | None = None
+
+    def run(self, protocol: Protocol) -> None:
+        """Carry out a protocol to its end; the rig is safe afterwards, whatever happened."""
+        try:
+            answer: StepResult | Sample | None = None
+            while True:
+                try:
+                    command = protocol.send(answer)
+                except StopIteration:
+                    return
+                answer = self._carry_out(command)
+        finally:
+            self.rig.safe()
+            protocol.close()
+
+    def _carry_out(self, command: Command) -> StepResult | Sample | None:
+        match command:
+            case Hold():
+                return self._hold(command)
+            case Waveform():
+                return self._waveform(command)
+            case Drive(current_A):
+                self._tick(current_A, None)
+                return self._last
+            case Zero():
+                self.rig.zero()
+                self._tell("zero", "Encoder zeroed.")
+            case Mark(label, data):
+                self._tell("mark", label, **data)
+            case _:
+                raise UsageError(f"A protocol yielded {command!r}, which is not a command.")
+        return None
+
+    def _hold(self, command: Hold) -> StepResult:
+        window = SettleWindow(command.until, self.rig.period_s)
+        match command.until:
+            case Elapsed(seconds):
+                limit_s, at_limit = seconds, Verdict.ELAPSED
+            case Settled(timeout_s=timeout_s):
+                limit_s, at_limit = timeout_s, Verdict.TIMED_OUT
+        limit = max(1, round(limit_s / self.rig.period_s))
+        start_s, ticks = self.t_s, 0
+        self._step = self.steps_done
+        while ticks < limit and not window.settled:
+            got = self._tick(command.current_A, window)
+            ticks += 0 if self.control.paused else got
+        verdict = Verdict.SETTLED if window.settled else at_limit
+        return self._finish(window, verdict, start_s, command.branch, command.target)
+
+    def _waveform(self, command: Waveform) -> StepResult:
+        per_tick = self.rig.period_s / command.period_s
+        ticks = max(1, round(len(command.currents_A) / per_tick))
+        window = SettleWindow(Elapsed(ticks * self.rig.period_s), self.rig.period_s)
+        start_s = self.t_s
+        self._step = self.steps_done
+        last = len(command.currents_A) - 1
+        for k in range(ticks):
+            current_A = command.currents_A[min(int(k * per_tick + 1e-9), last)]
+            self._tick(current_A, window)
+            while self.control.paused:
+                self._tick(current_A, window)
+        return self._finish(window, Verdict.ELAPSED, start_s, command.branch, None)
+
+    def _finish(
+        self, window: SettleWindow, verdict: Verdict, start_s: float, branch: str, target: float | None
+    ) -> StepResult:
+        mean, sd, n = window.statistics()
+        position = mean * self.position_per_count
+        result = StepResult(self.steps_done, verdict, position, mean, sd, n, start_s, self.t_s)
+        for listener in self.listeners:
+            listener.step(result, branch=branch, target=target)
+        self.steps_done += 1
+        self._step = None
+        return result
+
+    def _tick(self, current_A: float, window: SettleWindow | None) -> int:
+        self.control.raise_if_stopped()
+        arrived = self.rig.step(current_A)
+        for sample, input_K in arrived:
+            self.t_s, self._last = sample.t_s, sample
+            if window is not None:
+                window.add(sample.counts)
+            for listener in self.listeners:
+                listener.sample(sample, self._step, input_K)
+        self.rig.raise_if_tripped()
+        return len(arrived)
+
+    def _tell(self, kind: str, text: str, **data) -> None:
+        for listener in self.listeners:
+            listener.event(self.t_s, kind, text, **data)

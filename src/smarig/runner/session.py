@@ -1,0 +1,152 @@
+"""A sitting at one rig: opened and locked once, protocols run and recorded one after the other.
+
+The wire's memory, the device's ticks and the encoder's zero go on from run to run. Every run file is
+closed with its cause, whatever that was. Knows rigs, protocols and records; refuses to know analyses.
+"""
+
+import platform
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Self
+
+from smarig.config import RigFile, load_rig, locate
+from smarig.errors import Interrupted, SmarigError, StorageError
+from smarig.model.actuator import Actuator
+from smarig.protocols._settings import build
+from smarig.protocols._setup import Setup
+from smarig.record import Recorder
+from smarig.rig.guard import Guard
+from smarig.rig.pace import Paced
+from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.control import Control
+from smarig.runner.endings import safe_endings
+from smarig.runner.lock import wire_lock
+from smarig.runner.preview import preview
+from smarig.runner.runner import Listener, Runner
+
+
+class Session:
+    """``with Session("one_wire_twin", seed=1) as s: s.run("validation", {}, Path("v.run.sqlite"))``."""
+
+    def __init__(
+        self, rig: str, *, seed: int = 0, speed: float | None = None, wire: str = "", control: Control | None = None
+    ) -> None:
+        self.file: RigFile = load_rig(rig)
+        self._config_text = locate("rigs", rig).read_text(encoding="utf-8")
+        self.actuator = Actuator.named(self.file.actuator)
+        self.wire = wire or self.file.wire
+        self.seed = seed
+        self.control = control or Control()
+        self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
+        self.twin = Twin(self.file, self.actuator, TwinSettings(seed=seed))
+        self._guard = Guard(Paced(self.twin, speed) if speed else self.twin, self.file.limits, self.actuator)
+        self._zero = "power-up"
+        self._epoch = time.time()
+        self._open = ExitStack()
+
+    def __enter__(self) -> Self:
+        self._open.enter_context(wire_lock(self.wire))
+        self._open.enter_context(safe_endings(self.control))
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._guard.safe()
+        self._open.close()
+
+    def run(
+        self,
+        protocol: str,
+        settings: Mapping[str, Any],
+        out: Path,
+        *,
+        listeners: Sequence[Listener] = (),
+        force: bool = False,
+        notes: str = "",
+    ) -> Path:
+        """Run one protocol into one run file; returns its path. Raises what ended it, after closing it."""
+        generator = build(protocol, self.setup, settings)
+        _check_free_space(out, preview(protocol, self.file, settings).bytes)
+        recorder = Recorder(out, self._describe(protocol, settings, notes), force=force)
+        runner = Runner(self._guard, self.twin.position_per_count, [recorder, *listeners, _Zeros(self)], self.control)
+        runner.t_s = self.twin.tick * self.file.period_s
+        cause = "done"
+        try:
+            runner.run(generator)
+        except BaseException as error:
+            cause = _cause(error)
+            raise
+        finally:
+            recorder.describe("encoder_zero", self._zero)
+            recorder.close(cause, t_s=runner.t_s)
+        return out
+
+    def _describe(self, protocol: str, settings: Mapping[str, Any], notes: str) -> dict[str, Any]:
+        unit = self.actuator.unit
+        return {
+            "protocol": protocol,
+            "settings": {k: str(v) for k, v in settings.items()},
+            "rig": self.file.name,
+            "wire": self.wire,
+            "actuator": self.actuator.name,
+            "source": "twin",
+            "seed": self.seed,
+            "start_epoch": self._epoch,
+            "period_s": self.file.period_s,
+            "input": {
+                "quantity": "wire temperature above ambient" + (", T1 - T2" if self.actuator.two_wire else ""),
+                "unit": "K",
+                "from": "heating model along the measured current",
+            },
+            "output": {
+                "quantity": "shaft angle" if unit == "deg" else "displacement",
+                "unit": unit,
+                "per_count": self.twin.position_per_count,
+            },
+            "initial": self.actuator.file.hysteresis.initial if self.twin.tick == 0 else "continued",
+            "encoder_zero": self._zero,
+            "config": self._config_text,
+            "versions": {"smarig": version("smarig"), "python": platform.python_version()},
+            "notes": notes,
+        }
+
+
+class _Zeros:
+    """Listener that remembers when the encoder was last zeroed."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def sample(self, s, step, input_value) -> None:
+        """Nothing to keep."""
+
+    def step(self, result, *, branch, target) -> None:
+        """Nothing to keep."""
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data) -> None:
+        """Note a zero."""
+        if kind == "zero":
+            self._session._zero = f"zeroed at {t_s:g} s"
+
+
+def _cause(error: BaseException) -> str:
+    if isinstance(error, Interrupted):
+        return str(error)
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted by the keyboard (Ctrl-C, twice)"
+    if isinstance(error, SmarigError):
+        return f"stopped: {error}"
+    return f"failed: {type(error).__name__}: {error}"
+
+
+def _check_free_space(out: Path, needed: int) -> None:
+    folder = next(p for p in (out.resolve().parent, *out.resolve().parent.parents) if p.exists())
+    free = shutil.disk_usage(folder).free
+    # Twice the data (the write-ahead log holds it once more) and a margin to close the run.
+    if free < 2 * needed + 16_000_000:
+        raise StorageError(
+            f"{folder} has {free / 1e6:.0f} MB free; this run needs about {2 * needed / 1e6 + 16:.0f} MB."
+        )
