@@ -1,0 +1,41 @@
+"""smarig: rig software for shape-memory-alloy actuators.
+
+    import smarig
+    run = smarig.run("first_order_descending", rig="one_wire_twin", out="fod.run.sqlite")
+    model = smarig.identify(run, surface="exponential").model
+
+Public names are imported when first used, so that ``import smarig`` is instant.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from smarig.identification.identify import identify as identify
+    from smarig.identification.model_file import load_model as load_model
+    from smarig.model.fod_surface import FodSurface as FodSurface
+    from smarig.model.preisach import Preisach as Preisach
+    from smarig.record.run import load_run as load_run
+    from smarig.rig.twin import Twin as Twin
+    from smarig.runner.session import run as run
+
+_HOME = {
+    "FodSurface": "smarig.model.fod_surface",
+    "Preisach": "smarig.model.preisach",
+    "Twin": "smarig.rig.twin",
+    "identify": "smarig.identification.identify",
+    "load_model": "smarig.identification.model_file",
+    "load_run": "smarig.record.run",
+    "run": "smarig.runner.session",
+}
+__all__ = ["FodSurface", "Preisach", "Twin", "identify", "load_model", "load_run", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'smarig' has no attribute '{name}'")
+    return getattr(importlib.import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -1,0 +1,77 @@
+"""The command line: one file per command, found by name and imported when used.
+
+Knows how to print results and errors. Refuses to compute anything itself.
+"""
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from smarig.catalogue import names
+from smarig.cli._output import report_error
+from smarig.errors import Interrupted, SmarigError
+
+EPILOG = """\b
+Examples:
+  smarig characterise --rig one_wire_twin --out out/one_wire
+  smarig list protocols
+  smarig run validation --rig one_wire_twin -o validation.run.sqlite --set points=20
+"""
+
+
+class _Commands(click.Group):
+    """Commands are the public modules of this package; each holds ``command``."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        del ctx
+        return [name.rstrip("_") for name in names("smarig.cli")]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        del ctx
+        module = next((n for n in names("smarig.cli") if n.rstrip("_") == cmd_name), None)
+        return importlib.import_module(f"smarig.cli.{module}").command if module else None
+
+
+@click.command(
+    cls=_Commands,
+    epilog=EPILOG,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Rig software for shape-memory-alloy actuators: experiments, Preisach identification, verification.",
+)
+@click.version_option(package_name="smarig")
+def cli() -> None:
+    """Root of all commands."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Entry point: runs a command and exits with the contract's status (0, 2, 3, 4, 130; 1 for our own fault)."""
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns the exit status."""
+    try:
+        status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
+        return status if isinstance(status, int) else 0
+    except click.exceptions.Exit as leaving:
+        return leaving.exit_code
+    except click.ClickException as error:
+        return report_error(error.format_message(), 2)
+    except SmarigError as error:
+        return report_error(str(error), error.exit_status)
+    except (KeyboardInterrupt, click.Abort):
+        return report_error("Interrupted; the rig is safe.", Interrupted.exit_status)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader of our output has gone: not an error
+        return 0
+    except Exception as error:
+        if os.environ.get("SMARIG_DEBUG"):
+            raise
+        return report_error(
+            f"Internal error ({type(error).__name__}: {error}). This is a fault of smarig, not yours; "
+            "set SMARIG_DEBUG=1 to see where.",
+            1,
+        )

@@ -14,6 +14,7 @@ from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.listener import Watch
 from smarig.runner.runner import Runner
 from smarig.sample import Sample
 
@@ -42,24 +43,19 @@ class Preview:
 
 
 class _Peaks:
-    """Listener that keeps the extremes."""
+    """The extremes of a run."""
 
     def __init__(self) -> None:
         self.current_A = self.temperature_K = 0.0
         self.samples = self.timed_out = 0
 
-    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        del step
+    def sample(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.samples += 1
         self.current_A = max(self.current_A, abs(s.current_A))
-        self.temperature_K = max(self.temperature_K, abs(input_value))
+        self.temperature_K = max(self.temperature_K, abs(input_K))
 
-    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        del branch, target
+    def step(self, result: StepResult) -> None:
         self.timed_out += result.verdict is Verdict.TIMED_OUT
-
-    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data) -> None:
-        """Nothing to keep."""
 
 
 def preview(protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = None) -> Preview:
@@ -67,7 +63,7 @@ def preview(protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = No
     actuator = Actuator.named(rig.actuator)
     twin = Twin(rig, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
-    runner = Runner(Guard(twin, rig.limits, actuator), twin.position_per_count, [peaks])
+    runner = Runner(Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)])
     runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings))
     return Preview(
         protocol,

@@ -5,30 +5,14 @@ Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
 """
 
 from collections.abc import Sequence
-from typing import Protocol as Shape
 
 from smarig.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, StepResult, Verdict, Waveform, Zero
 from smarig.errors import UsageError
 from smarig.rig.guard import Guard
 from smarig.runner.control import Control
+from smarig.runner.listener import Listener
 from smarig.runner.settling import SettleWindow
 from smarig.sample import Sample
-
-
-class Listener(Shape):
-    """Who wants to know: the recorder, a progress line, a viewer. Must not block the tick."""
-
-    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """A sample, with its step and the predicted hysteresis input (kelvin)."""
-        ...
-
-    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """A finished step."""
-        ...
-
-    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data) -> None:
-        """Something worth a line."""
-        ...
 
 
 class Runner:

@@ -18,15 +18,16 @@ from smarig.errors import Interrupted, SmarigError, StorageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
-from smarig.record import Recorder
+from smarig.record import Recorder, Run, load_run
 from smarig.rig.guard import Guard
 from smarig.rig.pace import Paced
 from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.control import Control
 from smarig.runner.endings import safe_endings
+from smarig.runner.listener import Listener, Watch
 from smarig.runner.lock import wire_lock
 from smarig.runner.preview import preview
-from smarig.runner.runner import Listener, Runner
+from smarig.runner.runner import Runner
 
 
 class Session:
@@ -71,7 +72,7 @@ class Session:
         generator = build(protocol, self.setup, settings)
         _check_free_space(out, preview(protocol, self.file, settings).bytes)
         recorder = Recorder(out, self._describe(protocol, settings, notes), force=force)
-        runner = Runner(self._guard, self.twin.position_per_count, [recorder, *listeners, _Zeros(self)], self.control)
+        runner = Runner(self._guard, self.twin.position_per_count, [recorder, *listeners, Watch(on_event=self._note)], self.control)
         runner.t_s = self.twin.tick * self.file.period_s
         cause = "done"
         try:
@@ -83,6 +84,10 @@ class Session:
             recorder.describe("encoder_zero", self._zero)
             recorder.close(cause, t_s=runner.t_s)
         return out
+
+    def _note(self, kind: str, t_s: float) -> None:
+        if kind == "zero":
+            self._zero = f"zeroed at {t_s:g} s"
 
     def _describe(self, protocol: str, settings: Mapping[str, Any], notes: str) -> dict[str, Any]:
         unit = self.actuator.unit
@@ -114,24 +119,6 @@ class Session:
         }
 
 
-class _Zeros:
-    """Listener that remembers when the encoder was last zeroed."""
-
-    def __init__(self, session: Session) -> None:
-        self._session = session
-
-    def sample(self, s, step, input_value) -> None:
-        """Nothing to keep."""
-
-    def step(self, result, *, branch, target) -> None:
-        """Nothing to keep."""
-
-    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data) -> None:
-        """Note a zero."""
-        if kind == "zero":
-            self._session._zero = f"zeroed at {t_s:g} s"
-
-
 def _cause(error: BaseException) -> str:
     if isinstance(error, Interrupted):
         return str(error)
@@ -150,3 +137,21 @@ def _check_free_space(out: Path, needed: int) -> None:
         raise StorageError(
             f"{folder} has {free / 1e6:.0f} MB free; this run needs about {2 * needed / 1e6 + 16:.0f} MB."
         )
+
+
+def run(
+    protocol: str,
+    *,
+    rig: str,
+    out: str | Path,
+    seed: int = 0,
+    force: bool = False,
+    wire: str = "",
+    **settings: Any,
+) -> Run:
+    """Run a protocol on a rig, record it, and return the run: a notebook's way in.
+
+    ``settings`` are the protocol's own (``smarig list protocols --settings``).
+    """
+    with Session(rig, seed=seed, wire=wire) as session:
+        return load_run(session.run(protocol, settings, Path(out), force=force))

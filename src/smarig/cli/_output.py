@@ -1,0 +1,65 @@
+"""What goes to stdout and what to stderr: one JSON object with --json, readable text without.
+
+Results go to stdout, everything else to stderr.
+"""
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+_STATE = {"json": False}
+
+
+def json_option(command: Callable) -> Callable:
+    """The ``--json`` flag every command has."""
+
+    def remember(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+        del ctx, param
+        _STATE["json"] = value
+
+    return click.option(
+        "--json", is_flag=True, expose_value=False, callback=remember, is_eager=True, help="One JSON object on stdout."
+    )(command)
+
+
+def emit(data: dict[str, Any], text: str = "") -> None:
+    """Print the result: ``data`` as JSON, or the text for people."""
+    if _STATE["json"]:
+        click.echo(json.dumps(_plain(data), ensure_ascii=False))
+    elif text:
+        click.echo(text)
+
+
+def say(text: str) -> None:
+    """A remark for people, on stderr."""
+    click.echo(text, err=True)
+
+
+def json_wanted() -> bool:
+    """Whether --json was given."""
+    return _STATE["json"]
+
+
+def report_error(sentence: str, status: int) -> int:
+    """One sentence on stderr (and as JSON on stdout with --json); returns the status."""
+    if _STATE["json"] or "--json" in sys.argv:
+        click.echo(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
+    click.echo(f"smarig: {sentence}", err=True)
+    return status
+
+
+def _plain(value: Any) -> Any:
+    """JSON has no NaN and no numpy: null and plain numbers instead."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

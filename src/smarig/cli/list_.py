@@ -1,0 +1,46 @@
+"""``smarig list``: what there is, one line each."""
+
+import click
+
+from smarig.catalogue import names, summary
+from smarig.cli._output import emit, json_option
+from smarig.config import listed, load_actuator, load_campaign, load_rig
+from smarig.protocols._settings import described
+
+
+def _protocols() -> dict[str, str]:
+    return {n: summary("smarig.protocols", n) for n in names("smarig.protocols")}
+
+
+def _rigs() -> dict[str, str]:
+    rigs = {n: load_rig(n) for n in listed("rigs")}
+    return {n: f"{r.kind} of {r.actuator}, tick {r.period_s:g} s, wire {r.wire}" for n, r in rigs.items()}
+
+
+def _actuators() -> dict[str, str]:
+    return {n: f"{load_actuator(n).arrangement}; {load_actuator(n).source}" for n in listed("actuators")}
+
+
+def _campaigns() -> dict[str, str]:
+    return {n: load_campaign(n).summary for n in listed("campaigns")}
+
+
+_KINDS = {"rigs": _rigs, "actuators": _actuators, "protocols": _protocols, "campaigns": _campaigns}
+
+
+@click.command("list", epilog="\b\nExample:\n  smarig list protocols")
+@click.argument("kind", type=click.Choice([*_KINDS, "all"]), default="all")
+@click.option("--settings", is_flag=True, help="Also the settings of each protocol, with defaults.")
+@json_option
+def command(kind: str, settings: bool) -> None:
+    """What there is: rigs, actuators, protocols, campaigns."""
+    found = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
+    lines = []
+    for group, entries in found.items():
+        lines.append(f"{group}:")
+        width = max(map(len, entries), default=0)
+        for name, text in entries.items():
+            lines.append(f"  {name:<{width}}  {text}")
+            if settings and group == "protocols":
+                lines += [f"  {'':<{width}}    {key} = {default}" for key, default in described(name)]
+    emit(found, "\n".join(lines))

@@ -1,0 +1,95 @@
+"""``smarig run``: a protocol into one run file, or a campaign into a folder of them."""
+
+from pathlib import Path
+
+import click
+
+from smarig.catalogue import names, suggestion
+from smarig.cli._output import emit, json_option, say
+from smarig.cli._progress import ProgressLine
+from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG
+from smarig.config import CampaignStep, listed, load_campaign, load_rig
+from smarig.errors import UsageError
+from smarig.protocols._settings import parse_pairs
+from smarig.record import load_run
+from smarig.runner.preview import preview
+from smarig.runner.session import Session
+
+EPILOG = """\b
+Examples:
+  smarig run first_order_descending --rig one_wire_twin -o fod.run.sqlite --seed 1
+  smarig run characterise --rig two_wire_twin -o runs/ --dry-run
+  smarig run validation --rig one_wire_twin -o v.run.sqlite --set points=20 --set settle.band_counts=2
+"""
+
+
+@click.command("run", epilog=EPILOG)
+@click.argument("experiment", type=EXPERIMENT, metavar="PROTOCOL|CAMPAIGN")
+@click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
+@click.option("-o", "--out", type=ANY_PATH, help="Run file; for a campaign a folder.")
+@click.option("--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the twin's noise.")
+@click.option("--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: free).")
+@click.option("--wire", default="", help="Identity of the wire, if not the rig file's.")
+@click.option("--notes", default="", help="A remark kept with the run.")
+@click.option("--dry-run", is_flag=True, help="Only say what it would cost.")
+@click.option("--force", is_flag=True, help="Replace existing run files.")
+@click.option("--quiet", is_flag=True, help="No progress line.")
+@json_option
+def command(
+    experiment: str,
+    rig: str,
+    out: Path | None,
+    pairs: tuple[str, ...],
+    seed: int,
+    speed: float | None,
+    wire: str,
+    notes: str,
+    dry_run: bool,
+    force: bool,
+    quiet: bool,
+) -> None:
+    """Run a protocol or a campaign on a rig and record it."""
+    steps = _steps(experiment, parse_pairs(pairs))
+    file = load_rig(rig)
+    costs = [preview(s.protocol, file, s.set) for s in steps]
+    if dry_run:
+        lines = [c.sentence() for c in costs] + [f"total: {sum(c.duration_s for c in costs) / 3600:.2f} h"]
+        emit({"preview": [c.__dict__ for c in costs]}, "\n".join(lines))
+        return
+    if out is None:
+        raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")
+    single = experiment in names("smarig.protocols")
+    targets = [out] if single else [out / f"{k:02d}_{s.protocol}.run.sqlite" for k, s in enumerate(steps, start=1)]
+    for target in targets:
+        if target.exists() and not force:
+            raise UsageError(f"{target} exists; give another name or --force to replace it.")
+    with Session(rig, seed=seed, speed=speed, wire=wire) as session:
+        for step, target, cost in zip(steps, targets, costs, strict=True):
+            with ProgressLine(cost, quiet) as progress:
+                session.run(step.protocol, step.set, target, listeners=[progress], force=force, notes=notes)
+            say(f"{step.protocol}: {target}")
+    runs = [load_run(t) for t in targets]
+    emit({"runs": [_summary(r) for r in runs]}, "\n".join(repr(r) for r in runs))
+
+
+def _steps(experiment: str, settings: dict) -> list[CampaignStep]:
+    protocols, campaigns = names("smarig.protocols"), listed("campaigns")
+    if experiment in protocols:
+        return [CampaignStep(protocol=experiment, set=settings)]
+    if experiment not in campaigns and not experiment.endswith(".toml"):
+        raise UsageError(f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}.")
+    if settings:
+        raise UsageError("--set belongs to a single protocol; a campaign's settings stand in its file.")
+    return list(load_campaign(experiment).step)
+
+
+def _summary(run) -> dict:
+    return {
+        "run": str(run.path),
+        "protocol": run.meta["protocol"],
+        "samples": len(run),
+        "steps": len(run.steps),
+        "timed_out": sum(s.verdict == "timed_out" for s in run.steps),
+        "cause": run.cause,
+    }

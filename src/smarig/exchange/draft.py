@@ -1,0 +1,64 @@
+"""What every reader hands over: columns of a run, its steps, its description, and what was odd.
+
+Knows the vocabulary of a run. Refuses to know files.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A run to be written: ``columns`` (n,) each under names of SAMPLE_COLUMNS, NaN where unknown;
+    ``steps`` in STEP_COLUMNS order; ``warnings`` one sentence each."""
+
+    columns: dict[str, Array]
+    meta: dict[str, Any]
+    steps: tuple[tuple, ...] = ()
+    warnings: tuple[str, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return next(iter(self.columns.values())).size
+
+    def sql_columns(self) -> dict[str, list]:
+        """The columns as the run file stores them: a running tick, integers where integers belong."""
+        out: dict[str, list] = {name: values.tolist() for name, values in self.columns.items()}
+        for name in ("step", "counts", "quality"):
+            if name in self.columns:
+                out[name] = [None if np.isnan(v) else int(v) for v in self.columns[name]]
+        out["tick"] = list(range(len(self)))
+        out["quality"] = [q or 0 for q in out.get("quality", [0] * len(self))]
+        return out
+
+
+def step_row(
+    index: int,
+    *,
+    branch: str,
+    target: float | None,
+    span_s: Sequence[float | None],
+    verdict: str,
+    position: float | None,
+    n: int,
+) -> tuple:
+    """One row of the step table, in its order; attempt 0, not void."""
+    return (index, 0, 0, branch, target, span_s[0], span_s[1], verdict, position, n)
+
+
+def directions(values: Sequence[float | None] | Array) -> list[str]:
+    """'up' or 'down' for each value against the one before it; the first goes with the second.
+
+    >>> directions([0.0, 0.5, 0.5, 0.2])
+    ['up', 'up', 'up', 'down']
+    """
+    out: list[str] = []
+    for before, now in zip(values[:-1], values[1:]):
+        known = before is not None and now is not None and before != now
+        out.append(("up" if now > before else "down") if known else (out[-1] if out else ""))
+    return [out[0] if out else "", *out]

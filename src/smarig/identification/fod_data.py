@@ -1,0 +1,243 @@
+"""First-order descending data out of any record of settled points, by following the memory.
+
+A point (α, β, y) belongs to FOD data when the memory is negative saturation and at most one maximum:
+on the rising major branch it is (u, u), falling from a maximum α it is (α, u). First-order ascending
+data (from positive saturation, §4.2) is the same thing in the mirror (u, y) → (−u, −y), and so are the
+first-order reversal curves of magnetism. Knows no protocol (but that one), no fit and no model.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError, UsageError
+from smarig.identification.history import SAME_INPUT, Start, follow, known_start, merged_inputs
+from smarig.identification.selection import matches
+from smarig.model.preisach import State
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+FORC_PROTOCOL = "first_order_reversal_curves"
+_MIRRORED: dict[Start | None, Start | None] = {
+    None: None,
+    "anhysteretic": "anhysteretic",
+    "negative": "positive",
+    "positive": "negative",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FodData:
+    """FOD points of one hysteresis: arrays (k,) in order of measurement.
+
+    ``alpha`` ≥ ``beta`` inputs and ``y`` outputs in ``unit`` (raw: the encoder's zero is arbitrary);
+    ``curve`` counts curves from 0; ``major`` marks the major loop (rising branch, descent from the top);
+    ``point`` is the point's index in its run and ``run`` that run's index. ``lower``/``upper`` are the
+    smallest and largest identification input. With ``mirrored`` everything is in the mirror (−u, −y).
+    """
+
+    alpha: Array
+    beta: Array
+    y: Array
+    curve: Integers
+    major: NDArray[np.bool_]
+    run: Integers
+    point: Integers
+    unit: str
+    lower: float
+    upper: float
+    mirrored: bool
+
+    def __len__(self) -> int:
+        return self.y.size
+
+    @property
+    def curves(self) -> int:
+        """Number of different curves that descend from a maximum."""
+        return np.unique(self.alpha[self.alpha > self.beta]).size
+
+    def where(self, mask: NDArray[np.bool_]) -> "FodData":
+        """The points of a mask (k,); curve numbers and range stay."""
+        names = ("alpha", "beta", "y", "curve", "major", "run", "point")
+        return replace(self, **{name: getattr(self, name)[mask] for name in names})
+
+    def as_table(self) -> tuple[Array, Array, Array]:
+        """Nodes of α (m,), of β (n,) and y (m, n), NaN for β > α: repeated points as their mean.
+
+        For a regular partition. Raises DataError naming the first missing (α, β).
+        """
+        alphas = np.unique(self.alpha[self.alpha > self.lower])
+        betas = np.unique(np.concatenate([[self.lower], self.alpha, self.beta]))
+        keep = self.alpha > self.lower  # the output at rest in saturation is on no curve
+        rows = np.searchsorted(alphas, self.alpha[keep])
+        columns = np.searchsorted(betas, self.beta[keep])
+        sums, counts = np.zeros((alphas.size, betas.size)), np.zeros((alphas.size, betas.size))
+        np.add.at(sums, (rows, columns), self.y[keep])
+        np.add.at(counts, (rows, columns), 1)
+        missing = np.argwhere((counts == 0) & (betas <= alphas[:, None]))
+        if missing.size:
+            i, j = missing[0]
+            raise DataError(
+                f"The FOD data is no table on one partition: nothing was measured at α = {alphas[i]:g}, "
+                f"β = {betas[j]:g} ({len(missing)} such cells); measure it, or fit a surface instead."
+            )
+        return alphas, betas, np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0)
+
+    def __repr__(self) -> str:
+        kind = "FOA, mirrored" if self.mirrored else "FOD"
+        return (
+            f"FodData({kind}: {len(self)} points, {self.curves} curves, "
+            f"range [{self.lower:g}, {self.upper:g}], y in {self.unit or '?'})"
+        )
+
+
+def fod_data(runs: Sequence[Run] | Run) -> FodData:
+    """FOD (or mirrored FOA) points of one or several runs, whichever are more.
+
+    Raises DataError when there are no two curves, saying which inputs are needed.
+    """
+    runs = [runs] if isinstance(runs, Run) else list(runs)
+    data = located(runs)
+    if data.curves >= 2:
+        return data
+    names = ", ".join(run.path.name for run in runs)
+    top = f"{data.upper:g}" if len(data) else "the largest input"
+    if data.curves == 1:
+        raise DataError(
+            f"{names}: only one curve falls from a maximum after saturation; a hysteresis needs several: "
+            f"from saturation ({data.lower:g}) rise to different maxima up to {top} and fall back after each."
+        )
+    raise DataError(
+        f"{names}: no first-order descending curves: the input never rises from negative saturation and falls "
+        "again. Drive it to the smallest input first (or begin there), rise to a maximum, fall back in steps, "
+        "and repeat with other maxima."
+    )
+
+
+def located(runs: Sequence[Run]) -> FodData:
+    """Like ``fod_data``, but without asking for curves: possibly few points, or none."""
+    if not runs:
+        raise UsageError("No run was given; name at least one run file with FOD data.")
+    units = {run.unit for run in runs}
+    if len(units) > 1:
+        raise DataError(f"The runs measure in different units ({', '.join(sorted(units))}): give them apart.")
+    forc = [run.meta.get("protocol") == FORC_PROTOCOL for run in runs]
+    if any(forc) and not all(forc):
+        raise DataError("Reversal curves and other runs were given together: identify them apart.")
+    if all(forc):
+        return _reversal_curves(runs)
+    plain, mirror = (_extracted(runs, mirrored) for mirrored in (False, True))
+    return mirror if len(mirror) > len(plain) else plain
+
+
+def select(data: FodData, expression: str) -> FodData:
+    """The points for which an expression on curve, alpha, beta holds, e.g. ``curve%2==0``.
+
+    In mirrored data alpha and beta are mirrored too. UsageError when it is not understood or finds nothing.
+    """
+    chosen = matches(expression, {"curve": data.curve, "alpha": data.alpha, "beta": data.beta})
+    if not chosen.any():
+        raise UsageError(
+            f"Selection '{expression}' finds no point: there are curves 0 to {data.curve.max(initial=0)}, "
+            f"alpha and beta between {data.lower:g} and {data.upper:g}."
+        )
+    return data.where(chosen)
+
+
+# --- following the memory -----------------------------------------------------------------------------
+
+
+def _extracted(runs: Sequence[Run], mirrored: bool) -> FodData:
+    sign = -1.0 if mirrored else 1.0
+    records = [tuple(sign * column for column in run.points()) for run in runs]
+    starts = [_MIRRORED[s] if mirrored else s for s in (known_start(run.meta) for run in runs)]
+    inputs = merged_inputs(np.concatenate([u for u, _ in records]))
+    lower, upper = _range(inputs, starts)
+    rows: list[tuple[float, float, float, int, int, int]] = []
+    curve, at = 0, 0
+    for index, ((_, y), start) in enumerate(zip(records, starts)):
+        places, last = _places(inputs[at : at + y.size], lower, upper, start, curve)
+        rows += [(a, b, y[k], c, index, k) for k, (a, b, c) in places]
+        curve, at = last + 1 if places else curve, at + y.size
+    return _assembled(rows, lower, upper, runs[0].unit, mirrored)
+
+
+def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]:
+    """Range of relays: the inputs', with the rest at zero input, or a symmetric one around B*."""
+    if inputs.size == 0:
+        raise DataError("The runs hold no settled points; nothing can be identified from them.")
+    lower, upper = float(inputs.min()), float(inputs.max())
+    if "negative" in starts:  # a cold wire rests at zero input
+        lower = min(lower, 0.0)
+    if "positive" in starts:
+        upper = max(upper, 0.0)
+    if "anhysteretic" in starts:
+        reach = max(-lower, upper)
+        lower = lower if -lower >= reach * (1 - SAME_INPUT) else -reach
+        upper = upper if upper >= reach * (1 - SAME_INPUT) else reach
+    return lower, upper
+
+
+def _places(
+    inputs: Array, lower: float, upper: float, start: Start | None, curve: int
+) -> tuple[list[tuple[int, tuple[float, float, int]]], int]:
+    """(point, (α, β, curve)) of the FOD points of one run, and the last curve number used."""
+    places: list[tuple[int, tuple[float, float, int]]] = []
+    before: State | None = State((lower,), (0.0,), lower, 0.0) if start == "negative" else None
+    fell = False
+    for k, state in enumerate(follow(inputs, lower, upper, start)):
+        place = _place(before, state)
+        rising = place is not None and place[0] == place[1] > lower
+        if fell and rising:
+            curve, fell = curve + 1, False
+        if place is not None:
+            places.append((k, (*place, curve)))
+            fell = fell or place[0] > place[1]
+        before = state
+    return places, curve
+
+
+def _place(before: State | None, now: State | None) -> tuple[float, float] | None:
+    """(α, β) of a point from the memory before and at it, None when it is no FOD point."""
+    if now is None or now.diagonal:
+        return None
+    lower = now.extrema[0]
+    if now.u <= lower:  # back in saturation: the end of the curve that came down
+        if before is None or before.diagonal:
+            return lower, lower
+        return (before.extrema[1] if len(before.extrema) > 1 else before.u), lower
+    if len(now.extrema) == 1:
+        return now.u, now.u
+    return (now.extrema[1], now.u) if len(now.extrema) == 2 else None
+
+
+# --- reversal curves of magnetism -----------------------------------------------------------------------
+
+
+def _reversal_curves(runs: Sequence[Run]) -> FodData:
+    """Curves numbered by the ``step`` column, rising from a reversal input below positive saturation."""
+    rows: list[tuple[float, float, float, int, int, int]] = []
+    lower, upper, first = np.inf, -np.inf, 0
+    for index, run in enumerate(runs):
+        u, y, step = -run["input"], -run["position"], run["step"]
+        known = np.isfinite(u) & np.isfinite(y)
+        lower, upper = min(lower, float(u[known].min())), max(upper, float(u[known].max()))
+        for number, label in enumerate(np.unique(step[known & (step >= 0)])):
+            members = np.flatnonzero(known & (step == label))
+            alpha = float(u[members].max())
+            rows += [(alpha, u[k], y[k], first + number, index, int(k)) for k in members]
+        first = rows[-1][3] + 1 if rows else 0
+    return _assembled(rows, lower, upper, runs[0].unit, True)
+
+
+def _assembled(
+    rows: list[tuple[float, float, float, int, int, int]], lower: float, upper: float, unit: str, mirrored: bool
+) -> FodData:
+    table = np.array(rows, dtype=float).reshape(len(rows), 6)
+    alpha, beta, y = table[:, :3].T
+    curve, run, point = table[:, 3:].T.astype(np.int64)
+    top = np.max(alpha, initial=-np.inf)
+    return FodData(alpha, beta, y, curve, (alpha == beta) | (alpha == top), run, point, unit, lower, upper, mirrored)

@@ -1,0 +1,86 @@
+"""A measured first-order curve, and how curves are completed to saturation where they were not measured.
+
+A curve runs on as its neighbour that reaches further does, the gap between the two closing linearly in β
+until all curves meet in negative saturation; the curve that reaches furthest runs there straight. Knows
+no table and no interpolation across curves.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError
+
+Array = NDArray[np.float64]
+Line = tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One first-order descending curve: up to the peak α, then down along β (n,) with outputs y (n,).
+
+    β falls strictly and begins at the peak, so (β₀, y₀) is the major branch's point y(α, α).
+    ``saturation`` is the (input, output) of negative saturation measured with this curve, if it was.
+    Magnetic FORCs rise and are given mirrored, (u, y) → (−u, −y). Raises DataError.
+    """
+
+    alpha: float
+    beta: Array
+    y: Array
+    saturation: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        where = f"First-order curve with its peak at {self.alpha:g}"
+        if self.beta.ndim != 1 or self.beta.shape != self.y.shape or self.beta.size == 0:
+            raise DataError(f"{where}: β has shape {self.beta.shape} and y {self.y.shape}; expected (n,) both.")
+        if not (np.isfinite(self.beta).all() and np.isfinite(self.y).all()):
+            raise DataError(f"{where}: a point is not a number; leave it out.")
+        if self.beta[0] != self.alpha or np.any(np.diff(self.beta) >= 0):
+            raise DataError(f"{where}: β must begin at the peak and fall strictly.")
+
+
+def saturation(curves: Sequence[Curve]) -> tuple[float, float]:
+    """Negative saturation (u₋, y₋): as measured with the curves, else where the furthest of them end.
+
+    Every measured saturation point counts as saturated, so the least far one is u₋ (but no measured
+    curve is cut short); y₋ is the mean output of those points, or of the curves that end at u₋.
+    """
+    least = min(float(c.beta[-1]) for c in curves)
+    points = [c.saturation for c in curves if c.saturation is not None]
+    if points:
+        return min(least, max(p[0] for p in points)), float(np.mean([p[1] for p in points]))
+    return least, float(np.mean([c.y[-1] for c in curves if c.beta[-1] == least]))
+
+
+def completed(curves: Sequence[Curve], lower: float, y_lower: float) -> list[Line]:
+    """Each curve from (u₋, y₋) to its peak: nodes β rising, and y; curves come by rising peak."""
+    far = min(range(len(curves)), key=lambda k: curves[k].beta[-1])
+    nowhere = (np.array([lower]), np.array([y_lower]))
+    lines = {far: _joined(nowhere, curves[far])}
+    for k in range(far - 1, -1, -1):
+        lines[k] = _joined(_continued(curves[k], lines[k + 1], lower), curves[k])
+    for k in range(far + 1, len(curves)):
+        lines[k] = _joined(_continued(curves[k], lines[k - 1], lower), curves[k])
+    return [lines[k] for k in range(len(curves))]
+
+
+def _continued(curve: Curve, guide: Line, lower: float) -> Line:
+    """The guide's nodes beyond the curve's end, with the gap at that end closing linearly in β."""
+    beta, y = guide
+    end = curve.beta[-1]
+    if end <= lower:
+        return beta[:1], y[:1]
+    gap = curve.y[-1] - np.interp(end, beta, y)
+    beyond = beta < end
+    return beta[beyond], y[beyond] + gap * (beta[beyond] - lower) / (end - lower)
+
+
+def _joined(tail: Line, curve: Curve) -> Line:
+    """The tail and the curve as one line; at saturation itself the common point stands (§5.5: they merge)."""
+    known = curve.beta > tail[0][-1]
+    return (
+        np.concatenate([tail[0], curve.beta[known][::-1]]),
+        np.concatenate([tail[1], curve.y[known][::-1]]),
+    )

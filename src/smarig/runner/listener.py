@@ -1,0 +1,51 @@
+"""Who may listen to a run, and a listener made of functions. Listeners must not block the tick."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from smarig.command import StepResult
+from smarig.sample import Sample
+
+
+class Listener(Protocol):
+    """Who wants to know: the recorder, a progress line, a viewer."""
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """A sample, with its step and the predicted hysteresis input (kelvin)."""
+        ...
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """A finished step."""
+        ...
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """Something worth a line."""
+        ...
+
+
+def _ignore(*_: Any) -> None:
+    """Not watched."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """A listener made of functions: on_sample(s, step, input_K), on_step(result), on_event(kind, t_s)."""
+
+    on_sample: Callable[[Sample, int | None, float], None] = _ignore
+    on_step: Callable[[StepResult], None] = _ignore
+    on_event: Callable[[str, float], None] = _ignore
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """Pass a sample on."""
+        self.on_sample(s, step, input_value)
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """Pass a finished step on."""
+        del branch, target
+        self.on_step(result)
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """Pass an event on."""
+        del text, level, data
+        self.on_event(kind, t_s)
