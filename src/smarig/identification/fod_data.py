@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.errors import DataError, UsageError
-from smarig.identification.history import SAME_INPUT, Start, follow, known_start, merged_inputs
+from smarig.identification.history import History, histories
 from smarig.identification.selection import matches
 from smarig.model.preisach import State
 from smarig.record import Run
@@ -21,12 +21,7 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FORC_PROTOCOL = "first_order_reversal_curves"
-_MIRRORED: dict[Start | None, Start | None] = {
-    None: None,
-    "anhysteretic": "anhysteretic",
-    "negative": "positive",
-    "positive": "negative",
-}
+_Row = tuple[float, float, float, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,53 +146,31 @@ def select(data: FodData, expression: str) -> FodData:
 
 
 def _extracted(runs: Sequence[Run], mirrored: bool) -> FodData:
-    sign = -1.0 if mirrored else 1.0
-    records = [tuple(sign * column for column in run.points()) for run in runs]
-    starts = [_MIRRORED[s] if mirrored else s for s in (known_start(run.meta) for run in runs)]
-    inputs = merged_inputs(np.concatenate([u for u, _ in records]))
-    lower, upper = _range(inputs, starts)
-    rows: list[tuple[float, float, float, int, int, int]] = []
-    curve, at = 0, 0
-    for index, ((_, y), start) in enumerate(zip(records, starts)):
-        places, last = _places(inputs[at : at + y.size], lower, upper, start, curve)
-        rows += [(a, b, y[k], c, index, k) for k, (a, b, c) in places]
-        curve, at = last + 1 if places else curve, at + y.size
-    return _assembled(rows, lower, upper, runs[0].unit, mirrored)
+    lower, upper, records = histories(runs, mirrored=mirrored)
+    rows: list[_Row] = []
+    curve = 0
+    for index, history in enumerate(records):
+        places = _places(history, curve)
+        rows += [(a, b, history.outputs[k], c, index, k) for k, a, b, c in places]
+        curve = places[-1][3] + 1 if places else curve
+    return _assembled(rows, (lower, upper), runs[0].unit, mirrored)
 
 
-def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]:
-    """Range of relays: the inputs', with the rest at zero input, or a symmetric one around B*."""
-    if inputs.size == 0:
-        raise DataError("The runs hold no settled points; nothing can be identified from them.")
-    lower, upper = float(inputs.min()), float(inputs.max())
-    if "negative" in starts:  # a cold wire rests at zero input
-        lower = min(lower, 0.0)
-    if "positive" in starts:
-        upper = max(upper, 0.0)
-    if "anhysteretic" in starts:
-        reach = max(-lower, upper)
-        lower = lower if -lower >= reach * (1 - SAME_INPUT) else -reach
-        upper = upper if upper >= reach * (1 - SAME_INPUT) else reach
-    return lower, upper
-
-
-def _places(
-    inputs: Array, lower: float, upper: float, start: Start | None, curve: int
-) -> tuple[list[tuple[int, tuple[float, float, int]]], int]:
-    """(point, (α, β, curve)) of the FOD points of one run, and the last curve number used."""
-    places: list[tuple[int, tuple[float, float, int]]] = []
-    before: State | None = State((lower,), (0.0,), lower, 0.0) if start == "negative" else None
-    fell = False
-    for k, state in enumerate(follow(inputs, lower, upper, start)):
+def _places(history: History, curve: int) -> list[tuple[int, float, float, int]]:
+    """(point, α, β, curve) of the FOD points of one run; a curve begins where the input rises again."""
+    places: list[tuple[int, float, float, int]] = []
+    before, fell = history.start, False
+    for k, state in enumerate(history.states):
         place = _place(before, state)
-        rising = place is not None and place[0] == place[1] > lower
-        if fell and rising:
-            curve, fell = curve + 1, False
-        if place is not None:
-            places.append((k, (*place, curve)))
-            fell = fell or place[0] > place[1]
         before = state
-    return places, curve
+        if place is None:
+            continue
+        alpha, beta = place
+        if fell and alpha == beta > state.extrema[0]:
+            curve, fell = curve + 1, False
+        fell = fell or alpha > beta
+        places.append((k, alpha, beta, curve))
+    return places
 
 
 def _place(before: State | None, now: State | None) -> tuple[float, float] | None:
@@ -219,7 +192,7 @@ def _place(before: State | None, now: State | None) -> tuple[float, float] | Non
 
 def _reversal_curves(runs: Sequence[Run]) -> FodData:
     """Curves numbered by the ``step`` column, rising from a reversal input below positive saturation."""
-    rows: list[tuple[float, float, float, int, int, int]] = []
+    rows: list[_Row] = []
     lower, upper, first = np.inf, -np.inf, 0
     for index, run in enumerate(runs):
         u, y, step = -run["input"], -run["position"], run["step"]
@@ -230,14 +203,12 @@ def _reversal_curves(runs: Sequence[Run]) -> FodData:
             alpha = float(u[members].max())
             rows += [(alpha, u[k], y[k], first + number, index, int(k)) for k in members]
         first = rows[-1][3] + 1 if rows else 0
-    return _assembled(rows, lower, upper, runs[0].unit, True)
+    return _assembled(rows, (lower, upper), runs[0].unit, True)
 
 
-def _assembled(
-    rows: list[tuple[float, float, float, int, int, int]], lower: float, upper: float, unit: str, mirrored: bool
-) -> FodData:
+def _assembled(rows: list[_Row], ends: tuple[float, float], unit: str, mirrored: bool) -> FodData:
     table = np.array(rows, dtype=float).reshape(len(rows), 6)
     alpha, beta, y = table[:, :3].T
     curve, run, point = table[:, 3:].T.astype(np.int64)
     top = np.max(alpha, initial=-np.inf)
-    return FodData(alpha, beta, y, curve, (alpha == beta) | (alpha == top), run, point, unit, lower, upper, mirrored)
+    return FodData(alpha, beta, y, curve, (alpha == beta) | (alpha == top), run, point, unit, *ends, mirrored)

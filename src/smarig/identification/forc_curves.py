@@ -52,9 +52,10 @@ def _curve(run: Run, number: int, beta: NDArray[np.float64], y: NDArray[np.float
     beta, y = beta[begin:], y[begin:]
     least_before = np.concatenate([[np.inf], np.minimum.accumulate(beta)[:-1]])
     onward = beta < least_before
-    if np.mean(~onward) > _TURNED_BACK:
+    back = int(np.sum(~onward))
+    if back > _TURNED_BACK * beta.size:
         raise DataError(
-            f"{run.path}, curve {number}: the field turns back at {int(np.sum(~onward))} of {beta.size} points "
-            "after the reversal; a first-order curve rises from its reversal field."
+            f"{run.path}, curve {number}: the field turns back at {back} of {beta.size} points after the "
+            "reversal; a first-order curve rises from its reversal field."
         )
     return Curve(float(beta[0]), beta[onward], y[onward])

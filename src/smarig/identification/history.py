@@ -4,19 +4,25 @@ The bookkeeping is the operator's own (wiping-out, §3.3.1), run on a hysteresis
 curve, no model and no rig.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.errors import DataError
 from smarig.model.preisach import Preisach, State
+from smarig.record import Run
 
 Array = NDArray[np.float64]
 Start = Literal["negative", "positive", "anhysteretic"]
 STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
+CONTINUED = "continued"
 SAME_INPUT = 1e-6  # inputs closer than this part of the range are one input
+REST = 1e-3  # an estimated input this close to saturation, as a part of the range, is in saturation
+LONGEST_GAP_S = 2.0
+_MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +46,7 @@ class Memory:
         return 0.0
 
 
-def known_start(meta: dict) -> Start | None:
-    """The state a run says it began in, None when it does not say."""
-    said = meta.get("initial")
-    return said if said in STARTS else None
-
-
-def follow(inputs: Iterable[float], lower: float, upper: float, start: Start | None) -> list[State | None]:
+def follow(inputs: Iterable[float], lower: float, upper: float, start: Start | State | None) -> list[State | None]:
     """The memory after each input, None while it is unknown.
 
     An unknown start becomes known at the first input that saturates: at ``lower`` or ``upper``.
@@ -59,6 +59,94 @@ def follow(inputs: Iterable[float], lower: float, upper: float, start: Start | N
         known = known or not lower < u < upper
         states.append(operator.state if known else None)
     return states
+
+
+@dataclass(frozen=True)
+class History:
+    """Inputs (k,) of one run's settled points, the memory at its start (None: unknown) and at each point."""
+
+    inputs: Array
+    outputs: Array
+    start: State | None
+    states: tuple[State | None, ...]
+
+
+def histories(runs: Sequence[Run], *, mirrored: bool = False) -> tuple[float, float, list[History]]:
+    """Range (u₋, u₊) of the runs together, and the history of each; signs turned when ``mirrored``.
+
+    A run begins in the state its record names, in the state the run before it left when it continues
+    that one without a gap, or in saturation when its first sample is there; else its start is unknown.
+    """
+    sign = -1.0 if mirrored else 1.0
+    records = [run.points() for run in runs]
+    named = [_named_start(run, mirrored) for run in runs]
+    inputs = merged_inputs(sign * np.concatenate([u for u, _ in records]))
+    lower, upper = _range(inputs, named)
+    done: list[History] = []
+    at = 0
+    for k, (run, (_, y)) in enumerate(zip(runs, records)):
+        start: Start | State | None = named[k]
+        if start is None and k > 0 and continues(runs[k - 1], run):
+            start = _left(runs[k - 1], sign, done[-1], lower, upper)
+        if start is None:
+            start = _saturated(run, sign, lower, upper)
+        u = inputs[at : at + y.size]
+        at += y.size
+        first = Preisach(Memory(lower, upper), start).state if start is not None else None
+        done.append(History(u, sign * y, first, tuple(follow(u, lower, upper, start))))
+    return lower, upper, done
+
+
+def continues(before: Run, run: Run) -> bool:
+    """Whether a run goes on where the one before it ended: same sitting, no gap in its clock."""
+    if run.meta.get("initial") != CONTINUED or "start_epoch" not in run.meta:
+        return False
+    if run.meta["start_epoch"] != before.meta.get("start_epoch") or not (len(run) and len(before)):
+        return False
+    return bool(0 <= run["t_s"][0] - before["t_s"][-1] <= LONGEST_GAP_S)
+
+
+def _left(before: Run, sign: float, history: History, lower: float, upper: float) -> State | None:
+    """The memory a run left: that of its last settled point, moved to its last input."""
+    state = history.states[-1] if history.states else history.start
+    end = sign * before["input"][-1]
+    if state is None or not np.isfinite(end):
+        return state
+    return follow([end], lower, upper, state)[0]
+
+
+def _named_start(run: Run, mirrored: bool) -> Start | None:
+    said = run.meta.get("initial")
+    if said not in STARTS:
+        return None
+    return _MIRROR[said] if mirrored else said
+
+
+def _saturated(run: Run, sign: float, lower: float, upper: float) -> Start | None:
+    """A run whose first sample lies in saturation begins there, whatever came before (wiping-out)."""
+    first = sign * run["input"][:1]
+    tolerance = REST * (upper - lower)
+    if first.size and first[0] <= lower + tolerance:
+        return "negative"
+    if first.size and first[0] >= upper - tolerance:
+        return "positive"
+    return None
+
+
+def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]:
+    """Range of relays: that of the inputs, with the rest at zero input, or a symmetric one around B*."""
+    if inputs.size == 0:
+        raise DataError("The runs hold no settled points; nothing can be learnt from them.")
+    lower, upper = float(inputs.min()), float(inputs.max())
+    if "negative" in starts:  # a cold wire rests at zero input
+        lower = min(lower, 0.0)
+    if "positive" in starts:
+        upper = max(upper, 0.0)
+    if "anhysteretic" in starts:
+        reach = max(-lower, upper)
+        lower = lower if -lower >= reach * (1 - SAME_INPUT) else -reach
+        upper = upper if upper >= reach * (1 - SAME_INPUT) else reach
+    return lower, upper
 
 
 def merged_inputs(inputs: Array) -> Array:

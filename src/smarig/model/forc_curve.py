@@ -34,7 +34,9 @@ class Curve:
     def __post_init__(self) -> None:
         where = f"First-order curve with its peak at {self.alpha:g}"
         if self.beta.ndim != 1 or self.beta.shape != self.y.shape or self.beta.size == 0:
-            raise DataError(f"{where}: β has shape {self.beta.shape} and y {self.y.shape}; expected (n,) both.")
+            raise DataError(
+                f"{where}: β has shape {self.beta.shape} and y {self.y.shape}; expected (n,) both."
+            )
         if not (np.isfinite(self.beta).all() and np.isfinite(self.y).all()):
             raise DataError(f"{where}: a point is not a number; leave it out.")
         if self.beta[0] != self.alpha or np.any(np.diff(self.beta) >= 0):
@@ -42,15 +44,17 @@ class Curve:
 
 
 def saturation(curves: Sequence[Curve]) -> tuple[float, float]:
-    """Negative saturation (u₋, y₋): as measured with the curves, else where the furthest of them end.
+    """Negative saturation (u₋, y₋): the furthest that was measured, by calibration point or by curve.
 
-    Every measured saturation point counts as saturated, so the least far one is u₋ (but no measured
-    curve is cut short); y₋ is the mean output of those points, or of the curves that end at u₋.
+    Every calibration point counts as saturated: u₋ is the least far of them, y₋ their mean output. Where
+    a curve goes beyond that, or there is no such point, u₋ is the least β and y₋ the mean of the curves
+    that end there.
     """
     least = min(float(c.beta[-1]) for c in curves)
     points = [c.saturation for c in curves if c.saturation is not None]
-    if points:
-        return min(least, max(p[0] for p in points)), float(np.mean([p[1] for p in points]))
+    limit = max((u for u, _ in points), default=np.inf)
+    if limit <= least:
+        return limit, float(np.mean([y for _, y in points]))
     return least, float(np.mean([c.y[-1] for c in curves if c.beta[-1] == least]))
 
 

@@ -18,6 +18,7 @@ held-out curves no better, and one sample worse (DECISIONS.md).
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -150,10 +151,12 @@ def _on_line(line: tuple[list[float], list[float]], u: float) -> float:
 
 
 def _check(curves: tuple[Curve, ...], lower: float) -> None:
-    for a, b in zip(curves, curves[1:]):
+    for a, b in pairwise(curves):
         if a.alpha >= b.alpha:
             raise DataError(f"Two first-order curves have their peak at {b.alpha:g}: average them first.")
     if not curves or curves[0].alpha <= lower:
-        raise DataError(f"A first-order curve begins at or below negative saturation ({lower:g}): leave it out.")
+        raise DataError(
+            f"A first-order curve begins at or below negative saturation ({lower:g}): leave it out."
+        )
     if any(c.beta[-1] < lower for c in curves):
         raise DataError(f"A first-order curve goes below negative saturation ({lower:g}): cut it there.")

@@ -31,8 +31,12 @@ class Heating:
 
     def step(self, current_A: float) -> float:
         """One tick at a constant current; returns the hysteresis input u (T, or T₁ − T₂), kelvin."""
+        return self.relax(self.source(current_A))
+
+    def source(self, current_A: float) -> float:
+        """Steady hysteresis input of a current (5.3), kelvin; negative when wire 2 is heated."""
         source = self.gain_K_per_A2 * current_A * current_A
-        return self.relax(-source if current_A < 0 and self.two_wire else source)
+        return -source if current_A < 0 and self.two_wire else source
 
     def relax(self, source_K: float) -> float:
         """One tick towards a steady temperature, signed: whose sign says which wire is heated."""

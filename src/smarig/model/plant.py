@@ -56,7 +56,7 @@ class Plant:
         now.t_s = now.tick * now.dt_s
         now.austenite = self.austenite
         now.current_A = _through(self._chains[Stage.CURRENT], current_A, now)
-        source = _through(self._chains[Stage.SOURCE], self.actuator.input_for(now.current_A), now)
+        source = _through(self._chains[Stage.SOURCE], self.heating.source(now.current_A), now)
         now.input_K = self.heating.relax(source) + disturbance_K
         felt = _through(self._chains[Stage.INPUT], now.input_K, now)
         now.output = self.operator.step(felt)

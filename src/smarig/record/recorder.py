@@ -4,7 +4,6 @@ A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL
 refuses to know what is measured. A listener: ``sample``, ``step``, ``event`` are called by the runner.
 """
 
-import contextlib
 import json
 import shutil
 import sqlite3
@@ -107,7 +106,10 @@ class Recorder:
     # --- the end ---------------------------------------------------------------------------------
 
     def close(self, cause: str = "done", *, t_s: float = 0.0) -> None:
-        """Write what is left, note the cause, and leave one file (no -wal beside it)."""
+        """Write what is left, note the cause, and leave one file (no -wal beside it).
+
+        StorageError if what was left could not be written; what had been committed stays readable.
+        """
         if self._closing:
             return
         self.event(t_s, "end", f"Run ended: {cause}.", level="info" if cause == "done" else "warning")
@@ -115,12 +117,14 @@ class Recorder:
         self._closing = True
         self._wake.set()
         self._thread.join()
-        with contextlib.suppress(sqlite3.Error):  # a full disk: what was committed stays readable
+        try:
             self._commit()
-        with contextlib.suppress(sqlite3.Error):
             self._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._db.execute("PRAGMA journal_mode=DELETE")
-        self._db.close()
+        except sqlite3.Error as error:
+            raise StorageError(f"The end of run {self.path} could not be written: {error}.") from None
+        finally:
+            self._db.close()
 
 
 def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:

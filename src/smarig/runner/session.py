@@ -75,6 +75,7 @@ class Session:
         runner = Runner(self._guard, self.twin.position_per_count, [recorder, *listeners, Watch(on_event=self._note)], self.control)
         runner.t_s = self.twin.tick * self.file.period_s
         cause = "done"
+        recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
         try:
             runner.run(generator)
         except BaseException as error:

@@ -1,0 +1,105 @@
+"""What is odd in one measured channel: clipping, spikes, held values, coarse steps, no life at all.
+
+Knows numbers and line numbers; refuses to know what is measured. Each finding is one sentence.
+Thresholds are chosen so that an undisturbed slow signal gives no finding.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+_COARSE = 0.002  # of the range: steps below this cannot be seen in a hysteresis loop
+_SPIKE = 0.3  # of the 1–99 % range
+_HELD_ROWS = 5
+
+
+def channel_findings(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+    """Sentences about one channel ``x`` (n,); ``line`` (n,) says where each value stood."""
+    finite = np.isfinite(x)
+    values, where = x[finite], line[finite]
+    if values.size < 10:
+        return []
+    if np.ptp(values) == 0:
+        return [f"{name} is {values[0]:g} {unit} in every row: nominal or not connected, not measured."]
+    return _clipped(name, unit, values, where) + _spikes(name, unit, values, where) + _steps(name, unit, values)
+
+
+def clipped(x: Array) -> NDArray[np.bool_]:
+    """Samples (n,) stuck at the largest or smallest value of a channel that is otherwise finely resolved.
+
+    A run of at least three equal extreme values counts, if more than half of the other values differ
+    from each other: a resting or coarsely quantised channel repeats itself elsewhere, too.
+    """
+    mask = np.zeros(x.size, dtype=bool)
+    if np.isfinite(x).sum() < 10:
+        return mask
+    for extreme in (np.nanmax(x), np.nanmin(x)):
+        at = x == extreme
+        others = x[~at & np.isfinite(x)]
+        if longest_run(at) >= 3 and others.size and np.unique(others).size > 0.5 * others.size:
+            mask |= at
+    return mask
+
+
+def quantum(x: Array) -> float | None:
+    """Step of a quantised channel, or None: the spacing on which nearly all small differences of levels lie.
+
+    >>> quantum(np.round(np.linspace(0, 1, 200) ** 2 * 40) * 0.085)
+    0.085
+    """
+    levels = np.unique(x[np.isfinite(x)])
+    gaps = np.diff(levels)
+    if gaps.size < 8:
+        return None
+    gaps = gaps[gaps > 0.2 * np.median(gaps)]  # printed decimals jitter around a level
+    small = np.quantile(gaps, 0.1)
+    step = float(np.median(gaps[gaps < 1.3 * small]))
+    near = gaps[gaps < 5.5 * step] / step
+    on_grid = np.abs(near - np.round(near)) < 0.08
+    return float(f"{step:.4g}") if near.size >= 8 and on_grid.mean() > 0.95 else None
+
+
+def longest_run(mask: NDArray[np.bool_]) -> int:
+    """Length of the longest run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+    mask = clipped(x)
+    if not mask.any():
+        return []
+    rows = line[mask]
+    return [
+        f"{name} is clipped at {x[mask][0]:g} {unit} in {rows.size} rows "
+        f"(lines {rows.min()}–{rows.max()}): the sensor ended there; marked as saturated."
+    ]
+
+
+def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+    limit = _SPIKE * float(np.ptp(np.quantile(x, [0.01, 0.99])))
+    before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
+    lone = (before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > limit)
+    if limit <= 0 or x.size < 50 or not lone.any() or lone.mean() > 0.02:
+        return []
+    k = int(np.argmax(np.where(lone, np.minimum(np.abs(before), np.abs(after)), 0.0))) + 1
+    return [
+        f"{name} has {int(lone.sum())} single-row spikes, the largest {x[k]:g} {unit} between "
+        f"{x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); kept as they are."
+    ]
+
+
+def _steps(name: str, unit: str, x: Array) -> list[str]:
+    out = []
+    rows_per_change = x.size / (1 + np.count_nonzero(np.diff(x)))
+    if rows_per_change >= _HELD_ROWS:
+        out.append(
+            f"{name} changes only every {rows_per_change:.0f} rows on average: "
+            f"it is held between conversions, or at rest."
+        )
+    step = quantum(x)
+    if step and step > _COARSE * np.ptp(x):
+        out.append(
+            f"{name} comes in steps of {step:g} {unit} ({100 * step / np.ptp(x):.1f} % of its range)."
+        )
+    return out

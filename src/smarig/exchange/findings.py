@@ -1,0 +1,68 @@
+"""Everything odd in the data of one file, in one list: channels, columns, loop. Knows no format."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.exchange.channel_faults import channel_findings, clipped
+from smarig.exchange.loop_faults import Loop, loop_findings
+from smarig.sample import Quality
+
+Array = NDArray[np.float64]
+
+
+def record_findings(columns: Mapping[str, Array], units: Mapping[str, str], line: NDArray[np.int64]) -> list[str]:
+    """Sentences on every channel named in ``units``, and on the loop of ``input`` and ``position``."""
+    out: list[str] = []
+    for name, unit in units.items():
+        if name not in ("input", "current_command_A") or name not in columns:
+            out += channel_findings(name, unit, columns[name], line)
+    if "position" in columns and "input" in columns:
+        out += loop_findings(
+            Loop(columns["input"], columns["position"], line, units.get("input", ""), units["position"])
+        )
+    both = [columns.get(name) for name in ("current_A", "current_command_A")]
+    if both[0] is not None and both[1] is not None:
+        out += _command_error(both[0], both[1])
+    return out
+
+
+def twin_columns(columns: Mapping[str, Array]) -> list[str]:
+    """Sentences on columns that hold the same numbers twice."""
+    names = [n for n, x in columns.items() if np.isfinite(x).any() and np.nanmax(x) > np.nanmin(x)]
+    return [
+        f"Columns '{a}' and '{b}' are identical: one is a copy of the other."
+        for k, a in enumerate(names)
+        for b in names[k + 1 :]
+        if np.array_equal(columns[a], columns[b], equal_nan=True)
+    ]
+
+
+def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list[str]:
+    """A sentence on neighbouring rows that are equal in every column."""
+    same = np.all([x[1:] == x[:-1] for x in columns.values()], axis=0)
+    if not same.any():
+        return []
+    return [
+        f"{int(same.sum())} rows repeat the row before in every column (first: line {line[1:][same][0]}): "
+        f"written twice, or not measured anew."
+    ]
+
+
+def saturation(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:
+    """Quality marks (n,): SATURATED where one of the measured channels is clipped."""
+    masks = [clipped(columns[c]) for c in channels if c in columns and c not in ("input", "current_command_A")]
+    return np.any(masks, axis=0) * float(Quality.SATURATED)
+
+
+def _command_error(measured: Array, command: Array) -> list[str]:
+    off = measured - command
+    span = float(np.nanmax(command) - np.nanmin(command))
+    typical = float(np.nanmedian(np.abs(off)))
+    if typical <= 0.003 * span:
+        return []
+    return [
+        f"The measured current is off its command by {1000 * typical:.2g} mA typically, "
+        f"{1000 * np.nanmax(np.abs(off)):.2g} mA at most."
+    ]

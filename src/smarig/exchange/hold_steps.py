@@ -1,0 +1,108 @@
+"""Steps from a current that is piecewise constant: where a recording has none of its own (§5.2.1).
+
+The position of a step is its mean over the last 25 s of the hold, or over the last quarter of a hold that
+is shorter. Settled means what it means on the rig: the means of 25 blocks of a full 25 s window stay
+within one count. Knows arrays only.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.exchange.draft import directions, step_row
+
+Array = NDArray[np.float64]
+WINDOW_S = 25.0
+BLOCKS = 25
+MIN_SAMPLES = 5
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Time (n,) s, position (n,) and its resolution (None: unknown), for the steps to be read from."""
+
+    t_s: Array
+    position: Array
+    resolution: float | None
+
+
+def holds(current_A: Array, tolerance_A: float) -> list[tuple[int, int]]:
+    """Index ranges [a, b) in which the current stays within ± tolerance of the range's running mean.
+
+    >>> holds(np.array([0.0] * 6 + [0.5] * 7 + [0.6]), 1e-3)
+    [(0, 6), (6, 13), (13, 14)]
+    """
+    edges, mean, n = [0], 0.0, 0
+    for k, i in enumerate(current_A.tolist()):
+        if n and abs(i - mean) > tolerance_A:
+            edges.append(k)
+            n = 0
+        mean = (mean * n + i) / (n + 1)
+        n += 1
+    return list(zip(edges, [*edges[1:], current_A.size]))
+
+
+def tolerance(current_A: Array) -> float:
+    """Six times the noise of a current (from its differences' median), at least 0.5 mA."""
+    noise = np.median(np.abs(np.diff(current_A))) / 0.954 if current_A.size > 1 else 0.0
+    return max(5e-4, 6 * float(noise))
+
+
+def found_steps(
+    recording: Recording, ranges: Sequence[tuple[int, int]], target: Callable[[int, int], float]
+) -> tuple[list[tuple], Array, list[str]]:
+    """Step rows, the step column (n,), and what to say; ranges of fewer than 5 samples are no holds."""
+    kept = [r for r in ranges if r[1] - r[0] >= MIN_SAMPLES]
+    column = np.full(recording.t_s.size, np.nan)
+    targets = [target(a, b) for a, b in kept]
+    rows, short = [], 0
+    for index, ((a, b), branch) in enumerate(zip(kept, directions(targets))):
+        column[a:b] = index
+        position, n, verdict, is_short = _settle(recording, a, b)
+        short += is_short
+        span = (float(recording.t_s[a]), float(recording.t_s[b - 1]))
+        rows.append(
+            step_row(
+                index,
+                branch=branch,
+                target=targets[index],
+                span_s=span,
+                verdict=verdict,
+                position=position,
+                n=n,
+            )
+        )
+    return rows, column, _remarks(rows, short, len(ranges) - len(kept), recording.resolution)
+
+
+def _settle(recording: Recording, a: int, b: int) -> tuple[float | None, int, str, bool]:
+    t_s = recording.t_s[a:b]
+    usual_s = (t_s[-1] - t_s[0]) / (t_s.size - 1)
+    held_s = t_s[-1] - t_s[0] + usual_s
+    short = held_s < WINDOW_S * (1 - 1e-6)
+    window_s = held_s / 4 if short else WINDOW_S
+    inside = recording.position[a:b][t_s > t_s[-1] - window_s + 1e-9 * held_s]
+    known = inside[np.isfinite(inside)]
+    if not known.size:
+        return None, 0, "elapsed", short
+    means = [float(block.mean()) for block in np.array_split(known, min(BLOCKS, known.size))]
+    still = recording.resolution is not None and max(means) - min(means) <= recording.resolution
+    return float(known.mean()), known.size, "settled" if still and not short else "elapsed", short
+
+
+def _remarks(rows: list[tuple], short: int, dropped: int, resolution: float | None) -> list[str]:
+    if not rows:
+        return ["No step was found: the current is never held for five samples."]
+    moving = sum(row[7] != "settled" for row in rows) - short
+    out = [f"{len(rows)} steps were found from the current; positions are means over the last 25 s of each hold."]
+    if short:
+        out.append(f"{short} holds are shorter than 25 s: their last quarter was averaged, and they count as elapsed.")
+    if moving > 0 and resolution is None:
+        out.append("The position's resolution is unknown, so no step counts as settled; give --rig.")
+    elif moving > 0:
+        out.append(f"{moving} holds were still moving by more than one count ({resolution:.3g}) at their end.")
+    if dropped:
+        out.append(f"{dropped} stretches of fewer than five samples at one current are no steps.")
+    return out

@@ -1,0 +1,89 @@
+"""Somebody's data file becomes a run: read, described, written whole or not at all.
+
+Knows the description every imported run carries. Refuses to know any format: those are in readers/.
+"""
+
+import hashlib
+import platform
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from smarig.catalogue import find
+from smarig.errors import UsageError
+from smarig.exchange.draft import Draft
+from smarig.exchange.mapping import mapping_text
+from smarig.exchange.rig_facts import RigFacts
+from smarig.record.recorder import write_run
+
+
+@dataclass(frozen=True)
+class ImportReport:
+    """What an import did: the run, its samples and steps, and what was odd in the file."""
+
+    run: Path
+    rows: int
+    steps: int
+    warnings: tuple[str, ...]
+
+
+def import_file(
+    path: str | Path,
+    *,
+    format: str,
+    out: str | Path,
+    rig: str | None = None,
+    mapping: str | None = None,
+    t0: float | None = None,
+    wire: str | None = None,
+    force: bool = False,
+) -> ImportReport:
+    """Read ``path`` in ``format`` (csv, forc, …) and write the run ``out``.
+
+    ``rig`` and ``mapping`` are names or paths. ``t0``: where the file's time zero lies on the clock it
+    shares with other runs, seconds. ``wire``: identity of the wire. Raises UsageError, ConfigError,
+    DataError or StorageError; a file already at ``out`` is kept unless ``force``.
+    """
+    source, target = Path(path), Path(out)
+    read = find("smarig.exchange.readers", format)
+    if target.exists() and not force:
+        raise UsageError(f"{target} exists; give another name or --force to replace it.")
+    draft = read(source, rig=rig, mapping=mapping)
+    if t0 is not None:
+        draft = _shifted(draft, source, t0)
+    meta = _describe(source, format, rig, mapping, wire) | draft.meta | {"warnings": list(draft.warnings)}
+    if t0 is not None:
+        meta["t0_s"] = t0
+    write_run(target, meta, draft.sql_columns(), list(draft.steps), force=force)
+    return ImportReport(target, len(draft), len(draft.steps), draft.warnings)
+
+
+def _shifted(draft: Draft, source: Path, t0: float) -> Draft:
+    if "t_s" not in draft.columns or not (draft.columns["t_s"] == draft.columns["t_s"]).all():
+        raise UsageError(f"{source} has no time, so --t0 has no meaning.")
+    columns = {**draft.columns, "t_s": draft.columns["t_s"] + t0}
+    steps = tuple((*s[:5], s[5] + t0, s[6] + t0, *s[7:]) for s in draft.steps)
+    return Draft(columns, draft.meta, steps, draft.warnings)
+
+
+def _describe(
+    source: Path, format: str, rig: str | None, mapping: str | None, wire: str | None
+) -> dict[str, Any]:
+    facts = RigFacts.named(rig) if rig else None
+    return {
+        "source": "import",
+        "rig": facts.file.name if facts else None,
+        "wire": wire or (facts.file.wire if facts else None),
+        "actuator": facts.actuator.name if facts else None,
+        "start_epoch": None,
+        "notes": "",
+        "config": mapping_text(mapping) if mapping else "",
+        "imported": {
+            "file": source.name,
+            "format": format,
+            "mapping": mapping,
+            "sha256": hashlib.sha256(source.read_bytes()).hexdigest(),
+        },
+        "versions": {"smarig": version("smarig"), "python": platform.python_version()},
+    }

@@ -1,0 +1,155 @@
+"""What is odd in a pair of hysteresis input and output: jumps, false reversals, wrong sense, not closed.
+
+Knows that a hysteretic output lags its input. Refuses to know the material. One sentence a finding.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.exchange.channel_faults import quantum
+
+Array = NDArray[np.float64]
+_REVERSAL = 0.2  # of the input's range: what counts as a branch of its own
+_JUMP = 0.1  # of the output's range, from one row to the next
+_OPEN = 0.01  # of the output's range
+_CONTRARY = 0.01  # of the input's range
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Input ``u`` and output ``y`` (n,) in measured order, with their units and line numbers."""
+
+    u: Array
+    y: Array
+    line: NDArray[np.int64]
+    input_unit: str
+    output_unit: str
+
+    def finite(self) -> "Loop":
+        """The rows in which both are known."""
+        ok = np.isfinite(self.u) & np.isfinite(self.y)
+        return Loop(self.u[ok], self.y[ok], self.line[ok], self.input_unit, self.output_unit)
+
+
+def loop_findings(loop: Loop) -> list[str]:
+    """All findings on an input–output record; nothing for records too short or flat to judge."""
+    known = loop.finite()
+    if known.u.size < 10 or np.ptp(known.u) == 0 or np.ptp(known.y) == 0:
+        return []
+    turns = turning_points(known.u, _REVERSAL * float(np.ptp(known.u)))
+    return _jumps(known) + _contrary(known, turns) + _open(known, turns) + _sense(known, turns) + _centre(known)
+
+
+def turning_points(u: Array, threshold: float) -> list[int]:
+    """Indices of first sample, reversals of more than ``threshold``, and last sample of ``u`` (n,).
+
+    >>> turning_points(np.array([0, 1, 0.9, 3, 2, 0.5]), 1.0)
+    [0, 3, 5]
+    """
+    turns, extreme, rising = [0], 0, None
+    for k, value in enumerate(u.tolist()):
+        moved = value - u[extreme]
+        if rising is None:
+            if abs(value - u[0]) > threshold:
+                rising, extreme = value > u[0], k
+        elif moved != 0 and (moved > 0) == rising:
+            extreme = k
+        elif abs(moved) > threshold:
+            turns.append(extreme)
+            rising, extreme = not rising, k
+    last = u.size - 1
+    return [*turns, last] if turns[-1] != last else turns
+
+
+def _jumps(loop: Loop) -> list[str]:
+    step = np.abs(np.diff(loop.y))
+    large = step > _JUMP * np.ptp(loop.y)
+    if not large.any():
+        return []
+    k = int(np.argmax(step))
+    return [
+        f"The output jumps by more than {_JUMP:.0%} of its range between neighbouring rows in "
+        f"{int(large.sum())} places, at most {loop.y[k + 1] - loop.y[k]:+.4g} {loop.output_unit} from line "
+        f"{loop.line[k]} to {loop.line[k + 1]}: what happens in between was not sampled."
+    ]
+
+
+def _contrary(loop: Loop, turns: list[int]) -> list[str]:
+    moves = np.diff(loop.u)
+    sense = np.zeros(moves.size)
+    for a, b in zip(turns[:-1], turns[1:]):
+        sense[a:b] = np.sign(loop.u[b] - loop.u[a])
+    back = np.where(moves * sense < 0, np.abs(moves), 0.0)
+    false = back > _CONTRARY * np.ptp(loop.u)
+    if false.mean() < 0.01:
+        return []
+    return [
+        f"The input moves against its branch in {int(false.sum())} rows, by up to {back.max():.3g} "
+        f"{loop.input_unit}: noise that a hysteresis model takes for reversals; smooth it or use a threshold."
+    ]
+
+
+def _open(loop: Loop, turns: list[int]) -> list[str]:
+    low, span = loop.u.min(), float(np.ptp(loop.u))
+    ends = {
+        "low": [k for k in turns if loop.u[k] < low + 0.1 * span],
+        "high": [k for k in turns if loop.u[k] > low + 0.9 * span],
+    }
+    limit = max(_OPEN * float(np.ptp(loop.y)), 2 * (quantum(loop.y) or 0.0))
+    out = []
+    for end, visits in ends.items():
+        y = loop.y[visits]
+        if y.size > 1 and abs(y[-1] - y[0]) > limit:
+            path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
+            shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
+            out.append(
+                f"At the {end} end of the input the output goes {shown} {loop.output_unit} over {y.size} visits "
+                f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
+            )
+    return out
+
+
+def _sense(loop: Loop, turns: list[int]) -> list[str]:
+    wide = [
+        (a, b, c)
+        for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:])
+        if min(abs(loop.u[b] - loop.u[a]), abs(loop.u[c] - loop.u[b])) > 0.5 * np.ptp(loop.u)
+    ]
+    lags = [_lag(loop, *turn) for turn in wide]
+    lag = float(np.mean(lags)) if lags else 0.0
+    if lag > -0.01:
+        return []
+    return [
+        f"The output leads its input (loop width {100 * lag:.1f} % of the range): the loop runs the wrong way "
+        f"round; branches or columns may be swapped, or the temperature lags."
+    ]
+
+
+def _lag(loop: Loop, a: int, b: int, c: int) -> float:
+    """Mean of (falling − rising output), signed with the slope of the loop, over the output's range."""
+    first, second = slice(a, b + 1), slice(b, c + 1)
+    rising, falling = (first, second) if loop.u[b] > loop.u[a] else (second, first)
+    low = max(loop.u[rising].min(), loop.u[falling].min())
+    high = min(loop.u[rising].max(), loop.u[falling].max())
+    grid = np.linspace(low, high, 101)
+    up, down = (_along(loop, part, grid) for part in (rising, falling))
+    slope = np.sign(up[-1] + down[-1] - up[0] - down[0])
+    return float(slope * np.mean(down - up) / np.ptp(loop.y))
+
+
+def _along(loop: Loop, part: slice, grid: Array) -> Array:
+    order = np.argsort(loop.u[part], kind="stable")
+    return np.interp(grid, loop.u[part][order], loop.y[part][order])
+
+
+def _centre(loop: Loop) -> list[str]:
+    low, high = loop.u.min(), loop.u.max()
+    centre, half = (high + low) / 2, (high - low) / 2
+    if low >= -0.2 * high or high <= -0.2 * low or abs(centre) < 0.02 * half:
+        return []
+    return [
+        f"The input is not symmetric: {low:.4g} … {high:.4g} {loop.input_unit}, centre {centre:+.3g}; "
+        f"an offset of the source, or meant."
+    ]

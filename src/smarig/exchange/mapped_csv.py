@@ -1,0 +1,200 @@
+"""Somebody else's table through a mapping file: renamed, converted, unfolded, checked.
+
+Knows mapping files. Refuses unknown columns and values no wire can have; never repairs what it reports.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError
+from smarig.exchange.channel_faults import channel_findings, quantum
+from smarig.exchange.clock import check_time, merge_repeats, time_findings
+from smarig.exchange.draft import Draft, directions, step_row
+from smarig.exchange.findings import record_findings, repeated_rows, saturation, twin_columns
+from smarig.exchange.mapping import Column, MappingFile, require_columns
+from smarig.exchange.plausible import check_plausible, check_strain
+from smarig.exchange.table import Layout, Table, read_table
+from smarig.exchange.units import convert
+
+Array = NDArray[np.float64]
+
+
+def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
+    """Read a table as its mapping says; DataError, ConfigError or UsageError naming line and column."""
+    f = mapping.file
+    known = tuple(mapping.used()) if not f.names else ()
+    table = read_table(path, Layout(known, f.names, f.delimiter, f.decimal, f.header_starts, f.table))
+    require_columns(mapping, list(table.columns), path)
+    table, clock = _on_one_clock(path, table, mapping)
+    columns, line, branch, notes = _unfolded(path, table, mapping)
+    conditions, remarks = _conditions(path, table, mapping)
+    odd = _compared(path, table, mapping, columns)
+    columns["input"] = columns[mapping.input.channel]
+    units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
+    columns["quality"] = saturation(columns, units)
+    warnings = [*table.notes, *clock, *notes, *odd, *remarks, *twin_columns(table.columns)]
+    warnings += [] if mapping.time and mapping.time.repeated == "mean" else repeated_rows(table.columns, table.line)
+    warnings += record_findings(columns, units, line)
+    for name in mapping.ignore:
+        warnings += channel_findings(f"The unused column '{name}'", "", table.columns.get(name, np.empty(0)), table.line)
+    if mapping.output is None:
+        warnings.append("These data have no position: good for the wire's heating, not for its hysteresis.")
+    elif mapping.output.quantity == "strain":
+        column = mapping.tables()[0][1]["position"].column
+        warnings += check_strain(path, column, convert(columns["position"], mapping.output.unit, "mm/mm"))
+    steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
+    return Draft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(warnings))
+
+
+def _on_one_clock(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[str]]:
+    """The table with a column 't_s' (NaN without a clock), repeats treated as the mapping says."""
+    time = mapping.time
+    if time is None:
+        return _with(table, {**table.columns, "t_s": np.full(len(table), np.nan)}, table.line), []
+    t_s = np.zeros(len(table))
+    if time.column:
+        t_s = t_s + convert(table.columns[time.column], time.unit, "s")
+    if time.period_s is not None:
+        within = time.period_s if time.column else 0.0
+        outside = np.flatnonzero((t_s < 0) | (t_s > within))
+        if outside.size:
+            raise DataError(
+                f"{path}, line {table.line[outside[0]]}, column '{time.column}': {t_s[outside[0]]:g} s lies "
+                f"outside the period of {time.period_s:g} s."
+            )
+        t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
+    check_time(path, time.column or "time", t_s, table.line, time.repeated)
+    said = time_findings(t_s, table.line, time.repeated)
+    if time.period_s is not None:
+        said.append(f"The file has no clock: {time.period_s:g} s a period is what the mapping says, not measured.")
+    if time.repeated != "mean":
+        return _with(table, {**table.columns, "t_s": t_s}, table.line), said
+    first, merged = merge_repeats(t_s, {**table.columns, "t_s": t_s})
+    return _with(table, merged, table.line[first]), said
+
+
+def _with(table: Table, columns: dict[str, Array], line: NDArray[np.int64]) -> Table:
+    return Table(columns, line, table.header, table.notes)
+
+
+def _unfolded(
+    path: Path, table: Table, mapping: MappingFile
+) -> tuple[dict[str, Array], NDArray[np.int64], list[str], list[str]]:
+    """Channels of all branches one after the other, line numbers, direction of each row, what was odd."""
+    parts = [_channels(path, table, mapping, columns) for _, columns in mapping.tables()]
+    notes = []
+    for k, (before, after) in enumerate(zip(parts[:-1], parts[1:])):
+        if all(before[c][-1] == after[c][0] for c in before if c in after and c != "t_s"):
+            notes.append(
+                f"The last reading of branch {k + 1} and the first of branch {k + 2} are the same in every "
+                f"channel: one reading, listed twice; both are kept."
+            )
+    names = [name for name in parts[0] if all(name in part for part in parts)]
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
+    line = np.concatenate([table.line] * len(parts))
+    branch = [b.direction for b in mapping.branch for _ in range(len(table))]
+    return columns, line, branch or directions(columns[mapping.input.channel]), notes
+
+
+def _channels(path: Path, table: Table, mapping: MappingFile, columns: dict) -> dict[str, Array]:
+    out = {"t_s": table.columns["t_s"]}
+    for channel, column in columns.items():
+        values = convert(_scaled(table, column), column.unit, mapping.unit_of(channel))
+        check_plausible(path, channel, column.column, values, table.line)
+        if not np.isfinite(values).any():
+            raise DataError(f"{path}: column '{column.column}' holds no number at all.")
+        out[channel] = np.array(values, dtype=float)
+    return out
+
+
+def _scaled(table: Table, column: Column) -> Array:
+    return column.scale * table.columns[column.column] + column.offset
+
+
+def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[str]]:
+    """What was meant to be constant, as mean, min, max; a sentence where it was not, or was never measured."""
+    out, said = {}, []
+    for name, column in mapping.conditions.items():
+        x = _scaled(table, column)
+        if not np.isfinite(x).any():
+            raise DataError(f"{path}: column '{column.column}' holds no number at all.")
+        mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
+        out[name] = {"unit": column.unit, "mean": mean, "min": low, "max": high}
+        if low == high:
+            said.append(f"{name} is exactly {low:g} {column.unit} in every row: nominal, not measured.")
+        elif high - low > 0.1 * abs(mean):
+            said.append(
+                f"{name} was not constant: {low:.4g} … {high:.4g} {column.unit}, mean {mean:.4g} {column.unit}."
+            )
+    return out, said
+
+
+def _compared(path: Path, table: Table, mapping: MappingFile, columns: dict[str, Array]) -> list[str]:
+    """Blanks channels where two sensors of one thing disagree; DataError if that is most of the file."""
+    said = []
+    for compare in mapping.compare:
+        a, b = (table.columns[name] for name in compare.columns)
+        apart = np.abs(a - b)
+        bad = apart > compare.within
+        pair = f"'{compare.columns[0]}' and '{compare.columns[1]}'"
+        if bad.mean() > 0.5:
+            raise DataError(
+                f"{path}: columns {pair} disagree by more than {compare.within:g} {compare.unit} in "
+                f"{int(bad.sum())} of {bad.size} rows; one of the two sensors had failed."
+            )
+        for channel in compare.blames if bad.any() else ():
+            columns[channel][bad] = np.nan
+        if bad.any():
+            said.append(
+                f"Columns {pair} disagree by up to {np.nanmax(apart):.3g} {compare.unit} in {int(bad.sum())} rows "
+                f"(lines {table.line[bad].min()}–{table.line[bad].max()}); {', '.join(compare.blames)} left out there."
+            )
+        usual = float(np.median(apart[~bad]))
+        if usual > 0.2 * compare.within:
+            said.append(f"Elsewhere columns {pair} still differ by {usual:.2g} {compare.unit} (median).")
+    return said
+
+
+def _reading_steps(columns: dict[str, Array], branch: list[str]) -> list[tuple]:
+    """One settled step a row: readings taken one by one."""
+    target, position, t_s = columns["input"], columns["position"], columns["t_s"]
+    columns["step"] = np.arange(target.size, dtype=float)
+    rows = []
+    for k in range(target.size):
+        known = np.isfinite([target[k], position[k]])
+        when = float(t_s[k]) if np.isfinite(t_s[k]) else None
+        rows.append(
+            step_row(
+                k,
+                branch=branch[k],
+                target=float(target[k]) if known[0] else None,
+                span_s=(when, when),
+                verdict="settled",
+                position=float(position[k]) if known[1] else None,
+                n=1,
+            )
+        )
+    return rows
+
+
+def _meta(mapping: MappingFile, columns: dict[str, Array], conditions: dict, table: Table) -> dict[str, Any]:
+    meta: dict[str, Any] = {
+        "protocol": mapping.name,
+        "input": {"quantity": mapping.input.quantity, "unit": mapping.input.unit},
+        "notes": " ".join(x for x in (mapping.summary, mapping.notes, f"Source: {mapping.source}.") if x),
+    }
+    if mapping.output:
+        resolution = quantum(columns["position"])
+        meta["output"] = {
+            "quantity": mapping.output.quantity,
+            "unit": mapping.output.unit,
+            "per_count": resolution,
+        }
+    if conditions:
+        meta["conditions"] = conditions
+    if table.header:
+        meta["header"] = table.header
+    return meta

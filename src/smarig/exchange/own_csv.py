@@ -1,0 +1,151 @@
+"""CSV in smarig's own columns: ``time_s``, a current, one position, and a few optional ones.
+
+Refuses any other column, naming it. Without ``step``, steps are found from the current.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError, UsageError
+from smarig.exchange.channel_faults import quantum
+from smarig.exchange.clock import check_time, time_findings
+from smarig.exchange.draft import Draft
+from smarig.exchange.findings import record_findings, repeated_rows, saturation, twin_columns
+from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
+from smarig.exchange.plausible import check_plausible
+from smarig.exchange.rig_facts import RigFacts
+from smarig.exchange.table import Layout, Table, read_table
+
+Array = NDArray[np.float64]
+CURRENTS = ("current_command_A", "current_A")
+POSITIONS = {"position_counts": "count", "position_mm": "mm", "position_deg": "deg"}
+OPTIONAL = ("voltage_V", "ambient_degC", "temperature_degC", "step", "flags")
+EXPORTED = ("tick", "counts", "input_K", "input_A")  # beside them in smarig's own exports
+UNITS = {
+    "current_A": "A",
+    "voltage_V": "V",
+    "temperature_degC": "degC",
+    "ambient_degC": "degC",
+}
+
+
+def read_own_csv(path: Path, rig: RigFacts | None = None) -> Draft:
+    """Read a CSV in smarig's columns; DataError or UsageError naming line and column."""
+    known = ("time_s", *CURRENTS, *POSITIONS, *OPTIONAL)
+    table = read_table(path, Layout(known=(*known, *EXPORTED)))
+    _check_columns(path, table, known)
+    line, t_s = table.line, table.columns["time_s"]
+    check_time(path, "time_s", t_s, line, "refuse")
+    columns: dict[str, Array] = {"t_s": t_s}
+    for name in (*CURRENTS, *UNITS):
+        if name in table.columns:
+            check_plausible(path, name, name, table.columns[name], line)
+            columns[name] = table.columns[name]
+    unit, resolution = _position(path, table, rig, columns)
+    drive = next(columns[name] for name in CURRENTS if name in columns)
+    if not np.isfinite(drive).all():
+        k = int(np.argmin(np.isfinite(drive)))
+        raise DataError(f"{path}, line {line[k]}: the current is empty or NaN; every row needs one.")
+    input_meta, target = _input(table, rig, columns, drive)
+    ranges = _given(table.columns["step"]) if "step" in table.columns else holds(drive, tolerance(drive))
+    rows, columns["step"], remarks = found_steps(
+        Recording(t_s, columns["position"], resolution), ranges, target
+    )
+    units = {**UNITS, "position": unit, "input": input_meta["unit"]}
+    columns["quality"] = np.fmax(_flags(path, table), saturation(columns, {**UNITS, "position": unit}))
+    warnings = [
+        *table.notes,
+        *time_findings(t_s, line, "refuse"),
+        *repeated_rows({k: v for k, v in table.columns.items() if k != "time_s"}, line),
+        *twin_columns({k: table.columns[k] for k in table.columns if k in known and k not in CURRENTS}),
+        *record_findings(columns, units, line),
+        *(remarks if "step" not in table.columns else []),
+    ]
+    meta = {
+        "protocol": "imported",
+        "input": input_meta,
+        "output": {
+            "quantity": "shaft angle" if unit == "deg" else "displacement",
+            "unit": unit,
+            "per_count": resolution,
+        },
+    }
+    return Draft(columns, meta, tuple(rows), tuple(warnings))
+
+
+def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:
+    names = list(table.columns)
+    allowed = {*known, *(EXPORTED if "tick" in names else ())}
+    unknown = [name for name in names if name not in allowed]
+    if unknown:
+        raise DataError(
+            f"{path}: column '{unknown[0]}' is not one of {', '.join(known)}; "
+            f"rename it or say what it is in a mapping file (--map)."
+        )
+    if "time_s" not in names:
+        raise DataError(
+            f"{path} has no column 'time_s'; data without time need a mapping file (--map) that says so."
+        )
+    if not set(CURRENTS) & set(names):
+        raise DataError(f"{path} has no current: a column 'current_command_A' or 'current_A' is needed.")
+    given = [name for name in POSITIONS if name in names]
+    if len(given) != 1:
+        found = f"has {' and '.join(given)}" if given else "has no position"
+        raise DataError(f"{path} {found}; exactly one of {', '.join(POSITIONS)} is needed.")
+
+
+def _position(
+    path: Path, table: Table, rig: RigFacts | None, columns: dict[str, Array]
+) -> tuple[str, float | None]:
+    name = next(n for n in POSITIONS if n in table.columns)
+    values = table.columns[name]
+    if not np.isfinite(values).any():
+        raise DataError(f"{path}: column '{name}' holds no number at all.")
+    if name != "position_counts":
+        columns["position"] = values
+        if rig and rig.actuator.unit != POSITIONS[name]:
+            raise UsageError(f"{path} has '{name}', but rig {rig.file.name} measures {rig.actuator.unit}.")
+        if "counts" in table.columns:
+            columns["counts"] = table.columns["counts"]
+        return POSITIONS[name], rig.per_count if rig else quantum(values)
+    if rig is None:
+        raise UsageError(f"{path} gives positions in encoder counts; say with --rig what one count is.")
+    columns["counts"], columns["position"] = values, values * rig.per_count
+    return rig.actuator.unit, rig.per_count
+
+
+def _input(
+    table: Table, rig: RigFacts | None, columns: dict[str, Array], drive: Array
+) -> tuple[dict[str, str], Callable[[int, int], float]]:
+    """Fills in the input; returns its description and the target of a hold of samples a…b."""
+    if rig is None:
+        columns["input"] = table.columns.get("input_A", drive)
+        return {"quantity": "current", "unit": "A"}, lambda a, b: float(np.mean(drive[a:b]))
+    measured = columns.get("current_A", drive)
+    along = rig.input_along(columns["t_s"], np.where(np.isfinite(measured), measured, drive))
+    columns["input"] = table.columns.get("input_K", along)
+    meta = {
+        "quantity": "wire temperature above ambient" + (", T1 - T2" if rig.actuator.two_wire else ""),
+        "unit": "K",
+        "from": "the file" if "input_K" in table.columns else "heating model along the current, from a cold wire",
+    }
+    return meta, lambda a, b: rig.actuator.input_for(float(np.mean(drive[a:b])))
+
+
+def _given(step: Array) -> list[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.nan_to_num(step, nan=-1.0))) + 1
+    bounds = [0, *edges.tolist(), step.size]
+    return [(a, b) for a, b in zip(bounds[:-1], bounds[1:]) if np.isfinite(step[a])]
+
+
+def _flags(path: Path, table: Table) -> Array:
+    flags = table.columns.get("flags", np.zeros(len(table)))
+    bad = np.flatnonzero(np.isfinite(flags) & ((flags < 0) | (flags != np.round(flags))))
+    if bad.size:
+        raise DataError(
+            f"{path}, line {table.line[bad[0]]}, column 'flags': {flags[bad[0]]:g} is not a whole number ≥ 0."
+        )
+    return np.nan_to_num(flags)

@@ -1,0 +1,19 @@
+"""Text tables: smarig's own columns, or anybody's through a mapping file."""
+
+from pathlib import Path
+
+from smarig.errors import UsageError
+from smarig.exchange.draft import Draft
+from smarig.exchange.mapped_csv import read_mapped_csv
+from smarig.exchange.mapping import load_mapping
+from smarig.exchange.own_csv import read_own_csv
+from smarig.exchange.rig_facts import RigFacts
+
+
+def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Draft:
+    """Text table with a header row, or anything a mapping file describes."""
+    if mapping is None:
+        return read_own_csv(path, RigFacts.named(rig) if rig else None)
+    if rig is not None:
+        raise UsageError("Give --rig or --map: a mapping file says itself what the columns are.")
+    return read_mapped_csv(path, load_mapping(mapping))

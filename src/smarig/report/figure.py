@@ -1,0 +1,111 @@
+"""A figure: panels of plain Plotly traces, a title sentence, and a caption that can be read alone.
+
+Traces and layouts are plain dictionaries in Plotly's own schema, arrays are packed in base64, so a page
+holds no Python objects and no default template. Knows no page and no physics.
+"""
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from smarig.report.html import Html, joined, tag
+
+Trace = dict[str, Any]
+TWIN = Html('<span class="twin">TWIN · simulated, not hardware</span>')
+MARK = {
+    "text": "TWIN",
+    "xref": "paper",
+    "yref": "paper",
+    "x": 1,
+    "y": 1,
+    "xanchor": "right",
+    "yanchor": "bottom",
+    "showarrow": False,
+    "bgcolor": "#f7c948",
+    "borderpad": 2,
+    "font": {"size": 11, "color": "#111"},
+}
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot: traces and layout (Plotly schema), height in CSS pixels."""
+
+    data: Sequence[Trace]
+    layout: Mapping[str, Any]
+    height: int = 420
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Panels under one caption. ``least_px`` is the width below which panels stand under each other."""
+
+    panels: Sequence[Panel]
+    title: str
+    caption: Sequence[Any]
+    twin: bool
+    least_px: int = 560
+
+    def html(self) -> Html:
+        """The figure as markup; its plots are drawn by the page's script."""
+        panels = [_panel(panel, self.twin) for panel in self.panels]
+        badge = joined([TWIN, " "]) if self.twin else ""
+        words = joined([part for part in self.caption if part], " ")
+        caption = tag("figcaption", badge, tag("b", self.title), " ", words)
+        return tag("figure", tag("div", *panels, class_="panels", style=f"--least:{self.least_px}px"), caption)
+
+
+def _panel(panel: Panel, twin: bool) -> Html:
+    layout = dict(panel.layout)
+    if twin:
+        layout["annotations"] = [*layout.get("annotations", ()), MARK]
+    text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
+    # "<" must not end the script element it stands in
+    script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
+    return tag("div", script, class_="plot", style=f"height:{panel.height}px")
+
+
+def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
+    """An array as Plotly's typed-array specification; NaN stays NaN. ``single`` halves long traces.
+
+    >>> packed([1.0, 2.0])["dtype"], packed([[1.0, 2.0]])["shape"]
+    ('f8', '1, 2')
+    """
+    array = np.ascontiguousarray(values, dtype="<f4" if single else "<f8")
+    spec = {"dtype": "f4" if single else "f8", "bdata": base64.b64encode(array.tobytes()).decode("ascii")}
+    if array.ndim == 2:
+        spec["shape"] = f"{array.shape[0]}, {array.shape[1]}"
+    return spec
+
+
+def line(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:
+    """A line trace; ``dash`` and ``width`` style it, other keywords are Plotly's."""
+    style = {"color": colour, "width": more.pop("width", 1.6), "dash": more.pop("dash", "solid")}
+    return {"type": "scatter", "mode": "lines", "x": _x(x), "y": _x(y), "name": str(tag_free(name)), "line": style} | more
+
+
+def dots(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:
+    """A marker trace; ``size`` and ``symbol`` style it, other keywords are Plotly's."""
+    style = {"color": colour, "size": more.pop("size", 6), "symbol": more.pop("symbol", "circle")}
+    style |= more.pop("marker", {})
+    return {"type": "scatter", "mode": "markers", "x": _x(x), "y": _x(y), "name": str(tag_free(name)), "marker": style} | more
+
+
+def _x(values: ArrayLike) -> dict[str, str]:
+    array = np.asarray(values, dtype=float)
+    return packed(array, single=array.size > 500)
+
+
+def tag_free(text: Any) -> Html:
+    """Text for inside a plot, where Plotly would read markup: escaped."""
+    return joined([text])
+
+
+def axis(title: str, **more: Any) -> dict[str, Any]:
+    """An axis with its quantity and unit."""
+    return {"title": {"text": tag_free(title)}} | more

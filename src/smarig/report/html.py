@@ -1,0 +1,87 @@
+"""HTML built from data: every piece of text is escaped unless it already is HTML.
+
+Knows tags. Refuses to know pages, figures and physics. What a person typed (names, notes, file names)
+can never become markup, because plain ``str`` is always escaped.
+"""
+
+import html
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+_VOID = {"br", "meta", "hr"}
+
+
+class Html(str):
+    """Markup that is safe to put into a page as it stands."""
+
+    __slots__ = ()
+
+
+def escaped(value: Any) -> Html:
+    """A value as safe markup: Html as it is, everything else through ``html.escape``.
+
+    >>> escaped("<script>")
+    '&lt;script&gt;'
+    """
+    return value if isinstance(value, Html) else Html(html.escape(str(value)))
+
+
+def tag(name: str, *children: Any, **attributes: Any) -> Html:
+    """``<name …>children</name>``; a trailing underscore in an attribute's name is dropped, inner ones are '-'.
+
+    >>> tag("p", "T < 0", class_="note")
+    '<p class="note">T &lt; 0</p>'
+    """
+    given = "".join(
+        f' {key.rstrip("_").replace("_", "-")}="{html.escape(str(value))}"'
+        for key, value in attributes.items()
+        if value not in (None, "")
+    )
+    if name in _VOID:
+        return Html(f"<{name}{given}>")
+    return Html(f"<{name}{given}>{joined(children)}</{name}>")
+
+
+def joined(parts: Iterable[Any], between: str = "") -> Html:
+    """Pieces one after the other, each escaped if it is not HTML."""
+    return Html(between.join(escaped(part) for part in parts))
+
+
+def paragraph(*parts: Any) -> Html:
+    """A paragraph of text."""
+    return tag("p", *parts)
+
+
+def bullets(items: Iterable[Any]) -> Html:
+    """A list; nothing at all when there are no items."""
+    rows = [tag("li", item) for item in items]
+    return tag("ul", *rows) if rows else Html("")
+
+
+def table(header: Sequence[Any], rows: Iterable[Sequence[Any]], caption: Any = "") -> Html:
+    """A table with a caption; the first column heads its row. Wide tables scroll inside their own frame."""
+    head = tag("thead", tag("tr", *(tag("th", cell, scope="col") for cell in header)))
+    body = tag("tbody", *(_row(row) for row in rows))
+    title = tag("caption", caption) if caption else ""
+    return tag("div", tag("table", title, head, body), class_="table")
+
+
+def _row(cells: Sequence[Any]) -> Html:
+    return tag("tr", tag("th", cells[0], scope="row"), *(tag("td", cell) for cell in cells[1:]))
+
+
+def cards(items: Iterable[tuple[Any, Any, Any]]) -> Html:
+    """The few numbers that matter: (label, value, note) each."""
+    return tag(
+        "div",
+        *(
+            tag("div", tag("small", label), tag("strong", value), tag("span", note), class_="card")
+            for label, value, note in items
+        ),
+        class_="cards",
+    )
+
+
+def notice(kind: str, *parts: Any) -> Html:
+    """A box that stands out; kind is 'good', 'warning' or 'bad'."""
+    return tag("div", *parts, class_=f"notice {kind}")

@@ -1,0 +1,119 @@
+"""The page kit: one self-contained HTML file with navigation, banners and everything it needs inside.
+
+Plotly's script is embedded once; nothing is ever loaded from anywhere. Knows no physics.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plotly.offline import get_plotlyjs
+
+from smarig.errors import StorageError, UsageError
+from smarig.report.figure import Figure
+from smarig.report.html import Html, escaped, joined, tag
+from smarig.report.style import CSS, template
+
+_DRAW = """
+(function(){
+ const template=TEMPLATE, config={displaylogo:false,responsive:true,displayModeBar:'hover',
+  modeBarButtonsToRemove:['select2d','lasso2d','autoScale2d']};
+ const plots=[...document.querySelectorAll('.plot')];
+ let next=0, width=0;
+ function draw(div){
+  const source=div.querySelector('script'); if(!source) return;
+  const spec=JSON.parse(source.textContent); source.remove();
+  spec.layout.template=template; spec.layout.autosize=true;
+  if(div.clientWidth<520){ spec.layout.margin=Object.assign({l:52,r:8,t:40,b:46},spec.layout.narrow||{});
+   spec.layout.font={size:11}; }
+  Plotly.newPlot(div,spec.data,spec.layout,config);
+ }
+ function step(){ if(next<plots.length){ draw(plots[next++]); setTimeout(step,0); } }
+ function all(){ while(next<plots.length) draw(plots[next++]); }
+ function fit(){ plots.forEach(div=>Plotly.relayout(div,{width:div.clientWidth,height:div.clientHeight})); }
+ addEventListener('beforeprint',()=>{ all(); document.body.style.width='700px'; fit(); });
+ addEventListener('afterprint',()=>{ document.body.style.width='';
+  plots.forEach(div=>Plotly.relayout(div,{width:null,height:null,autosize:true})); });
+ step();
+})();
+"""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A titled part of the page; ``short`` is its name in the navigation."""
+
+    title: str
+    short: str
+    parts: Sequence[Html | Figure]
+
+
+def page(title: str, lead: Any, sections: Sequence[Section], *, twin: bool, notices: Sequence[Html] = ()) -> str:
+    """The whole page as text. ``notices`` stand above everything else (incomplete runs, refusals)."""
+    banner = tag("div", _TWIN_WORDS, class_="twinbar", role="note") if twin else ""
+    links = [tag("a", s.short, href=f"#section-{k}") for k, s in enumerate(sections, start=1)]
+    top = tag("div", banner, tag("nav", *links, aria_label="Sections"), class_="sticky")
+    header = tag("header", tag("h1", title), tag("p", lead, class_="lead"), *notices, class_="top")
+    body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)), _footer(twin))
+    head = joined(
+        [
+            tag("meta", charset="utf-8"),
+            tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+            tag("title", ("TWIN · " if twin else "") + title),
+            tag("style", Html(CSS)),
+        ]
+    )
+    needs_plots = any(isinstance(part, Figure) for s in sections for part in s.parts)
+    scripts = _scripts() if needs_plots else Html("")
+    return Html(
+        f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{top}{header}{body}{scripts}</body></html>\n'
+    )
+
+
+_TWIN_WORDS = "TWIN: every number on this page comes from a software simulation. No wire was measured."
+
+
+def _section(number: int, section: Section) -> Html:
+    parts = [part.html() if isinstance(part, Figure) else escaped(part) for part in section.parts]
+    return tag("section", tag("h2", section.title), *parts, id=f"section-{number}")
+
+
+def _scripts() -> Html:
+    draw = _DRAW.replace("TEMPLATE", json.dumps(template()))
+    missing = tag("noscript", tag("p", "The figures of this page need JavaScript; the tables do not."))
+    return joined([missing, Html(f"<script>{get_plotlyjs()}</script>\n<script>{draw}</script>")])
+
+
+def _footer(twin: bool) -> Html:
+    words = "Written by smarig. This file is complete in itself and loads nothing from anywhere."
+    return tag("footer", (_TWIN_WORDS + " " if twin else "") + words)
+
+
+def write_page(html: str, path: str | Path, force: bool = False) -> Path:
+    """Write a page, all of it or nothing. UsageError if it exists (without ``force``) or has no folder."""
+    file = Path(path)
+    if file.is_dir():
+        raise UsageError(f"{file} is a folder; name the page to write, for example {file / 'report.html'}.")
+    if file.exists() and not force:
+        raise UsageError(f"{file} exists; give another name or --force to replace it.")
+    part = file.with_name(file.name + ".part")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        part.write_text(html, encoding="utf-8")
+        part.replace(file)
+    except (FileExistsError, NotADirectoryError):
+        raise UsageError(f"{file.parent} is not a folder; name a page inside a folder.") from None
+    except OSError as error:
+        raise StorageError(f"Page {file} cannot be written: {error.strerror or error}.") from None
+    finally:
+        _remove(part)
+    return file
+
+
+def _remove(part: Path) -> None:
+    try:
+        part.unlink(missing_ok=True)
+    except OSError:
+        return

@@ -1,0 +1,125 @@
+"""The look of every page: one palette, one set of fonts, one plot template.
+
+Colours are those of Okabe & Ito, told apart by colour-blind readers; they keep one meaning everywhere.
+Knows no data.
+"""
+
+from typing import Any
+
+INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
+HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion rises, blue falls
+CURRENT, TEMPERATURE, POSITION = "#E69F00", "#D55E00", "#0072B2"
+FIRST, SECOND, GOOD, BAD = "#0072B2", "#D55E00", "#009E73", "#D55E00"
+MODEL = "#009E73"
+SURFACES = {
+    "constant": "#56B4E9",
+    "parabolic": "#CC79A7",
+    "exponential": "#E69F00",
+    "table": "#6b7280",
+    "positive": "#009E73",
+}
+SEQUENCE = "Cividis"
+DIVERGING = "RdBu"  # reversed in use: red is positive, blue negative, white zero
+FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+
+
+def colours(n: int) -> list[str]:
+    """n colours along cividis, dark to bright (the brightest tenth is left out: unreadable on white)."""
+    stops = ((0, 34, 78), (60, 77, 110), (124, 123, 120), (187, 173, 108), (233, 205, 75))
+    picked = []
+    for k in range(n):
+        place = (len(stops) - 1) * k / max(n - 1, 1)
+        i = min(int(place), len(stops) - 2)
+        mixed = (round(a + (place - i) * (b - a)) for a, b in zip(stops[i], stops[i + 1]))
+        picked.append("rgb({},{},{})".format(*mixed))
+    return picked
+
+
+def _axis() -> dict[str, Any]:
+    return {
+        "showline": True,
+        "linecolor": INK,
+        "linewidth": 1,
+        "mirror": True,
+        "ticks": "inside",
+        "ticklen": 5,
+        "gridcolor": "#eceff3",
+        "zeroline": False,
+        "automargin": True,
+        "title": {"standoff": 8},
+    }
+
+
+def template() -> dict[str, Any]:
+    """The Plotly template all figures share; embedded once in a page."""
+    scene_axis = {"backgroundcolor": "#f7f8fa", "gridcolor": FAINT, "showbackground": True, "zeroline": False}
+    return {
+        "layout": {
+            "font": {"family": FONT, "size": 13, "color": INK},
+            "paper_bgcolor": "#ffffff",
+            "plot_bgcolor": "#ffffff",
+            "margin": {"l": 64, "r": 16, "t": 40, "b": 52},
+            "xaxis": _axis(),
+            "yaxis": _axis(),
+            "hovermode": "closest",
+            "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
+            "scene": {"xaxis": scene_axis, "yaxis": scene_axis, "zaxis": scene_axis},
+        }
+    }
+
+
+CSS = """
+:root{--ink:#1b1f24;--grey:#5b6470;--line:#d9dde3;--soft:#f5f6f8;--blue:#0072B2;--amber:#f7c948}
+*{box-sizing:border-box}
+html{scroll-padding-top:5.5rem;-webkit-text-size-adjust:100%}
+body{margin:0;background:#fff;color:var(--ink);font:16px/1.55 FONT;counter-reset:section figure table;
+ font-variant-numeric:tabular-nums}
+main,header.top{max-width:1180px;margin:0 auto;padding:0 24px}
+.sticky{position:sticky;top:0;z-index:20;background:#fff;border-bottom:1px solid var(--line)}
+.twinbar{background:repeating-linear-gradient(-45deg,#f7c948 0 22px,#f2b632 22px 44px);color:#111;font-weight:700;
+ text-align:center;padding:6px 12px;letter-spacing:.02em}
+nav{display:flex;gap:2px 18px;overflow-x:auto;white-space:nowrap;padding:8px 24px;max-width:1180px;margin:0 auto;
+ font-size:14px}
+nav a{color:var(--grey);text-decoration:none}nav a:hover{color:var(--blue);text-decoration:underline}
+h1{font-size:clamp(24px,3.4vw,36px);line-height:1.15;margin:28px 0 6px;letter-spacing:-.01em;overflow-wrap:anywhere}
+.lead{color:var(--grey);margin:0 0 18px;font-size:17px;max-width:72ch;overflow-wrap:anywhere}
+section{margin:44px 0;counter-increment:section}
+h2{font-size:23px;margin:0 0 12px;padding-top:14px;border-top:2px solid var(--ink);line-height:1.25}
+h2::before{content:counter(section) "  ";color:var(--grey);font-weight:400}
+h3{font-size:17px;margin:26px 0 6px}
+p,li{max-width:78ch;overflow-wrap:anywhere}
+code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow-wrap:anywhere}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(185px,1fr));gap:12px;margin:18px 0}
+.card{border:1px solid var(--line);border-top:4px solid var(--blue);padding:10px 14px 12px;background:#fff}
+.card small{display:block;color:var(--grey);font-size:13px}
+.card strong{display:block;font-size:25px;line-height:1.25;font-weight:650;letter-spacing:-.01em}
+.card span{display:block;font-size:13px;color:var(--grey);line-height:1.4}
+.notice{border-left:5px solid var(--grey);background:var(--soft);padding:10px 16px;margin:12px 0;max-width:90ch;
+ overflow-wrap:anywhere}
+.notice p{margin:.2em 0}.notice.good{border-color:#009E73}.notice.warning{border-color:#E69F00;background:#fff8e8}
+.notice.bad{border-color:#D55E00;background:#fdf0e8}
+figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
+figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px}
+.plot{width:100%;min-width:0;position:relative}
+figcaption{font-size:14px;line-height:1.5;color:#333a44;max-width:100ch;margin-top:4px;overflow-wrap:anywhere}
+figcaption::before{content:"Figure " counter(figure) ". ";font-weight:700}
+.twin{display:inline-block;background:var(--amber);color:#111;font-weight:700;font-size:12px;padding:0 6px;
+ border-radius:2px;letter-spacing:.03em;white-space:nowrap}
+.table{overflow-x:auto;margin:16px 0 22px;break-inside:avoid}
+table{border-collapse:collapse;font-size:14px;line-height:1.4;min-width:min(100%,420px)}
+caption{text-align:left;font-size:14px;color:#333a44;padding-bottom:6px;max-width:100ch}
+caption::before{counter-increment:table;content:"Table " counter(table) ". ";font-weight:700}
+th,td{text-align:left;padding:4px 16px 4px 0;border-bottom:1px solid var(--line);vertical-align:top;font-weight:400}
+thead th{border-bottom:2px solid var(--ink);font-weight:600;vertical-align:bottom}
+tbody th{font-weight:500}td{overflow-wrap:anywhere;min-width:4.5em}
+details{margin:10px 0}summary{cursor:pointer;color:var(--blue)}pre{overflow-x:auto;background:var(--soft);padding:12px;
+ font:12px/1.45 ui-monospace,Menlo,Consolas,monospace}
+footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding:14px 0 40px}
+@media (max-width:600px){body{font-size:15px}main,header.top{padding:0 14px}nav{padding:7px 14px}
+ .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}}
+@media print{@page{size:A4;margin:14mm 12mm}body{font-size:10pt}.sticky{position:static}nav{display:none}
+ main,header.top{padding:0;max-width:none}section{margin:22px 0}h2,h3{break-after:avoid}.modebar{display:none!important}
+ .twinbar,.notice,.card,.twin{-webkit-print-color-adjust:exact;print-color-adjust:exact}
+ .cards{grid-template-columns:repeat(3,1fr)}figcaption,table,caption{font-size:8.5pt}.card strong{font-size:15pt}
+ figure .panels{grid-template-columns:repeat(auto-fit,minmax(min(100%,min(300px,var(--least,300px))),1fr))}}
+""".replace("FONT", FONT)

@@ -1,0 +1,24 @@
+"""What every chapter shares: a private lock folder, deterministic properties, the folder of others' data."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60)
+settings.load_profile("ci")
+
+
+@pytest.fixture(autouse=True)
+def _private_locks(tmp_path, monkeypatch):
+    """Tests run side by side: each has its own idea of which wires are in use."""
+    monkeypatch.setenv("SMARIG_LOCK_DIR", str(tmp_path / "locks"))
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Measurements by others, beside the repository; tests that need them are skipped without."""
+    folder = Path(__file__).resolve().parents[2] / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip(f"no folder {folder.parent.name}/{folder.name} with others' measurements beside the repository")
+    return folder

@@ -1,0 +1,51 @@
+"""Host limits: current, rate and predicted temperature are refused or tripped, and the rig ends at zero."""
+
+import pytest
+
+from smarig.command import Elapsed, Hold
+from smarig.errors import LimitExceeded
+from smarig.rig.guard import Guard
+from smarig.rig.twin import Twin
+from smarig.runner.listener import Watch
+from smarig.runner.runner import Runner
+
+
+def guarded(**limits):
+    twin = Twin.named("one_wire_twin", noise=False)
+    return twin, Guard(twin, twin.file.limits.model_copy(update=limits), twin.actuator)
+
+
+
+def generator(*commands):
+    yield from commands
+
+
+@pytest.mark.parametrize(
+    ("limits", "current_A", "message"),
+    [({}, 1.2, "outside the limits"), ({}, -0.1, "outside the limits"), ({"current_rate_A_per_s": 1.0}, 0.5, "A/s")],
+)
+def test_a_forbidden_command_never_reaches_the_rig(limits, current_A, message):
+    twin, guard = guarded(**limits)
+    with pytest.raises(LimitExceeded, match=message):
+        Runner(guard, 1.0, []).run(generator(Hold(current_A, Elapsed(1))))
+    assert twin.tick == 0
+    assert twin.output_A == 0.0
+
+
+def test_predicted_temperature_trips_to_zero_and_the_samples_that_show_it_are_kept():
+    twin, guard = guarded(temperature_max_K=100.0)
+    seen = []
+    watch = Watch(on_sample=lambda s, step, input_K: seen.append(input_K))
+    with pytest.raises(LimitExceeded, match=r"temperature_max_K = 100"):
+        Runner(guard, 1.0, [watch]).run(generator(Hold(1.0, Elapsed(60))))
+    assert twin.output_A == 0.0
+    assert seen[-1] > 100 > seen[-2]
+    with pytest.raises(LimitExceeded):
+        guard.step(0.0)
+
+
+def test_each_wire_of_the_differential_rig_is_watched():
+    twin = Twin.named("two_wire_twin", noise=False)
+    guard = Guard(twin, twin.file.limits.model_copy(update={"temperature_max_K": 100.0}), twin.actuator)
+    with pytest.raises(LimitExceeded):
+        Runner(guard, 1.0, []).run(generator(Hold(-1.0, Elapsed(60))))

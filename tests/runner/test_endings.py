@@ -1,0 +1,159 @@
+"""Every ending is safe and recorded: signals, exceptions, a full disk, kill -9. Real processes, real files."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import smarig
+from smarig.errors import RigFault, StorageError
+from smarig.record import recorder as recorder_module
+from smarig.runner.lock import wire_lock
+from smarig.runner.session import Session
+
+SPEED = 300
+posix = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+
+
+def start(out: Path, *extra: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "smarig", "run", "first_order_descending", "--rig", "one_wire_twin"]
+    return subprocess.Popen(
+        [*command, "-o", str(out), "--speed", str(SPEED), *extra],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def wait_for_samples(process: subprocess.Popen, out: Path, at_least: int) -> None:
+    """Until another process (this one) can read that many samples of the growing run."""
+    for _ in range(2000):
+        if out.exists():
+            try:
+                if len(smarig.load_run(out)) >= at_least:
+                    return
+            except smarig.record.run.DataError:
+                pass  # the file exists, its tables not yet
+        try:
+            process.wait(timeout=0.02)
+        except subprocess.TimeoutExpired:
+            continue
+        break
+    pytest.fail(f"no {at_least} samples: {process.communicate()}")
+
+
+@posix
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_signals_close_the_run_at_zero_within_a_second(tmp_path, name):
+    out = tmp_path / "r.run.sqlite"
+    process = start(out)
+    wait_for_samples(process, out, 100)
+    asked = time.monotonic()
+    process.send_signal(getattr(signal, name))
+    _, stderr = process.communicate(timeout=20)
+    assert time.monotonic() - asked < 1.0
+    assert process.returncode == 130
+    assert stderr.count("\n") == 1, stderr
+    run = smarig.load_run(out)
+    assert run.complete
+    assert run.cause != "done"
+    assert name in run.cause or "Ctrl-C" in run.cause
+    assert not list(tmp_path.glob("*-wal"))
+
+
+@posix
+@pytest.mark.parametrize("moment", range(10))
+def test_kill_9_loses_at_most_the_last_second(tmp_path, moment):
+    out = tmp_path / "r.run.sqlite"
+    process = start(out)
+    wait_for_samples(process, out, random.Random(moment).randint(1, 4000))
+    seen = len(smarig.load_run(out))
+    killed = time.time()
+    process.kill()
+    process.communicate()
+    run = smarig.load_run(out)
+    assert len(run) >= seen
+    assert not run.complete
+    assert "never closed" in run.cause
+    started = next(e for e in run.events if e.kind == "start").data["epoch"]
+    assert run["t_s"][-1] / SPEED >= killed - started - 1.0
+    assert list(run["tick"]) == list(range(1, len(run) + 1))
+
+
+def test_a_full_disk_stops_the_run_and_keeps_what_was_written(tmp_path, monkeypatch):
+    out = tmp_path / "r.run.sqlite"
+    twins = []
+    calls = iter([10**12] * 3)  # the check before the run, then two commits
+
+    def shrinking(_path):
+        return type("Usage", (), {"free": next(calls, 1000)})()
+
+    monkeypatch.setattr(recorder_module.shutil, "disk_usage", shrinking)
+    monkeypatch.setattr(recorder_module, "COMMIT_INTERVAL_S", 0.001)
+    with pytest.raises(StorageError, match="cannot be written"), Session("one_wire_twin", speed=2000) as session:
+        twins.append(session.twin)
+        session.run("first_order_descending", {}, out)
+    assert twins[0].output_A == 0.0
+    run = smarig.load_run(out)
+    assert len(run) > 0
+    assert "cannot be written" in run.cause
+
+
+def test_a_long_run_is_refused_before_it_starts_when_space_is_short(tmp_path, monkeypatch):
+    monkeypatch.setattr(recorder_module.shutil, "disk_usage", lambda p: type("U", (), {"free": 10_000_000})())
+    out = tmp_path / "r.run.sqlite"
+    with pytest.raises(StorageError, match="MB free"), Session("one_wire_twin") as session:
+        session.run("validation", {}, out)
+    assert not out.exists()
+
+
+def test_an_exception_in_a_listener_closes_the_run_with_its_cause(tmp_path):
+    class Broken:
+        def sample(self, s, step, input_value):
+            if s.tick == 50:
+                raise ZeroDivisionError("viewer bug")
+
+        def step(self, *a, **k): ...
+        def event(self, *a, **k): ...
+
+    out = tmp_path / "r.run.sqlite"
+    with pytest.raises(ZeroDivisionError), Session("one_wire_twin") as session:
+        session.run("validation", {}, out, listeners=[Broken()])
+    run = smarig.load_run(out)
+    assert run.cause == "failed: ZeroDivisionError: viewer bug"
+    assert len(run) == 50
+    assert session.twin.output_A == 0.0
+
+
+def test_one_runner_per_wire():
+    with wire_lock("w"), pytest.raises(RigFault, match=rf"in use by process {os.getpid()}"), wire_lock("w"):
+        pytest.fail("two runners on one wire")
+    with wire_lock("w"):
+        pass
+
+
+def test_a_second_run_on_the_wire_is_refused_with_status_3(tmp_path):
+    out = tmp_path / "a.run.sqlite"
+    with Session("one_wire_twin"):
+        process = start(out)
+        _, stderr = process.communicate(timeout=60)
+    assert process.returncode == 3
+    assert "in use" in stderr
+    assert not out.exists()
+
+
+def test_a_disk_that_fails_at_the_very_end_is_not_passed_over(tmp_path, monkeypatch):
+    def refuse(self):
+        raise recorder_module.sqlite3.OperationalError("database or disk is full")
+
+    out = tmp_path / "r.run.sqlite"
+    recorder = recorder_module.Recorder(out, {"rig": "x"})
+    monkeypatch.setattr(recorder_module.Recorder, "_commit", refuse)
+    with pytest.raises(StorageError, match="disk is full"):
+        recorder.close()
+    assert smarig.load_run(out).meta["rig"] == "x"

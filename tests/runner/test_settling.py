@@ -1,0 +1,75 @@
+"""The settling rule: noise does not hide it, drift does, time-outs are said."""
+
+import math
+
+import numpy as np
+import pytest
+
+from smarig.command import Elapsed, Hold, Settled, Verdict
+from smarig.errors import UsageError
+from smarig.rig.guard import Guard
+from smarig.rig.twin import Twin
+from smarig.runner.listener import Watch
+from smarig.runner.runner import Runner
+from smarig.runner.settling import SettleWindow
+
+
+def first_settled(counts, until):
+    window = SettleWindow(until, 0.1)
+    for k, c in enumerate(counts):
+        window.add(int(c))
+        if window.settled:
+            return k + 1, window
+    return None, window
+
+
+def test_a_still_wire_settles_after_exactly_one_window():
+    assert first_settled([7] * 400, Settled())[0] == 250
+
+
+def test_encoder_noise_does_not_keep_it_from_settling():
+    rng = np.random.default_rng(0)
+    done = [first_settled(np.rint(rng.normal(3.2, 0.4, 3000)), Settled())[0] for _ in range(50)]
+    assert all(k is not None and k < 600 for k in done)
+
+
+def test_a_drift_of_more_than_the_band_per_window_is_not_settled():
+    k = np.arange(3000)
+    assert first_settled(np.rint(k * 2.0 / 250), Settled())[0] is None
+
+
+@pytest.mark.parametrize("amplitude", [5.0, 50.0, 250.0])
+def test_what_is_left_when_it_settles_is_small(amplitude):
+    t = np.arange(4000) * 0.1
+    rng = np.random.default_rng(1)
+    counts = np.rint(amplitude * np.exp(-t / 5.3) + rng.normal(0, 0.4, t.size))
+    k, window = first_settled(counts, Settled())
+    mean, _, n = window.statistics()
+    assert n == 250
+    assert abs(mean) < 0.35
+    assert amplitude * math.exp(-t[k] / 5.3) < 0.1
+
+
+def test_a_hold_that_never_settles_times_out_and_says_so():
+    twin = Twin.named("one_wire_twin", seed=1)
+    results = []
+    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), 0.047, [Watch(on_step=results.append)])
+    runner.run(c for c in [Hold(0.6, Settled(band_counts=0.01, timeout_s=60.0))])
+    assert results[0].verdict is Verdict.TIMED_OUT
+    assert math.isclose(results[0].t_end_s - results[0].t_start_s, 60.0)
+    assert results[0].n == 250
+
+
+def test_a_fixed_hold_reports_its_last_25_seconds():
+    twin = Twin.named("one_wire_twin", noise=False)
+    results = []
+    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), 1.0, [Watch(on_step=results.append)])
+    runner.run(c for c in [Hold(0.6, Elapsed(100.0)), Hold(0.6, Elapsed(3.0))])
+    assert [r.n for r in results] == [250, 30]
+    assert results[1].index == 1
+
+
+@pytest.mark.parametrize("wrong", [{"band_counts": 0}, {"window_s": -1}, {"timeout_s": 5}])
+def test_impossible_settling_is_refused(wrong):
+    with pytest.raises(UsageError, match="Settling needs"):
+        Settled(**wrong)
