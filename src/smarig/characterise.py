@@ -1,0 +1,163 @@
+"""The main job, end to end: run the campaign, test, identify, verify, report.
+
+Puts the parts together in the order of the thesis's chapter 5. Refuses to compute anything itself.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from smarig.config import CampaignFile, load_campaign, load_rig
+from smarig.errors import DataError, StorageError, UsageError
+from smarig.identification.identify import Identification, identify
+from smarig.identification.representation import Representation, congruency, wiping_out
+from smarig.identification.verify import Verification, verify
+from smarig.record import Run, load_run
+from smarig.report.characterisation import characterisation_page
+from smarig.report.evidence import Evidence
+from smarig.report.page import write_page
+from smarig.runner.listener import Listener
+from smarig.runner.preview import Preview, preview
+from smarig.runner.remnant import remnant
+from smarig.runner.session import Session
+
+SURFACES = ("constant", "parabolic", "exponential", "table")
+Watching = Callable[[Preview], AbstractContextManager[Listener | None]]
+
+
+@dataclass(frozen=True)
+class Characterisation:
+    """What `smarig characterise` found and where it put it."""
+
+    out: Path
+    evidence: Evidence
+
+    def to_json(self) -> dict[str, Any]:
+        """The CLI's JSON object."""
+        e = self.evidence
+        chosen = e.identifications[e.chosen]
+        return {
+            "out": str(self.out),
+            "report": str(self.out / "report.html"),
+            "model": str(self.out / "model.json"),
+            "runs": [str(run.path) for run in e.runs.values()],
+            "surface": e.chosen,
+            "identify": chosen.to_json(),
+            "verify": {name: v.to_json() for name, v in e.verifications.items()},
+            "representation": [r.to_json() for r in e.representation],
+            "discoveries": list(e.discoveries),
+            "warnings": list(e.warnings),
+            "seconds": e.seconds,
+        }
+
+
+def characterise(
+    rig: str,
+    out: Path,
+    *,
+    campaign: str = "characterise",
+    seed: int = 0,
+    wire: str = "",
+    force: bool = False,
+    watching: Watching | None = None,
+) -> Characterisation:
+    """Characterise the wire of a rig into a folder: runs, model.json, report.html.
+
+    Nothing existing is overwritten without ``force``. Raises what the runs raise; a finished run stays.
+    """
+    started = time.monotonic()
+    plan = load_campaign(campaign)
+    _check_folder(out, plan, force)
+    runs = _run_all(rig, plan, out, seed, wire, force, watching or (lambda _: nullcontext()))
+    evidence = _analyse(rig, plan, runs, started)
+    evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
+    write_page(characterisation_page(evidence), out / "report.html", force=force)
+    return Characterisation(out, evidence)
+
+
+def _check_folder(out: Path, plan: CampaignFile, force: bool) -> None:
+    try:
+        (out / "runs").mkdir(parents=True, exist_ok=True)
+        probe = out / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
+    targets = [_target(out, k, plan) for k in range(len(plan.step))] + [out / "model.json", out / "report.html"]
+    existing = [t for t in targets if t.exists()]
+    if existing and not force:
+        raise UsageError(f"{existing[0]} exists; give another folder or --force to replace it.")
+
+
+def _target(out: Path, k: int, plan: CampaignFile) -> Path:
+    return out / "runs" / f"{k + 1:02d}_{plan.step[k].name or plan.step[k].protocol}.run.sqlite"
+
+
+def _run_all(
+    rig: str, plan: CampaignFile, out: Path, seed: int, wire: str, force: bool, watching: Watching
+) -> dict[str, Run]:
+    file = load_rig(rig)
+    runs = {}
+    with Session(rig, seed=seed, wire=wire) as session:
+        for k, step in enumerate(plan.step):
+            with watching(preview(step.protocol, file, step.set)) as listener:
+                target = _target(out, k, plan)
+                session.run(step.protocol, step.set, target, listeners=[listener] if listener else [], force=force)
+            runs[step.name or step.protocol] = load_run(target)
+    return runs
+
+
+def _analyse(rig: str, plan: CampaignFile, runs: Mapping[str, Run], started: float) -> Evidence:
+    by_purpose = {
+        purpose: [runs[s.name or s.protocol] for s in plan.step if s.purpose == purpose]
+        for purpose in ("train", "held_out")
+    }
+    if not by_purpose["train"]:
+        raise UsageError(f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from.")
+    results: dict[str, Identification] = {}
+    warnings: list[str] = []
+    for name in SURFACES:
+        try:
+            results[name] = identify(by_purpose["train"], surface=name)
+        except DataError as error:
+            warnings.append(f"No {name} model: {error}")
+    if not results:
+        raise DataError("No model could be identified. " + " ".join(warnings))
+    verified: dict[str, Verification] = {}
+    if by_purpose["held_out"]:
+        verified = {name: verify(result.model, by_purpose["held_out"]) for name, result in results.items()}
+    chosen = identify(by_purpose["train"], surface="best").surface  # by curves of its own: validation only judges
+    return Evidence(
+        title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
+        runs=runs,
+        representation=_representation(runs),
+        identifications=results,
+        chosen=chosen,
+        verifications=verified,
+        discoveries=_discoveries(rig),
+        warnings=tuple(dict.fromkeys([*warnings, *results[chosen].warnings, *_unsettled(runs)])),
+        command=f"smarig characterise --rig {rig}",
+        seconds=time.monotonic() - started,
+    )
+
+
+def _representation(runs: Mapping[str, Run]) -> tuple[Representation, ...]:
+    tests = {"wiping_out": wiping_out, "congruency": congruency}
+    return tuple(tests[name](run) for name, run in runs.items() if name in tests)
+
+
+def _discoveries(rig: str) -> tuple[str, ...]:
+    if not Session(rig).actuator.two_wire:
+        return ()
+    return tuple(remnant(rig, method).sentence() for method in ("none", "thesis", "planned"))
+
+
+def _unsettled(runs: Mapping[str, Run]) -> list[str]:
+    return [
+        f"{name}: {late} of {len(run.steps)} steps did not settle in time; they are marked."
+        for name, run in runs.items()
+        if (late := sum(s.verdict == "timed_out" for s in run.steps))
+    ]

@@ -1,0 +1,37 @@
+"""``smarig identify``: FOD data to a model."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli._output import emit, json_option, say
+from smarig.cli._types import FILE
+
+SURFACES = ("constant", "parabolic", "exponential", "table", "best")
+EPILOG = """\b
+Examples:
+  smarig identify fod.run.sqlite --surface exponential -o wire.model.json
+  smarig identify forc.run.sqlite --surface table --select 'curve%2==0' -o half.model.json
+"""
+
+
+@click.command("identify", epilog=EPILOG)
+@click.argument("runs", nargs=-1, required=True, type=FILE)
+@click.option("--surface", type=click.Choice(SURFACES), default="best", show_default=True)
+@click.option("--select", metavar="EXPR", help="Fit only where this holds, e.g. 'curve%2==0'.")
+@click.option("--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them).")
+@click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
+@click.option("--force", is_flag=True, help="Replace an existing model file.")
+@json_option
+def command(
+    runs: tuple[Path, ...], surface: str, select: str | None, anchor: bool, out: Path, force: bool
+) -> None:
+    """Identify a Preisach model from runs that hold first-order curves."""
+    from smarig.identification.identify import identify
+
+    result = identify(runs, surface=surface, select=select, anchor=anchor)
+    result.model.save(out, force=force)
+    for warning in result.warnings:
+        say(f"Warning: {warning}")
+    found = {**result.to_json(), "model": str(out)}
+    emit(found, f"{result!r}\nModel: {out}")
