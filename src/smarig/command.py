@@ -27,18 +27,21 @@ class Settled:
 
     The window is cut into 25 blocks; the wire has settled when the means of the last 25 blocks lie
     within ``band_counts`` of each other (peak to peak). Block means, because single samples carry
-    the encoder's noise. ``timeout_s`` ends a hold that never settles; its verdict says so.
+    the encoder's noise. That noise also hides the last tenth of a count of an approach, whose bias has
+    the sign of the move: so the window does not begin before the heating model is within ``approach_K``
+    of its steady state. ``timeout_s`` ends a hold that never settles; its verdict says so.
     """
 
     band_counts: float = 1.0
     window_s: float = 25.0
     timeout_s: float = 600.0
+    approach_K: float = 0.01
 
     def __post_init__(self) -> None:
-        if not (self.band_counts > 0 and self.window_s > 0 and self.timeout_s >= self.window_s):
+        if not (self.band_counts > 0 and self.window_s > 0 and self.timeout_s >= self.window_s and self.approach_K > 0):
             raise UsageError(
-                "Settling needs band_counts > 0, window_s > 0 and timeout_s ≥ window_s; got "
-                f"{self.band_counts:g}, {self.window_s:g}, {self.timeout_s:g}."
+                "Settling needs band_counts > 0, window_s > 0, timeout_s ≥ window_s and approach_K > 0; got "
+                f"{self.band_counts:g}, {self.window_s:g}, {self.timeout_s:g}, {self.approach_K:g}."
             )
 
 

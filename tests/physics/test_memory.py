@@ -269,6 +269,12 @@ def test_the_inverse_refuses_what_saturation_does_not_give(target: float):
     assert op.state == before
 
 
+def _table_without(i, j) -> Preisach:
+    y = np.tri(3).cumsum(axis=1)
+    y[i, j] = np.nan
+    return Preisach.from_table([0, 1, 2], [0, 1, 2], y)
+
+
 # --- what the operator refuses -------------------------------------------------------------------------
 
 
@@ -298,7 +304,8 @@ def test_words_and_tables_of_inputs_are_refused():
         (lambda: Preisach.from_table([0, 1], [0, 1], np.zeros((2, 3))), r"shape \(2, 3\), expected \(2, 2\)"),
         (lambda: Preisach.from_table([0, 2], [0, 1], np.zeros((2, 2))), "α and β must share one partition"),
         (lambda: Preisach.from_table([0, 0], [0, 0], np.zeros((2, 2))), "strictly increasing"),
-        (lambda: Preisach.from_table([0, 1], [0, 1], [[0, 0], [np.nan, 1]]), "no value at α = 1, β = 0"),
+        (lambda: _table_without(2, 1), "no value at α = 2, β = 1"),
+        (lambda: _table_without(slice(None), 0), "no value at α = 0, β = 0"),
     ],
 )
 def test_what_is_no_hysteresis_is_refused(build, sentence: str):

@@ -24,20 +24,34 @@ def channel_findings(name: str, unit: str, x: Array, line: NDArray[np.int64]) ->
     return _clipped(name, unit, values, where) + _spikes(name, unit, values, where) + _steps(name, unit, values)
 
 
-def clipped(x: Array) -> NDArray[np.bool_]:
-    """Samples (n,) stuck at the largest or smallest value of a channel that is otherwise finely resolved.
+def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+    """Sentences about a column that is not imported, but tells of the logger's health: dead, or spiky."""
+    values = x[np.isfinite(x)]
+    if values.size < 10:
+        return []
+    if np.ptp(values) == 0:
+        return [f"{name} is {values[0]:g} in every row."]
+    return _spikes(name, "", values, line[np.isfinite(x)])
 
-    A run of at least three equal extreme values counts, if more than half of the other values differ
-    from each other: a resting or coarsely quantised channel repeats itself elsewhere, too.
+
+def clipped(x: Array) -> NDArray[np.bool_]:
+    """Samples (n,) stuck at the largest or smallest value although the channel was still moving.
+
+    A run of at least three equal extreme values counts where the three values before or after it change
+    at least half as fast as the channel usually does: a channel at rest comes to its extreme slowly.
     """
     mask = np.zeros(x.size, dtype=bool)
-    if np.isfinite(x).sum() < 10:
+    known = np.isfinite(x)
+    if known.sum() < 10:
         return mask
+    usual = float(np.median(np.abs(np.diff(x[known]))))
     for extreme in (np.nanmax(x), np.nanmin(x)):
         at = x == extreme
-        others = x[~at & np.isfinite(x)]
-        if longest_run(at) >= 3 and others.size and np.unique(others).size > 0.5 * others.size:
-            mask |= at
+        for a, b in _runs(at):
+            beside = (x[max(0, a - 3) : a], x[b : b + 3])
+            rates = [float(np.mean(np.abs(np.diff(side)))) for side in beside if side.size == 3]
+            if b - a >= 3 and usual > 0 and any(rate >= 0.5 * usual for rate in rates):
+                mask[a:b] = True
     return mask
 
 
@@ -54,15 +68,15 @@ def quantum(x: Array) -> float | None:
     gaps = gaps[gaps > 0.2 * np.median(gaps)]  # printed decimals jitter around a level
     small = np.quantile(gaps, 0.1)
     step = float(np.median(gaps[gaps < 1.3 * small]))
-    near = gaps[gaps < 5.5 * step] / step
-    on_grid = np.abs(near - np.round(near)) < 0.08
-    return float(f"{step:.4g}") if near.size >= 8 and on_grid.mean() > 0.95 else None
+    near = gaps[gaps < 5.5 * step]
+    step = float(near.sum() / np.round(near / step).sum())
+    on_grid = np.abs(near / step - np.round(near / step)) < 0.08
+    return float(f"{step:.3g}") if near.size >= 8 and on_grid.mean() > 0.9 else None
 
 
-def longest_run(mask: NDArray[np.bool_]) -> int:
-    """Length of the longest run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))).tolist()
+    return list(zip(edges[::2], edges[1::2]))
 
 
 def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
@@ -72,7 +86,7 @@ def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[st
     rows = line[mask]
     return [
         f"{name} is clipped at {x[mask][0]:g} {unit} in {rows.size} rows "
-        f"(lines {rows.min()}–{rows.max()}): the sensor ended there; marked as saturated."
+        f"(from line {rows.min()} to {rows.max()}): the sensor ended there; marked as saturated."
     ]
 
 
@@ -84,8 +98,8 @@ def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str
         return []
     k = int(np.argmax(np.where(lone, np.minimum(np.abs(before), np.abs(after)), 0.0))) + 1
     return [
-        f"{name} has {int(lone.sum())} single-row spikes, the largest {x[k]:g} {unit} between "
-        f"{x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); kept as they are."
+        f"{name} has single-row spikes in {int(lone.sum())} place(s), the largest {f'{x[k]:g} {unit}'.strip()} "
+        f"between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); kept as they are."
     ]
 
 

@@ -3,7 +3,7 @@
 Knows that a hysteretic output lags its input. Refuses to know the material. One sentence a finding.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: what counts as a branch of its own
 _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
+_SAME = 0.05  # of the input's range: visits of one input
 _CONTRARY = 0.01  # of the input's range
 
 
@@ -26,11 +27,12 @@ class Loop:
     line: NDArray[np.int64]
     input_unit: str
     output_unit: str
+    row: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def finite(self) -> "Loop":
-        """The rows in which both are known."""
-        ok = np.isfinite(self.u) & np.isfinite(self.y)
-        return Loop(self.u[ok], self.y[ok], self.line[ok], self.input_unit, self.output_unit)
+        """The rows in which both are known; ``row`` remembers which they were."""
+        rows = np.flatnonzero(np.isfinite(self.u) & np.isfinite(self.y))
+        return Loop(self.u[rows], self.y[rows], self.line[rows], self.input_unit, self.output_unit, rows)
 
 
 def loop_findings(loop: Loop) -> list[str]:
@@ -64,7 +66,7 @@ def turning_points(u: Array, threshold: float) -> list[int]:
 
 
 def _jumps(loop: Loop) -> list[str]:
-    step = np.abs(np.diff(loop.y))
+    step = np.where(np.diff(loop.row) == 1, np.abs(np.diff(loop.y)), 0.0)
     large = step > _JUMP * np.ptp(loop.y)
     if not large.any():
         return []
@@ -92,11 +94,13 @@ def _contrary(loop: Loop, turns: list[int]) -> list[str]:
 
 
 def _open(loop: Loop, turns: list[int]) -> list[str]:
-    low, span = loop.u.min(), float(np.ptp(loop.u))
+    low, high, near = loop.u.min(), loop.u.max(), _SAME * float(np.ptp(loop.u))
     ends = {
-        "low": [k for k in turns if loop.u[k] < low + 0.1 * span],
-        "high": [k for k in turns if loop.u[k] > low + 0.9 * span],
+        "At the low end of the input": [k for k in turns if loop.u[k] <= low + near],
+        "At the high end of the input": [k for k in turns if loop.u[k] >= high - near],
     }
+    if len(turns) > 2 and abs(loop.u[-1] - loop.u[0]) <= near and not any(0 in v for v in ends.values()):
+        ends["From first to last row, at the same input,"] = [turns[0], turns[-1]]
     limit = max(_OPEN * float(np.ptp(loop.y)), 2 * (quantum(loop.y) or 0.0))
     out = []
     for end, visits in ends.items():
@@ -105,7 +109,7 @@ def _open(loop: Loop, turns: list[int]) -> list[str]:
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             out.append(
-                f"At the {end} end of the input the output goes {shown} {loop.output_unit} over {y.size} visits "
+                f"{end} the output goes {shown} {loop.output_unit} over {y.size} visits "
                 f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
             )
     return out
@@ -117,26 +121,32 @@ def _sense(loop: Loop, turns: list[int]) -> list[str]:
         for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:])
         if min(abs(loop.u[b] - loop.u[a]), abs(loop.u[c] - loop.u[b])) > 0.5 * np.ptp(loop.u)
     ]
-    lags = [_lag(loop, *turn) for turn in wide]
-    lag = float(np.mean(lags)) if lags else 0.0
-    if lag > -0.01:
+    if not wide:
+        return []
+    lag, width = np.mean([_lag(loop, *turn) for turn in wide], axis=0).tolist()
+    if lag > -0.3 or width < _OPEN:
         return []
     return [
-        f"The output leads its input (loop width {100 * lag:.1f} % of the range): the loop runs the wrong way "
-        f"round; branches or columns may be swapped, or the temperature lags."
+        f"The output leads its input (mean loop width {width:.1%} of the range): the loop runs the wrong way "
+        f"round; branches or columns are swapped, or the input's sensor lags."
     ]
 
 
-def _lag(loop: Loop, a: int, b: int, c: int) -> float:
-    """Mean of (falling − rising output), signed with the slope of the loop, over the output's range."""
+def _lag(loop: Loop, a: int, b: int, c: int) -> tuple[float, float]:
+    """Agreement in −1…1 of (falling − rising output) with the local slope, and its mean size over the range.
+
+    A lagging output is falling(u) ≈ rising(u + δ), so that the difference has the sign of the slope.
+    """
     first, second = slice(a, b + 1), slice(b, c + 1)
     rising, falling = (first, second) if loop.u[b] > loop.u[a] else (second, first)
     low = max(loop.u[rising].min(), loop.u[falling].min())
     high = min(loop.u[rising].max(), loop.u[falling].max())
     grid = np.linspace(low, high, 101)
     up, down = (_along(loop, part, grid) for part in (rising, falling))
-    slope = np.sign(up[-1] + down[-1] - up[0] - down[0])
-    return float(slope * np.mean(down - up) / np.ptp(loop.y))
+    apart, slope = down - up, np.gradient(up + down)
+    size = float(np.sum(np.abs(apart) * np.abs(slope)))
+    agreement = float(np.sum(apart * slope)) / size if size else 0.0
+    return agreement, float(np.mean(np.abs(apart)) / np.ptp(loop.y))
 
 
 def _along(loop: Loop, part: slice, grid: Array) -> Array:
@@ -147,7 +157,8 @@ def _along(loop: Loop, part: slice, grid: Array) -> Array:
 def _centre(loop: Loop) -> list[str]:
     low, high = loop.u.min(), loop.u.max()
     centre, half = (high + low) / 2, (high - low) / 2
-    if low >= -0.2 * high or high <= -0.2 * low or abs(centre) < 0.02 * half:
+    temperature = loop.input_unit in ("degC", "K")  # whose zero is nobody's centre
+    if temperature or low >= -0.2 * high or high <= -0.2 * low or abs(centre) < 0.02 * half:
         return []
     return [
         f"The input is not symmetric: {low:.4g} … {high:.4g} {loop.input_unit}, centre {centre:+.3g}; "

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.errors import DataError
-from smarig.exchange.channel_faults import channel_findings, quantum
+from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.clock import check_time, merge_repeats, time_findings
 from smarig.exchange.draft import Draft, directions, step_row
 from smarig.exchange.findings import record_findings, repeated_rows, saturation, twin_columns
@@ -35,11 +35,13 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
     columns["input"] = columns[mapping.input.channel]
     units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
     columns["quality"] = saturation(columns, units)
-    warnings = [*table.notes, *clock, *notes, *odd, *remarks, *twin_columns(table.columns)]
-    warnings += [] if mapping.time and mapping.time.repeated == "mean" else repeated_rows(table.columns, table.line)
+    warnings = [*table.notes, *clock, *notes, *odd, *remarks, *twin_columns(_without_time(table, mapping))]
+    if mapping.time is None or mapping.time.repeated != "mean":
+        warnings += repeated_rows(_without_time(table, mapping), table.line)
     warnings += record_findings(columns, units, line)
     for name in mapping.ignore:
-        warnings += channel_findings(f"The unused column '{name}'", "", table.columns.get(name, np.empty(0)), table.line)
+        if name in table.columns:
+            warnings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
     if mapping.output is None:
         warnings.append("These data have no position: good for the wire's heating, not for its hysteresis.")
     elif mapping.output.quantity == "strain":
@@ -67,13 +69,18 @@ def _on_one_clock(path: Path, table: Table, mapping: MappingFile) -> tuple[Table
             )
         t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
-    said = time_findings(t_s, table.line, time.repeated)
+    said = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
         said.append(f"The file has no clock: {time.period_s:g} s a period is what the mapping says, not measured.")
     if time.repeated != "mean":
         return _with(table, {**table.columns, "t_s": t_s}, table.line), said
     first, merged = merge_repeats(t_s, {**table.columns, "t_s": t_s})
     return _with(table, merged, table.line[first]), said
+
+
+def _without_time(table: Table, mapping: MappingFile) -> dict[str, Array]:
+    clock = {"t_s", mapping.time.column if mapping.time else ""}
+    return {name: x for name, x in table.columns.items() if name not in clock}
 
 
 def _with(table: Table, columns: dict[str, Array], line: NDArray[np.int64]) -> Table:

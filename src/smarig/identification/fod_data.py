@@ -25,6 +25,16 @@ _Row = tuple[float, float, float, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
+class Descent:
+    """One curve by itself: number, maximum α, inputs β (n,) falling strictly from at most α, outputs y (n,)."""
+
+    curve: int
+    alpha: float
+    beta: Array
+    y: Array
+
+
+@dataclass(frozen=True, eq=False)
 class FodData:
     """FOD points of one hysteresis: arrays (k,) in order of measurement.
 
@@ -53,6 +63,19 @@ class FodData:
     def curves(self) -> int:
         """Number of different curves that descend from a maximum."""
         return np.unique(self.alpha[self.alpha > self.beta]).size
+
+    def descents(self) -> list[Descent]:
+        """The curves that descend from a maximum, in order of measurement; repeated readings averaged."""
+        found: list[Descent] = []
+        for number in np.unique(self.curve):
+            mine = self.curve == number
+            alpha = float(self.alpha[mine].max())
+            mine &= self.alpha == alpha
+            beta, where = np.unique(self.beta[mine], return_inverse=True)
+            y = np.bincount(where, self.y[mine]) / np.bincount(where)
+            if beta[0] < alpha:
+                found.append(Descent(int(number), alpha, beta[::-1], y[::-1]))
+        return found
 
     def where(self, mask: NDArray[np.bool_]) -> "FodData":
         """The points of a mask (k,); curve numbers and range stay."""

@@ -83,8 +83,9 @@ class Actuator:
         return math.copysign(math.sqrt(abs(input_K) / self.gain_K_per_A2), input_K)
 
     def input_for(self, current_A: float) -> float:
-        """T_ss = sign(i) (R/hA) i² (5.3)."""
-        return math.copysign(self.gain_K_per_A2 * current_A**2, current_A)
+        """T_ss = (R/hA) i² (5.3); in the differential rig with the sign of i, which says which wire."""
+        steady = self.gain_K_per_A2 * current_A**2
+        return -steady if current_A < 0 and self.two_wire else steady
 
     def position_per_count(self, counts_per_rev: int) -> float:
         """Rig units per encoder count: 2πr/N in mm, 360/N in degrees."""

@@ -143,6 +143,6 @@ def _check(nodes: Array, values: Array) -> None:
 def _merged(values: Array) -> Array:
     """Let all curves end at one negative saturation output (their mean, §5.5)."""
     merged = values.copy()
-    ends = merged[:, 0]
-    merged[:, 0] = np.nanmean(ends)
+    ends = values[~np.isnan(values[:, 0]), 0]
+    merged[:, 0] = ends.mean() if ends.size else np.nan
     return merged

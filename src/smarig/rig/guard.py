@@ -37,6 +37,10 @@ class Guard:
         """Predicted hysteresis input now: kelvin above ambient, T₁ − T₂ for two wires."""
         return self.heating.input_K
 
+    def to_go_K(self, current_A: float) -> float:
+        """How far the heating model still is from its steady state at a current, kelvin."""
+        return abs(self.heating.source(current_A) - self.heating.input_K)
+
     def step(self, current_A: float) -> list[tuple[Sample, float]]:
         """Check, apply, and pair each sample with the predicted input at its tick.
 

@@ -4,6 +4,7 @@ The only place where protocols meet rigs. Refuses to know which protocol, which 
 Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
 """
 
+import math
 from collections.abc import Sequence
 
 from smarig.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, StepResult, Verdict, Waveform, Zero
@@ -65,14 +66,15 @@ class Runner:
         window = SettleWindow(command.until, self.rig.period_s)
         match command.until:
             case Elapsed(seconds):
-                limit_s, at_limit = seconds, Verdict.ELAPSED
-            case Settled(timeout_s=timeout_s):
+                limit_s, approach_K, at_limit = seconds, math.inf, Verdict.ELAPSED
+            case Settled(timeout_s=timeout_s, approach_K=approach_K):
                 limit_s, at_limit = timeout_s, Verdict.TIMED_OUT
         limit = max(1, round(limit_s / self.rig.period_s))
-        start_s, ticks = self.t_s, 0
+        start_s, ticks, arrived = self.t_s, 0, False
         self._step = self.steps_done
         while ticks < limit and not window.settled:
-            got = self._tick(command.current_A, window)
+            arrived = arrived or self.rig.to_go_K(command.current_A) < approach_K
+            got = self._tick(command.current_A, window if arrived else None)
             ticks += 0 if self.control.paused else got
         verdict = Verdict.SETTLED if window.settled else at_limit
         return self._finish(window, verdict, start_s, command.branch, command.target)

@@ -1,0 +1,146 @@
+"""What the measured curves themselves say, before any surface: monotone, merging, crossing, exercised.
+
+* Assumption 2.1: first-order descending curves fall as the input falls.
+* §5.4.1: curves that do not merge at the lower end, or a rising branch that meets the upper curve at an
+  angle, mean that the input range was too small.
+* Prop. 4.6: curves that cross inside the major loop prove μ < 0 somewhere; the converse is not proved.
+
+Differences count when they exceed five times the noise of a reading. Knows no model.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.curve_fit import fit_curves
+from smarig.identification.fod_data import Descent, FodData
+
+Array = NDArray[np.float64]
+SIGNIFICANT = 5.0
+_DENSE = 20  # curves of this many points show their noise in third differences
+# The six surfaces of Table 5.1 over their own partitions leave an angle of at most 0.23 (two_c); cut at the
+# second-highest input the two-wire ones leave 0.48 or more, cut at the third-highest the one-wire ones 0.37.
+_ANGLE = 0.3
+_MERGED = 0.01
+
+
+@dataclass(frozen=True)
+class CurveReport:
+    """``noise`` σ of a reading in ``unit`` (NaN: unknown); ``cross`` Prop. 4.6; ``merge_spread`` of the ends.
+
+    ``top_angle`` is the slope of the rising branch less that of the falling one at the top, over the mean
+    slope of the major loop: 0 in saturation.
+    """
+
+    noise: float
+    unit: str
+    monotone: bool
+    cross: bool
+    merge: bool
+    merge_spread: float
+    top_angle: float
+    warnings: tuple[str, ...]
+
+    @property
+    def exercised(self) -> bool:
+        """Whether the input range reaches both saturations, as far as the curves show."""
+        return self.merge and not self.top_angle > _ANGLE
+
+
+def curve_report(data: FodData) -> CurveReport:
+    """Judge the curves of FOD data (k points) against their own noise; warnings are plain sentences."""
+    descents = data.descents()
+    noise = reading_noise(data)
+    threshold = SIGNIFICANT * noise if np.isfinite(noise) else 0.0
+    rising = [d.alpha for d in descents if _climb(d) > threshold]
+    crossing = _crossing(descents, threshold)
+    spread = _spread(descents)
+    merge = spread <= max(threshold, _MERGED * float(np.ptp(data.y)))
+    angle = _top_angle(data, descents)
+    unit = data.unit
+    warnings = []
+    if rising:
+        where = ", ".join(f"{a:g}" for a in rising[:3])
+        warnings.append(
+            f"Curves rise while the input falls (α = {where}): Assumption 2.1 does not hold for this data, "
+            "and no inverse is unique there."
+        )
+    if crossing:
+        warnings.append(
+            f"First-order curves cross inside the major loop (α = {crossing[0]:g} and {crossing[1]:g} near "
+            f"β = {crossing[2]:g}): the density μ is negative somewhere (Prop. 4.6)."
+        )
+    if not merge:
+        warnings.append(
+            f"The range was not fully exercised: the curves do not merge at their lower end (they spread over "
+            f"{spread:.3g} {unit}); identify again with lower inputs."
+        )
+    if angle > _ANGLE:
+        warnings.append(
+            "The range was not fully exercised: the rising branch meets the upper curve at an angle "
+            f"({angle:.2f} of the mean slope), so the top is not saturation; identify again with higher inputs."
+        )
+    return CurveReport(noise, unit, not rising, crossing is not None, merge, spread, angle, tuple(warnings))
+
+
+def reading_noise(data: FodData) -> float:
+    """Standard deviation of a reading about its own curve, without any surface; NaN when curves are too short.
+
+    Long curves: third differences, Var Δ³y = 20σ², by the median. Others: what the sigmoids leave.
+    """
+    descents = data.descents()
+    if descents and np.median([d.beta.size for d in descents]) >= _DENSE:
+        thirds = np.concatenate([np.diff(d.y, 3) for d in descents])
+        return float(np.median(np.abs(thirds)) / 0.6745 / np.sqrt(20))
+    return fit_curves(data).sigma
+
+
+def _climb(d: Descent) -> float:
+    """Largest rise of the output while the input falls."""
+    return float(np.max(d.y - np.minimum.accumulate(d.y)))
+
+
+def _crossing(descents: list[Descent], threshold: float) -> tuple[float, float, float] | None:
+    """(α₁, α₂, β) where a curve from a higher maximum lies lowest below one from a lower maximum."""
+    ordered = sorted(descents, key=lambda d: d.alpha)
+    if len(ordered) < 2:
+        return None
+    grid = np.unique(np.concatenate([d.beta for d in ordered]))
+    highest, owner = np.full(grid.size, -np.inf), np.zeros(grid.size)
+    worst, found = threshold, None
+    for d in ordered:
+        y = np.interp(grid, d.beta[::-1], d.y[::-1], left=np.nan, right=np.nan)
+        below = np.where(np.isfinite(y), highest - y, -np.inf)
+        k = int(np.argmax(below))
+        if below[k] > worst:
+            worst, found = float(below[k]), (float(owner[k]), d.alpha, float(grid[k]))
+        higher = np.isfinite(y) & (y > highest)
+        highest[higher], owner[higher] = y[higher], d.alpha
+    return found
+
+
+def _spread(descents: list[Descent]) -> float:
+    """Range of the outputs at the lowest input, over the curves that reach it."""
+    if not descents:
+        return 0.0
+    lowest = min(float(d.beta[-1]) for d in descents)
+    ends = [float(d.y[-1]) for d in descents if d.beta[-1] == lowest]
+    return max(ends) - min(ends)
+
+
+def _top_angle(data: FodData, descents: list[Descent]) -> float:
+    """Difference of the two branches' slopes at the top, over the mean slope; NaN without both branches."""
+    rising = data.alpha == data.beta
+    inputs, where = np.unique(data.alpha[rising], return_inverse=True)
+    if not descents or inputs.size < 2:
+        return float("nan")
+    outputs = np.bincount(where, data.y[rising]) / np.bincount(where)
+    top = max(descents, key=lambda d: d.alpha)
+    height, width = float(np.ptp(top.y)), float(np.ptp(top.beta))
+    if inputs[-1] != top.alpha or height == 0.0:
+        return float("nan")
+    below = inputs[-2]
+    rise = outputs[-1] - outputs[-2]
+    fall = outputs[-1] - np.interp(below, top.beta[::-1], top.y[::-1])
+    return float((rise - fall) / (top.alpha - below) * width / height)

@@ -1,0 +1,130 @@
+"""The density μ = ½ ∂²y/∂α∂β of a model: its extremes, its class (Ch. 4), and its reversible share.
+
+M_PC: bounded and piecewise continuous on P_r. M_P: besides, μ ≥ 0. For analytic surfaces the extremes are
+found on a grid and then refined. For tables μ is judged by the mass of cells, never by differentiation.
+Computed, never stored. Knows no data.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from smarig.model.everett import Everett
+from smarig.model.fod_surface import FodSurface
+from smarig.model.fod_table import FodTable
+from smarig.model.forc_table import ForcTable
+from smarig.model.mirrored import Mirrored
+
+Array = NDArray[np.float64]
+Place = tuple[float, float]
+_GRID = 161
+_CELLS = 40
+_ZERO = 1e-9  # a minimum above −_ZERO of the maximum is rounding
+
+
+@dataclass(frozen=True)
+class DensityReport:
+    """μ over P_r: minimum and maximum (output per K²) with their places (α, β), classes, reversible part.
+
+    ``g_min`` is the least density of reversible relays on the diagonal (output per K), ``reversible_share``
+    their part of the whole output range; both NaN for tables, whose cells on the diagonal cannot tell.
+    ``negative_cells`` of ``cells`` have negative mass (0 of 0 for surfaces).
+    """
+
+    mu_min: float
+    mu_min_at: Place
+    mu_max: float
+    mu_max_at: Place
+    M_PC: bool
+    M_P: bool
+    g_min: float
+    reversible_share: float
+    negative_cells: int = 0
+    cells: int = 0
+
+    def __repr__(self) -> str:
+        classes = f"M_PC {'yes' if self.M_PC else 'no'}, M_P {'yes' if self.M_P else 'no'}"
+        return f"DensityReport(μ from {self.mu_min:.3g} to {self.mu_max:.3g}, {classes})"
+
+
+def density_report(hysteresis: Everett) -> DensityReport:
+    """Extremes and classes of a surface, a table, or the mirror image of one (whose μ(α, β) is μ̃(−β, −α))."""
+    if isinstance(hysteresis, Mirrored):
+        return _turned(density_report(hysteresis.image))
+    if isinstance(hysteresis, FodSurface):
+        return _of_surface(hysteresis)
+    return _of_cells(hysteresis)
+
+
+def _turned(r: DensityReport) -> DensityReport:
+    low, high = ((-b, -a) for a, b in (r.mu_min_at, r.mu_max_at))
+    return DensityReport(
+        r.mu_min, low, r.mu_max, high, r.M_PC, r.M_P, r.g_min, r.reversible_share, r.negative_cells, r.cells
+    )
+
+
+def _of_surface(surface: FodSurface) -> DensityReport:
+    low, low_at = _extreme(surface, 1.0)
+    high, high_at = _extreme(surface, -1.0)
+    u = np.linspace(surface.lower, surface.upper, 4001)
+    g = surface.reversible(u)
+    share = float(np.trapezoid(g, u)) / (surface.y_upper - surface.y_lower)
+    bounded = bool(np.isfinite([low, high]).all())
+    positive = bounded and low >= -_ZERO * abs(high)
+    return DensityReport(low, low_at, high, high_at, bounded, positive, float(g.min()), share)
+
+
+def _extreme(surface: FodSurface, sign: float) -> tuple[float, Place]:
+    """Least sign·μ over the triangle β = u₋ + t(α − u₋), t in [0, 1]: grid, then bounded refinement."""
+    lower, span = surface.lower, surface.upper - surface.lower
+
+    def mu(p: Array) -> Array:
+        alpha = lower + span * p[0]
+        return sign * surface.density(alpha, lower + p[1] * (alpha - lower))
+
+    side = np.linspace(0.0, 1.0, _GRID)
+    grid = np.stack(np.meshgrid(side, side, indexing="ij")).reshape(2, -1)
+    values = mu(grid)
+    scale = float(np.abs(values).max()) or 1.0
+    best, at = np.inf, grid[:, 0]
+    for start in grid[:, np.argsort(values)[[0, 20, 100]]].T:
+        found = minimize(lambda p: float(mu(p)) / scale, start, method="L-BFGS-B", bounds=[(0.0, 1.0)] * 2)
+        for p in (start, found.x):
+            if mu(p) < best:
+                best, at = float(mu(p)), p
+    alpha = lower + span * float(at[0])
+    return sign * best, (alpha, lower + float(at[1]) * (alpha - lower))
+
+
+def _of_cells(table: Everett) -> DensityReport:
+    """Mass of rectangles [α₁, α₂] × [β₁, β₂]: F(α₂, β₁) − F(α₁, β₁) − F(α₂, β₂) + F(α₁, β₂) = 2∬μ."""
+    nodes = table.nodes if isinstance(table, FodTable) else np.linspace(table.lower, table.upper, _CELLS + 1)
+    n = nodes.size
+    F = np.array([[table.everett(a, b) if b <= a else np.nan for b in nodes.tolist()] for a in nodes.tolist()])
+    mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
+    off_diagonal = np.tri(n - 1, k=-1, dtype=bool)
+    width = np.diff(nodes)
+    mu = np.where(off_diagonal, mass / (2 * width[:, None] * width), np.nan)
+    if not off_diagonal.any():
+        nowhere = (float("nan"), float("nan"))
+        return DensityReport(float("nan"), nowhere, float("nan"), nowhere, True, True, float("nan"), float("nan"))
+    middle = (nodes[1:] + nodes[:-1]) / 2
+    i, j = np.unravel_index(int(np.nanargmin(mu)), mu.shape)
+    k, m = np.unravel_index(int(np.nanargmax(mu)), mu.shape)
+    rounding = 1e-12 * float(np.nanmax(np.abs(F)))
+    negative = int(np.sum(mass[off_diagonal] < -rounding))
+    return DensityReport(
+        mu_min=float(mu[i, j]),
+        mu_min_at=(float(middle[i]), float(middle[j])),
+        mu_max=float(mu[k, m]),
+        mu_max_at=(float(middle[k]), float(middle[m])),
+        # Interpolated finite tables are piecewise smooth; ForcTable's seams are kinks, not jumps.
+        M_PC=isinstance(table, FodTable | ForcTable),
+        M_P=negative == 0,
+        g_min=float("nan"),
+        reversible_share=float("nan"),
+        negative_cells=negative,
+        cells=int(off_diagonal.sum()),
+    )

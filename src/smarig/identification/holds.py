@@ -1,0 +1,71 @@
+"""Where a run's drive was stepped and then held: the stretches in which a time constant can show.
+
+Knows columns of a run; refuses to know what is fitted to them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.record.run import Run
+from smarig.sample import Quality
+
+Array = NDArray[np.float64]
+_STEP = 0.02  # of the drive's range: a larger change between two samples is a step
+_FEWEST = 10  # readings
+_SPOILT = Quality.STALE | Quality.SATURATED | Quality.TRIPPED
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Rows [begin, end) of a run after a step of the drive, which stays put until the next one."""
+
+    begin: int
+    end: int
+    before: float
+    drive: float
+
+
+def drive_name(run: Run) -> str | None:
+    """The column that heats the wire: commanded or measured current, else an input that is no temperature."""
+    for name in ("current_command_A", "current_A"):
+        if run.has(name):
+            return name
+    return "input" if run.has("input") and run.input_unit not in ("K", "degC", "°C") else None
+
+
+def holds(run: Run) -> list[Hold]:
+    """Holds that follow a step, in order; none without a clock or a drive, and none in a ramp."""
+    name = drive_name(run)
+    if name is None or not run.has("t_s"):
+        return []
+    drive = run[name]
+    size = float(np.nanmax(drive) - np.nanmin(drive))
+    if size == 0:
+        return []
+    edges = [*(np.flatnonzero(np.abs(np.diff(drive)) > _STEP * size) + 1).tolist(), len(run)]
+    found = []
+    for begin, end in zip(edges, edges[1:]):
+        level = drive[begin:end]
+        if end - begin >= _FEWEST and np.nanmax(level) - np.nanmin(level) <= 2 * _STEP * size:
+            found.append(Hold(begin, end, float(drive[begin - 1]), float(np.nanmean(level))))
+    return found
+
+
+def good(run: Run) -> NDArray[np.bool_]:
+    """Rows (n,) whose sample was not stale, saturated or after a trip."""
+    quality = np.nan_to_num(run["quality"]).astype(int)
+    return (quality & int(_SPOILT)) == 0
+
+
+def stuck(x: Array) -> NDArray[np.bool_]:
+    """Readings (n,) of a finely resolved sensor that repeat its largest value: the end of its range.
+
+    >>> stuck(np.array([20.1, 35.7, 61.2, 90.0, 90.0, 90.0])).tolist()
+    [False, False, False, True, True, True]
+    """
+    at = x == np.nanmax(x)
+    others = x[~at & np.isfinite(x)]
+    fine = np.unique(others).size > 0.5 * others.size
+    return at if at.sum() >= 3 and fine else np.zeros(x.size, dtype=bool)

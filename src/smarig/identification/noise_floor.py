@@ -1,0 +1,79 @@
+"""The noise floor of a record: how far apart are outputs that the memory says are one and the same?
+
+Points with the same remembered extrema and the same input are repeats; their pure error needs no model.
+One home for this figure: verification and reports use it. Knows no model.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.identification.history import History, histories
+from smarig.record import Run
+
+FEWEST_PAIRS = 3
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Standard deviation ``value`` of a settled output in ``unit``, None when nothing was repeated.
+
+    ``n_pairs`` degrees of freedom; ``source`` says which repeats: "repeats" inside the loop, "saturation"
+    when only the ends of the range were visited again, or "none".
+    """
+
+    value: float | None
+    n_pairs: int
+    unit: str
+    source: str
+
+
+def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
+    """Pure-error standard deviation √(Σ(y − ȳ)²/Σ(n − 1)) over repeated memory states, within each run.
+
+    Repeats in saturation are used only when there are fewer than three others: where the range was not
+    fully exercised, they are no repeats.
+    """
+    runs = [runs] if isinstance(runs, Run) else list(runs)
+    unit = runs[0].unit if runs else ""
+    inside, ends = _Pool(), _Pool()
+    for run in runs:
+        if not run.points()[0].size:
+            continue
+        lower, upper, (history,) = histories([run])
+        for at_end, outputs in _repeats(history, lower, upper):
+            (ends if at_end else inside).add(outputs)
+    if inside.freedom >= FEWEST_PAIRS:
+        return NoiseFloor(inside.sd, inside.freedom, unit, "repeats")
+    if ends.freedom:
+        return NoiseFloor(ends.sd, ends.freedom, unit, "saturation")
+    return NoiseFloor(inside.sd, inside.freedom, unit, "repeats" if inside.freedom else "none")
+
+
+def _repeats(history: History, lower: float, upper: float) -> Iterable[tuple[bool, np.ndarray]]:
+    """(in saturation?, outputs) of every memory state that was reached more than once."""
+    visits: dict[tuple, list[float]] = defaultdict(list)
+    before = None
+    for state, y in zip(history.states, history.outputs.tolist()):
+        # A hold that follows the same hold is the same visit going on, not a repeat.
+        if state is not None and state != before:
+            visits[(state.extrema, state.u, state.diagonal)].append(y)
+        before = state
+    for (extrema, u, _), outputs in visits.items():
+        if len(outputs) > 1:
+            yield len(extrema) == 1 and not lower < u < upper, np.array(outputs)
+
+
+class _Pool:
+    def __init__(self) -> None:
+        self.squares, self.freedom = 0.0, 0
+
+    def add(self, outputs: np.ndarray) -> None:
+        self.squares += float(np.sum((outputs - outputs.mean()) ** 2))
+        self.freedom += outputs.size - 1
+
+    @property
+    def sd(self) -> float | None:
+        return float(np.sqrt(self.squares / self.freedom)) if self.freedom else None
