@@ -74,7 +74,7 @@ class Runner:
         self._step = self.steps_done
         while ticks < limit and not window.settled:
             arrived = arrived or self.rig.to_go_K(command.current_A) < approach_K
-            got = self._tick(command.current_A, window if arrived else None)
+            got = self._tick(command.current_A, window, arrived)
             ticks += 0 if self.control.paused else got
         verdict = Verdict.SETTLED if window.settled else at_limit
         return self._finish(window, verdict, start_s, command.branch, command.target)
@@ -105,13 +105,13 @@ class Runner:
         self._step = None
         return result
 
-    def _tick(self, current_A: float, window: SettleWindow | None) -> int:
+    def _tick(self, current_A: float, window: SettleWindow | None, heated: bool = True) -> int:
         self.control.raise_if_stopped()
         arrived = self.rig.step(current_A)
         for sample, input_K in arrived:
             self.t_s, self._last = sample.t_s, sample
             if window is not None:
-                window.add(sample.counts)
+                window.add(sample.counts, heated)
             for listener in self.listeners:
                 listener.sample(sample, self._step, input_K)
         self.rig.raise_if_tripped()

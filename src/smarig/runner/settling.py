@@ -25,9 +25,11 @@ class SettleWindow:
         self._sum, self._filled = 0, 0
         self.settled = False
 
-    def add(self, counts: int) -> None:
-        """One sample's counts."""
+    def add(self, counts: int, arrived: bool = True) -> None:
+        """One sample's counts; they count towards settling once the heating model has arrived."""
         self._counts.append(counts)
+        if not arrived:
+            return
         self._sum += counts
         self._filled += 1
         if self._filled == self._block:
