@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from smarig.model.fod_surface import FodSurface as FodSurface
     from smarig.model.preisach import Preisach as Preisach
     from smarig.record.run import load_run as load_run
+    from smarig.report.notebook import plot as plot
     from smarig.rig.twin import Twin as Twin
     from smarig.runner.session import run as run
 
@@ -26,9 +27,10 @@ _HOME = {
     "identify": "smarig.identification.identify",
     "load_model": "smarig.identification.model_file",
     "load_run": "smarig.record.run",
+    "plot": "smarig.report.notebook",
     "run": "smarig.runner.session",
 }
-__all__ = ["FodSurface", "Preisach", "Twin", "identify", "load_model", "load_run", "run"]
+__all__ = ["FodSurface", "Preisach", "Twin", "identify", "load_model", "load_run", "plot", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -39,7 +39,9 @@ def test_the_plant_is_the_page(rig: str, name: str, initial):
     u = input_along(rig, current, dt_s)
     y = output_along(name, u, initial == "anhysteretic")
     range_ = Printed(name).range
-    assert np.ptp(u) > 0.8 * (surface(name).upper - surface(name).lower) * (1 if rig.endswith("two_wire") else 0.9)
+    assert np.ptp(u) > 0.8 * (surface(name).upper - surface(name).lower) * (
+        1 if rig.endswith("two_wire") else 0.9
+    )
     assert np.ptp(y) > 0.8 * range_
     assert np.allclose(temperature_along(actuator, current, dt_s), u, rtol=0, atol=1e-10)
     plant = Plant(actuator, surface(name), initial, dt_s)

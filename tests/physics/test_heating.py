@@ -60,7 +60,9 @@ def test_a_single_wire_is_heated_by_either_sign():
 # --- the law -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("wire", "current_A", "end_K"), [(ONE, 1.0, 174.1), (TWO, 1.0, 185.0), (TWO, -1.0, -185.0)])
+@pytest.mark.parametrize(
+    ("wire", "current_A", "end_K"), [(ONE, 1.0, 174.1), (TWO, 1.0, 185.0), (TWO, -1.0, -185.0)]
+)
 @pytest.mark.parametrize("dt_s", [0.01, 0.1, 7.3])
 def test_steady_state_at_full_current(wire: Actuator, current_A: float, end_K: float, dt_s: float):
     heating = Heating(wire, dt_s)

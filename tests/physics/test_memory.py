@@ -36,7 +36,11 @@ SYSTEMS: dict[str, Everett] = {
     "measure": _measure(1, positive=False),
     "mirror": Mirrored(surface("two_p")),
 }
-POSITIVE: dict[str, Everett] = {"two_c": surface("two_c"), "one_c": surface("one_c"), "measure": _measure(2, positive=True)}
+POSITIVE: dict[str, Everett] = {
+    "two_c": surface("two_c"),
+    "one_c": surface("one_c"),
+    "measure": _measure(2, positive=True),
+}
 SPAN = 35.0  # output range of every system here, within a factor of ten
 
 systems = st.sampled_from(sorted(SYSTEMS))
@@ -101,7 +105,9 @@ def test_the_state_is_the_reduced_memory_sequence(name: str, history: list[float
 def test_histories_reach_deep_memory():
     """The properties above mean something only if random histories remember: excitation of this chapter."""
     rng = np.random.default_rng(3)
-    depth = [len(after("surface", "anhysteretic", rng.uniform(-180, 180, 30)).state.extrema) for _ in range(100)]
+    depth = [
+        len(after("surface", "anhysteretic", rng.uniform(-180, 180, 30)).state.extrema) for _ in range(100)
+    ]
     assert np.mean(depth) > 4
     assert max(depth) >= 8
 
@@ -289,7 +295,9 @@ def test_nan_is_refused_and_leaves_the_memory(name: str, initial, history):
 
 def test_words_and_tables_of_inputs_are_refused():
     op = Preisach(surface("two_e"))
-    with pytest.raises(UsageError, match="Initial state 'cold' is not negative, positive, anhysteretic or a State"):
+    with pytest.raises(
+        UsageError, match="Initial state 'cold' is not negative, positive, anhysteretic or a State"
+    ):
         op.reset("cold")  # type: ignore[arg-type]
     with pytest.raises(UsageError, match=r"one-dimensional input, got shape \(2, 2\)"):
         op.simulate(np.zeros((2, 2)))

@@ -12,7 +12,9 @@ from smarig.model.relay_measure import RelayMeasure
 
 TOLERANCE = 1e-12  # of the output range, design.md §4.5
 HISTORIES = tuple(histories(np.arange(20.0), 0))
-SIDE = np.array([7.0, 15.0, 24.5, 37.0, 45.0, 60.0, 75.0, 90.0, 99.0, 100.0, 101.0, 102.0, 125.0, 145.0, 185.0])
+SIDE = np.array(
+    [7.0, 15.0, 24.5, 37.0, 45.0, 60.0, 75.0, 90.0, 99.0, 100.0, 101.0, 102.0, 125.0, 145.0, 185.0]
+)
 TWO_WIRE = np.concatenate([-SIDE[::-1], [0.0], SIDE])
 ONE_WIRE = np.unique([*PARTITIONS["one_wire"], 3.1, 12.0, 20.0, 35.5, 50.0, 75.0, 100.0, 101.0, 102.0, 125.0])
 EVEN = np.linspace(-185.0, 185.0, 21)
@@ -57,7 +59,9 @@ def test_surface_is_its_relays_from_any_diagonal(name: str, centre: float):
     for inputs in histories(EVEN, 2).values():
         relays = cells(EVEN, printed.y, centre, lower_half(printed.y_alpha_beta))
         op = Preisach(surface(name))
-        assert op.go_to_diagonal(centre) == pytest.approx(printed.y_lower + relays.nu[relays.on].sum(), abs=relative)
+        assert op.go_to_diagonal(centre) == pytest.approx(
+            printed.y_lower + relays.nu[relays.on].sum(), abs=relative
+        )
         assert worst(op, relays, printed.y_lower, inputs) <= relative
 
 
@@ -141,7 +145,9 @@ def test_table_returns_its_own_data():
 def random_measure(seed: int, count: int = 120) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Relays on a lattice of thresholds, some degenerate (α = β), masses of either sign."""
     rng = np.random.default_rng(seed)
-    thresholds = np.array([0.0, 50.0, 120.0, 180.0, 240.0, 280.0, 299.0, 300.0, 300.5, 301.0, 302.0, 350.0, 400.0])
+    thresholds = np.array(
+        [0.0, 50.0, 120.0, 180.0, 240.0, 280.0, 299.0, 300.0, 300.5, 301.0, 302.0, 350.0, 400.0]
+    )
     pair = np.sort(rng.choice(thresholds, (count, 2)), axis=1)
     pair = pair[pair[:, 0] < 400.0]  # none degenerate at positive saturation, where none would be seen
     pair = pair[pair[:, 1] > 0.0]
@@ -156,7 +162,11 @@ def test_measure_is_its_relays(centre: float | None, history: str):
     alpha, beta, mass, thresholds = random_measure(7)
     op = Preisach.from_measure(alpha, beta, mass)
     start(op, centre)
-    on = np.zeros(alpha.size, dtype=bool) if centre is None else (alpha + beta < 2 * centre) | (alpha <= centre)
+    on = (
+        np.zeros(alpha.size, dtype=bool)
+        if centre is None
+        else (alpha + beta < 2 * centre) | (alpha <= centre)
+    )
     relays = Relays(alpha, beta, 2 * mass, on, op.u)
     levels = np.sort(np.concatenate([thresholds, thresholds[:-1] + np.diff(thresholds) / 3]))
     assert worst(op, relays, -mass.sum(), histories(levels, 8)[history]) <= TOLERANCE * 2 * np.abs(mass).sum()
@@ -191,4 +201,6 @@ def test_measure_of_a_table_is_the_table():
     offset = printed.y_lower + relays.nu.sum() / 2  # §3.2.6: relays alone are symmetric about zero
     inputs = histories(TWO_WIRE, 11)["random"]
     by_measure = Preisach(measure).simulate(inputs) + offset
-    assert np.max(np.abs(by_measure - Preisach(surface("two_c")).simulate(inputs))) <= TOLERANCE * printed.range
+    assert (
+        np.max(np.abs(by_measure - Preisach(surface("two_c")).simulate(inputs))) <= TOLERANCE * printed.range
+    )

@@ -27,7 +27,9 @@ def test_the_built_in_sets_are_the_printed_table():
 
 def test_partitions_are_the_currents_of_the_protocol():
     """One-wire: 174.1 I² for I = 0 … 1 A by 0.1; two-wire: symmetric about zero (theory §3)."""
-    assert np.allclose(PARTITIONS["one_wire"], 174.1 * np.linspace(0, 1, 11) ** 2, atol=0.06)  # 27.856 is printed 27.8
+    assert np.allclose(
+        PARTITIONS["one_wire"], 174.1 * np.linspace(0, 1, 11) ** 2, atol=0.06
+    )  # 27.856 is printed 27.8
     assert np.array_equal(PARTITIONS["two_wire"], -np.array(PARTITIONS["two_wire"])[::-1])
 
 
@@ -38,12 +40,16 @@ def test_values_and_derivatives_are_the_printed_formula(name: str):
     scale = printed.range
     assert np.allclose(s.y(a, b)[inside], printed.y(a, b)[inside], rtol=0, atol=1e-13 * scale)
     assert np.allclose(s.strip_beta(a, b)[inside], printed.y_beta(a, b)[inside], rtol=0, atol=1e-14 * scale)
-    assert np.allclose(2 * s.density(a, b)[inside], printed.y_alpha_beta(a, b)[inside], rtol=0, atol=1e-15 * scale)
+    assert np.allclose(
+        2 * s.density(a, b)[inside], printed.y_alpha_beta(a, b)[inside], rtol=0, atol=1e-15 * scale
+    )
     step = 1e-30
     slope_alpha = printed.y(a + step * 1j, b).imag / step
     on_diagonal = printed.y(a + step * 1j, a + step * 1j).imag / step
     assert np.allclose(s.slope_alpha(a, b)[inside], slope_alpha[inside], rtol=0, atol=1e-13 * scale)
-    assert np.allclose(s.strip_alpha(a, b)[inside], (on_diagonal - slope_alpha)[inside], rtol=0, atol=1e-13 * scale)
+    assert np.allclose(
+        s.strip_alpha(a, b)[inside], (on_diagonal - slope_alpha)[inside], rtol=0, atol=1e-13 * scale
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -54,7 +60,9 @@ def test_ends_are_exact(name: str):
     assert np.all(s.y(np.linspace(s.lower, s.upper, 99), s.lower) == s.y_lower)
 
 
-@pytest.mark.parametrize(("name", "percent"), list(zip(NAMES, [28.8, 33.7, 8.2, 26.2, 13.1, 12.6], strict=True)))
+@pytest.mark.parametrize(
+    ("name", "percent"), list(zip(NAMES, [28.8, 33.7, 8.2, 26.2, 13.1, 12.6], strict=True))
+)
 def test_share_of_the_reversible_part(name: str, percent: float):
     s, printed = surface(name), Printed(name)
     carried, _ = quad(lambda b: float(s.reversible(b)), s.lower, s.upper, limit=200)
@@ -92,7 +100,9 @@ def test_closed_form_of_the_constant_density(name: str):
     assert s.density(a, b)[inside].min() > 0
 
 
-@pytest.mark.parametrize(("name", "least"), [("one_p", -6.9e-4), ("one_e", -1.9e-3), ("two_p", -2.5e-4), ("two_e", -1.2e-4)])
+@pytest.mark.parametrize(
+    ("name", "least"), [("one_p", -6.9e-4), ("one_e", -1.9e-3), ("two_p", -2.5e-4), ("two_e", -1.2e-4)]
+)
 def test_the_best_fits_are_not_positive(name: str, least: float):
     """Table 5.2: only the c surfaces are in M_P."""
     a, b, inside = grid(name)

@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 _COARSE = 0.002  # of the range: steps below this cannot be seen in a hysteresis loop
 _SPIKE = 0.3  # of the 1–99 % range
 _HELD_ROWS = 5
+_CLIPPED_ROWS = 5
 
 
 def channel_findings(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
@@ -21,7 +22,9 @@ def channel_findings(name: str, unit: str, x: Array, line: NDArray[np.int64]) ->
         return []
     if np.ptp(values) == 0:
         return [f"{name} is {values[0]:g} {unit} in every row: nominal or not connected, not measured."]
-    return _clipped(name, unit, values, where) + _spikes(name, unit, values, where) + _steps(name, unit, values)
+    return (
+        _clipped(name, unit, values, where) + _spikes(name, unit, values, where) + _steps(name, unit, values)
+    )
 
 
 def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:
@@ -35,22 +38,22 @@ def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:
 
 
 def clipped(x: Array) -> NDArray[np.bool_]:
-    """Samples (n,) stuck at the largest or smallest value although the channel was still moving.
+    """Samples (n,) stuck at the largest or smallest value of a channel that is alive elsewhere.
 
-    A run of at least three equal extreme values counts where the three values before or after it change
-    at least half as fast as the channel usually does: a channel at rest comes to its extreme slowly.
+    A run of equal extreme values counts from five rows on, if it is five times as long as any run of equal
+    values in between: a channel at rest or in coarse steps repeats itself elsewhere, too. Channels that
+    are held for more than five rows in between cannot be judged.
     """
     mask = np.zeros(x.size, dtype=bool)
-    known = np.isfinite(x)
-    if known.sum() < 10:
+    if np.isfinite(x).sum() < 10 or np.nanmax(x) == np.nanmin(x):
         return mask
-    usual = float(np.median(np.abs(np.diff(x[known]))))
-    for extreme in (np.nanmax(x), np.nanmin(x)):
-        at = x == extreme
-        for a, b in _runs(at):
-            beside = (x[max(0, a - 3) : a], x[b : b + 3])
-            rates = [float(np.mean(np.abs(np.diff(side)))) for side in beside if side.size == 3]
-            if b - a >= 3 and usual > 0 and any(rate >= 0.5 * usual for rate in rates):
+    extremes = np.nanmax(x), np.nanmin(x)
+    between = np.diff(x) == 0
+    between &= ~np.isin(x[1:], extremes)
+    elsewhere = 1 + max((b - a for a, b in _runs(between)), default=0)
+    for extreme in extremes if elsewhere <= _HELD_ROWS else ():
+        for a, b in _runs(x == extreme):
+            if b - a >= max(_CLIPPED_ROWS, 5 * elsewhere):
                 mask[a:b] = True
     return mask
 
@@ -61,8 +64,9 @@ def quantum(x: Array) -> float | None:
     >>> quantum(np.round(np.linspace(0, 1, 200) ** 2 * 40) * 0.085)
     0.085
     """
-    levels = np.unique(x[np.isfinite(x)])
-    gaps = np.diff(levels)
+    levels, times = np.unique(x[np.isfinite(x)], return_counts=True)
+    frequent = levels[times > 2]  # means of two readings lie off the grid
+    gaps = np.diff(frequent if frequent.size > 8 else levels)
     if gaps.size < 8:
         return None
     gaps = gaps[gaps > 0.2 * np.median(gaps)]  # printed decimals jitter around a level
@@ -98,8 +102,9 @@ def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str
         return []
     k = int(np.argmax(np.where(lone, np.minimum(np.abs(before), np.abs(after)), 0.0))) + 1
     return [
-        f"{name} has single-row spikes in {int(lone.sum())} place(s), the largest {f'{x[k]:g} {unit}'.strip()} "
-        f"between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); kept as they are."
+        f"{name} has single-row spikes in {int(lone.sum())} place(s), the largest "
+        f"{f'{x[k]:g} {unit}'.strip()} between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); "
+        f"kept as they are."
     ]
 
 
@@ -113,7 +118,5 @@ def _steps(name: str, unit: str, x: Array) -> list[str]:
         )
     step = quantum(x)
     if step and step > _COARSE * np.ptp(x):
-        out.append(
-            f"{name} comes in steps of {step:g} {unit} ({100 * step / np.ptp(x):.1f} % of its range)."
-        )
+        out.append(f"{name} comes in steps of {step:g} {unit} ({100 * step / np.ptp(x):.1f} % of its range).")
     return out

@@ -30,7 +30,7 @@ def check_time(path: Path, name: str, t_s: Array, line: NDArray[np.int64], repea
         k = int(same[0]) + 1
         raise DataError(
             f"{path}, line {line[k]}: '{name}' repeats {t_s[k]:g} s ({same.size} repeats in all); a mapping "
-            f"file may say [time] repeated = \"mean\" or \"keep_order\"."
+            f'file may say [time] repeated = "mean" or "keep_order".'
         )
 
 

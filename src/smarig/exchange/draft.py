@@ -5,6 +5,7 @@ Knows the vocabulary of a run. Refuses to know files.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -51,14 +52,14 @@ def step_row(
     return (index, 0, 0, branch, target, span_s[0], span_s[1], verdict, position, n)
 
 
-def directions(values: Sequence[float | None] | Array) -> list[str]:
+def directions(values: Sequence[float] | Array) -> list[str]:
     """'up' or 'down' for each value against the one before it; the first goes with the second.
 
     >>> directions([0.0, 0.5, 0.5, 0.2])
     ['up', 'up', 'up', 'down']
     """
     out: list[str] = []
-    for before, now in zip(values[:-1], values[1:]):
-        known = before is not None and now is not None and before != now
-        out.append(("up" if now > before else "down") if known else (out[-1] if out else ""))
+    for before, now in pairwise(values):
+        changed = now > before or now < before  # False beside a NaN, too
+        out.append(("up" if now > before else "down") if changed else (out[-1] if out else ""))
     return [out[0] if out else "", *out]

@@ -12,11 +12,13 @@ from smarig.sample import Quality
 Array = NDArray[np.float64]
 
 
-def record_findings(columns: Mapping[str, Array], units: Mapping[str, str], line: NDArray[np.int64]) -> list[str]:
+def record_findings(
+    columns: Mapping[str, Array], units: Mapping[str, str], line: NDArray[np.int64]
+) -> list[str]:
     """Sentences on every channel named in ``units``, and on the loop of ``input`` and ``position``."""
     out: list[str] = []
     for name, unit in units.items():
-        if name not in ("input", "current_command_A") or name not in columns:
+        if name in columns and name not in ("input", "current_command_A"):
             out += channel_findings(name, unit, columns[name], line)
     if "position" in columns and "input" in columns:
         out += loop_findings(
@@ -29,14 +31,20 @@ def record_findings(columns: Mapping[str, Array], units: Mapping[str, str], line
 
 
 def twin_columns(columns: Mapping[str, Array]) -> list[str]:
-    """Sentences on columns that hold the same numbers twice."""
+    """Sentences on columns that hold the same numbers twice, perhaps with another zero."""
     names = [n for n, x in columns.items() if np.isfinite(x).any() and np.nanmax(x) > np.nanmin(x)]
-    return [
-        f"Columns '{a}' and '{b}' are identical: one is a copy of the other."
-        for k, a in enumerate(names)
-        for b in names[k + 1 :]
-        if np.array_equal(columns[a], columns[b], equal_nan=True)
-    ]
+    out = []
+    for k, a in enumerate(names):
+        for b in names[k + 1 :]:
+            apart = columns[b] - columns[a]
+            known = apart[np.isfinite(apart)]
+            if known.size < 3 or np.ptp(known) > 1e-9 * np.ptp(columns[a][np.isfinite(columns[a])]):
+                continue
+            if np.abs(known).max() == 0:
+                out.append(f"Columns '{a}' and '{b}' are identical: one is a copy of the other.")
+            else:
+                out.append(f"Column '{b}' is column '{a}' {known[0]:+.4g}: the same data with another zero.")
+    return out
 
 
 def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list[str]:
@@ -52,7 +60,9 @@ def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list
 
 def saturation(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:
     """Quality marks (n,): SATURATED where one of the measured channels is clipped."""
-    masks = [clipped(columns[c]) for c in channels if c in columns and c not in ("input", "current_command_A")]
+    masks = [
+        clipped(columns[c]) for c in channels if c in columns and c not in ("input", "current_command_A")
+    ]
     return np.any(masks, axis=0) * float(Quality.SATURATED)
 
 

@@ -96,13 +96,20 @@ def _remarks(rows: list[tuple], short: int, dropped: int, resolution: float | No
     if not rows:
         return ["No step was found: the current is never held for five samples."]
     moving = sum(row[7] != "settled" for row in rows) - short
-    out = [f"{len(rows)} steps were found from the current; positions are means over the last 25 s of each hold."]
+    out = [
+        f"{len(rows)} steps were found from the current; positions are means over the last 25 s of each hold."
+    ]
     if short:
-        out.append(f"{short} holds are shorter than 25 s: their last quarter was averaged, and they count as elapsed.")
+        out.append(
+            f"{short} holds are shorter than 25 s: their last quarter was averaged, "
+            f"and they count as elapsed."
+        )
     if moving > 0 and resolution is None:
         out.append("The position's resolution is unknown, so no step counts as settled; give --rig.")
     elif moving > 0:
-        out.append(f"{moving} holds were still moving by more than one count ({resolution:.3g}) at their end.")
+        out.append(
+            f"{moving} holds were still moving by more than one count ({resolution:.3g}) at their end."
+        )
     if dropped:
         out.append(f"{dropped} stretches of fewer than five samples at one current are no steps.")
     return out

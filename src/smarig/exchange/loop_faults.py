@@ -4,6 +4,7 @@ Knows that a hysteretic output lags its input. Refuses to know the material. One
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,9 @@ def loop_findings(loop: Loop) -> list[str]:
     if known.u.size < 10 or np.ptp(known.u) == 0 or np.ptp(known.y) == 0:
         return []
     turns = turning_points(known.u, _REVERSAL * float(np.ptp(known.u)))
-    return _jumps(known) + _contrary(known, turns) + _open(known, turns) + _sense(known, turns) + _centre(known)
+    return (
+        _jumps(known) + _contrary(known, turns) + _open(known, turns) + _sense(known, turns) + _centre(known)
+    )
 
 
 def turning_points(u: Array, threshold: float) -> list[int]:
@@ -73,7 +76,7 @@ def _jumps(loop: Loop) -> list[str]:
     k = int(np.argmax(step))
     return [
         f"The output jumps by more than {_JUMP:.0%} of its range between neighbouring rows in "
-        f"{int(large.sum())} places, at most {loop.y[k + 1] - loop.y[k]:+.4g} {loop.output_unit} from line "
+        f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g} {loop.output_unit} from line "
         f"{loop.line[k]} to {loop.line[k + 1]}: what happens in between was not sampled."
     ]
 
@@ -81,7 +84,7 @@ def _jumps(loop: Loop) -> list[str]:
 def _contrary(loop: Loop, turns: list[int]) -> list[str]:
     moves = np.diff(loop.u)
     sense = np.zeros(moves.size)
-    for a, b in zip(turns[:-1], turns[1:]):
+    for a, b in pairwise(turns):
         sense[a:b] = np.sign(loop.u[b] - loop.u[a])
     back = np.where(moves * sense < 0, np.abs(moves), 0.0)
     false = back > _CONTRARY * np.ptp(loop.u)

@@ -3,6 +3,7 @@
 Knows mapping files. Refuses unknown columns and values no wire can have; never repairs what it reports.
 """
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,9 @@ def _on_one_clock(path: Path, table: Table, mapping: MappingFile) -> tuple[Table
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
     said = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
-        said.append(f"The file has no clock: {time.period_s:g} s a period is what the mapping says, not measured.")
+        said.append(
+            f"The file has no clock: {time.period_s:g} s a period is what the mapping says, not measured."
+        )
     if time.repeated != "mean":
         return _with(table, {**table.columns, "t_s": t_s}, table.line), said
     first, merged = merge_repeats(t_s, {**table.columns, "t_s": t_s})
@@ -93,7 +96,7 @@ def _unfolded(
     """Channels of all branches one after the other, line numbers, direction of each row, what was odd."""
     parts = [_channels(path, table, mapping, columns) for _, columns in mapping.tables()]
     notes = []
-    for k, (before, after) in enumerate(zip(parts[:-1], parts[1:])):
+    for k, (before, after) in enumerate(pairwise(parts)):
         if all(before[c][-1] == after[c][0] for c in before if c in after and c != "t_s"):
             notes.append(
                 f"The last reading of branch {k + 1} and the first of branch {k + 2} are the same in every "
@@ -122,7 +125,7 @@ def _scaled(table: Table, column: Column) -> Array:
 
 
 def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[str]]:
-    """What was meant to be constant, as mean, min, max; a sentence where it was not, or was never measured."""
+    """What was meant to be constant, as mean, min, max; a sentence where it was not."""
     out, said = {}, []
     for name, column in mapping.conditions.items():
         x = _scaled(table, column)
@@ -133,9 +136,7 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
         if low == high:
             said.append(f"{name} is exactly {low:g} {column.unit} in every row: nominal, not measured.")
         elif high - low > 0.1 * abs(mean):
-            said.append(
-                f"{name} was not constant: {low:.4g} … {high:.4g} {column.unit}, mean {mean:.4g} {column.unit}."
-            )
+            said.append(f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g} {column.unit}.")
     return out, said
 
 
@@ -156,8 +157,9 @@ def _compared(path: Path, table: Table, mapping: MappingFile, columns: dict[str,
             columns[channel][bad] = np.nan
         if bad.any():
             said.append(
-                f"Columns {pair} disagree by up to {np.nanmax(apart):.3g} {compare.unit} in {int(bad.sum())} rows "
-                f"(lines {table.line[bad].min()}–{table.line[bad].max()}); {', '.join(compare.blames)} left out there."
+                f"Columns {pair} disagree by up to {np.nanmax(apart):.3g} {compare.unit} in {int(bad.sum())} "
+                f"rows (lines {table.line[bad].min()}–{table.line[bad].max()}); "
+                f"{', '.join(compare.blames) or 'nothing'} is left out there."
             )
         usual = float(np.median(apart[~bad]))
         if usual > 0.2 * compare.within:

@@ -106,10 +106,10 @@ class MappingFile(Section):
     output: Quantity | None = None
     file: TextLayout = TextLayout()
     time: TimeAxis | None = None
-    columns: dict[Channel, Column] = {}
+    columns: dict[Channel, Column] = Field(default_factory=dict)
     branch: tuple[Branch, ...] = ()
-    conditions: dict[str, Column] = {}
-    ignore: dict[str, str] = {}
+    conditions: dict[str, Column] = Field(default_factory=dict)
+    ignore: dict[str, str] = Field(default_factory=dict)
     compare: tuple[Compare, ...] = ()
     steps: Literal["none", "rows"] = "none"
     notes: str = ""

@@ -4,6 +4,7 @@ Refuses any other column, naming it. Without ``step``, steps are found from the 
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -130,7 +131,9 @@ def _input(
     meta = {
         "quantity": "wire temperature above ambient" + (", T1 - T2" if rig.actuator.two_wire else ""),
         "unit": "K",
-        "from": "the file" if "input_K" in table.columns else "heating model along the current, from a cold wire",
+        "from": "the file"
+        if "input_K" in table.columns
+        else "heating model along the current, from a cold wire",
     }
     return meta, lambda a, b: rig.actuator.input_for(float(np.mean(drive[a:b])))
 
@@ -138,7 +141,7 @@ def _input(
 def _given(step: Array) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.nan_to_num(step, nan=-1.0))) + 1
     bounds = [0, *edges.tolist(), step.size]
-    return [(a, b) for a, b in zip(bounds[:-1], bounds[1:]) if np.isfinite(step[a])]
+    return [(a, b) for a, b in pairwise(bounds) if np.isfinite(step[a])]
 
 
 def _flags(path: Path, table: Table) -> Array:

@@ -39,5 +39,7 @@ def check_strain(path: Path, column: str, strain: Array) -> list[str]:
         )
     span = float(np.nanmax(strain) - np.nanmin(strain))
     if span < _STRAIN_RANGE_MIN:
-        return [f"The strain covers only {100 * span:.3g} %, no more than thermal expansion; is the unit right?"]
+        return [
+            f"The strain covers only {100 * span:.3g} %, no more than thermal expansion; is the unit right?"
+        ]
     return []

@@ -34,7 +34,7 @@ class RigFacts:
         return self.actuator.position_per_count(self.file.encoder.counts_per_rev)
 
     def input_along(self, t_s: Array, current_A: Array) -> Array:
-        """Hysteresis input (n,), kelvin above ambient: (5.1) along a record of any spacing, from a cold wire."""
+        """Hysteresis input (n,), kelvin above ambient: (5.1) at any spacing, from a cold wire."""
         dt_s = np.diff(t_s, prepend=t_s[0] - np.median(np.diff(t_s)))
         decay = np.exp(-dt_s / self.actuator.tau_s).tolist()
         heating = Heating(self.actuator, dt_s=1.0)

@@ -25,7 +25,7 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Layout:
-    """How the text is laid out. ``known``: column names that mark the header row; ``names``: there is none."""
+    """How the text is laid out: ``known`` columns mark the header row, ``names`` say there is none."""
 
     known: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
@@ -54,7 +54,9 @@ def read_table(path: Path, layout: Layout) -> Table:
     lines = text.splitlines()
     start, names, delimiter = _header(path, lines, layout)
     # The preamble of one table of many begins at the blank line before it.
-    begin = max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
+    begin = (
+        max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
+    )
     preamble = [line for line in lines[begin:start] if line.strip()]
     first = start + 1 - bool(layout.names)
     if preamble and not layout.header_starts:
@@ -86,7 +88,7 @@ def read_text(path: Path) -> tuple[str, list[str]]:
         raise UsageError(f"There is no file {path}.") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
-    if not data.strip():
+    if not data.removeprefix(b"\xef\xbb\xbf").strip(b" \t\r\n\xff\xfe"):
         raise DataError(f"{path} is empty.")
     if data.startswith(b"MATLAB 5.0"):
         raise DataError(f"{path} is a MATLAB file, which smarig does not read yet; save it as CSV.")
@@ -139,7 +141,7 @@ def _header(path: Path, lines: Sequence[str], layout: Layout) -> tuple[int, list
 
 def _recognised(line: str, delimiter: str | None, known: Sequence[str]) -> tuple[int, int]:
     cells = split(line, delimiter)
-    return len(set(cells) & set(known)), len(cells)
+    return len(set(cells) & set(known)), 0 if delimiter is None else len(cells)
 
 
 def _best_header(path: Path, lines: Sequence[str], known: Sequence[str], choices: Sequence) -> int:
@@ -196,7 +198,9 @@ def _cells(
         cells = split(line, delimiter)
         missing = len(names) - len(cells)
         if missing < 0 or (delimiter is None and missing > 0):
-            raise DataError(f"{path}, line {k + 1} has {len(cells)} cells; the header names {len(names)} columns.")
+            raise DataError(
+                f"{path}, line {k + 1} has {len(cells)} cells; the header names {len(names)} columns."
+            )
         rows.append(cells + [""] * missing)
         where.append(k + 1)
     if len(rows) < 2:

@@ -62,7 +62,10 @@ class CurveFits:
 
     def __repr__(self) -> str:
         short = ", ".join(f"{a:g}" for a in self.too_short)
-        return f"CurveFits({len(self.curves)} curves, σ {self.sigma:.3g} {self.unit}; undetermined at α = {short or 'none'})"
+        return (
+            f"CurveFits({len(self.curves)} curves, σ {self.sigma:.3g} {self.unit}; "
+            f"undetermined at α = {short or 'none'})"
+        )
 
 
 def fit_curves(data: FodData) -> CurveFits:
@@ -91,8 +94,8 @@ def _fitted(d: Descent, data: FodData, span: float, height: float) -> Array | No
         return None
     low = np.array([-5 * height, 0.1 / span, -(data.upper + span), float(data.y.min()) - 5 * height])
     high = np.array([5 * height, _STEEPEST / span, -(data.lower - span), float(data.y.max()) + 5 * height])
-    rise = max(float(np.ptp(d.y)), 1e-6 * height)
-    starts = product((rise,), (5 / span, 20 / span), -np.quantile(d.beta, (0.2, 0.5, 0.8)), (float(d.y.min()),))
+    rise, base = max(float(np.ptp(d.y)), 1e-6 * height), float(d.y.min())
+    starts = product((rise,), (5 / span, 20 / span), -np.quantile(d.beta, (0.2, 0.5, 0.8)), (base,))
     trials = [
         least_squares(
             _residuals, start, jac=_jacobian, args=(d,), bounds=(low, high), x_scale="jac", max_nfev=200

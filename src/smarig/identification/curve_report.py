@@ -30,7 +30,7 @@ class CurveReport:
     """``noise`` σ of a reading in ``unit`` (NaN: unknown); ``cross`` Prop. 4.6; ``merge_spread`` of the ends.
 
     ``top_angle`` is the slope of the rising branch less that of the falling one at the top, over the mean
-    slope of the major loop: 0 in saturation.
+    slope of the major loop: 0 in saturation. ``exercised``: both ends look like saturation.
     """
 
     noise: float
@@ -40,12 +40,8 @@ class CurveReport:
     merge: bool
     merge_spread: float
     top_angle: float
+    exercised: bool
     warnings: tuple[str, ...]
-
-    @property
-    def exercised(self) -> bool:
-        """Whether the input range reaches both saturations, as far as the curves show."""
-        return self.merge and not self.top_angle > _ANGLE
 
 
 def curve_report(data: FodData) -> CurveReport:
@@ -57,7 +53,8 @@ def curve_report(data: FodData) -> CurveReport:
     crossing = _crossing(descents, threshold)
     spread = _spread(descents)
     merge = spread <= max(threshold, _MERGED * float(np.ptp(data.y)))
-    angle = _top_angle(data, descents)
+    angle, angle_noise = _top_angle(data, descents, noise)
+    angled = angle - 2 * angle_noise > _ANGLE
     unit = data.unit
     warnings = []
     if rising:
@@ -73,19 +70,22 @@ def curve_report(data: FodData) -> CurveReport:
         )
     if not merge:
         warnings.append(
-            f"The range was not fully exercised: the curves do not merge at their lower end (they spread over "
-            f"{spread:.3g} {unit}); identify again with lower inputs."
+            "The range was not fully exercised: the curves do not merge at their lower end (they spread "
+            f"over {spread:.3g} {unit}); identify again with lower inputs."
         )
-    if angle > _ANGLE:
+    if angled:
         warnings.append(
             "The range was not fully exercised: the rising branch meets the upper curve at an angle "
-            f"({angle:.2f} of the mean slope), so the top is not saturation; identify again with higher inputs."
+            f"({angle:.2f} of the mean slope), it is no saturation; identify again with higher inputs."
         )
-    return CurveReport(noise, unit, not rising, crossing is not None, merge, spread, angle, tuple(warnings))
+    crosses = crossing is not None
+    return CurveReport(
+        noise, unit, not rising, crosses, merge, spread, angle, merge and not angled, tuple(warnings)
+    )
 
 
 def reading_noise(data: FodData) -> float:
-    """Standard deviation of a reading about its own curve, without any surface; NaN when curves are too short.
+    """Standard deviation of a reading about its own curve, without a surface; NaN when curves are too short.
 
     Long curves: third differences, Var Δ³y = 20σ², by the median. Others: what the sigmoids leave.
     """
@@ -129,18 +129,19 @@ def _spread(descents: list[Descent]) -> float:
     return max(ends) - min(ends)
 
 
-def _top_angle(data: FodData, descents: list[Descent]) -> float:
-    """Difference of the two branches' slopes at the top, over the mean slope; NaN without both branches."""
+def _top_angle(data: FodData, descents: list[Descent], noise: float) -> tuple[float, float]:
+    """Difference of the branches' slopes at the top, over the mean slope, and its noise; 0, 0 without both."""
     rising = data.alpha == data.beta
     inputs, where = np.unique(data.alpha[rising], return_inverse=True)
     if not descents or inputs.size < 2:
-        return float("nan")
+        return 0.0, 0.0
     outputs = np.bincount(where, data.y[rising]) / np.bincount(where)
     top = max(descents, key=lambda d: d.alpha)
     height, width = float(np.ptp(top.y)), float(np.ptp(top.beta))
     if inputs[-1] != top.alpha or height == 0.0:
-        return float("nan")
+        return 0.0, 0.0
     below = inputs[-2]
     rise = outputs[-1] - outputs[-2]
     fall = outputs[-1] - np.interp(below, top.beta[::-1], top.y[::-1])
-    return float((rise - fall) / (top.alpha - below) * width / height)
+    scale = width / height / (top.alpha - below)
+    return float((rise - fall) * scale), float(np.nan_to_num(noise) * np.sqrt(2) * scale)

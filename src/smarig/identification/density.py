@@ -19,6 +19,7 @@ from smarig.model.mirrored import Mirrored
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]
+_NAN = float("nan")
 _GRID = 161
 _CELLS = 40
 _ZERO = 1e-9  # a minimum above −_ZERO of the maximum is rounding
@@ -102,14 +103,14 @@ def _of_cells(table: Everett) -> DensityReport:
     """Mass of rectangles [α₁, α₂] × [β₁, β₂]: F(α₂, β₁) − F(α₁, β₁) − F(α₂, β₂) + F(α₁, β₂) = 2∬μ."""
     nodes = table.nodes if isinstance(table, FodTable) else np.linspace(table.lower, table.upper, _CELLS + 1)
     n = nodes.size
-    F = np.array([[table.everett(a, b) if b <= a else np.nan for b in nodes.tolist()] for a in nodes.tolist()])
+    inputs = nodes.tolist()
+    F = np.array([[table.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
     mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
     off_diagonal = np.tri(n - 1, k=-1, dtype=bool)
     width = np.diff(nodes)
     mu = np.where(off_diagonal, mass / (2 * width[:, None] * width), np.nan)
     if not off_diagonal.any():
-        nowhere = (float("nan"), float("nan"))
-        return DensityReport(float("nan"), nowhere, float("nan"), nowhere, True, True, float("nan"), float("nan"))
+        return DensityReport(_NAN, (_NAN, _NAN), _NAN, (_NAN, _NAN), True, True, _NAN, _NAN)
     middle = (nodes[1:] + nodes[:-1]) / 2
     i, j = np.unravel_index(int(np.nanargmin(mu)), mu.shape)
     k, m = np.unravel_index(int(np.nanargmax(mu)), mu.shape)
@@ -123,8 +124,8 @@ def _of_cells(table: Everett) -> DensityReport:
         # Interpolated finite tables are piecewise smooth; ForcTable's seams are kinks, not jumps.
         M_PC=isinstance(table, FodTable | ForcTable),
         M_P=negative == 0,
-        g_min=float("nan"),
-        reversible_share=float("nan"),
+        g_min=_NAN,
+        reversible_share=_NAN,
         negative_cells=negative,
         cells=int(off_diagonal.sum()),
     )

@@ -26,7 +26,7 @@ _Row = tuple[float, float, float, int, int, int]
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """One curve by itself: number, maximum α, inputs β (n,) falling strictly from at most α, outputs y (n,)."""
+    """One curve by itself: number, maximum α, inputs β (n,) falling from at most α, outputs y (n,)."""
 
     curve: int
     alpha: float
@@ -129,9 +129,9 @@ def fod_data(runs: Sequence[Run] | Run) -> FodData:
             f"from saturation ({data.lower:g}) rise to different maxima up to {top} and fall back after each."
         )
     raise DataError(
-        f"{names}: no first-order descending curves: the input never rises from negative saturation and falls "
-        "again. Drive it to the smallest input first (or begin there), rise to a maximum, fall back in steps, "
-        "and repeat with other maxima."
+        f"{names}: no first-order descending curves: the input never rises from negative saturation and "
+        "falls again. Drive it to the smallest input first (or begin there), rise to a maximum, fall back "
+        "in steps, and repeat with other maxima."
     )
 
 
@@ -186,7 +186,7 @@ def _places(history: History, curve: int) -> list[tuple[int, float, float, int]]
     for k, state in enumerate(history.states):
         place = _place(before, state)
         before = state
-        if place is None:
+        if place is None or state is None:
             continue
         alpha, beta = place
         if fell and alpha == beta > state.extrema[0]:
@@ -221,10 +221,11 @@ def _reversal_curves(runs: Sequence[Run]) -> FodData:
         u, y, step = -run["input"], -run["position"], run["step"]
         known = np.isfinite(u) & np.isfinite(y)
         lower, upper = min(lower, float(u[known].min())), max(upper, float(u[known].max()))
+        place = np.cumsum(known) - 1  # index among the run's points
         for number, label in enumerate(np.unique(step[known & (step >= 0)])):
             members = np.flatnonzero(known & (step == label))
             alpha = float(u[members].max())
-            rows += [(alpha, u[k], y[k], first + number, index, int(k)) for k in members]
+            rows += [(alpha, u[k], y[k], first + number, index, int(place[k])) for k in members]
         first = rows[-1][3] + 1 if rows else 0
     return _assembled(rows, (lower, upper), runs[0].unit, True)
 

@@ -46,7 +46,9 @@ class Memory:
         return 0.0
 
 
-def follow(inputs: Iterable[float], lower: float, upper: float, start: Start | State | None) -> list[State | None]:
+def follow(
+    inputs: Iterable[float], lower: float, upper: float, start: Start | State | None
+) -> list[State | None]:
     """The memory after each input, None while it is unknown.
 
     An unknown start becomes known at the first input that saturates: at ``lower`` or ``upper``.
@@ -79,7 +81,7 @@ def histories(runs: Sequence[Run], *, mirrored: bool = False) -> tuple[float, fl
     """
     sign = -1.0 if mirrored else 1.0
     records = [run.points() for run in runs]
-    named = [_named_start(run, mirrored) for run in runs]
+    named: list[Start | None] = [named_start(run, mirrored=mirrored) for run in runs]
     inputs = merged_inputs(sign * np.concatenate([u for u, _ in records]))
     lower, upper = _range(inputs, named)
     done: list[History] = []
@@ -115,11 +117,12 @@ def _left(before: Run, sign: float, history: History, lower: float, upper: float
     return follow([end], lower, upper, state)[0]
 
 
-def _named_start(run: Run, mirrored: bool) -> Start | None:
-    said = run.meta.get("initial")
-    if said not in STARTS:
-        return None
-    return _MIRROR[said] if mirrored else said
+def named_start(run: Run, *, mirrored: bool = False) -> Start | None:
+    """The state a run's record says it began in, None when it does not say."""
+    for start in STARTS:
+        if run.meta.get("initial") == start:
+            return _MIRROR[start] if mirrored else start
+    return None
 
 
 def _saturated(run: Run, sign: float, lower: float, upper: float) -> Start | None:

@@ -14,7 +14,7 @@ from smarig.sample import Quality
 Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step
 _FEWEST = 10  # readings
-_SPOILT = Quality.STALE | Quality.SATURATED | Quality.TRIPPED
+_SPOILT = Quality.STALE | Quality.TRIPPED  # a saturated command is still a measured current
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def holds(run: Run) -> list[Hold]:
 
 
 def good(run: Run) -> NDArray[np.bool_]:
-    """Rows (n,) whose sample was not stale, saturated or after a trip."""
+    """Rows (n,) whose sample was neither stale nor after a trip."""
     quality = np.nan_to_num(run["quality"]).astype(int)
     return (quality & int(_SPOILT)) == 0
 

@@ -37,8 +37,8 @@ class SurfaceFit:
     """A fitted surface and what the data says of it.
 
     ``names`` (p,) of the free parameters, their ``values`` (p,), ``covariance`` (p, p) and 95 % ``intervals``
-    (Student's t, n − p degrees of freedom). ``sse`` = Σe² over the points, ``rms`` = √(sse/n), ``norm2`` = √sse;
-    ``weighted_sse`` = Σw e² and its root ``weighted_norm2``. Units are the data's.
+    (Student's t, n − p degrees of freedom). ``sse`` = Σe² over the points, ``rms`` = √(sse/n),
+    ``norm2`` = √sse; ``weighted_sse`` = Σw e² and its root ``weighted_norm2``. Units are the data's.
     """
 
     surface: FodSurface

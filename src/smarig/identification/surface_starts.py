@@ -23,7 +23,8 @@ def ranked_starts(form: Form, data: FodData, root_weights: Array, around: Guess 
         guesses = _constant(data)
     else:
         guesses = _parabolic(data, around) if form == "parabolic" else _exponential(data, around)
-    cost = [_projected_sse(FodSurface(form, x, data.lower, data.upper, 0.0, 1.0), data, root_weights) for x in guesses]
+    ends = (data.lower, data.upper, 0.0, 1.0)
+    cost = [_projected_sse(FodSurface(form, x, *ends), data, root_weights) for x in guesses]
     return [guesses[k] for k in np.argsort(cost, kind="stable") if np.isfinite(cost[k])]
 
 
@@ -40,7 +41,7 @@ def _parabolic(data: FodData, around: Guess) -> list[Guess]:
     middle = data.lower + span / 2
     nodes = np.array([data.lower, middle, data.upper])
     offsets = [k * span for k in (-0.1, 0.0, 0.1, 0.3)]
-    guesses: list[Guess] = [(*around, 0.0, 0.0)[:3] + (0.0, 0.0, around[3])]
+    guesses: list[Guess] = [(*around[:3], 0.0, 0.0, around[3])]
     for left, bend, right in product(offsets, (-0.1 * span, 0.0), offsets):
         x5, x6, x7 = np.polyfit(nodes, around[3] + np.array([left, bend, right]), 2)
         guesses.append((*around[:3], float(x5), float(x6), float(x7)))
@@ -51,7 +52,8 @@ def _exponential(data: FodData, around: Guess) -> list[Guess]:
     """f = constant + offset·e^(−x₆(α − u₋)): several offsets at u₋, several decays of either sign."""
     span = data.upper - data.lower
     guesses: list[Guess] = []
-    for offset, decay, level in product((-0.3, -0.1, 0.1, 0.3, 1.0), (-2.0, 1.0, 4.0, 12.0), (-0.05, 0.0, 0.05)):
+    offsets, decays, levels = (-0.3, -0.1, 0.1, 0.3, 1.0), (-2.0, 1.0, 4.0, 12.0), (-0.05, 0.0, 0.05)
+    for offset, decay, level in product(offsets, decays, levels):
         x6 = decay / span
         at_edge = data.lower if decay > 0 else data.upper  # where the exponential is largest
         x5 = offset * span * float(np.exp(x6 * at_edge))

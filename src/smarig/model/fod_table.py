@@ -41,7 +41,9 @@ class FodTable:
         a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
         values = np.asarray(y, dtype=float)
         if values.shape != (a.size, b.size):
-            raise DataError(f"FOD table has shape {values.shape}, expected ({a.size}, {b.size}) for its axes.")
+            raise DataError(
+                f"FOD table has shape {values.shape}, expected ({a.size}, {b.size}) for its axes."
+            )
         if a.size < b.size and np.array_equal(a, b[b.size - a.size :]):
             return cls(b, _merged(np.vstack([np.full((b.size - a.size, b.size), np.nan), values])), unit)
         if not np.array_equal(a, b):

@@ -4,6 +4,7 @@ A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL
 refuses to know what is measured. A listener: ``sample``, ``step``, ``event`` are called by the runner.
 """
 
+import contextlib
 import json
 import shutil
 import sqlite3
@@ -43,7 +44,9 @@ class Recorder:
         """One sample; a few microseconds. Raises StorageError once writing has failed."""
         if self._failure is not None:
             raise StorageError(self._failure)
-        self._rows.append((s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9])))
+        self._rows.append(
+            (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
+        )
 
     def step(self, result: StepResult, *, branch: str, target: float | None, attempt: int = 0) -> None:
         """One finished step; committed at once."""
@@ -93,10 +96,16 @@ class Recorder:
             statements, self._statements = self._statements, []
         if not rows and not statements:
             return
-        with self._db:
-            self._db.executemany(schema.INSERT_SAMPLE, rows)
-            for sql, row in statements:
-                self._db.execute(sql, row)
+        try:
+            with self._db:
+                self._db.executemany(schema.INSERT_SAMPLE, rows)
+                for sql, row in statements:
+                    self._db.execute(sql, row)
+        except sqlite3.Error:  # rolled back: keep them, so that closing can try once more
+            self._rows.extendleft(reversed(rows))
+            with self._lock:
+                self._statements[:0] = statements
+            raise
 
     def _check_space(self) -> None:
         free = shutil.disk_usage(self.path.parent).free
@@ -106,7 +115,7 @@ class Recorder:
     # --- the end ---------------------------------------------------------------------------------
 
     def close(self, cause: str = "done", *, t_s: float = 0.0) -> None:
-        """Write what is left, note the cause, and leave one file (no -wal beside it).
+        """Write what is left, note the cause, and leave one file (its -wal goes with the last reader).
 
         StorageError if what was left could not be written; what had been committed stays readable.
         """
@@ -119,21 +128,27 @@ class Recorder:
         self._thread.join()
         try:
             self._commit()
-            self._db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-            self._db.execute("PRAGMA journal_mode=DELETE")
         except sqlite3.Error as error:
             raise StorageError(f"The end of run {self.path} could not be written: {error}.") from None
         finally:
+            _leave_one_file(self._db)
             self._db.close()
 
 
+def _leave_one_file(db: sqlite3.Connection) -> None:
+    """Fold the write-ahead log into the file; what is committed is safe in it where that cannot be done."""
+    with contextlib.suppress(sqlite3.Error):  # somebody is reading, or the disk is full
+        db.execute("PRAGMA busy_timeout=200")
+        db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        db.execute("PRAGMA journal_mode=DELETE")
+
+
 def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
-    if path.exists():
-        if not force:
-            raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    if path.exists() and not force:
+        raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    try:
         for suffix in ("", "-wal", "-shm"):
             path.with_name(path.name + suffix).unlink(missing_ok=True)
-    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         db = sqlite3.connect(path, check_same_thread=False)
         db.execute("PRAGMA journal_mode=WAL")
@@ -146,25 +161,31 @@ def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection
     return db
 
 
-def write_run(path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: list[tuple], *, force: bool) -> None:
+def write_run(
+    path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: list[tuple], *, force: bool
+) -> None:
     """Write a whole run at once (imports, simulations): all of it or nothing.
 
     ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
     ``steps`` are rows in STEP_COLUMNS order.
     """
     part = path.with_name(path.name + ".part")
-    part.unlink(missing_ok=True)
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
     try:
-        db = _create(part, {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}}, True)
+        db = _create(
+            part,
+            {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}},
+            True,
+        )
         try:
             n = len(columns["tick"])
             given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
             given[-1] = given[-1] if given[-1] is not None else [0] * n
             with db:
                 db.executemany(
-                    schema.INSERT_SAMPLE, zip(*[[None] * n if c is None else _plain(c) for c in given], strict=True)
+                    schema.INSERT_SAMPLE,
+                    zip(*[[None] * n if c is None else _plain(c) for c in given], strict=True),
                 )
                 db.executemany(schema.INSERT_STEP, steps)
             db.execute("PRAGMA journal_mode=DELETE")
@@ -177,7 +198,8 @@ def write_run(path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: 
         raise StorageError(f"Run file {path} cannot be written: {error}.") from None
     finally:
         for suffix in ("", "-wal", "-shm"):
-            part.with_name(part.name + suffix).unlink(missing_ok=True)
+            with contextlib.suppress(OSError):
+                part.with_name(part.name + suffix).unlink()
 
 
 def _plain(column: Any) -> list:

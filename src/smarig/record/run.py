@@ -128,13 +128,17 @@ def load_run(path: str | Path) -> Run:
         raise UsageError(f"There is no run file {file}.")
     try:
         with _opened(file) as db:
-            meta = {k: json.loads(v) for k, v in db.execute("SELECT key, value FROM run")}
-            _check_version(file, meta)
-            rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
-            steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
-            events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
-    except (sqlite3.Error, json.JSONDecodeError, UnicodeDecodeError) as error:
+            return _read(file, db)
+    except (sqlite3.Error, ValueError, TypeError, IndexError) as error:
         raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
+
+
+def _read(file: Path, db: sqlite3.Connection) -> Run:
+    meta = {k: json.loads(v) for k, v in db.execute("SELECT key, value FROM run")}
+    _check_version(file, meta)
+    rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
+    steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
+    events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
     data = np.array(rows, dtype=float).reshape(len(rows), len(SAMPLE_COLUMNS))
     columns = {name: data[:, k] for k, name in enumerate(SAMPLE_COLUMNS)}
     return Run(

@@ -34,16 +34,24 @@ class Session:
     """``with Session("one_wire_twin", seed=1) as s: s.run("validation", {}, Path("v.run.sqlite"))``."""
 
     def __init__(
-        self, rig: str, *, seed: int = 0, speed: float | None = None, wire: str = "", control: Control | None = None
+        self,
+        rig: str,
+        *,
+        seed: int = 0,
+        twin: TwinSettings | None = None,
+        speed: float | None = None,
+        wire: str = "",
+        control: Control | None = None,
     ) -> None:
         self.file: RigFile = load_rig(rig)
         self._config_text = locate("rigs", rig).read_text(encoding="utf-8")
         self.actuator = Actuator.named(self.file.actuator)
         self.wire = wire or self.file.wire
-        self.seed = seed
+        settings = twin or TwinSettings(seed=seed)
+        self.seed = settings.seed
         self.control = control or Control()
         self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
-        self.twin = Twin(self.file, self.actuator, TwinSettings(seed=seed))
+        self.twin = Twin(self.file, self.actuator, settings)
         self._guard = Guard(Paced(self.twin, speed) if speed else self.twin, self.file.limits, self.actuator)
         self._zero = "power-up"
         self._epoch = time.time()
@@ -98,7 +106,7 @@ class Session:
             "rig": self.file.name,
             "wire": self.wire,
             "actuator": self.actuator.name,
-            "source": "twin",
+            "source": "simulation" if self.twin.settings.hysteresis else "twin",
             "seed": self.seed,
             "start_epoch": self._epoch,
             "period_s": self.file.period_s,

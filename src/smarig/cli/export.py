@@ -1,0 +1,24 @@
+"""``smarig export``: a run file into other programs' formats."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli._output import emit, json_option
+from smarig.cli._types import FILE
+
+
+@click.command("export", epilog="\b\nExample:\n  smarig export validation.run.sqlite --to csv -o validation.csv")
+@click.argument("run", type=FILE)
+@click.option("--to", "format_", required=True, help="Format: csv, parquet.")
+@click.option("-o", "--out", type=FILE, required=True, help="File to write.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@json_option
+def command(run: Path, format_: str, out: Path, force: bool) -> None:
+    """Export a run's samples."""
+    from smarig.exchange import export_run
+    from smarig.record import load_run
+
+    recorded = load_run(run)
+    export_run(recorded, to=format_, out=out, force=force)
+    emit({"run": str(run), "file": str(out), "rows": len(recorded)}, f"{out}: {len(recorded)} rows.")

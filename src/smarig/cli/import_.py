@@ -1,0 +1,45 @@
+"""``smarig import``: other people's data into a run file."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli._output import emit, json_option, say
+from smarig.cli._types import FILE, RIG
+
+EPILOG = """\b
+Examples:
+  smarig import mine.csv --format csv --rig one_wire_twin -o mine.run.sqlite
+  smarig import test.csv --format csv --map sma_staircase -o staircase.run.sqlite
+  smarig import reversal_curves --format forc -o forc.run.sqlite
+"""
+
+
+@click.command("import", epilog=EPILOG)
+@click.argument("file", type=FILE)
+@click.option("--format", "format_", required=True, help="Format of the file: csv, forc.")
+@click.option("--map", "mapping", help="Mapping file for a CSV: a shipped name or a path.")
+@click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
+@click.option("--t0", type=float, help="Where this file begins on a clock shared with other runs, s.")
+@click.option("--wire", help="Identity of the wire.")
+@click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
+@click.option("--force", is_flag=True, help="Replace an existing run file.")
+@json_option
+def command(
+    file: Path,
+    format_: str,
+    mapping: str | None,
+    rig: str | None,
+    t0: float | None,
+    wire: str | None,
+    out: Path,
+    force: bool,
+) -> None:
+    """Import measured data; what looks wrong in it is said."""
+    from smarig.exchange import import_file
+
+    report = import_file(file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, force=force)
+    for warning in report.warnings:
+        say(f"Warning: {warning}")
+    found = {"run": str(report.run), "rows": report.rows, "warnings": list(report.warnings)}
+    emit(found, f"{report.run}: {report.rows} rows.")

@@ -1,0 +1,127 @@
+"""Instrument drift over a set of reversal curves, seen at its calibration points (n,) in measured order.
+
+Calibration points repeat one state of the sample, so that whatever they do is drift: of gain
+(multiplicative) or of zero (additive), interpolated between successive ones. A correction is kept only
+if it predicts better: every second interior curve from its two neighbours. Knows arrays and runs only.
+"""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+Kind = Literal["none", "multiplicative", "additive"]
+
+
+@dataclass(frozen=True)
+class ForcCurves:
+    """Field, moment (n,) and curve number (n,), −1 at calibration points, in measured order."""
+
+    field: Array
+    moment: Array
+    curve: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What was decided, and the rms held-out error of each kind in the moment's unit over ``n`` points."""
+
+    kind: Kind
+    error: dict[str, float]
+    n: int
+
+    def sentence(self, unit: str) -> str:
+        """The decision with its figures."""
+        raw = self.error["none"]
+        tried = {k: e for k, e in self.error.items() if k != "none"}
+        figures = ", ".join(f"{e:.4g} {unit} with {k} correction" for k, e in tried.items())
+        verdict = "left as it is" if self.kind == "none" else f"{self.kind} correction helps"
+        return f"Drift: held-out error {raw:.4g} {unit} as measured, {figures} (n = {self.n}): {verdict}."
+
+    def record(self) -> dict[str, Any]:
+        """As plain data, for a run's description."""
+        return asdict(self)
+
+
+def corrected(curves: ForcCurves, kind: Kind) -> ForcCurves:
+    """The curves with drift taken out: M·m̄/m(k) or M + m̄ − m(k), m(k) the calibration at sample k.
+
+    m̄ is the mean calibration moment, m(k) linear between calibration points and constant beyond.
+    """
+    at = np.flatnonzero(curves.curve < 0)
+    if kind == "none":
+        return curves
+    if at.size < 2:
+        raise DataError(f"Drift needs two calibration points at least; there are {at.size}.")
+    seen = curves.moment[at]
+    drift = np.interp(np.arange(curves.moment.size), at, seen)
+    if kind == "additive":
+        return ForcCurves(curves.field, curves.moment + seen.mean() - drift, curves.curve)
+    if (seen * seen.mean() <= 0).any():
+        raise DataError("Calibration moments change sign: they are no saturation moments.")
+    return ForcCurves(curves.field, curves.moment * seen.mean() / drift, curves.curve)
+
+
+def correct_drift_if_it_helps(curves: ForcCurves) -> tuple[ForcCurves, Decision]:
+    """The curves as they predict each other best, and the decision with all figures."""
+    kinds: tuple[Kind, ...] = ("none", "multiplicative", "additive")
+    tried = {kind: corrected(curves, kind) for kind in kinds}
+    misses = {kind: held_out_misses(c) for kind, c in tried.items()}
+    error = {kind: float(np.sqrt(np.mean(m**2))) for kind, m in misses.items()}
+    best = min(kinds, key=lambda kind: error[kind])  # the first of equals: nothing is done for nothing
+    return tried[best], Decision(best, error, misses["none"].size)
+
+
+def held_out_misses(curves: ForcCurves) -> Array:
+    """Measured − predicted moment of every second interior curve, from its two neighbours.
+
+    At each field, the neighbours' moments (linear along the curve) are weighted by how near their
+    reversal fields are. Fields outside the neighbours' common range are left out.
+    """
+    parts = _curves(curves)
+    if len(parts) < 3:
+        raise DataError(f"Held-out prediction needs three curves at least; there are {len(parts)}.")
+    misses = [_miss(*parts[k - 1 : k + 2]) for k in range(1, len(parts) - 1, 2)]
+    found = np.concatenate(misses)
+    if not found.size:
+        raise DataError("Neighbouring curves share no field, so that none predicts the other.")
+    return found
+
+
+def drift_corrected(run: Run) -> tuple[Array, Decision]:
+    """Moments (n,) of an imported run of reversal curves, drift corrected if that helps, and the decision."""
+    if not run.has("step") or not (run["step"] < 0).any():
+        raise DataError(f"{run.path} has no calibration points (step −1).")
+    step = np.nan_to_num(run["step"], nan=-1.0).astype(np.int64)
+    curves, decision = correct_drift_if_it_helps(ForcCurves(run["input"], run["position"], step))
+    return curves.moment, decision
+
+
+def _curves(curves: ForcCurves) -> list[tuple[Array, Array]]:
+    return list(_in_order(curves))
+
+
+def _in_order(curves: ForcCurves) -> Iterator[tuple[Array, Array]]:
+    edges = np.flatnonzero(np.diff(curves.curve)) + 1
+    for part in np.split(np.arange(curves.curve.size), edges):
+        if curves.curve[part[0]] >= 0 and part.size > 1:
+            order = part[np.argsort(curves.field[part], kind="stable")]
+            yield curves.field[order], curves.moment[order]
+
+
+def _miss(before: tuple[Array, Array], held_out: tuple[Array, Array], after: tuple[Array, Array]) -> Array:
+    field, moment = held_out
+    low, high = max(before[0][0], after[0][0]), min(before[0][-1], after[0][-1])
+    inside = (field >= low) & (field <= high)
+    reversals = before[0][0], field[0], after[0][0]
+    span = reversals[2] - reversals[0]
+    weight = (reversals[1] - reversals[0]) / span if span else 0.5
+    at = field[inside]
+    predicted = (1 - weight) * np.interp(at, *before) + weight * np.interp(at, *after)
+    return moment[inside] - predicted

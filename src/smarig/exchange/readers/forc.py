@@ -1,0 +1,49 @@
+"""First-order reversal curves as MicroMag magnetometers write them."""
+
+from pathlib import Path
+
+import numpy as np
+
+from smarig.errors import DataError, UsageError
+from smarig.exchange.draft import Draft
+from smarig.exchange.drift import ForcCurves, correct_drift_if_it_helps
+from smarig.exchange.forc import ForcFile, read_forc
+
+
+def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Draft:
+    """MicroMag-style first-order reversal curves: field is the input, moment the output.
+
+    Samples stand in measured order, calibration points (step −1) included, so that positive saturation
+    comes before each curve. Moments stay as measured; ``drift_corrected`` applies what was decided.
+    """
+    if rig is not None or mapping is not None:
+        raise UsageError("A file of reversal curves says itself what it holds: leave out --rig and --map.")
+    file = read_forc(path)
+    described = {**file.header, "curves": file.curves, "calibration_points": int(file.calibration.sum())}
+    warnings = list(file.warnings)
+    drift = _drift(file)
+    if drift is not None:
+        described["drift"] = drift[0]
+        warnings.append(drift[1])
+    columns = {
+        "input": file.field,
+        "position": file.moment,
+        "step": file.curve.astype(float),
+        "t_s": np.full(file.field.size, np.nan),
+    }
+    meta = {
+        "protocol": "first_order_reversal_curves",
+        "input": {"quantity": "magnetic field", "unit": file.units[0]},
+        "output": {"quantity": "magnetic moment", "unit": file.units[1], "per_count": None},
+        "forc": described,
+        "notes": "Drift is not corrected here; forc.drift says whether correction helps.",
+    }
+    return Draft(columns, meta, (), tuple(warnings))
+
+
+def _drift(file: ForcFile) -> tuple[dict, str] | None:
+    try:
+        _, decision = correct_drift_if_it_helps(ForcCurves(file.field, file.moment, file.curve))
+    except DataError:  # too few curves or calibration points to judge; the header remarks say so
+        return None
+    return decision.record(), decision.sentence(file.units[1])

@@ -1,0 +1,95 @@
+"""A hysteresis as plain JSON values and back: one entry per kind.
+
+Adding a kind is one line of ``_KINDS``. Knows no file.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from smarig.errors import DataError, UsageError
+from smarig.model.everett import Everett
+from smarig.model.fod_surface import FORMS, FodSurface
+from smarig.model.fod_table import FodTable
+from smarig.model.forc_table import ForcTable
+from smarig.model.mirrored import Mirrored
+
+
+class _Kind(NamedTuple):
+    of: type
+    dump: Callable[[Any], dict[str, Any]]
+    load: Callable[[dict[str, Any]], Everett]
+
+
+def dump_hysteresis(hysteresis: Everett) -> dict[str, Any]:
+    """Plain values with a ``kind``; UsageError for a hysteresis that has none."""
+    for name, kind in _KINDS.items():
+        if isinstance(hysteresis, kind.of):
+            return {"kind": name, **kind.dump(hysteresis)}
+    raise UsageError(
+        f"A {type(hysteresis).__name__} cannot be kept in a model file; kinds: {', '.join(_KINDS)}."
+    )
+
+
+def load_hysteresis(data: Any) -> Everett:
+    """The hysteresis of ``dump_hysteresis``, bit for bit; DataError says what is wrong."""
+    if not isinstance(data, dict) or data.get("kind") not in _KINDS:
+        given = data.get("kind") if isinstance(data, dict) else data
+        raise DataError(f"unknown kind of hysteresis '{given}'; expected one of {', '.join(_KINDS)}")
+    rest = {key: value for key, value in data.items() if key != "kind"}
+    try:
+        return _KINDS[data["kind"]].load(rest)
+    except UsageError as error:  # a surface that cannot be: here the file is to blame
+        raise DataError(str(error)) from None
+    except KeyError as error:
+        raise DataError(f"hysteresis key {error} is missing or unknown") from None
+    except (TypeError, ValueError, IndexError) as error:
+        raise DataError(f"the hysteresis is damaged: {error}") from None
+
+
+def _dump_surface(s: FodSurface) -> dict[str, Any]:
+    ends = {"lower": s.lower, "upper": s.upper, "y_lower": s.y_lower, "y_upper": s.y_upper, "unit": s.unit}
+    return {"form": s.form, "x": dict(zip(FORMS[s.form], s.x)), **ends}
+
+
+def _load_surface(data: dict[str, Any]) -> FodSurface:
+    names = FORMS.get(data["form"], ())
+    x = data.pop("x")
+    if set(x) != set(names):
+        raise DataError(f"a {data['form']} surface has parameters {', '.join(names) or '(unknown form)'}")
+    numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
+    return FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
+
+
+def _finite(value: Any, key: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise DataError(f"hysteresis key {key} is {value!r}, expected a number")
+    return float(value)
+
+
+def _dump_table(t: FodTable) -> dict[str, Any]:
+    rows = [row[: k + 1].tolist() for k, row in enumerate(t.values)]
+    return {"unit": t.unit, "nodes": t.nodes.tolist(), "rows": rows}
+
+
+def _load_table(data: dict[str, Any]) -> FodTable:
+    nodes, rows = np.array(data["nodes"], dtype=float), data["rows"]
+    values = np.full((nodes.size, nodes.size), np.nan)
+    if len(rows) != nodes.size or any(len(row) != k + 1 for k, row in enumerate(rows)):
+        raise DataError(f"a table of {nodes.size} nodes has rows of 1 to {nodes.size} values")
+    for k, row in enumerate(rows):
+        values[k, : k + 1] = row
+    return FodTable(nodes, values, str(data["unit"]))
+
+
+def _load_mirrored(data: dict[str, Any]) -> Mirrored:
+    return Mirrored(load_hysteresis(data["image"]))
+
+
+_KINDS: dict[str, _Kind] = {
+    "fod_surface": _Kind(FodSurface, _dump_surface, _load_surface),
+    "fod_table": _Kind(FodTable, _dump_table, _load_table),
+    "forc_table": _Kind(ForcTable, ForcTable.to_json, ForcTable.from_json),
+    "mirrored": _Kind(Mirrored, lambda m: {"image": dump_hysteresis(m.image)}, _load_mirrored),
+}

@@ -1,0 +1,234 @@
+"""A model as a value and as a file: ``*.model.json``, readable by eye, versioned, checked on load.
+
+Knows what a model consists of and where it came from. Refuses to know how it was identified.
+"""
+
+import json
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from smarig.errors import DataError, StorageError, UsageError
+from smarig.identification.hysteresis_json import dump_hysteresis, load_hysteresis
+from smarig.model.everett import Everett
+from smarig.model.preisach import Initial, Preisach
+
+VERSION = 1
+FORMAT = "smarig model"
+LARGEST_BYTES = 64_000_000
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Channel(_Table):
+    """What passes: quantity and unit."""
+
+    quantity: str
+    unit: str
+
+
+class ActuatorRecord(_Table):
+    """The wire: name of its parameter set, and the set itself (value, unit, source by key)."""
+
+    name: str
+    parameters: dict[str, Any]
+
+
+class NoiseRecord(_Table):
+    """Standard deviation of a settled output (None: nothing was repeated) and where that comes from."""
+
+    value: float | None
+    unit: str
+    source: str
+
+
+class Provenance(_Table):
+    """One run the model was made from; ``start_epoch`` and ``encoder_zero`` tell runs of one sitting."""
+
+    run: str
+    sha256: str
+    protocol: str
+    source: str
+    rows: int
+    start_epoch: float | None = None
+    encoder_zero: str | None = None
+
+
+class _File(_Table):
+    format: Literal["smarig model"]
+    schema_version: int
+    name: str
+    created: str
+    twin: bool
+    rig: str
+    actuator: ActuatorRecord
+    arrangement: str
+    input: Channel
+    output: Channel
+    mirrored: bool
+    hysteresis: dict[str, Any]
+    effects: list[dict[str, Any]]
+    parameters: list[str]
+    covariance: list[list[float | None]]
+    intervals: dict[str, tuple[float | None, float | None]]
+    fit: dict[str, Any]
+    noise_floor: NoiseRecord
+    provenance: list[Provenance]
+    warnings: list[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A hysteresis with its wire, units, uncertainty and origin.
+
+    ``parameters`` (p,) names the rows of ``covariance`` (p, p); ``intervals`` are 95 %; both are empty for
+    tables. ``mirrored`` means the hysteresis is the mirror image of what was fitted. ``effects`` are plain
+    values {name, parameters}: none for the pure hysteresis.
+    """
+
+    name: str
+    hysteresis: Everett
+    rig: str
+    actuator: ActuatorRecord
+    arrangement: str
+    input: Channel
+    output: Channel
+    mirrored: bool
+    fit: dict[str, Any]
+    noise_floor: NoiseRecord
+    provenance: tuple[Provenance, ...]
+    twin: bool
+    created: str
+    parameters: tuple[str, ...] = ()
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
+    effects: tuple[dict[str, Any], ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """Unit of the output."""
+        return self.output.unit
+
+    def preisach(self, initial: Initial = "negative") -> Preisach:
+        """The operator of the hysteresis, in an initial state."""
+        return Preisach(self.hysteresis, initial)
+
+    def predict(self, u: ArrayLike, initial: Initial = "negative") -> NDArray[np.float64]:
+        """Outputs (n,) for inputs u (n,), in the model's units, from an initial state."""
+        return self.preisach().simulate(u, initial)
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
+        target = Path(path)
+        if target.exists() and not force:
+            raise UsageError(f"{target} exists; give another name or --force to replace it.")
+        part = target.with_name(target.name + ".part")
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            part.write_text(_pretty(_to_file(self).model_dump(mode="json")), encoding="utf-8")
+            part.replace(target)
+        except OSError as error:
+            raise StorageError(f"Model file {target} cannot be written: {error.strerror or error}.") from None
+        finally:
+            part.unlink(missing_ok=True)
+        return target
+
+    def __repr__(self) -> str:
+        h = self.hysteresis
+        kind = f"{getattr(h, 'form', '')} {type(h).__name__}".strip()
+        rms = self.fit.get("rms")
+        fitted = f", rms {rms:.3g} {self.unit}" if isinstance(rms, float) else ""
+        made = "twin data" if self.twin else "measured data"
+        return (
+            f"Model({self.name}: {kind}, {self.input.quantity} [{h.lower:g}, {h.upper:g}] {self.input.unit} → "
+            f"{self.output.quantity} in {self.unit}{fitted}; {made}, {len(self.provenance)} run(s))"
+        )
+
+
+def load_model(path: str | Path) -> Model:
+    """Read and check a model file; UsageError when there is none, DataError when it is something else."""
+    file = Path(path)
+    if not file.is_file():
+        raise UsageError(f"There is no model file {file}.")
+    if file.stat().st_size > LARGEST_BYTES:
+        raise DataError(f"{file} is larger than {LARGEST_BYTES // 10**6} MB: that is no model file.")
+    try:
+        raw = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{file} is not a model file: it is not JSON ({error}).") from None
+    if not isinstance(raw, dict) or raw.get("format") != FORMAT:
+        raise DataError(f'{file} is not a model file: it does not say "format": "{FORMAT}".')
+    if raw.get("schema_version") != VERSION:
+        raise DataError(
+            f"{file} has model schema version {raw.get('schema_version')}; this smarig reads version {VERSION}."
+        )
+    try:
+        return _from_file(_File.model_validate(raw))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        what = "is an unknown key" if first["type"] == "extra_forbidden" else f"is wrong: {first['msg']}"
+        raise DataError(f"{file}: '{where}' {what}.") from None
+    except DataError as error:
+        raise DataError(f"{file}: {str(error).rstrip('.')}.") from None
+
+
+def _to_file(model: Model) -> _File:
+    return _File(
+        format=FORMAT,
+        schema_version=VERSION,
+        hysteresis=dump_hysteresis(model.hysteresis),
+        effects=list(model.effects),
+        parameters=list(model.parameters),
+        covariance=[[_number(v) for v in row] for row in model.covariance.tolist()],
+        intervals={name: (_number(low), _number(high)) for name, (low, high) in model.intervals.items()},
+        provenance=list(model.provenance),
+        warnings=list(model.warnings),
+        **{
+            name: getattr(model, name)
+            for name in (
+                *("name", "created", "twin", "rig", "actuator", "arrangement"),
+                *("input", "output", "mirrored", "fit", "noise_floor"),
+            )
+        },
+    )
+
+
+def _from_file(file: _File) -> Model:
+    rest = {
+        name: getattr(file, name) for name in _File.model_fields if name not in ("format", "schema_version")
+    }
+    size = len(file.parameters)
+    covariance = np.array(file.covariance, dtype=float).reshape(-1, size) if size else np.empty((0, 0))
+    if covariance.shape != (size, size):
+        raise DataError(f"the covariance has shape {covariance.shape}, expected ({size}, {size})")
+    rest |= {
+        "hysteresis": load_hysteresis(file.hysteresis),
+        "covariance": covariance,
+        "intervals": {name: (_float(a), _float(b)) for name, (a, b) in file.intervals.items()},
+        **{name: tuple(rest[name]) for name in ("parameters", "provenance", "warnings", "effects")},
+    }
+    return Model(**rest)
+
+
+def _number(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _float(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def _pretty(data: dict[str, Any]) -> str:
+    """Indented JSON with every innermost list on one line."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    flat = re.compile(r'\[\n\s+([^\[\]{}"]*?)\n\s+\]')
+    return flat.sub(lambda m: "[" + re.sub(r",\s+", ", ", m.group(1)) + "]", text) + "\n"

@@ -1,0 +1,143 @@
+"""τ from position transients, with a known hysteresis: the trajectory is replayed for each τ and compared.
+
+Current → heating (5.1) with time constant τ → Preisach operator → position. In each hold the mean
+difference to the measured position is taken out, so that neither the encoder's zero nor the model's error in
+steady state counts: what is left is the shape of the approach. Needs R/hA (the actuator's) and the memory a
+run begins in (its record names it, or it continues the run before).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from smarig.identification.estimate import Estimate, inflation, quantile
+from smarig.identification.history import continues, named_start
+from smarig.identification.holds import good, holds
+from smarig.model.actuator import Actuator
+from smarig.model.everett import Everett
+from smarig.model.heating import Heating
+from smarig.model.preisach import Preisach
+from smarig.record.run import Run
+
+Array = NDArray[np.float64]
+_LONGEST = 40_000  # samples replayed: enough for dozens of holds, and seconds of work
+_FACTOR = 30.0  # τ is sought within this factor of the actuator's
+_STEP = 0.02  # of log τ, for the slope
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """One sitting: currents and times (n,) from a known state, positions, and the holds as slices."""
+
+    current_A: list[float]
+    dt_s: Array
+    position: Array
+    start: str
+    windows: tuple[NDArray[np.int64], ...]
+
+
+def tau_from_position(runs: Sequence[Run], actuator: Actuator, hysteresis: Everett) -> Estimate | str:
+    """τ as an Estimate, or the sentence why the runs cannot give it."""
+    stretches = _stretches(runs)
+    count = sum(len(s.windows) for s in stretches)
+    if not count:
+        return (
+            "The time constant τ cannot be given from position: no run that begins in a known state has current, "
+            "position and a clock, and a step of the current that is then held."
+        )
+    guess = math.log(actuator.tau_s)
+
+    def errors(log_tau: float) -> list[Array]:
+        return [e for s in stretches for e in _errors(s, math.exp(log_tau), actuator, hysteresis)]
+
+    def square(log_tau: float) -> float:
+        return sum(float(e @ e) for e in errors(log_tau))
+
+    width = math.log(_FACTOR)
+    coarse = guess + np.linspace(-width, width, 13)
+    values = [square(x) for x in coarse]
+    k = int(np.argmin(values))
+    if k in (0, len(values) - 1):
+        return (
+            f"The time constant τ cannot be given from position: no value within a factor {_FACTOR:g} of the "
+            f"actuator's {actuator.tau_s:.3g} s follows the transients best; the model or R/hA does not fit them."
+        )
+    best = minimize_scalar(square, bounds=(coarse[k - 1], coarse[k + 1]), method="bounded", options={"xatol": 1e-4})
+    log_tau = float(best.x)
+    slope = [(b - a) / (2 * _STEP) for a, b in zip(errors(log_tau - _STEP), errors(log_tau + _STEP))]
+    names = ", ".join(run.path.name for run in runs)
+    return _estimate(log_tau, errors(log_tau), slope, f"position in {count} holds of {names}, replayed with the model")
+
+
+def _estimate(log_tau: float, errors: list[Array], slope: list[Array], text: str) -> Estimate | str:
+    square = sum(float(e @ e) for e in errors)
+    curvature = sum(float(g @ g) for g in slope)
+    n = sum(e.size for e in errors)
+    # Far into a hold nothing depends on τ any more: only as many readings count as carry the slope.
+    telling = curvature**2 / max(sum(float(g**2 @ g**2) for g in slope), 1e-300)
+    weighted = [g * e for g, e in zip(slope, errors)]
+    score = sum(float(w @ w) for w in weighted)
+    f = inflation(weighted)
+    if curvature == 0:
+        return "The time constant τ cannot be given from position: the transients do not depend on it."
+    spread = math.sqrt(max(score * f, square / n * curvature)) / curvature
+    half = quantile(telling / f - 1) * spread
+    tau = math.exp(log_tau)
+    ends = (tau * math.exp(-half), tau * math.exp(half))
+    return Estimate(tau, ends, "s", f"{text}, interval widened for correlated residuals", n)
+
+
+def _stretches(runs: Sequence[Run]) -> list[_Stretch]:
+    """Runs from a known state, each with the runs that continue it, as far as the limit of samples goes."""
+    sittings: list[list[Run]] = []
+    for k, run in enumerate(runs):
+        usable = run.has("current_A") and run.has("position") and run.has("t_s")
+        if usable and named_start(run) is not None:
+            sittings.append([run])
+        elif usable and k and sittings and sittings[-1][-1] is runs[k - 1] and continues(runs[k - 1], run):
+            sittings[-1].append(run)
+    found, left = [], _LONGEST
+    for sitting in sittings:
+        stretch = _joined(sitting, left)
+        left -= len(stretch.current_A)
+        found.append(stretch)
+        if left <= 0:
+            break
+    return found
+
+
+def _joined(sitting: list[Run], limit: int) -> _Stretch:
+    t, i, y, keep = (
+        np.concatenate(parts)[:limit]
+        for parts in zip(*[(run["t_s"], run["current_A"], run["position"], good(run)) for run in sitting])
+    )
+    known = np.isfinite(t) & np.isfinite(i)
+    windows, offset = [], 0
+    for run in sitting:
+        for hold in holds(run):
+            rows = np.arange(hold.begin + offset, hold.end + offset)
+            rows = rows[rows < t.size]
+            rows = rows[keep[rows] & known[rows] & np.isfinite(y[rows])]
+            if rows.size >= 10:
+                windows.append(rows)
+        offset += len(run)
+    filled_t = np.interp(np.arange(t.size), np.flatnonzero(known), t[known]) if known.any() else t
+    first = float(np.median(np.diff(filled_t))) if t.size > 1 else 0.0
+    start = named_start(sitting[0]) or "negative"
+    return _Stretch(np.nan_to_num(i).tolist(), np.diff(filled_t, prepend=filled_t[:1] - first), y, start, tuple(windows))
+
+
+def _errors(s: _Stretch, tau_s: float, actuator: Actuator, hysteresis: Everett) -> list[Array]:
+    """Model minus measurement in each hold, its mean taken out."""
+    heating = Heating(actuator, 1.0)
+    operator = Preisach(hysteresis, s.start)  # pyright: ignore[reportArgumentType]
+    model = np.empty(len(s.current_A))
+    for k, (current, decay) in enumerate(zip(s.current_A, np.exp(-np.maximum(s.dt_s, 0.0) / tau_s).tolist())):
+        heating.decay = decay
+        model[k] = operator.step(heating.step(current))
+    difference = model - s.position
+    return [difference[w] - difference[w].mean() for w in s.windows]

@@ -1,0 +1,134 @@
+"""What a model says along measured runs: at their settled points, or at every sample.
+
+The whole history counts: simulation starts in the state a run names, or goes on from the run before it;
+where neither is known, in saturation when the run gets there. Knows no measured output.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import UsageError
+from smarig.identification.fod_data import FORC_PROTOCOL
+from smarig.identification.history import REST, SAME_INPUT, continues, named_start
+from smarig.identification.model_file import Model
+from smarig.model.preisach import Preisach, State
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+
+
+def simulate(model: Model, run: Run) -> Array:
+    """Outputs of the model at a run's settled points, (k,), in the model's zero; see ``simulate_in_turn``."""
+    return simulate_in_turn(model, [run])[0]
+
+
+def simulate_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
+    """Outputs of the model at the settled points of runs that may follow one another, (k,) each.
+
+    NaN before the memory is known. Raises UsageError when the inputs are of another unit.
+    """
+    outputs: list[Array] = []
+    operator, left = model.preisach(), None
+    for k, run in enumerate(runs):
+        _check_input(model, run)
+        if run.meta.get("protocol") == FORC_PROTOCOL:
+            outputs.append(_reversal_curves(operator, run))
+            left = None
+            continue
+        goes_on = left is not None and continues(runs[k - 1], run)
+        known = goes_on or _started(operator, run)
+        if goes_on and left is not None:
+            operator.reset(left)
+        y, known = _driven(operator, _snapped(operator, run.points()[0]), known)
+        outputs.append(y)
+        left = _left(operator, run) if known else None
+    return outputs
+
+
+def simulate_along(model: Model, run: Run) -> Array:
+    """Outputs (n,) at every sample along the run's ``input`` column, in the model's zero.
+
+    NaN before the memory is known; an unknown input holds the last one.
+    """
+    _check_input(model, run)
+    operator = model.preisach()
+    known = _started(operator, run)
+    inputs = run["input"]
+    last = np.maximum.accumulate(np.where(np.isfinite(inputs), np.arange(inputs.size), -1))
+    first = int(np.argmax(last >= 0))
+    y = np.full(inputs.size, np.nan)
+    if last.size and last[-1] >= 0:
+        y[first:], _ = _driven(operator, inputs[last[first:]], known)
+    return y
+
+
+def out_of_range(model: Model, inputs: Array) -> NDArray[np.bool_]:
+    """Which inputs (k,) lie beyond the model's saturation."""
+    h = model.hysteresis
+    tolerance = REST * (h.upper - h.lower)
+    return (inputs < h.lower - tolerance) | (inputs > h.upper + tolerance)
+
+
+def _check_input(model: Model, run: Run) -> None:
+    if model.input.unit and run.input_unit and model.input.unit != run.input_unit:
+        raise UsageError(
+            f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}': "
+            "import the run with the model's input."
+        )
+
+
+def _started(operator: Preisach, run: Run) -> bool:
+    """Put the operator into the run's initial state; False when that is unknown."""
+    h = operator.hysteresis
+    start = named_start(run)
+    first = run["input"][:1]
+    tolerance = REST * (h.upper - h.lower)
+    if start is None and first.size and first[0] <= h.lower + tolerance:
+        start = "negative"
+    elif start is None and first.size and first[0] >= h.upper - tolerance:
+        start = "positive"
+    operator.reset(start or "negative")
+    return start is not None
+
+
+def _driven(operator: Preisach, inputs: Array, known: bool) -> tuple[Array, bool]:
+    """Outputs along inputs, NaN until the memory is known; and whether it is in the end."""
+    h, step = operator.hysteresis, operator.step
+    y = np.fromiter((step(u) for u in inputs.tolist()), dtype=float, count=inputs.size)
+    if not known:
+        saturated = (inputs <= h.lower) | (inputs >= h.upper)
+        known = bool(saturated.any())
+        y[: int(np.argmax(saturated)) if known else inputs.size] = np.nan
+    return y, known
+
+
+def _snapped(operator: Preisach, inputs: Array) -> Array:
+    """Inputs at saturation but for rounding, made to saturate."""
+    h = operator.hysteresis
+    near = SAME_INPUT * (h.upper - h.lower)
+    inputs = np.where(np.abs(inputs - h.upper) <= near, h.upper, inputs)
+    return np.where(np.abs(inputs - h.lower) <= near, h.lower, inputs)
+
+
+def _left(operator: Preisach, run: Run) -> State:
+    """The memory a run leaves: that of its last settled point, moved to its last input."""
+    end = run["input"][-1:]
+    if end.size and np.isfinite(end[0]):
+        operator.step(float(end[0]))
+    return operator.state
+
+
+def _reversal_curves(operator: Preisach, run: Run) -> Array:
+    """Each curve by itself, from positive saturation down to its lowest input; calibration points apart."""
+    u, y, step = run["input"], run["position"], run["step"]
+    predicted = np.full(u.size, np.nan)
+    known = np.isfinite(u) & np.isfinite(y)
+    for label in np.unique(step[known & (step >= 0)]):
+        members = np.flatnonzero(known & (step == label))
+        operator.reset("positive")
+        operator.step(float(u[members].min()))
+        for k in members[np.argsort(u[members], kind="stable")]:
+            predicted[k] = operator.step(float(u[k]))
+    return predicted[known]

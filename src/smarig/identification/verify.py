@@ -1,0 +1,223 @@
+"""How far is a model from measured runs? Settled points, simulated along the whole history of each run.
+
+The encoder is relative, so model and run agree only up to its zero. That zero is known when the run was
+zeroed where a training run was, or at power-up in a named state; otherwise one additive offset is fitted,
+and the result says so. Knows no fit of any other kind, and no rig.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError, UsageError
+from smarig.identification.fod_data import FORC_PROTOCOL, located
+from smarig.identification.history import named_start
+from smarig.identification.model_file import Model
+from smarig.identification.noise_floor import noise_floor
+from smarig.identification.origin import provenance
+from smarig.identification.selection import matches
+from smarig.identification.simulate import out_of_range, simulate_along, simulate_in_turn
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+Offset = Literal["auto", "known", "fitted"]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Model minus data over n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
+
+    n: int
+    rms: float
+    nrmse: float
+    max_abs: float
+
+    def to_json(self) -> dict[str, float]:
+        """Plain values."""
+        return {"n": self.n, "rms": self.rms, "nrmse": self.nrmse, "max_abs": self.max_abs}
+
+
+@dataclass(frozen=True, eq=False)
+class RunVerification:
+    """One run: errors, the points behind them, and how the encoder's zero was met.
+
+    ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN where the memory is
+    unknown); ``judged`` (k,) those that count. ``offset``, "known" or "fitted", was added to the model's output.
+    """
+
+    run: str
+    settled: Errors
+    transient: Errors | None
+    noise_floor: float | None
+    offset: float
+    offset_kind: str
+    input: Array
+    measured: Array
+    predicted: Array
+    judged: NDArray[np.bool_]
+    warnings: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values, as the CLI prints them."""
+        return {
+            "run": self.run,
+            **self.settled.to_json(),
+            "noise_floor": self.noise_floor,
+            "offset": self.offset,
+            "offset_kind": self.offset_kind,
+            **({"transient": self.transient.to_json()} if self.transient else {}),
+            "warnings": list(self.warnings),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """A model judged on runs."""
+
+    model: str
+    unit: str
+    runs: tuple[RunVerification, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """{"unit", "runs": [{"run", "n", "rms", "nrmse", "max_abs", "noise_floor", …}]}."""
+        return {"unit": self.unit, "runs": [run.to_json() for run in self.runs]}
+
+    def __repr__(self) -> str:
+        lines = ", ".join(
+            f"{r.run}: rms {r.settled.rms:.3g} {self.unit} (n = {r.settled.n})" for r in self.runs
+        )
+        return f"Verification({self.model}; {lines})"
+
+
+def verify(
+    model: Model, runs: Run | Sequence[Run], select: str | None = None, *, offset: Offset = "auto"
+) -> Verification:
+    """Errors of a model on the settled points of runs, each simulated along its whole history.
+
+    ``select`` lets only FOD points count for which an expression on curve, alpha, beta holds; the history
+    is simulated whole. ``offset``: "known" refuses runs whose encoder zero is not, "fitted" always fits one.
+    Raises DataError when units differ or a run's memory is never known.
+    """
+    several = [runs] if isinstance(runs, Run) else list(runs)
+    for run in several:
+        if run.unit != model.unit:
+            raise DataError(
+                f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
+            )
+    chosen = _chosen(several, select)
+    predictions = simulate_in_turn(model, several)
+    judged = [_judged(model, run, p, c, select, offset) for run, p, c in zip(several, predictions, chosen)]
+    return Verification(model.name, model.unit, tuple(judged))
+
+
+def _chosen(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
+    """Which points count, per run; curves are numbered through all runs, as in ``identify``."""
+    if select is None:
+        return [np.ones(run.points()[0].size, dtype=bool) for run in runs]
+    data = located(runs)
+    hit = matches(select, {"curve": data.curve, "alpha": data.alpha, "beta": data.beta})
+    masks = [np.zeros(run.points()[0].size, dtype=bool) for run in runs]
+    for r, k in zip(data.run[hit], data.point[hit]):
+        masks[r][k] = True
+    if not any(mask.any() for mask in masks):
+        raise UsageError(f"Selection '{select}' finds no point on the first-order curves of these runs.")
+    return masks
+
+
+def _judged(
+    model: Model, run: Run, predicted: Array, chosen: NDArray[np.bool_], select: str | None, offset: Offset
+) -> RunVerification:
+    inputs, measured = run.points()
+    counts = chosen & np.isfinite(predicted)
+    if not counts.any():
+        raise DataError(
+            f"{run.path}: no point can be predicted, because the memory at its start is unknown and it never "
+            "saturates; give the run before it as well, or begin runs in saturation."
+        )
+    shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
+    span = float(np.ptp(measured))
+    outside = int(np.sum(out_of_range(model, inputs)))
+    early = 0 if run.meta.get("protocol") == FORC_PROTOCOL else int(np.sum(chosen & ~counts))
+    return RunVerification(
+        run=str(run.path),
+        settled=_errors((predicted + shift - measured)[counts], span),
+        transient=None if select else _transient(model, run, shift),
+        noise_floor=noise_floor(run).value,
+        offset=shift,
+        offset_kind=kind,
+        input=inputs,
+        measured=measured,
+        predicted=predicted + shift,
+        judged=counts,
+        warnings=_warnings(model, early, outside, kind),
+    )
+
+
+def _errors(error: Array, span: float) -> Errors:
+    rms = float(np.sqrt(np.mean(error**2)))
+    return Errors(error.size, rms, rms / span if span else float("nan"), float(np.abs(error).max()))
+
+
+def _transient(model: Model, run: Run, shift: float) -> Errors | None:
+    """Every sample along the run's input column, None where that is not known apart from the points."""
+    if not (run.settled and run.has("input") and run.has("position")):
+        return None
+    error = simulate_along(model, run) + shift - run["position"]
+    known = np.isfinite(error)
+    return (
+        _errors(error[known], float(np.nanmax(run["position"]) - np.nanmin(run["position"])))
+        if known.any()
+        else None
+    )
+
+
+def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[float, str]:
+    known = None if offset == "fitted" else known_offset(model, run)
+    if known is not None:
+        return known, "known"
+    if offset == "known":
+        raise DataError(
+            f"{run.path} does not say in which state its encoder was zeroed; use a fitted offset."
+        )
+    return float(difference.mean()), "fitted"
+
+
+def known_offset(model: Model, run: Run) -> float | None:
+    """What to add to the model's output to meet the run's zero; None when the record does not tell.
+
+    0 for the runs the model was made from, runs of the same sitting with the same encoder zero, and
+    reversal curves (absolute); −y(initial state) for a run zeroed at power-up in a named state.
+    """
+    mine = provenance(run)
+    for made_from in model.provenance:
+        same_file = mine.sha256 and mine.sha256 == made_from.sha256
+        same_sitting = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
+            made_from.start_epoch,
+            made_from.encoder_zero,
+        )
+        if same_file or same_sitting:
+            return 0.0
+    if mine.protocol == FORC_PROTOCOL:
+        return 0.0
+    start = named_start(run)
+    if start is not None and run.meta.get("encoder_zero", "power-up") == "power-up":
+        return -model.preisach(start).y
+    return None
+
+
+def _warnings(model: Model, unknown: int, outside: int, kind: str) -> tuple[str, ...]:
+    found = []
+    if unknown:
+        found.append(f"{unknown} points come before the memory is known and are not judged.")
+    if outside:
+        h = model.hysteresis
+        found.append(
+            f"{outside} points lie outside the model's range [{h.lower:g}, {h.upper:g}] {model.input.unit}; "
+            "the model saturates there."
+        )
+    if kind == "fitted":
+        found.append("The encoder's zero is not known for this run: one additive offset was fitted.")
+    return tuple(found)

@@ -1,0 +1,137 @@
+"""The command line's promises: help with an example, one JSON object, exit status, one sentence for a mistake."""
+
+import json
+
+import pytest
+
+from smarig.catalogue import names
+from smarig.cli import run
+
+COMMANDS = [n.rstrip("_") for n in names("smarig.cli")]
+
+
+def call(capsys, *arguments):
+    status = run([str(a) for a in arguments])
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_has_an_example_and_json(capsys, command):
+    status, out, _ = call(capsys, command, "--help")
+    assert status == 0
+    assert f"smarig {command}" in out
+    assert "--json" in out
+    assert "Example" in out
+
+
+def test_the_root_lists_all_commands(capsys):
+    status, out, _ = call(capsys, "--help")
+    assert status == 0
+    assert all(f"  {c}" in out for c in COMMANDS)
+
+
+@pytest.mark.parametrize("kind", ["rigs", "actuators", "protocols", "campaigns"])
+def test_list(capsys, kind):
+    status, out, _ = call(capsys, "list", kind, "--json")
+    assert status == 0
+    assert all(json.loads(out)[kind].values())
+
+
+def test_check_and_dry_run(capsys):
+    status, out, _ = call(capsys, "check", "two_wire_twin", "--protocol", "initialise", "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["lease_trips"] is True
+    assert found["preview"]["peak_current_A"] == pytest.approx(1.0, abs=0.01)
+    status, out, _ = call(capsys, "run", "characterise", "--rig", "one_wire_twin", "--dry-run", "--json")
+    assert len(json.loads(out)["preview"]) == 5
+
+
+def test_run_json_is_one_object(capsys, tmp_path):
+    out_file = tmp_path / "v.run.sqlite"
+    status, out, _ = call(
+        capsys, "run", "validation", "--rig", "one_wire_twin", "-o", out_file, "--set", "points=3", "--json"
+    )
+    assert status == 0
+    assert json.loads(out)["runs"][0]["cause"] == "done"
+
+
+def test_a_campaign_makes_a_folder_of_runs_on_one_clock(capsys, tmp_path):
+    import smarig
+
+    status, *_ = call(capsys, "run", "quick_look", "--rig", "one_wire_twin", "-o", tmp_path / "q", "--quiet")
+    runs = [smarig.load_run(p) for p in sorted((tmp_path / "q").iterdir())]
+    assert status == 0
+    assert len(runs) == 3
+    assert all(a["tick"][-1] + 1 == b["tick"][0] for a, b in zip(runs, runs[1:], strict=False))
+
+
+MISTAKES = [
+    (2, ["run", "validaton", "--rig", "one_wire_twin", "-o", "x"], "did you mean validation"),
+    (2, ["run", "validation", "--rig", "one_wire_twn", "-o", "x"], "did you mean one_wire_twin"),
+    (2, ["run", "validation", "--rig", "one_wire_twin"], "-o"),
+    (2, ["run", "validation", "--rig", "one_wire_twin", "-o", "x", "--set", "points"], "key=value"),
+    (2, ["run", "validation", "--rig", "one_wire_twin", "-o", "x", "--seed", "-1"], "--seed"),
+    (2, ["run", "characterise", "--rig", "one_wire_twin", "-o", "x", "--set", "a=1"], "campaign"),
+    (2, ["nonsense"], "nonsense"),
+    (2, ["identify", "nowhere.run.sqlite", "-o", "m.json"], "nowhere.run.sqlite"),
+    (2, ["verify", "nowhere.json", "r.run.sqlite"], "nowhere.json"),
+    (2, ["report", "nowhere.run.sqlite"], "nowhere.run.sqlite"),
+    (2, ["import", "nowhere.csv", "--format", "csv", "-o", "r.run.sqlite"], "nowhere.csv"),
+    (2, ["check", "nowhere.toml"], "nowhere.toml"),
+]
+
+
+@pytest.mark.parametrize(("status", "arguments", "says"), MISTAKES)
+def test_a_mistake_gets_its_status_and_one_sentence(capsys, tmp_path, monkeypatch, status, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    got, _, err = call(capsys, *arguments)
+    assert got == status
+    assert says in err
+    assert "Traceback" not in err
+    assert err.strip().count("\n") <= 1
+    assert not [p for p in tmp_path.iterdir() if p.name != "locks"], "nothing half-written is left behind"
+
+
+def test_errors_are_json_too(capsys):
+    status, out, _ = call(capsys, "check", "nope", "--json")
+    assert json.loads(out)["exit_status"] == status == 2
+
+
+def test_existing_runs_are_not_overwritten(capsys, tmp_path):
+    out = tmp_path / "v.run.sqlite"
+    arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
+    assert call(capsys, *arguments)[0] == 0
+    before = out.read_bytes()
+    status, _, err = call(capsys, *arguments)
+    assert status == 2
+    assert "--force" in err
+    assert out.read_bytes() == before
+    assert call(capsys, *arguments, "--force")[0] == 0
+
+
+def test_a_damaged_run_is_a_data_error(capsys, tmp_path):
+    broken = tmp_path / "b.run.sqlite"
+    broken.write_bytes(b"SQLite format 3\0" + b"\1" * 5000)
+    status, _, err = call(capsys, "report", broken)
+    assert status == 4
+    assert "b.run.sqlite" in err
+
+
+def test_limits_are_rig_faults(capsys, tmp_path):
+    from smarig.config import locate
+
+    cool = tmp_path / "cool.toml"
+    text = locate("rigs", "one_wire_twin").read_text(encoding="utf-8")
+    cool.write_text(text.replace("temperature_max_K = 185.0", "temperature_max_K = 90.0"))
+    status, _, err = call(capsys, "run", "first_order_descending", "--rig", cool, "-o", tmp_path / "r.run.sqlite")
+    assert status == 3
+    assert "temperature_max_K = 90" in err
+
+
+def test_an_unwritable_folder_is_said(capsys, tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    status, _, err = call(capsys, "characterise", "--rig", "one_wire_twin", "--out", tmp_path / "file" / "out")
+    assert status == 4
+    assert "cannot be written" in err

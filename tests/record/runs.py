@@ -1,0 +1,40 @@
+"""Phrases of this chapter: samples that say their own tick, and waiting for what must come."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from smarig.command import StepResult, Verdict
+from smarig.sample import NAN, Sample
+
+META = {
+    "rig": "bench",
+    "protocol": "wiping_out",
+    "source": "twin",
+    "output": {"unit": "mm"},
+    "input": {"unit": "K"},
+}
+
+
+def sample(tick: int, **changes: float) -> Sample:
+    """A sample whose every number follows from its tick; no temperature sensor."""
+    whole = Sample(tick, tick / 10, 0.5, 0.5 + tick / 1000, 2.4, NAN, 7 * tick, tick * 0.047, 22.0, 0)
+    return whole._replace(**changes)
+
+
+def result(index: int, verdict: Verdict = Verdict.SETTLED) -> StepResult:
+    """A finished step."""
+    return StepResult(index, verdict, 1.5 + index, 32.0, 0.1, 250, 10.0 * index, 10.0 * index + 9.9)
+
+
+def until(condition: Callable[[], bool], patience_s: float = 30.0) -> None:
+    """Ask again and again; patience only ends a test that has already failed."""
+    end = time.monotonic() + patience_s
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(f"waited {patience_s:g} s in vain")
+
+
+def beside(path: Path) -> list[str]:
+    """Names of what lies in the folder of a file."""
+    return sorted(p.name for p in path.parent.iterdir() if p.is_file())

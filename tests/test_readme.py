@@ -1,0 +1,75 @@
+"""The README is true: its commands and its code run as printed."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.S)
+
+
+def lines_of(language, contains):
+    text = next(body for kind, body in BLOCKS if kind == language and contains in body)
+    return [line.split("  #")[0].strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
+
+
+def environment(tmp_path):
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    return {**os.environ, "PATH": path, "SMARIG_LOCK_DIR": str(tmp_path / "locks")}
+
+
+def in_shell(command, tmp_path):
+    done = subprocess.run(command, shell=True, cwd=tmp_path, env=environment(tmp_path), capture_output=True, text=True)
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done
+
+
+def test_a_lab_day(tmp_path):
+    for command in lines_of("sh", "smarig list "):
+        in_shell(command, tmp_path)
+    made = {p.name for p in tmp_path.iterdir()}
+    assert {"wire.model.json", "validation.html", "validation.csv"} <= made
+
+
+def test_the_first_command_characterises_the_twin(tmp_path):
+    first = next(line for line in lines_of("sh", "venv") if "characterise" in line)
+    in_shell(first.rsplit("&& .venv/bin/", 1)[1], tmp_path)
+    assert (tmp_path / "out/one_wire/report.html").stat().st_size > 1_000_000
+    assert (tmp_path / "out/one_wire/model.json").is_file()
+    assert len(list((tmp_path / "out/one_wire/runs").glob("*.run.sqlite"))) == 5
+
+
+def test_the_second_command_is_the_one_ci_runs():
+    tests = next(line for line in lines_of("sh", "venv") if "pytest" in line)
+    assert "-m pytest -n auto" in tests
+    assert "-m pytest -n auto" in (ROOT / ".ci/run").read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="bash completion")
+def test_shell_completion(tmp_path):
+    done = in_shell("_SMARIG_COMPLETE=bash_source smarig", tmp_path)
+    assert "_smarig_completion" in done.stdout
+    typed = {"COMP_WORDS": "smarig run val", "COMP_CWORD": "2", "_SMARIG_COMPLETE": "bash_complete"}
+    listed = subprocess.run(["smarig"], env=environment(tmp_path) | typed, capture_output=True, text=True)
+    assert "validation" in listed.stdout
+
+
+def test_notebook_lines(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    code = next(body for kind, body in BLOCKS if kind == "python")
+    names = {}
+    exec(compile(code, "README.md", "exec"), names)
+    assert names["result"].surface == "exponential"
+    assert len(names["figure"].data) == 2
+    assert capsys.readouterr().out.strip()
+
+
+def test_other_peoples_data(tmp_path, shared_data):
+    (tmp_path / "forc.txt").write_bytes((shared_data / "forc_magnetic" / "MSM33-55-1_d330.forc").read_bytes())
+    (tmp_path / "test.csv").write_bytes((shared_data / "sma_staircase" / "test.csv").read_bytes())
+    for command in lines_of("sh", "--format forc"):
+        in_shell(command, tmp_path)
