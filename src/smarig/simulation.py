@@ -20,7 +20,7 @@ from smarig.runner.session import Session
 
 def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) -> Path:
     """The model along a run's inputs: every sample's and every settled step's position, in the model's zero."""
-    predicted = dict(zip((s.index for s in along.settled), simulate(model, along)[0].tolist()))
+    predicted = dict(zip((s.index for s in along.settled), simulate(model, along).tolist()))
     kept = ("tick", "t_s", "step", "current_command_A", "current_A", "input", "ambient_degC")
     columns = {name: [None if v != v else v for v in along[name].tolist()] for name in kept}
     columns |= {name: [None if v is None else int(v) for v in columns[name]] for name in ("tick", "step")}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.errors import DataError, UsageError
+from smarig.errors import DataError, StorageError, UsageError
 from smarig.exchange import import_file
 from smarig.exchange.hold_steps import holds, tolerance
 from smarig.model.actuator import Actuator
@@ -184,6 +184,12 @@ def test_a_refused_file_leaves_nothing_behind(write, tmp_path):
     with pytest.raises(DataError):
         import_file(path, format="csv", out=tmp_path / "none.run.sqlite")
     assert [p.name for p in tmp_path.iterdir()] == ["data.csv"]
+
+
+def test_where_no_run_can_be_written_it_is_said(write, tmp_path, small_csv):
+    (tmp_path / "file").write_text("not a folder")
+    with pytest.raises(StorageError, match="cannot be written|cannot be created"):
+        import_file(write(small_csv), format="csv", out=tmp_path / "file" / "x.run.sqlite")
 
 
 def test_an_unknown_format_is_refused_with_the_known_ones(write, tmp_path, small_csv):

@@ -124,14 +124,13 @@ def test_a_missing_file_is_the_users_mistake(tmp_path):
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.one_of(st.binary(max_size=120), st.text("time_sA0123456789.,;\t\n -eNa\"", max_size=200)))
+@given(st.one_of(st.binary(max_size=120), st.text('time_sA0123456789.,;\t\n -eNa"', max_size=200)))
 def test_any_bytes_are_read_or_refused(tmp_path, content):
     path = tmp_path / "fuzz.csv"
     head = "time_s,current_A,position_mm\n"
     path.write_bytes(content if isinstance(content, bytes) else (head + content).encode())
     try:
         draft = read_own_csv(path)
-    except SmarigError as error:
-        assert str(error)
-    else:
-        assert np.isfinite(draft.columns["t_s"]).all()
+    except SmarigError:
+        return  # any other exception fails the test
+    assert np.isfinite(draft.columns["t_s"]).all()

@@ -12,8 +12,10 @@ if it never was), or the initial boundary where that is higher. ∂_βy(b, β) i
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
+
 from physics.relay_reference import NODES, WEIGHTS, Printed
 
 ARRANGEMENTS = {  # theory §3: mean R in Ω, length in m, kelvin above ambient at 1 A
@@ -55,7 +57,7 @@ def _area(p: Printed, past: np.ndarray, anhysteretic: bool) -> float:
     edges = np.unique(np.concatenate([past, -past, [p.lower]]))
     edges = edges[(edges >= p.lower) & (edges <= u)]
     total = 0.0
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         middle = (low + high) / 2
         visits = np.flatnonzero(past <= middle)
         since = past[visits[-1] :].max() if visits.size else past.max()

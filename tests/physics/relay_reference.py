@@ -160,7 +160,7 @@ def lower_half(density: Curve) -> Callable[[float, float, float], float]:
 
 
 def histories(levels: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-    """Inputs on levels that visit every corner of the memory: random, walking, decaying, nested, saturating."""
+    """Inputs on levels that visit every corner of the memory, each kind under its name."""
     rng = np.random.default_rng(seed)
     n = len(levels)
     walk = np.clip(np.cumsum(rng.integers(-2, 3, 1500)) + n // 2, 0, n - 1)

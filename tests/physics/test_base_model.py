@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from physics.reference_model import counts_along, input_along, output_along
 from physics.relay_reference import Printed
-
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Stage
 from smarig.model.gorbet_1997 import surface

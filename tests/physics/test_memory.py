@@ -60,7 +60,7 @@ def after(name: str, initial, history) -> Preisach:
 
 
 def reduced(history: list[float]) -> list[float]:
-    """Reduced memory sequence (6.1) from B*: the extremum of largest |u| (last attained), then alternating ones."""
+    """Reduced memory sequence (6.1) from B*: the extremum of largest |u|, last attained; then in turns."""
     rest, sequence, rising = history, [], None
     while rest:
         if rising is None:
@@ -83,7 +83,7 @@ def reduced(history: list[float]) -> list[float]:
 @example("measure", "negative", [100.0, -20.0], [0.5, 0.0, 1.0, 0.25], 100.0)
 @example("surface", "anhysteretic", [100.0], [0.5, 0.2, 1.0], -100.0)
 def test_a_dominated_sub_sequence_leaves_no_trace(name: str, initial, history, wiggle, end: float):
-    """Between two inputs anything that stays between them is forgotten on arrival: equal states, bit for bit."""
+    """What stays between two inputs is forgotten on arrival at the second: equal states, bit for bit."""
     op, other = after(name, initial, history), after(name, initial, history)
     begin = op.u
     low, high = min(begin, end), max(begin, end)
@@ -236,6 +236,15 @@ def test_the_mirror_turns_everything_round(history):
     there = Preisach(Mirrored(h)).simulate(history, "anhysteretic")
     here = Preisach(h).simulate([-u for u in history], "anhysteretic")
     assert np.max(np.abs(there + here)) <= 1e-12 * SPAN
+
+
+@given(st.sampled_from([-90.0, 10.0, 120.0]), histories)
+def test_the_mirror_of_a_diagonal_state_is_one(centre: float, history):
+    """B_ℓ is seen in the mirror as B_−ℓ, clipped at the other end of the range."""
+    op, image = Preisach(Mirrored(surface("two_e"))), Preisach(surface("two_e"))
+    assert op.go_to_diagonal(centre) == pytest.approx(-image.go_to_diagonal(-centre), abs=1e-12 * SPAN)
+    for u in history:
+        assert op.step(u) == pytest.approx(-image.step(-u), abs=1e-12 * SPAN)
 
 
 # --- the inverse ------------------------------------------------------------------------------------

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from physics.relay_reference import TABLE_5_1, Printed, Relays, cells, histories, lower_half
 
+from physics.relay_reference import TABLE_5_1, Printed, Relays, cells, histories, lower_half
 from smarig.model.fod_table import FodTable
 from smarig.model.gorbet_1997 import PARTITIONS, surface
 from smarig.model.mirrored import Mirrored
@@ -93,7 +93,7 @@ def random_table(nodes: np.ndarray, seed: int) -> np.ndarray:
 
 
 def bilinear_relays(nodes: np.ndarray, y: np.ndarray, levels: np.ndarray, centre: float | None) -> Relays:
-    """A table's relays: each node cell's mass spread evenly over its area; diagonal cells along α = β only."""
+    """A table's relays: a node cell's mass lies evenly over its area, a diagonal cell's along α = β."""
     rows = []
     for i in range(1, len(levels)):
         for j in range(i):
@@ -151,7 +151,7 @@ def random_measure(seed: int, count: int = 120) -> tuple[np.ndarray, np.ndarray,
     pair = np.sort(rng.choice(thresholds, (count, 2)), axis=1)
     pair = pair[pair[:, 0] < 400.0]  # none degenerate at positive saturation, where none would be seen
     pair = pair[pair[:, 1] > 0.0]
-    pair = np.vstack([pair, [[0.0, 400.0]]])
+    pair = np.vstack([pair, [[0.0, 400.0], [240.0, 240.0]]])  # the range, and one that is all tie
     return pair[:, 1], pair[:, 0], rng.normal(0.3, 1.0, len(pair)), thresholds
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from physics.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
 from scipy.integrate import quad
 
+from physics.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
 from smarig.errors import UsageError
 from smarig.model.fod_surface import FodSurface
 from smarig.model.gorbet_1997 import NAMES, PARTITIONS, surface

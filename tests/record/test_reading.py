@@ -4,8 +4,8 @@ import sqlite3
 
 import numpy as np
 import pytest
-from record.runs import META, result, sample
 
+from record.runs import META, result, sample
 from smarig.command import Verdict
 from smarig.errors import DataError, UsageError
 from smarig.record import Recorder, load_run
@@ -158,7 +158,7 @@ def test_reading_changes_nothing(path):
 
 def test_columns_of_the_contract():
     """Design §4.2: the names other tools rely on."""
-    assert SAMPLE_COLUMNS == (
+    assert (
         *("tick", "t_s", "step", "current_command_A", "current_A", "voltage_V", "temperature_degC"),
         *("input", "counts", "position", "ambient_degC", "quality"),
-    )
+    ) == SAMPLE_COLUMNS

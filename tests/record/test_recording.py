@@ -6,8 +6,8 @@ from itertools import count
 
 import numpy as np
 import pytest
-from record.runs import META, beside, result, sample, until
 
+from record.runs import META, beside, result, sample, until
 from smarig.command import Verdict
 from smarig.errors import StorageError, UsageError
 from smarig.record import Recorder, load_run, recorder
@@ -230,7 +230,7 @@ def test_a_full_disk_is_told_and_what_was_committed_stays(tmp_path, small_disk):
     rec = Recorder(path, META)
     fill(rec, path)
     with pytest.raises(
-        StorageError, match="The end of run .* could not be written: database or disk is full"
+        StorageError, match=r"The end of run .* could not be written: database or disk is full"
     ):
         rec.close("stopped: the disk is full")
     rec.close()

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from record.runs import beside, result, sample
 
+from record.runs import beside, result, sample
 from smarig.record import Recorder, load_run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -56,7 +56,9 @@ def test_a_killed_writer_leaves_what_it_committed(tmp_path):
         finally:
             child.kill()
     assert child.returncode == -signal.SIGKILL
+    left = path.read_bytes()
     run = load_run(path)
+    assert path.read_bytes() == left  # reading repairs nothing on its own
     assert run["tick"].tolist() == list(range(len(run)))
     assert len(run) >= 1000
     assert (run["counts"] == 7 * run["tick"]).all()

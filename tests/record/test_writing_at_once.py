@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from record.runs import META, beside
 
+from record.runs import META, beside
 from smarig.errors import StorageError, UsageError
 from smarig.record import load_run
 from smarig.record.recorder import write_run
@@ -37,10 +37,10 @@ BROKEN = {
 def failing_half_way():
     """Three good values, then the source of the data breaks."""
     yield from (0.0, 1.0, 2.0)
-    raise DataSourceGone
+    raise SourceGoneError
 
 
-class DataSourceGone(Exception):
+class SourceGoneError(Exception):
     """Stands for whatever goes wrong in an importer."""
 
 
@@ -52,7 +52,7 @@ def test_a_failed_write_leaves_everything_as_it_was(tmp_path, kind: str, existin
         write_run(path, META, COLUMNS, STEPS, force=False)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     columns, steps, error = BROKEN.get(
-        kind, ({**COLUMNS, "position": failing_half_way()}, STEPS, DataSourceGone)
+        kind, ({**COLUMNS, "position": failing_half_way()}, STEPS, SourceGoneError)
     )
     with pytest.raises(error):
         write_run(path, META, columns, steps, force=existing)

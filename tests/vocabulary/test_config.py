@@ -39,7 +39,7 @@ def test_a_quantity_is_its_number():
     assert float(config.load_actuator("gorbet_one_wire").wire.diameter) == 0.3
 
 
-# --- mistakes: shipped file, what is replaced by what, the sentence ------------------------------------------
+# --- mistakes: shipped file, what is replaced by what, the sentence --------------------------------------
 
 RIG, WIRE, CAMPAIGN = ("rigs", "one_wire_twin"), ("actuators", "gorbet_one_wire"), ("campaigns", "quick_look")
 MISTAKES = {
@@ -53,7 +53,7 @@ MISTAKES = {
         RIG,
         "saturation_A = 1.0",
         "saturation_A = 1.0\nsaturation_mA = 1.0",
-        r"unknown key 'amplifier.saturation_mA'; did you mean saturation_A\? There are: current_noise_A, saturation_A",
+        r"unknown key 'amplifier.saturation_mA'; did you mean saturation_A\? There are: current_noise_A",
     ),
     "unknown key in a quantity": (
         WIRE,

@@ -6,23 +6,29 @@ import click
 
 from smarig.cli._output import emit, json_option
 from smarig.cli._types import FILE, Named
+from smarig.errors import UsageError
 from smarig.model.actuator import Actuator
 
 
 @click.command("calibrate", epilog="\b\nExample:\n  smarig calibrate validation.run.sqlite --actuator gorbet_one_wire")
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option("--actuator", type=Named("actuators"), help="Parameter set to start from (needed for -o).")
+@click.option("--model", type=FILE, help="Model of this wire: lets position transients give the time constant.")
 @click.option("-o", "--out", type=FILE, help="Actuator file to write (*.toml).")
 @click.option("--force", is_flag=True, help="Replace an existing actuator file.")
 @json_option
-def command(runs: tuple[Path, ...], actuator: str | None, out: Path | None, force: bool) -> None:
+def command(runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool) -> None:
     """Estimate hA, time constant and resistances from what the runs measured; say what they cannot give."""
     from smarig.identification.calibrate import calibrate
+    from smarig.identification.model_file import load_model
     from smarig.record import load_run
 
     base = Actuator.named(actuator) if actuator else None
-    result = calibrate([load_run(r) for r in runs], base)
-    if out is not None:
+    hysteresis = load_model(model).hysteresis if model else None
+    result = calibrate([load_run(r) for r in runs], base, hysteresis)
+    if out is not None and base is None:
+        raise UsageError("An actuator file needs a parameter set to start from: give --actuator.")
+    if out is not None and base is not None:
         result.write_actuator(out, base, force=force)
     found = result.to_json()
     lines = [

@@ -14,8 +14,13 @@ _HELD_ROWS = 5
 _CLIPPED_ROWS = 5
 
 
-def channel_findings(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
-    """Sentences about one channel ``x`` (n,); ``line`` (n,) says where each value stood."""
+def channel_findings(
+    name: str, unit: str, x: Array, line: NDArray[np.int64], *, rests: bool = False
+) -> list[str]:
+    """Sentences about one channel ``x`` (n,); ``line`` (n,) says where each value stood.
+
+    ``rests``: standing still is this channel's business, not a sensor's that is read too often.
+    """
     finite = np.isfinite(x)
     values, where = x[finite], line[finite]
     if values.size < 10:
@@ -23,7 +28,9 @@ def channel_findings(name: str, unit: str, x: Array, line: NDArray[np.int64]) ->
     if np.ptp(values) == 0:
         return [f"{name} is {values[0]:g} {unit} in every row: nominal or not connected, not measured."]
     return (
-        _clipped(name, unit, values, where) + _spikes(name, unit, values, where) + _steps(name, unit, values)
+        _clipped(name, unit, values, where)
+        + _spikes(name, unit, values, where)
+        + _steps(name, unit, values, rests)
     )
 
 
@@ -52,9 +59,9 @@ def clipped(x: Array) -> NDArray[np.bool_]:
     between &= ~np.isin(x[1:], extremes)
     elsewhere = 1 + max((b - a for a, b in _runs(between)), default=0)
     for extreme in extremes if elsewhere <= _HELD_ROWS else ():
-        for a, b in _runs(x == extreme):
-            if b - a >= max(_CLIPPED_ROWS, 5 * elsewhere):
-                mask[a:b] = True
+        longest = max(b - a for a, b in _runs(x == extreme))
+        if longest >= max(_CLIPPED_ROWS, 5 * elsewhere):
+            mask |= x == extreme
     return mask
 
 
@@ -108,10 +115,10 @@ def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str
     ]
 
 
-def _steps(name: str, unit: str, x: Array) -> list[str]:
+def _steps(name: str, unit: str, x: Array, rests: bool) -> list[str]:
     out = []
     rows_per_change = x.size / (1 + np.count_nonzero(np.diff(x)))
-    if rows_per_change >= _HELD_ROWS:
+    if rows_per_change >= _HELD_ROWS and not rests:
         out.append(
             f"{name} changes only every {rows_per_change:.0f} rows on average: "
             f"it is held between conversions, or at rest."

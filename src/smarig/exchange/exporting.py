@@ -3,6 +3,7 @@
 Refuses to know any format: those are in writers/.
 """
 
+import contextlib
 from pathlib import Path
 
 from smarig.catalogue import find
@@ -29,5 +30,6 @@ def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool =
     except OSError as error:
         raise StorageError(f"{target} cannot be written: {error.strerror or error}.") from None
     finally:
-        part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # the folder itself may be missing
+            part.unlink(missing_ok=True)
     return target

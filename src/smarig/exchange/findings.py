@@ -1,4 +1,4 @@
-"""Everything odd in the data of one file, in one list: channels, columns, loop. Knows no format."""
+"""Everything odd in the data of one file, in one list: channels and columns. Knows no format."""
 
 from collections.abc import Mapping
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.exchange.channel_faults import channel_findings, clipped
-from smarig.exchange.loop_faults import Loop, loop_findings
 from smarig.sample import Quality
 
 Array = NDArray[np.float64]
@@ -15,15 +14,11 @@ Array = NDArray[np.float64]
 def record_findings(
     columns: Mapping[str, Array], units: Mapping[str, str], line: NDArray[np.int64]
 ) -> list[str]:
-    """Sentences on every channel named in ``units``, and on the loop of ``input`` and ``position``."""
+    """Sentences on every measured channel named in ``units``, and on command against measured current."""
     out: list[str] = []
     for name, unit in units.items():
         if name in columns and name not in ("input", "current_command_A"):
-            out += channel_findings(name, unit, columns[name], line)
-    if "position" in columns and "input" in columns:
-        out += loop_findings(
-            Loop(columns["input"], columns["position"], line, units.get("input", ""), units["position"])
-        )
+            out += channel_findings(name, unit, columns[name], line, rests=name == "position")
     both = [columns.get(name) for name in ("current_A", "current_command_A")]
     if both[0] is not None and both[1] is not None:
         out += _command_error(both[0], both[1])

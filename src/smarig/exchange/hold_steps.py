@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 WINDOW_S = 25.0
 BLOCKS = 25
 MIN_SAMPLES = 5
+COMMAND_A = 1e-5  # a command is exact: any change beyond rounding is another step
 
 
 @dataclass(frozen=True)
@@ -44,10 +45,17 @@ def holds(current_A: Array, tolerance_A: float) -> list[tuple[int, int]]:
     return list(zip(edges, [*edges[1:], current_A.size]))
 
 
-def tolerance(current_A: Array) -> float:
-    """Six times the noise of a current (from its differences' median), at least 0.5 mA."""
-    noise = np.median(np.abs(np.diff(current_A))) / 0.954 if current_A.size > 1 else 0.0
-    return max(5e-4, 6 * float(noise))
+def tolerance(measured_A: Array) -> float:
+    """Six times the noise of a measured current, at least 0.5 mA and one and a half of its finest steps.
+
+    The noise comes from the median of second differences, so that a ramp has none: for white noise their
+    standard deviation is √6 times as large, and the median of |x| is 0.6745 standard deviations.
+    """
+    noise = np.median(np.abs(np.diff(measured_A, 2))) / (0.6745 * np.sqrt(6)) if measured_A.size > 2 else 0.0
+    change = np.abs(np.diff(measured_A))
+    finest = change[change > 0].min(initial=np.inf)
+    resolution = 1.5 * finest if finest < 2e-3 else 0.0
+    return max(5e-4, 6 * float(noise), float(resolution))
 
 
 def found_steps(

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.catalogue import find
-from smarig.errors import UsageError
+from smarig.errors import StorageError, UsageError
 from smarig.exchange.draft import Draft
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.rig_facts import RigFacts
@@ -55,7 +55,10 @@ def import_file(
     meta = _describe(source, format, rig, mapping, wire) | draft.meta | {"warnings": list(draft.warnings)}
     if t0 is not None:
         meta["t0_s"] = t0
-    write_run(target, meta, draft.sql_columns(), list(draft.steps), force=force)
+    try:
+        write_run(target, meta, draft.sql_columns(), list(draft.steps), force=force)
+    except OSError as error:
+        raise StorageError(f"Run file {target} cannot be written: {error.strerror or error}.") from None
     return ImportReport(target, len(draft), len(draft.steps), draft.warnings)
 
 

@@ -15,6 +15,7 @@ from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.clock import check_time, merge_repeats, time_findings
 from smarig.exchange.draft import Draft, directions, step_row
 from smarig.exchange.findings import record_findings, repeated_rows, saturation, twin_columns
+from smarig.exchange.loop_faults import Loop, loop_findings
 from smarig.exchange.mapping import Column, MappingFile, require_columns
 from smarig.exchange.plausible import check_plausible, check_strain
 from smarig.exchange.table import Layout, Table, read_table
@@ -37,9 +38,12 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
     units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
     columns["quality"] = saturation(columns, units)
     warnings = [*table.notes, *clock, *notes, *odd, *remarks, *twin_columns(_without_time(table, mapping))]
-    if mapping.time is None or mapping.time.repeated != "mean":
+    if mapping.time is None:  # with a clock, rows at rest are alike
         warnings += repeated_rows(_without_time(table, mapping), table.line)
     warnings += record_findings(columns, units, line)
+    if mapping.output:
+        loop = Loop(columns["input"], columns["position"], line, units["input"], mapping.output.unit)
+        warnings += loop_findings(loop)
     for name in mapping.ignore:
         if name in table.columns:
             warnings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)

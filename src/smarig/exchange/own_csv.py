@@ -14,8 +14,9 @@ from smarig.errors import DataError, UsageError
 from smarig.exchange.channel_faults import quantum
 from smarig.exchange.clock import check_time, time_findings
 from smarig.exchange.draft import Draft
-from smarig.exchange.findings import record_findings, repeated_rows, saturation, twin_columns
-from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
+from smarig.exchange.findings import record_findings, saturation, twin_columns
+from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
+from smarig.exchange.loop_faults import Loop, loop_findings
 from smarig.exchange.plausible import check_plausible
 from smarig.exchange.rig_facts import RigFacts
 from smarig.exchange.table import Layout, Table, read_table
@@ -23,6 +24,7 @@ from smarig.exchange.table import Layout, Table, read_table
 Array = NDArray[np.float64]
 CURRENTS = ("current_command_A", "current_A")
 POSITIONS = {"position_counts": "count", "position_mm": "mm", "position_deg": "deg"}
+QUANTITIES = {"mm": "displacement", "deg": "shaft angle"}
 OPTIONAL = ("voltage_V", "ambient_degC", "temperature_degC", "step", "flags")
 EXPORTED = ("tick", "counts", "input_K", "input_A")  # beside them in smarig's own exports
 UNITS = {
@@ -46,35 +48,40 @@ def read_own_csv(path: Path, rig: RigFacts | None = None) -> Draft:
             check_plausible(path, name, name, table.columns[name], line)
             columns[name] = table.columns[name]
     unit, resolution = _position(path, table, rig, columns)
-    drive = next(columns[name] for name in CURRENTS if name in columns)
-    if not np.isfinite(drive).all():
-        k = int(np.argmin(np.isfinite(drive)))
-        raise DataError(f"{path}, line {line[k]}: the current is empty or NaN; every row needs one.")
+    drive = _drive(path, table, columns)
     input_meta, target = _input(table, rig, columns, drive)
-    ranges = _given(table.columns["step"]) if "step" in table.columns else holds(drive, tolerance(drive))
+    ranges = _given(table.columns["step"]) if "step" in table.columns else holds(drive, _band(table, drive))
     rows, columns["step"], remarks = found_steps(
         Recording(t_s, columns["position"], resolution), ranges, target
     )
-    units = {**UNITS, "position": unit, "input": input_meta["unit"]}
-    columns["quality"] = np.fmax(_flags(path, table), saturation(columns, {**UNITS, "position": unit}))
+    measured = {**UNITS, "position": unit}
+    columns["quality"] = np.fmax(_flags(path, table), saturation(columns, measured))
     warnings = [
         *table.notes,
         *time_findings(t_s, line, "refuse"),
-        *repeated_rows({k: v for k, v in table.columns.items() if k != "time_s"}, line),
-        *twin_columns({k: table.columns[k] for k in table.columns if k in known and k not in CURRENTS}),
-        *record_findings(columns, units, line),
+        *twin_columns({k: x for k, x in table.columns.items() if k in (*POSITIONS, *UNITS)}),
+        *record_findings(columns, measured, line),
+        *_loop(rows, columns["step"], line, input_meta["unit"], unit),
         *(remarks if "step" not in table.columns else []),
     ]
-    meta = {
-        "protocol": "imported",
-        "input": input_meta,
-        "output": {
-            "quantity": "shaft angle" if unit == "deg" else "displacement",
-            "unit": unit,
-            "per_count": resolution,
-        },
-    }
+    output_meta = {"quantity": QUANTITIES[unit], "unit": unit, "per_count": resolution}
+    meta = {"protocol": "imported", "input": input_meta, "output": output_meta}
     return Draft(columns, meta, tuple(rows), tuple(warnings))
+
+
+def _drive(path: Path, table: Table, columns: dict[str, Array]) -> Array:
+    drive = next(columns[name] for name in CURRENTS if name in columns)
+    if not np.isfinite(drive).all():
+        line = table.line[int(np.argmin(np.isfinite(drive)))]
+        raise DataError(f"{path}, line {line}: the current is empty or NaN; every row needs one.")
+    return drive
+
+
+def _loop(rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: str, unit: str) -> list[str]:
+    """Findings on the loop of the steps' ends: between them the wire is on its way."""
+    target, position = (np.array([row[k] for row in rows], dtype=float) for k in (4, 8))
+    first = np.array([line[int(np.argmax(step == row[0]))] for row in rows], dtype=np.int64)
+    return loop_findings(Loop(target, position, first, input_unit, unit))
 
 
 def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:
@@ -136,6 +143,10 @@ def _input(
         else "heating model along the current, from a cold wire",
     }
     return meta, lambda a, b: rig.actuator.input_for(float(np.mean(drive[a:b])))
+
+
+def _band(table: Table, drive: Array) -> float:
+    return COMMAND_A if "current_command_A" in table.columns else tolerance(drive)
 
 
 def _given(step: Array) -> list[tuple[int, int]]:

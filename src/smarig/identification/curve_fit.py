@@ -96,12 +96,19 @@ def _fitted(d: Descent, data: FodData, span: float, height: float) -> Array | No
     high = np.array([5 * height, _STEEPEST / span, -(data.lower - span), float(data.y.max()) + 5 * height])
     rise, base = max(float(np.ptp(d.y)), 1e-6 * height), float(d.y.min())
     starts = product((rise,), (5 / span, 20 / span), -np.quantile(d.beta, (0.2, 0.5, 0.8)), (base,))
-    trials = [
-        least_squares(
-            _residuals, start, jac=_jacobian, args=(d,), bounds=(low, high), x_scale="jac", max_nfev=200
-        )  # pyright: ignore[reportArgumentType, reportCallIssue]
-        for start in starts
-    ]
+
+    def fitted(start: tuple[float, ...]):
+        return least_squares(
+            _residuals,
+            start,
+            jac=_jacobian,  # pyright: ignore[reportArgumentType]
+            args=(d,),
+            bounds=(low, high),
+            x_scale="jac",
+            max_nfev=200,
+        )
+
+    trials = [fitted(start) for start in starts]
     return min(trials, key=lambda trial: trial.cost).x
 
 

@@ -111,6 +111,7 @@ def _crossing(descents: list[Descent], threshold: float) -> tuple[float, float, 
     worst, found = threshold, None
     for d in ordered:
         y = np.interp(grid, d.beta[::-1], d.y[::-1], left=np.nan, right=np.nan)
+        y[grid >= d.alpha] = np.nan  # on the rising branch, not inside the loop
         below = np.where(np.isfinite(y), highest - y, -np.inf)
         k = int(np.argmax(below))
         if below[k] > worst:
@@ -130,7 +131,7 @@ def _spread(descents: list[Descent]) -> float:
 
 
 def _top_angle(data: FodData, descents: list[Descent], noise: float) -> tuple[float, float]:
-    """Difference of the branches' slopes at the top, over the mean slope, and its noise; 0, 0 without both."""
+    """Difference of the branches' slopes at the top, over the mean one, and its noise; 0, 0 without both."""
     rising = data.alpha == data.beta
     inputs, where = np.unique(data.alpha[rising], return_inverse=True)
     if not descents or inputs.size < 2:

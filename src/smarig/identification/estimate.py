@@ -78,11 +78,11 @@ def linear_fit(stretches: Sequence[tuple[Array, Array]]) -> LinearFit | None:
     n, p = A.shape
     if n < p + 2 or np.linalg.matrix_rank(A) < p:
         return None
-    x = np.linalg.lstsq(A, b, rcond=None)[0]
+    x = np.asarray(np.linalg.lstsq(A, b, rcond=None)[0], dtype=float)
     residuals = [v - a @ x for a, v in stretches]
     f = inflation(residuals)
     square = sum(float(r @ r) for r in residuals)
-    spread = np.sqrt(square / (n - p) * f * np.diag(np.linalg.inv(A.T @ A)))
+    spread = np.asarray(np.sqrt(square / (n - p) * f * np.diag(np.linalg.inv(A.T @ A))), dtype=float)
     return LinearFit(x, quantile(n / f - p) * spread, float(np.sqrt(square / n)), n, f)
 
 

@@ -87,13 +87,11 @@ class FodData:
 
         For a regular partition. Raises DataError naming the first missing (α, β).
         """
-        alphas = np.unique(self.alpha[self.alpha > self.lower])
+        alphas = np.unique(self.alpha)
         betas = np.unique(np.concatenate([[self.lower], self.alpha, self.beta]))
-        keep = self.alpha > self.lower  # the output at rest in saturation is on no curve
-        rows = np.searchsorted(alphas, self.alpha[keep])
-        columns = np.searchsorted(betas, self.beta[keep])
+        rows, columns = np.searchsorted(alphas, self.alpha), np.searchsorted(betas, self.beta)
         sums, counts = np.zeros((alphas.size, betas.size)), np.zeros((alphas.size, betas.size))
-        np.add.at(sums, (rows, columns), self.y[keep])
+        np.add.at(sums, (rows, columns), self.y)
         np.add.at(counts, (rows, columns), 1)
         missing = np.argwhere((counts == 0) & (betas <= alphas[:, None]))
         if missing.size:
@@ -148,7 +146,8 @@ def located(runs: Sequence[Run]) -> FodData:
     if all(forc):
         return _reversal_curves(runs)
     plain, mirror = (_extracted(runs, mirrored) for mirrored in (False, True))
-    return mirror if len(mirror) > len(plain) else plain
+    # The major loop is the same in the mirror: the points inside it tell which way the curves go.
+    return mirror if np.sum(~mirror.major) > np.sum(~plain.major) else plain
 
 
 def select(data: FodData, expression: str) -> FodData:
@@ -173,23 +172,25 @@ def _extracted(runs: Sequence[Run], mirrored: bool) -> FodData:
     rows: list[_Row] = []
     curve = 0
     for index, history in enumerate(records):
+        if rows and not history.continued:
+            curve = rows[-1][3] + 1
         places = _places(history, curve)
         rows += [(a, b, history.outputs[k], c, index, k) for k, a, b, c in places]
-        curve = places[-1][3] + 1 if places else curve
+        curve = places[-1][3] if places else curve
     return _assembled(rows, (lower, upper), runs[0].unit, mirrored)
 
 
 def _places(history: History, curve: int) -> list[tuple[int, float, float, int]]:
     """(point, α, β, curve) of the FOD points of one run; a curve begins where the input rises again."""
     places: list[tuple[int, float, float, int]] = []
-    before, fell = history.start, False
+    before, fell = history.start, history.continued
     for k, state in enumerate(history.states):
         place = _place(before, state)
         before = state
-        if place is None or state is None:
-            continue
+        if place is None or state is None or place[0] <= state.extrema[0]:
+            continue  # resting in negative saturation is on no curve
         alpha, beta = place
-        if fell and alpha == beta > state.extrema[0]:
+        if fell and alpha == beta:
             curve, fell = curve + 1, False
         fell = fell or alpha > beta
         places.append((k, alpha, beta, curve))

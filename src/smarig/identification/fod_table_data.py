@@ -22,7 +22,7 @@ def table(data: FodData) -> FodTable | ForcTable:
 def curve_table(data: FodData) -> ForcTable:
     """Table of the curves, each from its peak down; repeated readings and repeated curves averaged."""
     curves = []
-    for alpha in np.unique(data.alpha[data.alpha > data.lower]):
+    for alpha in np.unique(data.alpha):
         mine = data.alpha == alpha
         beta, where = np.unique(data.beta[mine], return_inverse=True)
         y = np.bincount(where, data.y[mine]) / np.bincount(where)

@@ -39,13 +39,13 @@ def heat_loss(runs: Sequence[Run], tau: Estimate | None) -> dict[str, Estimate |
     thermal = [run for run in runs if run.has("temperature_degC") and run.has("current_A")]
     if not thermal:
         return {name: _because(name, _missing(runs)) for name in _NAMES}
-    if any(np.nanmin(run["current_A"]) < 0 for run in thermal):
-        why = "currents of both signs heat two wires in turn, and the run does not say whose temperature was measured"
+    if any(np.nanmin(run["current_A"]) < -0.05 * np.nanmax(run["current_A"]) for run in thermal):
+        why = "currents of both signs heat two wires in turn, and whose temperature was measured is not recorded"
         return {name: _because(name, why) for name in _NAMES}
     steady = [_steady(run, tau) for run in thermal]
     steady = [s for s in steady if s.current_A.size >= _FEWEST and np.ptp(s.current_A) > 0]
     if not steady:
-        why = f"there are not {_FEWEST} steady readings at different currents (holds of at least 5 τ, with τ known)"
+        why = f"there are not {_FEWEST} steady readings at different currents (holds of 5 τ, with τ known)"
         return {name: _because(name, why) for name in _NAMES}
     where = ", ".join(run.path.name for run in thermal)
     return {"R_over_hA": _per_squared_current(steady, where), "hA": _per_watt(steady, where)}

@@ -65,12 +65,16 @@ def follow(
 
 @dataclass(frozen=True)
 class History:
-    """Inputs (k,) of one run's settled points, the memory at its start (None: unknown) and at each point."""
+    """Inputs and outputs (k,) of one run's settled points, the memory at its start and at each point.
+
+    None where the memory is unknown; ``continued``: the run goes on where the one before it ended.
+    """
 
     inputs: Array
     outputs: Array
     start: State | None
     states: tuple[State | None, ...]
+    continued: bool
 
 
 def histories(runs: Sequence[Run], *, mirrored: bool = False) -> tuple[float, float, list[History]]:
@@ -88,14 +92,15 @@ def histories(runs: Sequence[Run], *, mirrored: bool = False) -> tuple[float, fl
     at = 0
     for k, (run, (_, y)) in enumerate(zip(runs, records)):
         start: Start | State | None = named[k]
-        if start is None and k > 0 and continues(runs[k - 1], run):
+        continued = start is None and k > 0 and continues(runs[k - 1], run)
+        if continued:
             start = _left(runs[k - 1], sign, done[-1], lower, upper)
         if start is None:
             start = _saturated(run, sign, lower, upper)
         u = inputs[at : at + y.size]
         at += y.size
         first = Preisach(Memory(lower, upper), start).state if start is not None else None
-        done.append(History(u, sign * y, first, tuple(follow(u, lower, upper, start))))
+        done.append(History(u, sign * y, first, tuple(follow(u, lower, upper, start)), continued))
     return lower, upper, done
 
 

@@ -4,6 +4,7 @@ Knows columns of a run; refuses to know what is fitted to them.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ def holds(run: Run) -> list[Hold]:
         return []
     edges = [*(np.flatnonzero(np.abs(np.diff(drive)) > _STEP * size) + 1).tolist(), len(run)]
     found = []
-    for begin, end in zip(edges, edges[1:]):
+    for begin, end in pairwise(edges):
         level = drive[begin:end]
         if end - begin >= _FEWEST and np.nanmax(level) - np.nanmin(level) <= 2 * _STEP * size:
             found.append(Hold(begin, end, float(drive[begin - 1]), float(np.nanmean(level))))

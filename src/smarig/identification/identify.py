@@ -55,7 +55,7 @@ class Identification:
         return self.model.warnings
 
     def to_json(self) -> dict[str, Any]:
-        """The CLI's JSON object; figures in ``unit``, μ in unit per squared input unit, null where unknown."""
+        """The CLI's JSON object; figures in ``unit``, μ in unit per squared input unit."""
         model, d = self.model, self.density
         values = dict(zip(model.parameters, self.fit.values.tolist())) if self.fit else {}
         intervals = {name: [_plain(v) for v in ends] for name, ends in model.intervals.items()}
@@ -89,8 +89,7 @@ class Identification:
         d, fit = self.density, self.model.fit
         return (
             f"Identification({self.surface} from {len(self.data)} points on {self.data.curves} curves: "
-            f"rms {fit['rms']:.3g} {self.model.unit}; {d!r}; curves {'' if self.curves.cross else 'do not '}cross; "
-            f"{len(self.warnings)} warning(s))"
+            f"rms {fit['rms']:.3g} {self.model.unit}; {d!r}; {len(self.warnings)} warning(s))"
         )
 
 

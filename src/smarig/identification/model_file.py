@@ -148,8 +148,8 @@ class Model:
         fitted = f", rms {rms:.3g} {self.unit}" if isinstance(rms, float) else ""
         made = "twin data" if self.twin else "measured data"
         return (
-            f"Model({self.name}: {kind}, {self.input.quantity} [{h.lower:g}, {h.upper:g}] {self.input.unit} → "
-            f"{self.output.quantity} in {self.unit}{fitted}; {made}, {len(self.provenance)} run(s))"
+            f"Model({self.name}: {kind}, {self.input.quantity} [{h.lower:g}, {h.upper:g}] {self.input.unit} "
+            f"→ {self.output.quantity} in {self.unit}{fitted}; {made}, {len(self.provenance)} run(s))"
         )
 
 
@@ -168,7 +168,7 @@ def load_model(path: str | Path) -> Model:
         raise DataError(f'{file} is not a model file: it does not say "format": "{FORMAT}".')
     if raw.get("schema_version") != VERSION:
         raise DataError(
-            f"{file} has model schema version {raw.get('schema_version')}; this smarig reads version {VERSION}."
+            f"{file} has model schema version {raw.get('schema_version')}; this smarig reads {VERSION}."
         )
     try:
         return _from_file(_File.model_validate(raw))

@@ -7,12 +7,12 @@ run begins in (its record names it, or it continues the run before).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
+from scipy.optimize import fminbound
 
 from smarig.identification.estimate import Estimate, inflation, quantile
 from smarig.identification.history import continues, named_start
@@ -46,31 +46,35 @@ def tau_from_position(runs: Sequence[Run], actuator: Actuator, hysteresis: Evere
     count = sum(len(s.windows) for s in stretches)
     if not count:
         return (
-            "The time constant τ cannot be given from position: no run that begins in a known state has current, "
-            "position and a clock, and a step of the current that is then held."
+            "The time constant τ cannot be given from position: no run that begins in a known state has "
+            "current, position and a clock, and a step of the current that is then held."
         )
-    guess = math.log(actuator.tau_s)
 
     def errors(log_tau: float) -> list[Array]:
         return [e for s in stretches for e in _errors(s, math.exp(log_tau), actuator, hysteresis)]
 
+    log_tau = _best(errors, math.log(actuator.tau_s))
+    if log_tau is None:
+        return (
+            f"The time constant τ cannot be given from position: no value within a factor {_FACTOR:g} of the "
+            f"actuator's {actuator.tau_s:.3g} s follows the transients best; the model or R/hA does not fit."
+        )
+    slope = [(b - a) / (2 * _STEP) for a, b in zip(errors(log_tau - _STEP), errors(log_tau + _STEP))]
+    names = ", ".join(run.path.name for run in runs)
+    return _estimate(log_tau, errors(log_tau), slope, f"position in {count} holds of {names}, replayed")
+
+
+def _best(errors: Callable[[float], list[Array]], guess: float) -> float | None:
+    """log τ of least squares; None when it lies at the end of what is searched."""
+
     def square(log_tau: float) -> float:
         return sum(float(e @ e) for e in errors(log_tau))
 
-    width = math.log(_FACTOR)
-    coarse = guess + np.linspace(-width, width, 13)
-    values = [square(x) for x in coarse]
-    k = int(np.argmin(values))
-    if k in (0, len(values) - 1):
-        return (
-            f"The time constant τ cannot be given from position: no value within a factor {_FACTOR:g} of the "
-            f"actuator's {actuator.tau_s:.3g} s follows the transients best; the model or R/hA does not fit them."
-        )
-    best = minimize_scalar(square, bounds=(coarse[k - 1], coarse[k + 1]), method="bounded", options={"xatol": 1e-4})
-    log_tau = float(best.x)
-    slope = [(b - a) / (2 * _STEP) for a, b in zip(errors(log_tau - _STEP), errors(log_tau + _STEP))]
-    names = ", ".join(run.path.name for run in runs)
-    return _estimate(log_tau, errors(log_tau), slope, f"position in {count} holds of {names}, replayed with the model")
+    coarse = guess + np.linspace(-1, 1, 13) * math.log(_FACTOR)
+    k = int(np.argmin([square(x) for x in coarse]))
+    if k in (0, coarse.size - 1):
+        return None
+    return np.asarray(fminbound(square, coarse[k - 1], coarse[k + 1], xtol=1e-4), dtype=float).item()
 
 
 def _estimate(log_tau: float, errors: list[Array], slope: list[Array], text: str) -> Estimate | str:
@@ -128,7 +132,9 @@ def _joined(sitting: list[Run], limit: int) -> _Stretch:
     filled_t = np.interp(np.arange(t.size), np.flatnonzero(known), t[known]) if known.any() else t
     first = float(np.median(np.diff(filled_t))) if t.size > 1 else 0.0
     start = named_start(sitting[0]) or "negative"
-    return _Stretch(np.nan_to_num(i).tolist(), np.diff(filled_t, prepend=filled_t[:1] - first), y, start, tuple(windows))
+    return _Stretch(
+        np.nan_to_num(i).tolist(), np.diff(filled_t, prepend=filled_t[:1] - first), y, start, tuple(windows)
+    )
 
 
 def _errors(s: _Stretch, tau_s: float, actuator: Actuator, hysteresis: Everett) -> list[Array]:

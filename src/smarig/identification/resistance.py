@@ -1,8 +1,9 @@
 """R_M and R_A from voltage, current and position: V = i (R_M + ξ (R_A − R_M)), by least squares in volts.
 
-ξ is the austenite fraction taken from the position, 0 at one end of the run's travel and 1 at the other (the
-median there, since the extreme of a noisy position is no end); in the differential rig wire 2 (i < 0) has 1 − ξ. Fitting volts weighs each reading by its current, as a
-constant voltage noise asks. Refuses to know temperature.
+ξ is the austenite fraction taken from the position, 0 at one end of the run's travel and 1 at the other
+(the median there, since the extreme of a noisy position is no end); in the differential rig wire 2 (i < 0)
+has 1 − ξ. Fitting volts weighs each reading by its current, as a constant voltage noise asks. Refuses to
+know temperature.
 """
 
 from collections.abc import Sequence
@@ -27,7 +28,9 @@ def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
     moved = [(run, _travel(run)) for run in electrical if run.has("position")]
     widest = max((travel for _, travel in moved), default=0.0)
     if widest == 0:
-        return _because("no run with voltage and current has a position that moves, so the phase is not known")
+        return _because(
+            "no run with voltage and current has a position that moves, so the phase is not known"
+        )
     used = [run for run, travel in moved if travel >= _FULL * widest]
     ends = [_ends(run["position"]) for run in used]
     fit = linear_fit([_rows(run, low, high) for run, (low, high, _) in zip(used, ends)])
@@ -36,8 +39,8 @@ def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
     # An end of the travel is known as well as the position: that scales ξ, and so the difference R_A − R_M.
     end = 2 * max(noise / (high - low) for low, high, noise in ends) * float(abs(fit.x[1] - fit.x[0]))
     text = (
-        f"voltage against current and position in {', '.join(run.path.name for run in used)}, phase fraction 0 "
-        f"and 1 at the ends of the travel, residual rms {fit.rms:.2g} V, interval widened for correlated residuals"
+        f"voltage against current and position in {', '.join(run.path.name for run in used)}, phase fraction "
+        f"0 and 1 at the ends of the travel, residual rms {fit.rms:.2g} V, widened for correlated residuals"
     )
     found: dict[str, Estimate | str] = {}
     for name, value, half in zip(_NAMES, fit.x.tolist(), np.hypot(fit.half, end).tolist()):

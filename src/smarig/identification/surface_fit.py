@@ -145,7 +145,7 @@ def fit_surface(
     needed = len(problem.names) + 1
     if len(data) < needed:
         raise DataError(
-            f"A {form} surface has {needed - 1} parameters here and needs {needed} FOD points or more; "
+            f"The {form} surface has {needed - 1} parameters here and needs {needed} FOD points or more; "
             f"there are {len(data)}."
         )
     starts = [start.values] if start is not None and start.names == problem.names else _starts(problem)

@@ -95,8 +95,8 @@ def _judged(transients: list[Transient], source: str) -> dict[str, Estimate | st
     result: dict[str, Estimate | str] = {}
     if not np.isfinite(half[0]) or half[0] > np.log(3.0) or fit.tau_s > 3 * longest:
         result["tau"] = (
-            f"The time constant τ cannot be given: {longest:.3g} s after a step with readings that scatter by "
-            f"{rms:.2g} °C leave it anywhere between {low:.2g} s and {high:.2g} s; hold the step longer."
+            f"The time constant τ cannot be given: {longest:.3g} s after a step, with readings that scatter "
+            f"by {rms:.2g} °C, leave it anywhere between {low:.2g} s and {high:.2g} s; hold the step longer."
         )
     else:
         text = f"temperature after {len(transients)} step(s), {source}; wire and sensor together, first order"
@@ -105,7 +105,9 @@ def _judged(transients: list[Transient], source: str) -> dict[str, Estimate | st
         result["tau"] = Estimate(fit.tau_s, (float(low), float(high)), "s", text, n)
     if dead:
         ends = (max(fit.dead_s - half[1], 0.0), fit.dead_s + half[1])
-        result["dead_time"] = Estimate(fit.dead_s, ends, "s", f"delay before the first-order rise; {source}", n)
+        result["dead_time"] = Estimate(
+            fit.dead_s, ends, "s", f"delay before the first-order rise; {source}", n
+        )
     else:
         result["dead_time"] = "No dead time shows in the transients."
     return result
@@ -124,7 +126,9 @@ def _fit(transients: list[Transient], delayed: bool) -> _Fit:
     _, log_tau, dead = min(starts)
     start = [log_tau, min(max(dead, 1e-6 * longest), 0.49 * longest)] if delayed else [log_tau]
     limits = ([np.log(finest / 10), 0.0], [np.log(100 * longest), 0.5 * longest])
-    best = least_squares(residuals, start, bounds=tuple(v[: len(start)] for v in limits), x_scale=[1.0, finest][: len(start)])
+    best = least_squares(
+        residuals, start, bounds=tuple(v[: len(start)] for v in limits), x_scale=[1.0, finest][: len(start)]
+    )
     tau, dead = float(np.exp(best.x[0])), float(best.x[1]) if delayed else 0.0
     return _with_spread(transients, tau, dead, delayed)
 
@@ -145,7 +149,7 @@ def _with_spread(transients: list[Transient], tau: float, dead: float, delayed: 
 
 
 def _projected(x: Transient, tau: float, dead: float) -> tuple[Array, Array]:
-    """Residuals (n,) with T₀ and ΔT at their best, and slopes (n, 2) by log τ and d with those two taken out."""
+    """Residuals (n,) at the best T₀ and ΔT, and slopes (n, 2) by log τ and d with those two taken out."""
     since = np.maximum(x.t_s - dead, 0.0) / tau
     decay = np.exp(-since)
     basis = np.linalg.qr(np.column_stack([np.ones_like(since), 1 - decay]))[0]

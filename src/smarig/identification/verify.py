@@ -45,7 +45,7 @@ class RunVerification:
     """One run: errors, the points behind them, and how the encoder's zero was met.
 
     ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN where the memory is
-    unknown); ``judged`` (k,) those that count. ``offset``, "known" or "fitted", was added to the model's output.
+    unknown); ``judged`` (k,) those that count. ``offset``, "known" or "fitted", was added to the model.
     """
 
     run: str
@@ -139,7 +139,7 @@ def _judged(
         )
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     span = float(np.ptp(measured))
-    outside = int(np.sum(out_of_range(model, inputs)))
+    outside = int(np.sum(out_of_range(model, inputs[counts])))
     early = 0 if run.meta.get("protocol") == FORC_PROTOCOL else int(np.sum(chosen & ~counts))
     return RunVerification(
         run=str(run.path),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import UsageError
 from smarig.model.everett import fall_integral, rise_integral
@@ -26,7 +26,7 @@ FORMS: dict[Form, tuple[str, ...]] = {
 }
 
 
-def sigmoid(z: Array) -> Array:
+def sigmoid(z: ArrayLike) -> Array:
     """σ(z) = 1/(1 + e⁻ᶻ), without overflow for any z."""
     return 0.5 * (1.0 + np.tanh(0.5 * np.asarray(z, dtype=float)))
 
@@ -57,7 +57,8 @@ class FodSurface:
         if self.form not in FORMS:
             raise UsageError(f"Surface form '{self.form}' is not one of {', '.join(FORMS)}.")
         if len(self.x) != len(FORMS[self.form]):
-            raise UsageError(f"A {self.form} surface has parameters {', '.join(FORMS[self.form])}; got {len(self.x)}.")
+            names = ", ".join(FORMS[self.form])
+            raise UsageError(f"A {self.form} surface has parameters {names}; got {len(self.x)}.")
         if not self.upper > self.lower:
             raise UsageError(f"Surface range is empty: lower {self.lower} ≥ upper {self.upper}.")
 

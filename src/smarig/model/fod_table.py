@@ -29,11 +29,14 @@ class FodTable:
     unit: str = ""
     _grid: list[float] = field(init=False, repr=False, compare=False)
     _rows: list[list[float]] = field(init=False, repr=False, compare=False)
+    _drops: list[list[float]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check(self.nodes, self.values)
         object.__setattr__(self, "_grid", self.nodes.tolist())
         object.__setattr__(self, "_rows", self.values.tolist())
+        drops = np.diag(self.values)[:, None] - self.values  # F at the nodes
+        object.__setattr__(self, "_drops", drops.tolist())
 
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, y: ArrayLike, unit: str = "") -> "FodTable":
@@ -75,12 +78,19 @@ class FodTable:
         return np.vectorize(self._value, otypes=[float])(alpha, beta)
 
     def everett(self, alpha: float, beta: float) -> float:
-        """F(α, β) = y(α, α) − y(α, β)."""
-        return self._value(alpha, alpha) - self._value(alpha, beta)
+        """F(α, β) = y(α, α) − y(α, β): bilinear in its own nodes, linear on the diagonal cells."""
+        i, s = self._cell(alpha)
+        j, t = self._cell(beta)
+        low, high = self._drops[i], self._drops[i + 1]
+        if j >= i:
+            return (s - t) * high[i]
+        near = low[j] + t * (low[j + 1] - low[j])
+        far = high[j] + t * (high[j + 1] - high[j])
+        return near + s * (far - near)
 
     def _cell(self, u: float) -> tuple[int, float]:
         grid = self._grid
-        k = min(max(bisect_right(grid, u) - 1, 0), len(grid) - 2)
+        k = bisect_right(grid, u, 1, len(grid) - 1) - 1
         return k, (u - grid[k]) / (grid[k + 1] - grid[k])
 
     def _value(self, alpha: float, beta: float) -> float:

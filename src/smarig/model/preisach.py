@@ -96,8 +96,8 @@ class Preisach:
         """Go to B_ℓ = {α = 2ℓ − β} (§8.3), ℓ = centre clipped to the range; returns ψ(ℓ) = r(B_ℓ)."""
         h = self.hysteresis
         centre = min(max(centre, h.lower), h.upper)
-        # From positive saturation B_ℓ is reached by falling on F alone only for ℓ = u₋; so build ψ from below:
-        # everything under the diagonal is what a fall from B_ℓ to u₋ would switch off.
+        # F alone does not reach B_ℓ, so ψ is built from below: what is on in B_ℓ is what a fall to u₋
+        # would switch off.
         y = h.y_lower + h.fall_from_diagonal(centre, h.lower)
         self._u, self._y, self.u, self.y, self._diagonal = [centre], [y], centre, y, True
         return y

@@ -99,7 +99,7 @@ class Run:
         return tuple(s for s in self.steps if not s.void and s.target is not None and s.position is not None)
 
     def points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Settled inputs and outputs, each (k,); every sample's input and position where there are no steps."""
+        """Settled inputs and outputs, each (k,); every sample's where there are no steps."""
         if self.settled:
             return (
                 np.array([s.target for s in self.settled], dtype=float),
@@ -145,8 +145,14 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
         file,
         meta,
         columns,
-        tuple(Step(r[0], r[1], bool(r[2]), r[3] or "", *r[4:7], r[7] or "", r[8], r[9] or 0) for r in steps),
+        tuple(_step(*row) for row in steps),
         tuple(Event(r[0], r[1], r[2], r[3], json.loads(r[4] or "{}")) for r in events),
+    )
+
+
+def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, position, n) -> Step:
+    return Step(
+        index, attempt, bool(void), branch or "", target, t_start_s, t_end_s, verdict or "", position, n or 0
     )
 
 

@@ -1,0 +1,149 @@
+"""Planted faults are found and said; a healthy record is silent."""
+
+import re
+
+import numpy as np
+import pytest
+
+from smarig.exchange.channel_faults import channel_findings, clipped, quantum
+from smarig.exchange.clock import time_findings
+from smarig.exchange.findings import repeated_rows, saturation, twin_columns
+from smarig.exchange.loop_faults import Loop, loop_findings, turning_points
+
+N = 400
+LINE = np.arange(2, N + 2)
+UP = np.linspace(0, 100, N // 2)
+U = np.concatenate([UP, UP[::-1]])
+
+
+def _wire(u):
+    """A loop with lag: rises around 60, falls around 40."""
+    rising = np.arange(u.size) < u.size // 2
+    return 1 / (1 + np.exp(-(u - np.where(rising, 60, 40)) / 5))
+
+
+def _channel(x):
+    return channel_findings("temperature_degC", "degC", x, LINE)
+
+
+def _loop(u, y):
+    return loop_findings(Loop(u, y, LINE, "degC", "mm"))
+
+
+def _healthy():
+    return _wire(U) + np.random.default_rng(3).normal(0, 1e-4, N)
+
+
+def test_a_healthy_record_is_silent():
+    assert _channel(_healthy()) == []
+    assert _loop(U, _healthy()) == []
+    assert time_findings(np.arange(N) * 0.1, LINE, "refuse") == []
+
+
+def test_a_clipped_sensor_is_found_where_it_is_clipped():
+    x = _healthy()
+    top = np.quantile(x, 0.9)
+    stuck = np.minimum(x, top)
+    np.testing.assert_array_equal(clipped(stuck), stuck == top)
+    assert "clipped at" in _channel(stuck)[0]
+    marks = saturation({"temperature_degC": stuck, "input": stuck}, {"temperature_degC": "degC", "input": ""})
+    np.testing.assert_array_equal(marks, np.where(stuck == top, 4, 0))
+
+
+def test_a_resting_or_coarse_channel_is_not_clipped():
+    assert not clipped(np.round(_wire(U) * 50)).any()
+    assert not clipped(np.repeat(np.arange(10.0), 40)).any()
+
+
+@pytest.mark.parametrize("step", [0.085, 0.25, 3.0])
+def test_coarse_steps_are_measured(step):
+    x = np.round(_healthy() * 60) * step
+    assert quantum(x) == pytest.approx(step, rel=1e-3)
+    assert any(f"comes in steps of {step:g} degC" in s for s in _channel(x))
+    assert quantum(_healthy()) is None
+
+
+def test_spikes_a_dead_channel_and_held_values():
+    x = 20 + _healthy()
+    x[100] = 1000.0
+    assert any(
+        "single-row spikes in 1 place(s), the largest 1000 degC" in s and "line 102" in s for s in _channel(x)
+    )
+    assert _channel(np.full(N, 7.0)) == [
+        "temperature_degC is 7 degC in every row: nominal or not connected, not measured."
+    ]
+    assert any(
+        "changes only every 20 rows" in s
+        for s in _channel(np.repeat(np.random.default_rng(1).random(20), 20))
+    )
+
+
+def test_an_unsampled_jump_is_found_with_its_lines():
+    y = np.where(np.arange(N) < 120, 0.0, 5.0)
+    assert any("at most +5 mm from line 121 to 122" in s for s in _loop(U, y))
+
+
+def test_rows_left_out_are_no_jump():
+    y = _healthy()
+    y[100:140] = np.nan  # the steep part
+    assert not any("jumps" in s for s in _loop(U, y))
+
+
+def test_noise_in_the_input_is_counted():
+    noisy = U + np.random.default_rng(2).normal(0, 4, N)
+    assert any("against its branch" in s for s in _loop(noisy, _healthy()))
+
+
+def test_swapped_branches_run_the_wrong_way_round():
+    y = _wire(U)[::-1]
+    assert any("output leads its input" in s for s in _loop(U, y))
+    assert any("output leads its input" in s for s in _loop(U, -y))
+    assert not any("output leads its input" in s for s in _loop(U, -_wire(U)))
+
+
+def test_a_loop_that_does_not_close_is_said_with_its_gap():
+    y = _healthy() + np.linspace(0, 0.1, N)
+    found = [s for s in _loop(U, y) if "does not close" in s]
+    assert len(found) == 1
+    assert "At the low end" in found[0]
+    assert re.search(r"→ 0\.100\d mm over 2 visits \(\+9\.\d %", found[0])
+
+
+def test_an_offset_of_a_symmetric_drive_is_found_but_not_of_a_temperature():
+    volts = Loop(U - 40, _healthy(), LINE, "V", "uC/cm^2")
+    assert any("centre +10" in s for s in loop_findings(volts))
+    assert not any("centre" in s for s in _loop(U - 40, _healthy()))
+
+
+def test_copies_and_repeats():
+    a = np.random.default_rng(4).random(N)
+    assert "identical" in twin_columns({"a": a, "b": a.copy()})[0]
+    assert "+0.248: the same data with another zero" in twin_columns({"a": a, "b": a + 0.248})[0]
+    assert twin_columns({"a": a, "b": a**2}) == []
+    twice = np.repeat(a[:10], 2)
+    assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0]
+
+
+def test_time_gaps_are_found():
+    t_s = np.arange(N) * 0.1
+    t_s[200:] += 30
+    assert "1 time gaps" in time_findings(t_s, LINE, "refuse")[0]
+    assert "30.1 s after line 201" in time_findings(t_s, LINE, "refuse")[0]
+
+
+def test_turning_points_ignore_what_is_smaller_than_the_threshold():
+    rng = np.random.default_rng(5)
+    u = np.concatenate([np.linspace(0, 10, 200), np.linspace(10, 2, 200), np.linspace(2, 9, 200)])
+    turns = turning_points(u + rng.normal(0, 0.1, u.size), 2.0)
+    assert len(turns) == 4
+    np.testing.assert_allclose(turns, [0, 200, 400, 599], atol=10)
+
+
+def test_a_designed_sequence_is_judged_by_its_sense_only():
+    u = np.concatenate([U, [0, 100, 50, 70, 20, 90, 0]])
+    y = np.concatenate([_healthy(), [0.5, 1, 1, 1, 0.2, 0.9, 0.3]])
+    loop = Loop(u, y, np.arange(u.size), "K", "mm")
+    assert len(loop_findings(loop)) > 0
+    assert loop_findings(loop, designed=True) == []
+    backwards = Loop(U, _healthy()[::-1], LINE, "K", "mm")
+    assert "output leads its input" in loop_findings(backwards, designed=True)[0]
