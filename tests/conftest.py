@@ -20,5 +20,7 @@ def shared_data() -> Path:
     """Measurements by others, beside the repository; tests that need them are skipped without."""
     folder = Path(__file__).resolve().parents[2] / "shared" / "data"
     if not folder.is_dir():
-        pytest.skip(f"no folder {folder.parent.name}/{folder.name} with others' measurements beside the repository")
+        pytest.skip(
+            f"no folder {folder.parent.name}/{folder.name} with others' measurements beside the repository"
+        )
     return folder

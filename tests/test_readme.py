@@ -14,7 +14,11 @@ BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "README.md").read_text(encodi
 
 def lines_of(language, contains):
     text = next(body for kind, body in BLOCKS if kind == language and contains in body)
-    return [line.split("  #")[0].strip() for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    return [
+        line.split("  #")[0].strip()
+        for line in text.splitlines()
+        if line.strip() and not line.startswith("#")
+    ]
 
 
 def environment(tmp_path):
@@ -23,7 +27,9 @@ def environment(tmp_path):
 
 
 def in_shell(command, tmp_path):
-    done = subprocess.run(command, shell=True, cwd=tmp_path, env=environment(tmp_path), capture_output=True, text=True)
+    done = subprocess.run(
+        command, shell=True, cwd=tmp_path, env=environment(tmp_path), capture_output=True, text=True
+    )
     assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     return done
 

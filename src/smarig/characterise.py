@@ -86,7 +86,10 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool) -> None:
         probe.unlink()
     except OSError as error:
         raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
-    targets = [_target(out, k, plan) for k in range(len(plan.step))] + [out / "model.json", out / "report.html"]
+    targets = [_target(out, k, plan) for k in range(len(plan.step))] + [
+        out / "model.json",
+        out / "report.html",
+    ]
     existing = [t for t in targets if t.exists()]
     if existing and not force:
         raise UsageError(f"{existing[0]} exists; give another folder or --force to replace it.")
@@ -105,7 +108,9 @@ def _run_all(
         for k, step in enumerate(plan.step):
             with watching(preview(step.protocol, file, step.set)) as listener:
                 target = _target(out, k, plan)
-                session.run(step.protocol, step.set, target, listeners=[listener] if listener else [], force=force)
+                session.run(
+                    step.protocol, step.set, target, listeners=[listener] if listener else [], force=force
+                )
             runs[step.name or step.protocol] = load_run(target)
     return runs
 
@@ -116,7 +121,9 @@ def _analyse(rig: str, plan: CampaignFile, runs: Mapping[str, Run], started: flo
         for purpose in ("train", "held_out")
     }
     if not by_purpose["train"]:
-        raise UsageError(f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from.")
+        raise UsageError(
+            f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."
+        )
     results: dict[str, Identification] = {}
     warnings: list[str] = []
     for name in SURFACES:
@@ -129,7 +136,9 @@ def _analyse(rig: str, plan: CampaignFile, runs: Mapping[str, Run], started: flo
     verified: dict[str, Verification] = {}
     if by_purpose["held_out"]:
         verified = {name: verify(result.model, by_purpose["held_out"]) for name, result in results.items()}
-    chosen = identify(by_purpose["train"], surface="best").surface  # by curves of its own: validation only judges
+    chosen = identify(
+        by_purpose["train"], surface="best"
+    ).surface  # by curves of its own: validation only judges
     return Evidence(
         title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
         runs=runs,

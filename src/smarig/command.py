@@ -38,7 +38,12 @@ class Settled:
     approach_K: float = 0.01
 
     def __post_init__(self) -> None:
-        if not (self.band_counts > 0 and self.window_s > 0 and self.timeout_s >= self.window_s and self.approach_K > 0):
+        if not (
+            self.band_counts > 0
+            and self.window_s > 0
+            and self.timeout_s >= self.window_s
+            and self.approach_K > 0
+        ):
             raise UsageError(
                 "Settling needs band_counts > 0, window_s > 0, timeout_s ≥ window_s and approach_K > 0; got "
                 f"{self.band_counts:g}, {self.window_s:g}, {self.timeout_s:g}, {self.approach_K:g}."

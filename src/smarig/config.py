@@ -6,13 +6,17 @@ physical quantity that the file leaves out.
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from smarig.catalogue import suggestion
 from smarig.errors import ConfigError, UsageError
 from smarig.resources import shipped
+
+Number = Annotated[
+    float, Field(strict=True, allow_inf_nan=False)
+]  # "1.0", true and inf are mistakes, not numbers
 
 
 class Section(BaseModel):
@@ -24,7 +28,7 @@ class Section(BaseModel):
 class Quantity(Section):
     """A physical quantity: value, unit, and where the value comes from."""
 
-    value: float = Field(allow_inf_nan=False)
+    value: Number
     unit: str
     source: str
 
@@ -100,31 +104,33 @@ class ActuatorFile(Section):
 class LimitsFile(Section):
     """[limits]: checked on every tick, by the host; the device has its own."""
 
-    current_min_A: float
-    current_max_A: float
-    current_rate_A_per_s: float = Field(gt=0)
-    temperature_max_K: float = Field(gt=0)
+    current_min_A: Number
+    current_max_A: Number
+    current_rate_A_per_s: Number = Field(gt=0)
+    temperature_max_K: Number = Field(gt=0)
 
     @model_validator(mode="after")
     def _ordered(self) -> "LimitsFile":
         if not self.current_min_A <= 0 <= self.current_max_A:
-            raise ValueError("current_min_A ≤ 0 ≤ current_max_A is needed: zero current must always be allowed")
+            raise ValueError(
+                "current_min_A ≤ 0 ≤ current_max_A is needed: zero current must always be allowed"
+            )
         return self
 
 
 class AmplifierFile(Section):
     """[amplifier]: saturation and read-back noise (standard deviations)."""
 
-    saturation_A: float = Field(gt=0)
-    current_noise_A: float = Field(ge=0)
-    voltage_noise_V: float = Field(ge=0)
+    saturation_A: Number = Field(gt=0)
+    current_noise_A: Number = Field(ge=0)
+    voltage_noise_V: Number = Field(ge=0)
 
 
 class EncoderFile(Section):
     """[encoder]: resolution and noise of one sample before quantisation."""
 
     counts_per_rev: int = Field(gt=0)
-    noise_counts: float = Field(ge=0)
+    noise_counts: Number = Field(ge=0)
 
 
 class RigFile(Section):
@@ -134,11 +140,11 @@ class RigFile(Section):
     kind: Literal["twin"]
     actuator: str
     wire: str
-    period_s: float = Field(gt=0)
-    ambient_degC: float
-    lease_s: float = Field(gt=0)
-    temperature_noise_K: float = Field(ge=0)
-    temperature_noise_time_s: float = Field(gt=0)
+    period_s: Number = Field(gt=0)
+    ambient_degC: Number
+    lease_s: Number = Field(gt=0)
+    temperature_noise_K: Number = Field(ge=0)
+    temperature_noise_time_s: Number = Field(gt=0)
     limits: LimitsFile
     amplifier: AmplifierFile
     encoder: EncoderFile
@@ -237,8 +243,11 @@ def _sentence(error: Any, schema: type[BaseModel]) -> str:
 
 def _keys(schema: type[BaseModel], path: tuple) -> list[str]:
     for part in path:
+        if isinstance(part, int):
+            continue
         fields = schema.model_fields.get(str(part))
         inner = fields.annotation if fields else None
+        inner = next((a for a in get_args(inner) if isinstance(a, type)), inner)
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
             return sorted(schema.model_fields)
         schema = inner

@@ -125,13 +125,17 @@ def test_limits_are_rig_faults(capsys, tmp_path):
     cool = tmp_path / "cool.toml"
     text = locate("rigs", "one_wire_twin").read_text(encoding="utf-8")
     cool.write_text(text.replace("temperature_max_K = 185.0", "temperature_max_K = 90.0"))
-    status, _, err = call(capsys, "run", "first_order_descending", "--rig", cool, "-o", tmp_path / "r.run.sqlite")
+    status, _, err = call(
+        capsys, "run", "first_order_descending", "--rig", cool, "-o", tmp_path / "r.run.sqlite"
+    )
     assert status == 3
     assert "temperature_max_K = 90" in err
 
 
 def test_an_unwritable_folder_is_said(capsys, tmp_path):
     (tmp_path / "file").write_text("not a folder")
-    status, _, err = call(capsys, "characterise", "--rig", "one_wire_twin", "--out", tmp_path / "file" / "out")
+    status, _, err = call(
+        capsys, "characterise", "--rig", "one_wire_twin", "--out", tmp_path / "file" / "out"
+    )
     assert status == 4
     assert "cannot be written" in err

@@ -25,13 +25,20 @@ def made_run(inputs, outputs, *, name="made.run.sqlite", unit="mm", initial="neg
     """A run of settled steps, one sample each; no file behind it."""
     n = len(inputs)
     columns = {key: np.full(n, np.nan) for key in SAMPLE_COLUMNS}
-    columns |= {"tick": np.arange(n, dtype=float), "t_s": 30.0 * np.arange(n), "step": np.arange(n, dtype=float)}
+    columns |= {
+        "tick": np.arange(n, dtype=float),
+        "t_s": 30.0 * np.arange(n),
+        "step": np.arange(n, dtype=float),
+    }
     columns |= {"input": np.array(inputs, dtype=float), "position": np.array(outputs, dtype=float)}
     steps = tuple(
         Step(k, 0, False, "", float(u), 30.0 * k, 30.0 * k + 30.0, "settled", float(y), 1)
         for k, (u, y) in enumerate(zip(inputs, outputs, strict=True))
     )
-    told = {"input": {"quantity": "temperature", "unit": "K"}, "output": {"quantity": "position", "unit": unit}}
+    told = {
+        "input": {"quantity": "temperature", "unit": "K"},
+        "output": {"quantity": "position", "unit": unit},
+    }
     if initial:
         told["initial"] = initial
     return Run(Path(name), {**told, "source": "twin", **meta}, columns, steps, ())
@@ -53,4 +60,9 @@ def driven_run(surface_name, inputs, *, seed=None, initial="negative", offset=0.
 
 def fod_run(surface_name, *, seed=None, partition=None, **meta):
     """The protocol of §5.4.1 on a Table 5.1 surface."""
-    return driven_run(surface_name, fod_inputs(partition or PARTITION[surface_name[:3]]), seed=seed, **meta)
+    return driven_run(
+        surface_name,
+        fod_inputs(PARTITION[surface_name[:3]] if partition is None else partition),
+        seed=seed,
+        **meta,
+    )

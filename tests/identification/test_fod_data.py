@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run, made_run
 
+from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run, made_run
 from smarig.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data, select
 from smarig.model.gorbet_1997 import surface
@@ -112,7 +112,9 @@ def test_table_of_a_regular_partition_and_the_first_missing_cell():
     assert alpha.tolist() == list(PARTITION["one"][1:])
     assert beta.tolist() == list(PARTITION["one"])
     below = beta <= alpha[:, None]
-    assert np.allclose(y[below], surface("one_p").y(*np.broadcast_arrays(alpha[:, None], beta))[below], atol=1e-12)
+    assert np.allclose(
+        y[below], surface("one_p").y(*np.broadcast_arrays(alpha[:, None], beta))[below], atol=1e-12
+    )
     assert np.isnan(y[~below]).all()
     hole = data.where((data.alpha != 62.7) | (data.beta != 15.7))
     with pytest.raises(DataError, match=r"α = 62\.7, β = 15\.7"):
@@ -132,7 +134,9 @@ def test_selecting_curves():
 def test_reversal_curves_come_numbered_by_step_without_calibration():
     fields = np.array([5, 0, 2, 5, 5, -3, 0, 2, 5], dtype=float)
     run = made_run(fields, 2 * fields, unit="emu", initial=None, protocol="first_order_reversal_curves")
-    run = type(run)(run.path, run.meta, run.columns | {"step": np.array([-1, 0, 0, 0, -1, 1, 1, 1, 1.0])}, (), ())
+    run = type(run)(
+        run.path, run.meta, run.columns | {"step": np.array([-1, 0, 0, 0, -1, 1, 1, 1, 1.0])}, (), ()
+    )
     data = fod_data(run)
     assert data.mirrored
     assert points(data) == [(0, 0, 0), (0, -2, 0), (0, -5, 0), (3, 3, 1), (3, 0, 1), (3, -2, 1), (3, -5, 1)]

@@ -95,7 +95,10 @@ def test_intervals_cover_as_often_as_they_say(fits):
 def test_sigma_is_the_noise_of_a_reading_whatever_the_weights():
     expected = np.sqrt(0.4**2 + 1 / 12) * 0.18  # reading noise and rounding to whole counts
     for weights in ("residual", "square"):
-        sigma = [fit_surface(fod_data(fod_run("two_c", seed=k)), "constant", weights=weights).sigma for k in range(8)]
+        sigma = [
+            fit_surface(fod_data(fod_run("two_c", seed=k)), "constant", weights=weights).sigma
+            for k in range(8)
+        ]
         assert np.sqrt(np.mean(np.square(sigma))) == pytest.approx(expected, rel=0.12)
 
 

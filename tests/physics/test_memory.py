@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from smarig.errors import DataError, UsageError
 from smarig.model.everett import Everett
 from smarig.model.fod_table import FodTable
-from smarig.model.gorbet_1997 import surface
+from smarig.model.gorbet_1997 import NAMES, surface
 from smarig.model.mirrored import Mirrored
 from smarig.model.preisach import Preisach, State
 from smarig.model.relay_measure import RelayMeasure
@@ -273,6 +273,19 @@ def test_the_inverse_starts_from_a_given_state_and_ends_at_saturation():
     assert op.inverse(op.y) == op.u
     assert Preisach(h).step(op.inverse(h.y_upper)) == pytest.approx(h.y_upper, abs=1e-12)
     assert Preisach(h, "positive").step(op.inverse(h.y_lower)) == pytest.approx(h.y_lower, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_saturation_is_reachable_to_the_last_bit(name: str):
+    """Outputs computed elsewhere differ from y₊ and y₋ by rounding; that is no reason to refuse them."""
+    h = surface(name)
+    for initial in ("negative", "anhysteretic", "positive"):
+        op = Preisach(h, initial)
+        for target, end in ((h.y_upper, h.upper), (h.y_lower, h.lower)):
+            for neighbour in (np.nextafter(target, 99), target, np.nextafter(target, -99)):
+                u = op.inverse(float(neighbour))
+                assert op.peek(u) == pytest.approx(target, abs=1e-12 * SPAN)
+                assert op.peek(end) == pytest.approx(target, abs=1e-12 * SPAN)
 
 
 @pytest.mark.parametrize("target", [18.2, -16.6])

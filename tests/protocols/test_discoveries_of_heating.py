@@ -31,7 +31,11 @@ def test_fig_5_3_fast_loops_drift_slow_loops_do_not_and_the_operator_explains_bo
     noise = np.hypot(0.4, 1 / np.sqrt(12))
     runs = {
         loop_s: smarig.run(
-            "minor_loops", rig="one_wire_twin", out=tmp_path / f"{loop_s}.run.sqlite", seed=seed, loop_s=loop_s
+            "minor_loops",
+            rig="one_wire_twin",
+            out=tmp_path / f"{loop_s}.run.sqlite",
+            seed=seed,
+            loop_s=loop_s,
         )
         for loop_s in (8.0, 480.0)
     }

@@ -81,7 +81,10 @@ def test_wiping_out_segments_are_identical():
 
 def test_congruency_loops_visit_the_same_inputs():
     steps = [c for c in build("congruency", Setup.of("two_wire_twin")) if isinstance(c, Hold)]
-    by = {label: [c.target for c in steps if c.branch == label] for label in ("A down", "A up", "B down", "B up")}
+    by = {
+        label: [c.target for c in steps if c.branch == label]
+        for label in ("A down", "A up", "B down", "B up")
+    }
     assert by["A down"] == by["B down"]
     assert by["A up"] == by["B up"]
     assert max(by["A up"]) < max(c.target for c in steps)
@@ -140,7 +143,11 @@ def test_pairs_must_be_pairs():
 def test_initialise_thesis_uses_the_printed_formula():
     import math
 
-    waves = [c for c in build("initialise", Setup.of("two_wire_twin"), {"method": "thesis"}) if isinstance(c, Waveform)]
+    waves = [
+        c
+        for c in build("initialise", Setup.of("two_wire_twin"), {"method": "thesis"})
+        if isinstance(c, Waveform)
+    ]
     current = waves[0].currents_A[249]  # t = 25 s
     expected = (180 - 25) / 180 * 185 * math.sin(0.2 * math.pi * 25)
     assert math.isclose(math.copysign(185 * current**2, current), expected, abs_tol=1e-6)

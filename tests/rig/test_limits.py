@@ -15,14 +15,17 @@ def guarded(**limits):
     return twin, Guard(twin, twin.file.limits.model_copy(update=limits), twin.actuator)
 
 
-
 def generator(*commands):
     yield from commands
 
 
 @pytest.mark.parametrize(
     ("limits", "current_A", "message"),
-    [({}, 1.2, "outside the limits"), ({}, -0.1, "outside the limits"), ({"current_rate_A_per_s": 1.0}, 0.5, "A/s")],
+    [
+        ({}, 1.2, "outside the limits"),
+        ({}, -0.1, "outside the limits"),
+        ({"current_rate_A_per_s": 1.0}, 0.5, "A/s"),
+    ],
 )
 def test_a_forbidden_command_never_reaches_the_rig(limits, current_A, message):
     twin, guard = guarded(**limits)

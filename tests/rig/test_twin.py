@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from rig.rig_contract import CHECKS, MAKERS, drive
 
+from rig.rig_contract import CHECKS, MAKERS, drive
 from smarig.errors import UsageError
 from smarig.model.gorbet_1997 import surface
 from smarig.rig.noise import Noise

@@ -95,7 +95,10 @@ def test_a_full_disk_stops_the_run_and_keeps_what_was_written(tmp_path, monkeypa
 
     monkeypatch.setattr(recorder_module.shutil, "disk_usage", shrinking)
     monkeypatch.setattr(recorder_module, "COMMIT_INTERVAL_S", 0.001)
-    with pytest.raises(StorageError, match="cannot be written"), Session("one_wire_twin", speed=2000) as session:
+    with (
+        pytest.raises(StorageError, match="cannot be written"),
+        Session("one_wire_twin", speed=2000) as session,
+    ):
         twins.append(session.twin)
         session.run("first_order_descending", {}, out)
     assert twins[0].output_A == 0.0

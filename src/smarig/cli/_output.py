@@ -22,7 +22,12 @@ def json_option(command: Callable) -> Callable:
         _STATE["json"] = value
 
     return click.option(
-        "--json", is_flag=True, expose_value=False, callback=remember, is_eager=True, help="One JSON object on stdout."
+        "--json",
+        is_flag=True,
+        expose_value=False,
+        callback=remember,
+        is_eager=True,
+        help="One JSON object on stdout.",
     )(command)
 
 

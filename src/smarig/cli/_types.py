@@ -17,10 +17,16 @@ class Named(click.ParamType):
     def __init__(self, *catalogues: str) -> None:
         self._catalogues = catalogues
 
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
         """Names that begin as typed."""
         del ctx, param
-        known = [n for c in self._catalogues for n in (names("smarig.protocols") if c == "protocols" else listed(c))]
+        known = [
+            n
+            for c in self._catalogues
+            for n in (names("smarig.protocols") if c == "protocols" else listed(c))
+        ]
         return [CompletionItem(n) for n in known if n.startswith(incomplete)]
 
 

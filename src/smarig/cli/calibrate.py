@@ -10,14 +10,20 @@ from smarig.errors import UsageError
 from smarig.model.actuator import Actuator
 
 
-@click.command("calibrate", epilog="\b\nExample:\n  smarig calibrate validation.run.sqlite --actuator gorbet_one_wire")
+@click.command(
+    "calibrate", epilog="\b\nExample:\n  smarig calibrate validation.run.sqlite --actuator gorbet_one_wire"
+)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option("--actuator", type=Named("actuators"), help="Parameter set to start from (needed for -o).")
-@click.option("--model", type=FILE, help="Model of this wire: lets position transients give the time constant.")
+@click.option(
+    "--model", type=FILE, help="Model of this wire: lets position transients give the time constant."
+)
 @click.option("-o", "--out", type=FILE, help="Actuator file to write (*.toml).")
 @click.option("--force", is_flag=True, help="Replace an existing actuator file.")
 @json_option
-def command(runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool) -> None:
+def command(
+    runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool
+) -> None:
     """Estimate hA, time constant and resistances from what the runs measured; say what they cannot give."""
     from smarig.identification.calibrate import calibrate
     from smarig.identification.model_file import load_model

@@ -10,7 +10,9 @@ from smarig.cli._progress import ProgressLine
 from smarig.cli._types import FOLDER, RIG, Named
 
 
-@click.command("characterise", epilog="\b\nExample:\n  smarig characterise --rig one_wire_twin --out out/one_wire")
+@click.command(
+    "characterise", epilog="\b\nExample:\n  smarig characterise --rig one_wire_twin --out out/one_wire"
+)
 @click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
 @click.option("--out", type=FOLDER, required=True, help="Folder for runs, model.json and report.html.")
 @click.option("--campaign", type=Named("campaigns"), default="characterise", show_default=True)
@@ -36,7 +38,9 @@ def command(rig: str, out: Path, campaign: str, seed: int, wire: str, force: boo
 def _text(found: dict) -> str:
     lines = [*(r["verdict"] for r in found["representation"]), *found["discoveries"], *found["warnings"]]
     best = found["identify"]
-    lines.append(f"Best surface: {found['surface']}, {best['rms']:.3g} {best['unit']} rms over {best['points']} points.")
+    lines.append(
+        f"Best surface: {found['surface']}, {best['rms']:.3g} {best['unit']} rms over {best['points']} points."
+    )
     for name, verified in found["verify"].items():
         for run in verified["runs"]:
             lines.append(f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms, n = {run['n']}.")

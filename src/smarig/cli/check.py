@@ -14,8 +14,12 @@ from smarig.runner.preview import preview
 
 @click.command("check", epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending")
 @click.argument("rig", type=RIG)
-@click.option("--protocol", type=PROTOCOL, help="Preview it on the twin: duration, peak current, temperature.")
-@click.option("--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable.")
+@click.option(
+    "--protocol", type=PROTOCOL, help="Preview it on the twin: duration, peak current, temperature."
+)
+@click.option(
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
+)
 @json_option
 def command(rig: str, protocol: str | None, pairs: tuple[str, ...]) -> None:
     """Check a rig's file, constants and lease; preview a protocol on its twin."""
@@ -27,7 +31,10 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...]) -> None:
         "actuator": actuator.name,
         "tau_s": actuator.tau_s,
         "hA_W_per_K": actuator.hA_W_per_K,
-        "input_range_K": [actuator.input_for(file.limits.current_min_A), actuator.input_for(file.limits.current_max_A)],
+        "input_range_K": [
+            actuator.input_for(file.limits.current_min_A),
+            actuator.input_for(file.limits.current_max_A),
+        ],
         "position_per_count": actuator.position_per_count(file.encoder.counts_per_rev),
         "unit": actuator.unit,
         "lease_trips": _lease_trips(Twin.named(rig)),

@@ -8,7 +8,9 @@ from smarig.cli._output import emit, json_option
 from smarig.cli._types import FILE
 
 
-@click.command("export", epilog="\b\nExample:\n  smarig export validation.run.sqlite --to csv -o validation.csv")
+@click.command(
+    "export", epilog="\b\nExample:\n  smarig export validation.run.sqlite --to csv -o validation.csv"
+)
 @click.argument("run", type=FILE)
 @click.option("--to", "format_", required=True, help="Format: csv, parquet.")
 @click.option("-o", "--out", type=FILE, required=True, help="File to write.")

@@ -19,7 +19,9 @@ Examples:
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option("--surface", type=click.Choice(SURFACES), default="best", show_default=True)
 @click.option("--select", metavar="EXPR", help="Fit only where this holds, e.g. 'curve%2==0'.")
-@click.option("--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them).")
+@click.option(
+    "--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them)."
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
 @json_option

@@ -11,6 +11,7 @@ EPILOG = """\b
 Examples:
   smarig import mine.csv --format csv --rig one_wire_twin -o mine.run.sqlite
   smarig import test.csv --format csv --map sma_staircase -o staircase.run.sqlite
+  smarig import loops.dat --format csv --map ferroelectric_loops:4 -o loops.run.sqlite
   smarig import reversal_curves --format forc -o forc.run.sqlite
 """
 
@@ -38,8 +39,15 @@ def command(
     """Import measured data; what looks wrong in it is said."""
     from smarig.exchange import import_file
 
-    report = import_file(file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, force=force)
+    report = import_file(
+        file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, force=force
+    )
     for warning in report.warnings:
         say(f"Warning: {warning}")
-    found = {"run": str(report.run), "rows": report.rows, "warnings": list(report.warnings)}
-    emit(found, f"{report.run}: {report.rows} rows.")
+    found = {
+        "run": str(report.run),
+        "rows": report.rows,
+        "steps": report.steps,
+        "warnings": list(report.warnings),
+    }
+    emit(found, f"{report.run}: {report.rows} rows, {report.steps} steps.")

@@ -5,6 +5,7 @@ import click
 from smarig.catalogue import names, summary
 from smarig.cli._output import emit, json_option
 from smarig.config import listed, load_actuator, load_campaign, load_rig
+from smarig.exchange.mapping import load_mapping
 from smarig.protocols._settings import described
 
 
@@ -25,7 +26,17 @@ def _campaigns() -> dict[str, str]:
     return {n: load_campaign(n).summary for n in listed("campaigns")}
 
 
-_KINDS = {"rigs": _rigs, "actuators": _actuators, "protocols": _protocols, "campaigns": _campaigns}
+def _imports() -> dict[str, str]:
+    return {n: load_mapping(n).summary for n in listed("imports")}
+
+
+_KINDS = {
+    "rigs": _rigs,
+    "actuators": _actuators,
+    "protocols": _protocols,
+    "campaigns": _campaigns,
+    "imports": _imports,
+}
 
 
 @click.command("list", epilog="\b\nExample:\n  smarig list protocols")
@@ -33,7 +44,7 @@ _KINDS = {"rigs": _rigs, "actuators": _actuators, "protocols": _protocols, "camp
 @click.option("--settings", is_flag=True, help="Also the settings of each protocol, with defaults.")
 @json_option
 def command(kind: str, settings: bool) -> None:
-    """What there is: rigs, actuators, protocols, campaigns."""
+    """What there is: rigs, actuators, protocols, campaigns, import mappings."""
     found = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
     lines = []
     for group, entries in found.items():

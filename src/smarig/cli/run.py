@@ -27,9 +27,13 @@ Examples:
 @click.argument("experiment", type=EXPERIMENT, metavar="PROTOCOL|CAMPAIGN")
 @click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
 @click.option("-o", "--out", type=ANY_PATH, help="Run file; for a campaign a folder.")
-@click.option("--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable.")
+@click.option(
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
+)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the twin's noise.")
-@click.option("--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: free).")
+@click.option(
+    "--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: free)."
+)
 @click.option("--wire", default="", help="Identity of the wire, if not the rig file's.")
 @click.option("--notes", default="", help="A remark kept with the run.")
 @click.option("--dry-run", is_flag=True, help="Only say what it would cost.")
@@ -60,7 +64,9 @@ def command(
     if out is None:
         raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")
     single = experiment in names("smarig.protocols")
-    targets = [out] if single else [out / f"{k:02d}_{s.protocol}.run.sqlite" for k, s in enumerate(steps, start=1)]
+    targets = (
+        [out] if single else [out / f"{k:02d}_{s.protocol}.run.sqlite" for k, s in enumerate(steps, start=1)]
+    )
     for target in targets:
         if target.exists() and not force:
             raise UsageError(f"{target} exists; give another name or --force to replace it.")
@@ -78,7 +84,9 @@ def _steps(experiment: str, settings: dict) -> list[CampaignStep]:
     if experiment in protocols:
         return [CampaignStep(protocol=experiment, set=settings)]
     if experiment not in campaigns and not experiment.endswith(".toml"):
-        raise UsageError(f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}.")
+        raise UsageError(
+            f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."
+        )
     if settings:
         raise UsageError("--set belongs to a single protocol; a campaign's settings stand in its file.")
     return list(load_campaign(experiment).step)

@@ -20,13 +20,21 @@ Examples:
 @click.argument("model", type=FILE)
 @click.option("--along", type=FILE, help="Run whose inputs the model follows.")
 @click.option("--protocol", type=PROTOCOL, help="Protocol to run on the model's noise-free twin.")
-@click.option("--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable.")
+@click.option(
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
+)
 @click.option("--rig", type=RIG, default="", help="Rig for --protocol, if not the model's.")
 @click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
 @click.option("--force", is_flag=True, help="Replace an existing run file.")
 @json_option
 def command(
-    model: Path, along: Path | None, protocol: str | None, pairs: tuple[str, ...], rig: str, out: Path, force: bool
+    model: Path,
+    along: Path | None,
+    protocol: str | None,
+    pairs: tuple[str, ...],
+    rig: str,
+    out: Path,
+    force: bool,
 ) -> None:
     """Simulate a model along a run, or a protocol on its twin, into a run file."""
     from smarig.identification.model_file import load_model

@@ -36,12 +36,18 @@ class Loop:
         return Loop(self.u[rows], self.y[rows], self.line[rows], self.input_unit, self.output_unit, rows)
 
 
-def loop_findings(loop: Loop) -> list[str]:
-    """All findings on an input–output record; nothing for records too short or flat to judge."""
+def loop_findings(loop: Loop, *, designed: bool = False) -> list[str]:
+    """All findings on an input–output record; nothing for records too short or flat to judge.
+
+    ``designed``: every point was asked for, so that large steps, small reversals and visits of one input
+    with another memory are the experiment, not faults; only the sense of the loop is judged.
+    """
     known = loop.finite()
     if known.u.size < 10 or np.ptp(known.u) == 0 or np.ptp(known.y) == 0:
         return []
     turns = turning_points(known.u, _REVERSAL * float(np.ptp(known.u)))
+    if designed:
+        return _sense(known, turns)
     return (
         _jumps(known) + _contrary(known, turns) + _open(known, turns) + _sense(known, turns) + _centre(known)
     )

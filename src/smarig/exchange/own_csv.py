@@ -81,7 +81,7 @@ def _loop(rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: s
     """Findings on the loop of the steps' ends: between them the wire is on its way."""
     target, position = (np.array([row[k] for row in rows], dtype=float) for k in (4, 8))
     first = np.array([line[int(np.argmax(step == row[0]))] for row in rows], dtype=np.int64)
-    return loop_findings(Loop(target, position, first, input_unit, unit))
+    return loop_findings(Loop(target, position, first, input_unit, unit), designed=True)
 
 
 def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:

@@ -23,6 +23,7 @@ _DENSE = 20  # curves of this many points show their noise in third differences
 # second-highest input the two-wire ones leave 0.48 or more, cut at the third-highest the one-wire ones 0.37.
 _ANGLE = 0.3
 _MERGED = 0.01
+_SPREAD = 7.0  # the range of a dozen readings of one output is 3.3 σ on average, and 5 σ now and then
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def curve_report(data: FodData) -> CurveReport:
     rising = [d.alpha for d in descents if _climb(d) > threshold]
     crossing = _crossing(descents, threshold)
     spread = _spread(descents)
-    merge = spread <= max(threshold, _MERGED * float(np.ptp(data.y)))
+    merge = spread <= max(_SPREAD * np.nan_to_num(noise), _MERGED * float(np.ptp(data.y)))
     angle, angle_noise = _top_angle(data, descents, noise)
     angled = angle - 2 * angle_noise > _ANGLE
     unit = data.unit
@@ -87,12 +88,13 @@ def curve_report(data: FodData) -> CurveReport:
 def reading_noise(data: FodData) -> float:
     """Standard deviation of a reading about its own curve, without a surface; NaN when curves are too short.
 
-    Long curves: third differences, Var Δ³y = 20σ², by the median. Others: what the sigmoids leave.
+    Long curves: third differences, Var Δ³y = 20σ², by their mean size. Others: what the sigmoids leave.
     """
     descents = data.descents()
     if descents and np.median([d.beta.size for d in descents]) >= _DENSE:
         thirds = np.concatenate([np.diff(d.y, 3) for d in descents])
-        return float(np.median(np.abs(thirds)) / 0.6745 / np.sqrt(20))
+        size = np.sort(np.abs(thirds))[: max(1, round(0.99 * thirds.size))]  # jumps are no noise
+        return float(size.mean() * np.sqrt(np.pi / 2) / np.sqrt(20))
     return fit_curves(data).sigma
 
 

@@ -207,9 +207,9 @@ def _from_file(file: _File) -> Model:
         name: getattr(file, name) for name in _File.model_fields if name not in ("format", "schema_version")
     }
     size = len(file.parameters)
-    covariance = np.array(file.covariance, dtype=float).reshape(-1, size) if size else np.empty((0, 0))
-    if covariance.shape != (size, size):
-        raise DataError(f"the covariance has shape {covariance.shape}, expected ({size}, {size})")
+    if len(file.covariance) != size or any(len(row) != size for row in file.covariance):
+        raise DataError(f"'covariance' is not {size} × {size}, one row for each of 'parameters'")
+    covariance = np.array(file.covariance, dtype=float).reshape(size, size)
     rest |= {
         "hysteresis": load_hysteresis(file.hysteresis),
         "covariance": covariance,

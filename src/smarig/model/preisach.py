@@ -197,7 +197,8 @@ class Preisach:
             h = self.hysteresis
             end = h.upper if y_target > start.y else h.lower
             reach = self.peek(end)
-            if not min(start.y, reach) <= y_target <= max(start.y, reach):
+            rounding = 1e-12 * abs(self._F(h.upper, h.lower))  # saturation itself must count as reachable
+            if not min(start.y, reach) - rounding <= y_target <= max(start.y, reach) + rounding:
                 raise DataError(f"Output {y_target:g} cannot be reached: the range ends at {reach:g}.")
             near, far = start.u, end
             for _ in range(200):

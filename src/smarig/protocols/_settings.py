@@ -79,7 +79,12 @@ def _typed(name: str, key: str, value: Any, hint: Any) -> Any:
 
 
 def _check_group(name: str, key: str, value: dict, hint: Any) -> None:
-    fields = next((t.__dataclass_fields__ for t in getattr(hint, "__args__", ()) if hasattr(t, "__dataclass_fields__")), {})
+    fields = next(
+        (t.__dataclass_fields__ for t in getattr(hint, "__args__", ()) if hasattr(t, "__dataclass_fields__")),
+        {},
+    )
     for inner in value:
         if inner not in fields:
-            raise UsageError(f"Protocol '{name}' has no setting '{key}.{inner}'{suggestion(inner, list(fields))}.")
+            raise UsageError(
+                f"Protocol '{name}' has no setting '{key}.{inner}'{suggestion(inner, list(fields))}."
+            )

@@ -59,7 +59,9 @@ def _from_csv(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
         raise UsageError(f"Profile {path} cannot be read: {error.strerror}.") from None
     header = rows[0][0].strip() if rows and rows[0] else ""
     if header not in ("temperature_K", "current_A"):
-        raise DataError(f"Profile {path} must begin with a header temperature_K or current_A, found '{header}'.")
+        raise DataError(
+            f"Profile {path} must begin with a header temperature_K or current_A, found '{header}'."
+        )
     values = []
     for number, row in enumerate(rows[1:], start=2):
         try:

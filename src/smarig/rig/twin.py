@@ -82,7 +82,9 @@ class Twin:
     def step(self, current_A: float) -> tuple[Sample, ...]:
         """Apply a current for the next tick and return its sample."""
         if self.tripped:
-            raise LeaseExpired(f"{self.file.name} has switched its output off: {self.tripped} Re-arm it with arm().")
+            raise LeaseExpired(
+                f"{self.file.name} has switched its output off: {self.tripped} Re-arm it with arm()."
+            )
         if current_A != current_A:
             raise UsageError("The twin was given NaN as its current.")
         limit = self.file.amplifier.saturation_A

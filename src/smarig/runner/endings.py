@@ -11,7 +11,11 @@ from contextlib import contextmanager
 
 from smarig.runner.control import Control
 
-_WORDS = {"SIGINT": "interrupted by the keyboard (Ctrl-C)", "SIGTERM": "terminated (SIGTERM)", "SIGHUP": "hung up (SIGHUP)"}
+_WORDS = {
+    "SIGINT": "interrupted by the keyboard (Ctrl-C)",
+    "SIGTERM": "terminated (SIGTERM)",
+    "SIGHUP": "hung up (SIGHUP)",
+}
 
 
 @contextmanager

@@ -63,7 +63,9 @@ def preview(protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = No
     actuator = Actuator.named(rig.actuator)
     twin = Twin(rig, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
-    runner = Runner(Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)])
+    runner = Runner(
+        Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)]
+    )
     runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings))
     return Preview(
         protocol,

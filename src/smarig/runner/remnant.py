@@ -60,7 +60,9 @@ def remnant(rig: str, method: Method) -> Remnant:
     return Remnant(method, spread, *swings[0])
 
 
-def _major_loop(rig: str, method: Method, history: Sequence[float]) -> tuple[list[float], tuple[float, float]]:
+def _major_loop(
+    rig: str, method: Method, history: Sequence[float]
+) -> tuple[list[float], tuple[float, float]]:
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     twin = Twin(file, actuator, TwinSettings(noise=False))

@@ -7,7 +7,19 @@ Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
 import math
 from collections.abc import Sequence
 
-from smarig.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, StepResult, Verdict, Waveform, Zero
+from smarig.command import (
+    Command,
+    Drive,
+    Elapsed,
+    Hold,
+    Mark,
+    Protocol,
+    Settled,
+    StepResult,
+    Verdict,
+    Waveform,
+    Zero,
+)
 from smarig.errors import UsageError
 from smarig.rig.guard import Guard
 from smarig.runner.control import Control
@@ -20,7 +32,11 @@ class Runner:
     """Runs protocols one after the other on one rig; step numbers and time go on between them."""
 
     def __init__(
-        self, rig: Guard, position_per_count: float, listeners: Sequence[Listener], control: Control | None = None
+        self,
+        rig: Guard,
+        position_per_count: float,
+        listeners: Sequence[Listener],
+        control: Control | None = None,
     ) -> None:
         self.rig, self.listeners = rig, listeners
         self.control = control or Control()

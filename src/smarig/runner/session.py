@@ -80,7 +80,12 @@ class Session:
         generator = build(protocol, self.setup, settings)
         _check_free_space(out, preview(protocol, self.file, settings).bytes)
         recorder = Recorder(out, self._describe(protocol, settings, notes), force=force)
-        runner = Runner(self._guard, self.twin.position_per_count, [recorder, *listeners, Watch(on_event=self._note)], self.control)
+        runner = Runner(
+            self._guard,
+            self.twin.position_per_count,
+            [recorder, *listeners, Watch(on_event=self._note)],
+            self.control,
+        )
         runner.t_s = self.twin.tick * self.file.period_s
         cause = "done"
         recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
@@ -111,7 +116,8 @@ class Session:
             "start_epoch": self._epoch,
             "period_s": self.file.period_s,
             "input": {
-                "quantity": "wire temperature above ambient" + (", T1 - T2" if self.actuator.two_wire else ""),
+                "quantity": "wire temperature above ambient"
+                + (", T1 - T2" if self.actuator.two_wire else ""),
                 "unit": "K",
                 "from": "heating model along the measured current",
             },

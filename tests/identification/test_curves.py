@@ -1,0 +1,127 @@
+"""What the curves themselves say: sigmoids one by one, noise, merging, crossing, the range."""
+
+import numpy as np
+import pytest
+
+from identification.made_runs import (
+    NOISE_COUNTS,
+    PARTITION,
+    PER_COUNT,
+    driven_run,
+    fod_inputs,
+    fod_run,
+    made_run,
+)
+from smarig.identification.curve_fit import fit_curves
+from smarig.identification.curve_report import curve_report, reading_noise
+from smarig.identification.fod_data import fod_data
+from smarig.model.gorbet_1997 import NAMES, surface
+from smarig.model.preisach import Preisach
+
+
+def reading_sd(wire):
+    return np.sqrt(NOISE_COUNTS**2 + 1 / 12) * PER_COUNT[wire]
+
+
+def test_sigmoids_of_exact_curves_are_those_of_the_surface():
+    """(5.5) at constant α is b₁σ(b₂(β + b₃)) + b₄ with b₂ = x₄ and b₃ = f(α)."""
+    s = surface("two_p")
+    alpha, b, _ = fit_curves(fod_data(fod_run("two_p"))).against_alpha()
+    assert set(alpha) >= set(PARTITION["two"][6:])
+    assert np.allclose(b[:, 1], s.x[2], rtol=1e-3)
+    assert np.allclose(b[:, 2], s.shift(alpha)[0], atol=0.05)
+
+
+def test_short_curves_are_named_and_nothing_fails():
+    fits = fit_curves(fod_data(fod_run("one_e", seed=2)))
+    assert {1.7, 7.0, 15.7} <= set(fits.too_short)
+    assert {85.3, 111.4, 141.0, 174.1}.isdisjoint(fits.too_short)
+    short = fits.curves[0]
+    assert short.points == 2
+    assert short.b is None
+    assert "1.7" in repr(fits)
+
+
+def test_standard_errors_of_a_long_curve_cover():
+    truth = surface("two_c")
+    inside = []
+    for seed in range(30):
+        alpha, b, error = fit_curves(fod_data(fod_run("two_c", seed=seed))).against_alpha()
+        k = alpha.tolist().index(185.0)
+        inside.append(abs(b[k, 2] - truth.x[3]) < 2 * error[k, 2])
+    assert 0.85 <= np.mean(inside) <= 1.0
+
+
+@pytest.mark.parametrize("name", ["one_e", "two_c"])
+def test_noise_is_read_off_the_curves(name):
+    noise = [reading_noise(fod_data(fod_run(name, seed=seed))) for seed in range(10)]
+    assert np.sqrt(np.mean(np.square(noise))) == pytest.approx(reading_sd(name[:3]), rel=0.2)
+
+
+def test_noise_of_dense_curves_is_read_off_third_differences():
+    levels = np.linspace(-185, 185, 61)
+    noise = reading_noise(fod_data(fod_run("two_e", seed=1, partition=levels)))
+    assert noise == pytest.approx(reading_sd("two"), rel=0.1)
+
+
+@pytest.mark.parametrize("seed", [None, 0, 1, 2, 3])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_fully_exercised_range_raises_no_warning_of_it(name, seed):
+    report = curve_report(fod_data(fod_run(name, seed=seed)))
+    assert report.exercised
+    assert report.monotone
+    assert not any("exercised" in w for w in report.warnings)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize(
+    ("name", "levels", "end"),
+    [
+        ("two_e", PARTITION["two"][2:-2], "lower"),
+        ("two_c", PARTITION["two"][2:], "lower"),
+        ("two_e", PARTITION["two"][:-2], "top"),
+        ("one_e", PARTITION["one"][:-3], "top"),
+        ("one_c", PARTITION["one"][:-3], "top"),
+    ],
+)
+def test_a_truncated_range_is_found(name, levels, end, seed):
+    # Driven between limits that are no saturation: the wire's own memory reaches further than the partition.
+    inputs = fod_inputs(levels)
+    y = Preisach.from_surface(surface(name)).simulate([surface(name).lower, *inputs])[1:]
+    rng = np.random.default_rng(seed)
+    q = PER_COUNT[name[:3]]
+    y = np.round(y / q + NOISE_COUNTS * rng.standard_normal(y.size)) * q
+    report = curve_report(fod_data(made_run(inputs, y, initial=None)))
+    assert not report.exercised
+    word = {"lower": "do not merge", "top": "at an angle"}[end]
+    assert any("not fully exercised" in w and word in w for w in report.warnings)
+
+
+@pytest.mark.parametrize("name", ["one_p", "one_e"])
+def test_crossing_proves_a_negative_density(name):
+    report = curve_report(fod_data(fod_run(name, seed=1)))
+    assert report.cross
+    assert any("Prop. 4.6" in w for w in report.warnings)
+
+
+@pytest.mark.parametrize("name", ["one_c", "two_c"])
+def test_noise_is_no_crossing(name):
+    for seed in range(12):
+        report = curve_report(fod_data(fod_run(name, seed=seed)))
+        assert not report.cross
+        assert report.warnings == ()
+
+
+def test_a_curve_that_rises_while_the_input_falls_is_reported():
+    inputs, y = fod_run("one_c", partition=np.linspace(0.0, 174.1, 51), seed=1).points()
+    bump = 2.0 * np.exp(-(((inputs - 60.0) / 10.0) ** 2))
+    assert curve_report(fod_data(made_run(inputs, y))).monotone
+    report = curve_report(fod_data(made_run(inputs, y + bump)))
+    assert not report.monotone
+    assert any("Assumption 2.1" in w for w in report.warnings)
+
+
+def test_two_points_are_enough_to_be_judged():
+    report = curve_report(fod_data(driven_run("one_c", [0, 60, 0, 174.1, 0])))
+    assert np.isnan(report.noise)
+    assert report.monotone

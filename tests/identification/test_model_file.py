@@ -1,0 +1,118 @@
+"""A model survives its file bit for bit; anything else is refused in one sentence."""
+
+import json
+
+import numpy as np
+import pytest
+
+from identification.made_runs import driven_run, fod_run
+from smarig.errors import DataError, UsageError
+from smarig.identification.identify import identify
+from smarig.identification.model_file import load_model
+from smarig.model.mirrored import Mirrored
+
+WALK = np.random.default_rng(3).uniform(-10, 180, 300)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return identify(
+        fod_run("one_e", seed=1, actuator="gorbet_one_wire", rig="one_wire_twin"), "exponential"
+    ).model
+
+
+@pytest.mark.parametrize("kind", ["constant", "parabolic", "exponential", "table"])
+def test_round_trip(tmp_path, kind):
+    before = identify(fod_run("one_e", seed=1, actuator="gorbet_one_wire"), kind).model
+    after = load_model(before.save(tmp_path / "wire.model.json"))
+    assert np.array_equal(after.predict(WALK), before.predict(WALK))
+    assert np.array_equal(after.covariance, before.covariance)
+    for name in (
+        "parameters",
+        "intervals",
+        "fit",
+        "noise_floor",
+        "provenance",
+        "actuator",
+        "warnings",
+        "created",
+    ):
+        assert getattr(after, name) == getattr(before, name)
+    again = after.save(tmp_path / "again.model.json")
+    assert again.read_bytes() == (tmp_path / "wire.model.json").read_bytes()
+
+
+def test_round_trip_of_mirrored_and_irregular_models(tmp_path):
+    ascending = [174.1, 100, 174.1, 60, 100, 174.1, 30, 60, 100, 174.1, 0, 30, 60, 100, 174.1]
+    mirrored = identify(driven_run("one_c", ascending), "table").model
+    assert isinstance(mirrored.hysteresis, Mirrored)
+    irregular = identify(fod_run("one_e"), "table", select="curve%2==1").model
+    for k, before in enumerate((mirrored, irregular)):
+        after = load_model(before.save(tmp_path / f"{k}.model.json"))
+        assert np.array_equal(after.predict(WALK, "positive"), before.predict(WALK, "positive"))
+        assert after.mirrored == before.mirrored
+
+
+def test_a_file_can_be_read_by_eye(tmp_path, model):
+    text = model.save(tmp_path / "wire.model.json").read_text()
+    data = json.loads(text)
+    assert data["hysteresis"]["x"].keys() == {"x2", "x3", "x4", "x5", "x6", "x7"}
+    assert data["actuator"]["parameters"]["wire"]["diameter"]["unit"] == "mm"
+    assert data["output"] == {"quantity": "position", "unit": "mm"}
+    assert data["twin"] is True
+    assert max(map(len, text.splitlines())) < 400
+    assert len(data["covariance"]) == 8
+    assert text.count("\n") < 200
+
+
+def test_nothing_is_overwritten_unasked(tmp_path, model):
+    path = model.save(tmp_path / "wire.model.json")
+    with pytest.raises(UsageError, match="--force"):
+        model.save(path)
+    model.save(path, force=True)
+    assert list(tmp_path.iterdir()) == [path]  # no .part left behind
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda d: d.update(extra=1), "'extra' is an unknown key"),
+        (lambda d: d.pop("rig"), "'rig' is wrong: Field required"),
+        (lambda d: d.update(schema_version=9), "schema version 9"),
+        (lambda d: d.pop("format"), "not a model file"),
+        (lambda d: d["hysteresis"].update(kind="neural"), "unknown kind of hysteresis 'neural'"),
+        (lambda d: d["hysteresis"]["x"].pop("x3"), "has parameters x2, x3"),
+        (lambda d: d["hysteresis"]["x"].update(x3="steep"), "x3 is 'steep', expected a number"),
+        (lambda d: d["hysteresis"].pop("upper"), "'upper' is missing"),
+        (lambda d: d["hysteresis"].update(upper=-1.0), "range is empty"),
+        (lambda d: d["hysteresis"].update(colour="red"), "damaged"),
+        (lambda d: d.update(covariance=[[1.0]]), "covariance"),
+    ],
+)
+def test_foreign_and_damaged_files_are_refused(tmp_path, model, damage, words):
+    path = model.save(tmp_path / "wire.model.json")
+    data = json.loads(path.read_text())
+    damage(data)
+    path.write_text(json.dumps(data))
+    with pytest.raises(DataError, match=words) as refused:
+        load_model(path)
+    assert str(path) in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"[]", b"\xff\xfe\x00", b"SQLite format 3\x00", b"[" * 100_000, b'{"a": NaN']
+)
+def test_what_is_no_json_is_refused(tmp_path, content):
+    path = tmp_path / "x.model.json"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match="not a model file"):
+        load_model(path)
+    with pytest.raises(UsageError, match="no model file"):
+        load_model(tmp_path / "missing.model.json")
+
+
+def test_repr_tells_what_matters(model):
+    assert "exponential FodSurface" in repr(model)
+    assert "twin data" in repr(model)
+    assert "mm" in repr(model)

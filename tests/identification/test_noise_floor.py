@@ -1,0 +1,46 @@
+"""The noise floor is what repeats of one memory state differ by."""
+
+import numpy as np
+import pytest
+
+from identification.made_runs import driven_run, fod_run, made_run, read
+from smarig.identification.noise_floor import noise_floor
+from smarig.model.gorbet_1997 import surface
+from smarig.model.preisach import Preisach
+
+LOOPS = [0, *([100, 50, 80, 60] * 40)]
+
+
+def test_repeats_give_the_noise_of_a_reading():
+    floor = noise_floor(driven_run("two_e", [-185, *LOOPS], seed=2, initial="anhysteretic"))
+    assert floor.source == "repeats"
+    assert floor.n_pairs == 4 * 39
+    assert floor.value == pytest.approx(np.sqrt(0.4**2 + 1 / 12) * 0.18, rel=0.1)
+    assert floor.unit == "deg"
+
+
+def test_the_same_input_in_another_state_is_no_repeat():
+    exact = noise_floor(driven_run("one_e", [0, 100, 50, 174.1, 50, 0, 30, 100, 50]))
+    assert exact.value == pytest.approx(0, abs=1e-12)  # 50 twice, but from another maximum
+
+
+def test_saturation_serves_when_there_is_nothing_else():
+    floor = noise_floor(fod_run("one_e", seed=1))
+    assert floor.source == "saturation"
+    assert floor.n_pairs >= 9
+
+
+def test_holding_on_is_no_repeat_and_nothing_repeated_is_none():
+    run = made_run([0, 40, 40, 40, 90], [0, 1.0, 2.0, 3.0, 4.0])
+    floor = noise_floor(run)
+    assert floor.value is None
+    assert floor.n_pairs == 0
+    assert floor.source == "none"
+
+
+def test_repeats_are_pooled_within_runs_never_across_encoder_zeros():
+    y = Preisach.from_surface(surface("one_e")).simulate(LOOPS)
+    rng = np.random.default_rng(0)
+    a, b = made_run(LOOPS, read(y, "one", rng)), made_run(LOOPS, read(y, "one", rng) + 5.0)
+    assert noise_floor([a, b]).value == pytest.approx(noise_floor(a).value, rel=0.1)
+    assert noise_floor([a, b]).n_pairs == 2 * noise_floor(a).n_pairs

@@ -1,0 +1,147 @@
+"""How far a model is from runs: settled points along the whole history, the encoder's zero made explicit."""
+
+import numpy as np
+import pytest
+
+from identification.made_runs import driven_run, fod_run, made_run
+from smarig.errors import DataError, UsageError
+from smarig.identification.identify import identify
+from smarig.identification.simulate import simulate, simulate_along
+from smarig.identification.verify import verify
+from smarig.model.gorbet_1997 import surface
+from smarig.model.preisach import Preisach
+
+WALK = [0.0, *np.random.default_rng(5).uniform(0, 174.1, 40)]
+TWO_WALK = [*np.random.default_rng(6).uniform(-185, 185, 40)]
+
+
+@pytest.fixture(scope="module")
+def one():
+    return identify(fod_run("one_e"), "exponential").model
+
+
+@pytest.fixture(scope="module")
+def two():
+    psi = Preisach(surface("two_e"), "anhysteretic").y
+    return identify(fod_run("two_e", offset=-psi), "exponential").model
+
+
+def test_a_right_model_has_no_error_and_a_wrong_one_the_right_error(one):
+    found = verify(one, driven_run("one_e", WALK)).to_json()
+    (run,) = found["runs"]
+    assert found["unit"] == "mm"
+    assert run["n"] == 41
+    assert run["rms"] < 1e-5
+    measured = driven_run("one_c", WALK)
+    (run,) = verify(one, measured).to_json()["runs"]
+    error = Preisach.from_surface(surface("one_e")).simulate(WALK) - measured.points()[1]
+    assert run["rms"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-4)
+    assert run["max_abs"] == pytest.approx(np.abs(error).max(), rel=1e-4)
+    assert run["nrmse"] == pytest.approx(run["rms"] / np.ptp(measured.points()[1]), rel=1e-9)
+
+
+def test_power_up_in_a_named_state_is_a_known_zero(two):
+    psi = Preisach(surface("two_e"), "anhysteretic").y
+    run = driven_run("two_e", TWO_WALK, initial="anhysteretic", offset=-psi)
+    judged = verify(two, run).runs[0]
+    assert judged.offset_kind == "known"
+    assert abs(psi) > 1  # or the offset would not show
+    assert judged.settled.rms < 1e-4
+
+
+def test_an_unknown_zero_is_fitted_by_one_number_and_said(one):
+    run = driven_run("one_e", WALK, offset=3.0, encoder_zero="zeroed at 12 s")
+    judged = verify(one, run).runs[0]
+    assert judged.offset_kind == "fitted"
+    assert judged.offset == pytest.approx(3.0, abs=1e-4)
+    assert judged.settled.rms < 1e-4
+    assert any("one additive offset was fitted" in w for w in judged.warnings)
+    with pytest.raises(DataError, match="does not say"):
+        verify(one, run, offset="known")
+
+
+def test_the_same_sitting_has_the_same_zero():
+    sitting = {"start_epoch": 7.0, "encoder_zero": "zeroed at 12 s"}
+    model = identify(fod_run("one_e", offset=2.0, **sitting), "exponential").model
+    same = driven_run("one_e", WALK, offset=2.0, **sitting)
+    other = driven_run("one_e", WALK, offset=2.0, **{**sitting, "encoder_zero": "zeroed at 99 s"})
+    assert verify(model, same).runs[0].offset_kind == "known"
+    assert verify(model, same).runs[0].offset == 0.0
+    assert verify(model, same).runs[0].settled.rms < 1e-4
+    assert verify(model, other).runs[0].offset_kind == "fitted"
+
+
+def test_a_selection_judges_a_part_along_the_whole_history(one):
+    run = fod_run("one_c")
+    parts = [verify(one, run, select=f"curve%2=={k}").runs[0] for k in (0, 1)]
+    assert sum(p.settled.n for p in parts) == 65
+    whole = verify(one, run).runs[0]
+    error = whole.predicted - whole.measured
+    for part in parts:
+        assert part.settled.rms == pytest.approx(np.sqrt(np.mean(error[part.judged] ** 2)), rel=1e-9)
+        assert np.array_equal(part.predicted, whole.predicted)
+        assert part.settled.nrmse == pytest.approx(part.settled.rms / np.ptp(run.points()[1]))
+    with pytest.raises(UsageError, match="finds no point"):
+        verify(one, run, select="curve == 77")
+
+
+def test_points_before_the_memory_is_known_do_not_count(one):
+    inputs = [80, 20, 60, 0, 100, 30, 70]
+    y = driven_run("one_e", [150, 10, *inputs]).points()[1][2:]
+    judged = verify(one, made_run(inputs, y, initial=None)).runs[0]
+    assert judged.settled.n == 4
+    assert np.isnan(judged.predicted[:3]).all()
+    assert any("3 points come before" in w for w in judged.warnings)
+    with pytest.raises(DataError, match="memory at its start is unknown"):
+        verify(one, made_run(inputs[:3], y[:3], initial=None))
+
+
+def test_a_run_that_continues_another_needs_it(one):
+    whole = driven_run("one_e", [0, 100, 40, 80, 50, 90, 60])
+    y = whole.points()[1]
+    first = made_run([0, 100, 40], y[:3], start_epoch=1.0)
+    second = made_run([80, 50, 90, 60], y[3:], initial="continued", start_epoch=1.0)
+    second.columns["t_s"] += first["t_s"][-1] + 1
+    together = verify(one, [first, second]).runs[1]
+    assert together.settled.n == 4
+    assert together.settled.rms < 1e-4
+    with pytest.raises(DataError, match="give the run before it"):
+        verify(one, second)
+
+
+def test_reversal_curves_start_from_positive_saturation_each():
+    s = surface("two_c")
+    truth = Preisach.from_surface(s)
+    rows = []
+    for number, reversal in enumerate((100.0, 0.0, -100.0, -185.0)):
+        truth.reset("positive")
+        truth.step(reversal)
+        rows.append((185.0, s.y_upper, -1))
+        rows += [(u, truth.step(u), number) for u in np.linspace(reversal, 185, 12).tolist()]
+    u, y, step = np.array(rows).T
+    run = made_run(u, y, unit="deg", initial=None, protocol="first_order_reversal_curves")
+    run = type(run)(run.path, run.meta, run.columns | {"step": step}, (), ())
+    judged = verify(identify(run, "table").model, run).runs[0]
+    assert judged.settled.n == 48
+    assert judged.settled.rms < 1e-9
+    assert judged.warnings == ()
+
+
+def test_along_every_sample_and_at_settled_points_agree(one):
+    run = driven_run("one_e", WALK)
+    assert np.array_equal(simulate_along(one, run), simulate(one, run))
+    gaps = type(run)(run.path, run.meta, run.columns | {"input": run["input"].copy()}, run.steps, ())
+    gaps["input"][[3, 7]] = np.nan
+    along = simulate_along(one, gaps)
+    assert along[3] == along[2]
+    assert np.isfinite(along).all()
+
+
+def test_units_must_agree_and_the_range_is_watched(one, two):
+    with pytest.raises(DataError, match="measures in 'deg'"):
+        verify(one, driven_run("two_e", TWO_WALK, initial="anhysteretic"))
+    beyond = driven_run("one_e", [0, 100, 200, 50])
+    assert any("outside the model's range" in w for w in verify(one, beyond).runs[0].warnings)
+    celsius = made_run([0, 100, 50], [0, 1, 2], input={"quantity": "temperature", "unit": "degC"})
+    with pytest.raises(UsageError, match="'degC'"):
+        verify(one, celsius)
