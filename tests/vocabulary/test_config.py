@@ -196,17 +196,17 @@ def test_a_folder_is_no_configuration(tmp_path):
 
 @pytest.mark.parametrize("value", ["inf", "nan", '"1.0"', "true"])
 def test_a_limit_must_be_a_finite_number(tmp_path, value):
-    text = locate("rigs", "one_wire_twin").read_text(encoding="utf-8")
+    text = config.locate("rigs", "one_wire_twin").read_text(encoding="utf-8")
     file = tmp_path / "rig.toml"
     file.write_text(
         text.replace("temperature_max_K = 185.0", f"temperature_max_K = {value}"), encoding="utf-8"
     )
     with pytest.raises(ConfigError, match=r"limits\.temperature_max_K"):
-        load_rig(str(file))
+        config.load_rig(str(file))
 
 
 def test_an_unknown_key_of_a_campaign_step_suggests_the_step_s_keys(tmp_path):
     file = tmp_path / "c.toml"
     file.write_text('name = "c"\nsummary = "s"\n[[step]]\nprotocl = "validation"\n', encoding="utf-8")
     with pytest.raises(ConfigError, match="did you mean protocol"):
-        load_campaign(str(file))
+        config.load_campaign(str(file))

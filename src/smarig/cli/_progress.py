@@ -45,7 +45,7 @@ class ProgressLine:
             self._start_s = s.t_s
         self._count += 1
         if self._count % self._EVERY == 0 and not self._progress.disable:
-            note = f"{s.current_A:+.3f} A  {input_value:+.1f} K  {s.counts} counts  step {(step or 0) + 1}/{self._steps}"
+            note = f"{s.current_A:+.3f} A  {input_value:+.1f} K  {s.counts} counts  {(step or 0) + 1}/{self._steps}"
             self._progress.update(self._task, completed=s.t_s - self._start_s, note=note)
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:

@@ -13,7 +13,7 @@ def second_order_transition(
     The re-rising branches are second-order: they tell congruent from input-dependent hysteresis (§3.5).
     """
     settle = settle or Settled()
-    levels = increasing(setup, partition_K or tuple([setup.lower_K, *line(setup.lower_K, setup.upper_K, 6)]))
+    levels = increasing(setup, partition_K or (setup.lower_K, *line(setup.lower_K, setup.upper_K, 6)))
     yield Mark("second-order transition", {"partition_K": list(levels)})
     for i in range(2, len(levels)):
         for j in range(1, i):
