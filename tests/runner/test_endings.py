@@ -13,6 +13,7 @@ import pytest
 import smarig
 from smarig.errors import RigFault, StorageError
 from smarig.record import recorder as recorder_module
+from smarig.runner.listener import Watch
 from smarig.runner.lock import wire_lock
 from smarig.runner.session import Session
 
@@ -87,19 +88,21 @@ def test_kill_9_loses_at_most_the_last_second(tmp_path, moment):
 
 def test_a_full_disk_stops_the_run_and_keeps_what_was_written(tmp_path, monkeypatch):
     out = tmp_path / "r.run.sqlite"
-    calls = iter([10**12] * 3)  # the check before the run, then two commits
+    free = {"bytes": 10**12}
 
-    def shrinking(_path):
-        return type("Usage", (), {"free": next(calls, 1000)})()
+    def fill_up_at_200(sample, _step, _input_K):
+        if sample.tick == 200:
+            free["bytes"] = 1000
 
-    monkeypatch.setattr(recorder_module.shutil, "disk_usage", shrinking)
+    usage = type("Usage", (), {"free": property(lambda _: free["bytes"])})()
+    monkeypatch.setattr(recorder_module.shutil, "disk_usage", lambda _: usage)
     monkeypatch.setattr(recorder_module, "COMMIT_INTERVAL_S", 0.001)
     with Session("one_wire_twin", speed=2000) as session:
         with pytest.raises(StorageError, match="cannot be written"):
-            session.run("first_order_descending", {}, out)
+            session.run("first_order_descending", {}, out, listeners=[Watch(on_sample=fill_up_at_200)])
         assert session.twin.output_A == 0.0
     run = smarig.load_run(out)
-    assert len(run) > 0
+    assert len(run) >= 200
     assert "cannot be written" in run.cause
 
 
