@@ -1,5 +1,6 @@
 """What every chapter shares: a private lock folder, deterministic properties, the folder of others' data."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -9,10 +10,10 @@ settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60
 settings.load_profile("ci")
 
 
-@pytest.fixture(autouse=True)
-def _private_locks(tmp_path, monkeypatch):
-    """Tests run side by side: each has its own idea of which wires are in use."""
-    monkeypatch.setenv("SMARIG_LOCK_DIR", str(tmp_path / "locks"))
+@pytest.fixture(scope="session", autouse=True)
+def _private_locks(tmp_path_factory):
+    """Test processes run side by side: each has its own idea of which wires are in use."""
+    os.environ["SMARIG_LOCK_DIR"] = str(tmp_path_factory.mktemp("locks"))
 
 
 @pytest.fixture(scope="session")

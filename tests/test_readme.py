@@ -21,14 +21,14 @@ def lines_of(language, contains):
     ]
 
 
-def environment(tmp_path):
+def environment():
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    return {**os.environ, "PATH": path, "SMARIG_LOCK_DIR": str(tmp_path / "locks")}
+    return {**os.environ, "PATH": path}
 
 
 def in_shell(command, tmp_path):
     done = subprocess.run(
-        command, shell=True, cwd=tmp_path, env=environment(tmp_path), capture_output=True, text=True
+        command, shell=True, cwd=tmp_path, env=environment(), capture_output=True, text=True
     )
     assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     return done
@@ -60,7 +60,7 @@ def test_shell_completion(tmp_path):
     done = in_shell("_SMARIG_COMPLETE=bash_source smarig", tmp_path)
     assert "_smarig_completion" in done.stdout
     typed = {"COMP_WORDS": "smarig run val", "COMP_CWORD": "2", "_SMARIG_COMPLETE": "bash_complete"}
-    listed = subprocess.run(["smarig"], env=environment(tmp_path) | typed, capture_output=True, text=True)
+    listed = subprocess.run(["smarig"], env=environment() | typed, capture_output=True, text=True)
     assert "validation" in listed.stdout
 
 

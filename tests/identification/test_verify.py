@@ -49,6 +49,16 @@ def test_power_up_in_a_named_state_is_a_known_zero(two):
     assert judged.settled.rms < 1e-4
 
 
+def test_a_model_in_another_zero_is_moved_by_its_output_in_the_initial_state():
+    model = identify(fod_run("two_e"), "exponential").model  # outputs from −16.5 to 18.1 deg
+    psi = Preisach(surface("two_e"), "anhysteretic").y
+    run = driven_run("two_e", TWO_WALK, initial="anhysteretic", offset=-psi, encoder_zero="power-up")
+    judged = verify(model, run).runs[0]
+    assert judged.offset_kind == "known"
+    assert judged.offset == pytest.approx(-psi, abs=1e-3)
+    assert judged.settled.rms < 1e-4
+
+
 def test_an_unknown_zero_is_fitted_by_one_number_and_said(one):
     run = driven_run("one_e", WALK, offset=3.0, encoder_zero="zeroed at 12 s")
     judged = verify(one, run).runs[0]

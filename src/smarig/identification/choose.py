@@ -1,7 +1,8 @@
 """Which kind of surface predicts curves it has not seen? The "best" of ``identify``.
 
 Whole curves are held out, in up to five groups; the highest and the lowest stay, because nothing could
-interpolate to them. A simpler kind is chosen when it predicts within 10 % of the best. Knows no validation run: those only judge.
+interpolate to them. A simpler kind is chosen when it predicts within 10 % of the best.
+Knows no validation run: those only judge.
 """
 
 from dataclasses import dataclass

@@ -89,27 +89,35 @@ def _jacobian(b: Array, d: Descent) -> Array:
 
 
 def _fitted(d: Descent, data: FodData, span: float, height: float) -> Array | None:
-    """The best of several starts, within bounds a few times the range wide; None for short curves."""
+    """Least squares within bounds a few times the range wide; None for short curves."""
     if d.beta.size < FEWEST_POINTS or height == 0.0:
         return None
     low = np.array([-5 * height, 0.1 / span, -(data.upper + span), float(data.y.min()) - 5 * height])
     high = np.array([5 * height, _STEEPEST / span, -(data.lower - span), float(data.y.max()) + 5 * height])
-    rise, base = max(float(np.ptp(d.y)), 1e-6 * height), float(d.y.min())
-    starts = product((rise,), (5 / span, 20 / span), -np.quantile(d.beta, (0.2, 0.5, 0.8)), (base,))
+    found = least_squares(
+        _residuals,
+        np.clip(_start(d, span), low, high),
+        jac=_jacobian,  # pyright: ignore[reportArgumentType]
+        args=(d,),
+        bounds=(low, high),
+        x_scale="jac",
+        max_nfev=200,
+    )
+    return found.x
 
-    def fitted(start: tuple[float, ...]):
-        return least_squares(
-            _residuals,
-            start,
-            jac=_jacobian,  # pyright: ignore[reportArgumentType]
-            args=(d,),
-            bounds=(low, high),
-            x_scale="jac",
-            max_nfev=200,
-        )
 
-    trials = [fitted(start) for start in starts]
-    return min(trials, key=lambda trial: trial.cost).x
+def _start(d: Descent, span: float) -> Array:
+    """Best of a grid of (b₂, b₃), with (b₁, b₄) solved for each: the sigmoid is linear in those."""
+    best, least = np.zeros(4), np.inf
+    for steep, middle in product(np.array([3, 6, 12, 25, 50]) / span, np.linspace(d.beta[-1], d.beta[0], 7)):
+        s = sigmoid(steep * (d.beta - middle))
+        off = s - s.mean()
+        b1 = float(off @ d.y) / max(float(off @ off), 1e-12)
+        b4 = float(d.y.mean() - b1 * s.mean())
+        sse = float(np.sum((b1 * s + b4 - d.y) ** 2))
+        if sse < least:
+            best, least = np.array([b1, steep, -middle, b4]), sse
+    return best
 
 
 def _described(d: Descent, b: Array | None, sigma: float, span: float) -> CurveFit:
@@ -122,5 +130,5 @@ def _described(d: Descent, b: Array | None, sigma: float, span: float) -> CurveF
         error = sigma * np.sqrt(np.diag(inverse)) / scale
     else:
         error = np.full(4, np.inf)
-    determined = bool(error[2] < span / 2 and error[1] < abs(b[1]))
+    determined = bool(error[2] < span / 2)
     return CurveFit(d.curve, d.alpha, d.beta.size, b, error, float(np.sum(_residuals(b, d) ** 2)), determined)

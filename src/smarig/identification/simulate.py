@@ -13,7 +13,7 @@ from smarig.errors import UsageError
 from smarig.identification.fod_data import FORC_PROTOCOL
 from smarig.identification.history import REST, SAME_INPUT, continues, named_start
 from smarig.identification.model_file import Model
-from smarig.model.preisach import Preisach, State
+from smarig.model.preisach import Preisach
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -30,20 +30,20 @@ def simulate_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
     NaN before the memory is known. Raises UsageError when the inputs are of another unit.
     """
     outputs: list[Array] = []
-    operator, left = model.preisach(), None
+    operator, known = model.preisach(), False
     for k, run in enumerate(runs):
         _check_input(model, run)
         if run.meta.get("protocol") == FORC_PROTOCOL:
             outputs.append(_reversal_curves(operator, run))
-            left = None
+            known = False
             continue
-        goes_on = left is not None and continues(runs[k - 1], run)
+        goes_on = known and continues(runs[k - 1], run)
         known = goes_on or _started(operator, run)
-        if goes_on and left is not None:
-            operator.reset(left)
         y, known = _driven(operator, _snapped(operator, run.points()[0]), known)
         outputs.append(y)
-        left = _left(operator, run) if known else None
+        end = run["input"][-1:]  # the memory goes on from the last input, not from the last settled one
+        if end.size and np.isfinite(end[0]):
+            operator.step(float(end[0]))
     return outputs
 
 
@@ -110,14 +110,6 @@ def _snapped(operator: Preisach, inputs: Array) -> Array:
     near = SAME_INPUT * (h.upper - h.lower)
     inputs = np.where(np.abs(inputs - h.upper) <= near, h.upper, inputs)
     return np.where(np.abs(inputs - h.lower) <= near, h.lower, inputs)
-
-
-def _left(operator: Preisach, run: Run) -> State:
-    """The memory a run leaves: that of its last settled point, moved to its last input."""
-    end = run["input"][-1:]
-    if end.size and np.isfinite(end[0]):
-        operator.step(float(end[0]))
-    return operator.state
 
 
 def _reversal_curves(operator: Preisach, run: Run) -> Array:
