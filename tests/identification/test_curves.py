@@ -131,6 +131,6 @@ def test_a_straight_curve_does_not_determine_a_sigmoid():
     inputs = np.array(fod_inputs(np.linspace(0.0, 100.0, 9)))
     y = 0.1 * inputs + np.random.default_rng(1).normal(0, 0.05, inputs.size)
     fits = fit_curves(fod_data(made_run(inputs, y)))
-    assert len(fits.too_short) >= len(fits.curves) - 1
+    assert len(fits.too_short) >= len(fits.curves) - 1  # noise may bend one
     assert all(np.isfinite(c.b).all() for c in fits.curves if c.b is not None)
     assert fits.sigma == pytest.approx(0.05, rel=0.4)

@@ -27,7 +27,7 @@ _STEEPEST = 200.0  # b₂ times the range stays below this
 class CurveFit:
     """Sigmoid of one curve: ``b`` (4,) and standard errors (4,); both None when the curve is too short.
 
-    ``determined`` is false when the points leave the place of inflection open by more than the range.
+    ``determined`` is false when a standard error exceeds half of b₁ or b₂, or half the range for b₃.
     """
 
     curve: int
@@ -130,5 +130,6 @@ def _described(d: Descent, b: Array | None, sigma: float, span: float) -> CurveF
         error = sigma * np.sqrt(np.diag(inverse)) / scale
     else:
         error = np.full(4, np.inf)
-    determined = bool(error[2] < span / 2)
+    # On straight data height and steepness trade off against each other, and the place of inflection floats.
+    determined = bool(np.all(error[:2] < 0.5 * np.abs(b[:2])) and error[2] < span / 2)
     return CurveFit(d.curve, d.alpha, d.beta.size, b, error, float(np.sum(_residuals(b, d) ** 2)), determined)
