@@ -12,9 +12,11 @@ from typing import Any
 
 from smarig.config import CampaignFile, load_campaign, load_rig
 from smarig.errors import DataError, StorageError, UsageError
+from smarig.identification.calibrate import calibrate
 from smarig.identification.identify import Identification, identify
 from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.identification.verify import Verification, verify
+from smarig.model.actuator import Actuator
 from smarig.record import Run, load_run
 from smarig.report.characterisation import characterisation_page
 from smarig.report.evidence import Evidence
@@ -146,6 +148,7 @@ def _analyse(rig: str, plan: CampaignFile, runs: Mapping[str, Run], started: flo
         identifications=results,
         chosen=chosen,
         verifications=verified,
+        calibration=calibrate([runs[n] for n in runs], Actuator.named(load_rig(rig).actuator), results[chosen].model.hysteresis),
         discoveries=_discoveries(rig),
         warnings=tuple(dict.fromkeys([*warnings, *results[chosen].warnings, *_unsettled(runs)])),
         command=f"smarig characterise --rig {rig}",

@@ -1,5 +1,7 @@
 """The page `smarig characterise` ends with: one wire, from conditions to validated model."""
 
+from pathlib import Path
+
 import numpy as np
 
 from smarig.identification.verify import verify
@@ -78,7 +80,7 @@ def _identification(evidence: Evidence) -> list[Html | Figure]:
     best = evidence.best
     parts: list[Html | Figure] = [model_figures.fod_curves(best), tables.errors(evidence), tables.parameters(evidence)]
     parts += [model_figures.surface_plot(best), model_figures.parameters_against_alpha(best)]
-    train = [run for run in evidence.runs.values() if run.path.name in {p.run for p in best.model.provenance}]
+    train = [run for run in evidence.runs.values() if run.path.name in {Path(p.run).name for p in best.model.provenance}]
     for name, result in evidence.identifications.items():
         if train:
             judged = verify(result.model, train).runs[0]
@@ -116,7 +118,7 @@ def _records(evidence: Evidence) -> list[Html | Figure]:
     parts: list[Html | Figure] = []
     for name, run in evidence.runs.items():
         parts.append(tag("h3", name.replace("_", " ")))
-        parts.append(swing(run) if name == "initialise" and run.meta.get("actuator", "").endswith("two_wire") else time_series(run))
+        parts.append(swing(run) if name == "initialise" and np.nanmin(run["input"]) < 0 else time_series(run))
         if run.settled and name != "initialise":
             parts.append(hysteresis_graph(run))
     return parts

@@ -1,4 +1,4 @@
-"""Everything a characterisation page is made of, in one frozen bundle. Knows no figure."""
+"""Everything a characterisation found, in one value: what its page is made of. Computes nothing."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,11 @@ from smarig.record import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """Runs by name in their order, and what was made of them; ``chosen`` names the surface that is used."""
+    """Runs by name in the order they were made, and what was concluded from them.
+
+    ``identifications`` and ``verifications`` (on held-out runs) are by surface name, ``chosen`` is the one
+    the model file holds. ``discoveries`` and ``warnings`` are plain sentences; ``seconds`` is computing time.
+    """
 
     title: str
     runs: Mapping[str, Run]
@@ -20,22 +24,17 @@ class Evidence:
     identifications: Mapping[str, Identification]
     chosen: str
     verifications: Mapping[str, Verification]
-    calibration: Calibration | None
     discoveries: tuple[str, ...]
     warnings: tuple[str, ...]
     command: str
     seconds: float
+    calibration: Calibration | None = None
 
     @property
-    def best(self) -> Identification:
-        """The identification that is used."""
-        return self.identifications[self.chosen]
+    def best(self) -> Identification | None:
+        """The identification the model file holds; None when nothing could be identified."""
+        return self.identifications.get(self.chosen)
 
-    @property
-    def twin(self) -> bool:
-        """Whether any of it is simulated."""
-        return any(run.meta.get("source") != "bench" and not _imported(run) for run in self.runs.values())
-
-
-def _imported(run: Run) -> bool:
-    return run.meta.get("source") == "import"
+    def of(self, *protocols: str) -> tuple[Run, ...]:
+        """The runs of some protocols, in order."""
+        return tuple(run for run in self.runs.values() if run.meta.get("protocol") in protocols)

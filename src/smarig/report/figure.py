@@ -16,13 +16,11 @@ from numpy.typing import ArrayLike
 from smarig.report.html import Html, joined, tag
 
 Trace = dict[str, Any]
-TWIN = Html('<span class="twin">TWIN · simulated, not hardware</span>')
 MARK = {
-    "text": "TWIN",
     "xref": "paper",
     "yref": "paper",
     "x": 1,
-    "y": 1,
+    "y": 0,
     "xanchor": "right",
     "yanchor": "bottom",
     "showarrow": False,
@@ -43,27 +41,35 @@ class Panel:
 
 @dataclass(frozen=True)
 class Figure:
-    """Panels under one caption. ``least_px`` is the width below which panels stand under each other."""
+    """Panels under one caption; ``label`` says loudly that nothing was measured ("TWIN"), "" on hardware.
+
+    ``least_px`` is the width below which panels stand under each other.
+    """
 
     panels: Sequence[Panel]
     title: str
     caption: Sequence[Any]
-    twin: bool
+    label: str
     least_px: int = 560
 
     def html(self) -> Html:
         """The figure as markup; its plots are drawn by the page's script."""
-        panels = [_panel(panel, self.twin) for panel in self.panels]
-        badge = joined([TWIN, " "]) if self.twin else ""
+        panels = [_panel(panel, self.label) for panel in self.panels]
+        badge = joined([badge_of(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
         return tag("figure", tag("div", *panels, class_="panels", style=f"--least:{self.least_px}px"), caption)
 
 
-def _panel(panel: Panel, twin: bool) -> Html:
+def badge_of(label: str) -> Html:
+    """The label that a caption begins with."""
+    return tag("span", f"{label} · simulated, not hardware", class_="twin")
+
+
+def _panel(panel: Panel, label: str) -> Html:
     layout = dict(panel.layout)
-    if twin:
-        layout["annotations"] = [*layout.get("annotations", ()), MARK]
+    if label:
+        layout["annotations"] = [*layout.get("annotations", ()), MARK | {"text": label}]
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
@@ -86,14 +92,18 @@ def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
 def line(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:
     """A line trace; ``dash`` and ``width`` style it, other keywords are Plotly's."""
     style = {"color": colour, "width": more.pop("width", 1.6), "dash": more.pop("dash", "solid")}
-    return {"type": "scatter", "mode": "lines", "x": _x(x), "y": _x(y), "name": str(tag_free(name)), "line": style} | more
+    return _scatter("lines", x, y, name) | {"line": style} | more
 
 
 def dots(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:
     """A marker trace; ``size`` and ``symbol`` style it, other keywords are Plotly's."""
     style = {"color": colour, "size": more.pop("size", 6), "symbol": more.pop("symbol", "circle")}
     style |= more.pop("marker", {})
-    return {"type": "scatter", "mode": "markers", "x": _x(x), "y": _x(y), "name": str(tag_free(name)), "marker": style} | more
+    return _scatter("markers", x, y, name) | {"marker": style} | more
+
+
+def _scatter(mode: str, x: ArrayLike, y: ArrayLike, name: str) -> Trace:
+    return {"type": "scatter", "mode": mode, "x": _x(x), "y": _x(y), "name": str(tag_free(name))}
 
 
 def _x(values: ArrayLike) -> dict[str, str]:

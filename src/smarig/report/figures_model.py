@@ -33,6 +33,9 @@ def fod_curves(result: Identification) -> Figure:
         traces.append(dots(curve.beta, curve.y, label, colour, size=6, showlegend=False))
     traces[0]["showlegend"] = traces[1]["showlegend"] = True
     traces[0]["name"], traces[1]["name"] = f"model ({result.surface})", "measured"
+    peaks = {"textposition": "top left", "textfont": {"size": 11}, "hoverinfo": "skip", "showlegend": False}
+    names = [f"α = {number(c.alpha)}" for c in shown]
+    traces.append(line([c.alpha for c in shown], [c.y[-1] for c in shown], "α", INK, mode="text", text=names) | peaks)
     layout = {"xaxis": axis(f"β ({_input_unit(result)})"), "yaxis": axis(f"y(α, β) ({data.unit})")}
     figures = result.model.fit
     caption = [
@@ -86,7 +89,7 @@ def surface_plot(result: Identification) -> Figure:
     ]
     layout = {"scene": _scene(result, f"y ({data.unit})"), "margin": {"l": 0, "r": 0, "t": 24, "b": 0}}
     caption = [f"Output after negative saturation → α → β; dots are the {len(data)} measured points."]
-    return Figure([Panel(traces, layout, 520)], "FOD surface.", caption, result.model.twin)
+    return Figure([Panel(traces, layout, 460)], "FOD surface.", caption, result.model.twin)
 
 
 def density_plots(result: Identification) -> Figure:
@@ -98,7 +101,7 @@ def density_plots(result: Identification) -> Figure:
     a, b = np.meshgrid(grid, grid, indexing="ij")
     mu = np.where(b <= a, image.density(a, b), np.nan)
     top = float(np.nanmax(np.abs(mu)))
-    scale = {"colorscale": DIVERGING, "reversescale": True, "cmin": -top, "cmax": top}
+    scale = {"colorscale": DIVERGING, "cmin": -top, "cmax": top}
     unit = f"{result.data.unit}/{_input_unit(result)}²"
     panels = [_map(result, grid, mu, top, unit), _relief(result, grid, mu, scale), _reversible(result, image, grid)]
     d = result.density
@@ -107,7 +110,7 @@ def density_plots(result: Identification) -> Figure:
         f"β = {number(d.mu_min_at[1])}: in M_PC, not in M_P."
     )
     share = f"The reversible part ∫g carries {100 * d.reversible_share:.1f} % of the range."
-    return Figure(panels, "Preisach density.", [positive, share, _mirror_note(result)], result.model.twin, 380)
+    return Figure(panels, "Preisach density.", [positive, share, _mirror_note(result)], result.model.twin, 330)
 
 
 def _map(result: Identification, grid: np.ndarray, mu: np.ndarray, top: float, unit: str) -> Panel:
@@ -117,7 +120,6 @@ def _map(result: Identification, grid: np.ndarray, mu: np.ndarray, top: float, u
         "y": packed(grid),
         "z": packed(mu),
         "colorscale": DIVERGING,
-        "reversescale": True,
         "zmin": -top,
         "zmax": top,
         "colorbar": {"title": {"text": unit}, "thickness": 12, "exponentformat": "power"},
@@ -156,7 +158,7 @@ def _scene(result: Identification, z: str, swapped: bool = False) -> dict[str, A
         "xaxis": axis(f"{names[0]} ({unit})"),
         "yaxis": axis(f"{names[1]} ({unit})"),
         "zaxis": axis(z),
-        "camera": {"eye": {"x": 1.5, "y": -1.6, "z": 0.9}},
+        "camera": {"eye": {"x": 1.25, "y": -1.35, "z": 0.7}},
         "aspectmode": "manual",
         "aspectratio": {"x": 1, "y": 1, "z": 0.7},
     }

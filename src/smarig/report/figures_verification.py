@@ -1,5 +1,7 @@
 """Figures of a model against runs it has not seen: in time, and its residual with the noise floor."""
 
+from pathlib import Path
+
 import numpy as np
 
 from smarig.identification.verify import RunVerification
@@ -37,7 +39,7 @@ def against_data(name: str, judged: RunVerification, unit: str, input_unit: str,
     ]
     s = judged.settled
     caption = [
-        f"{judged.run}, never used for the fit: {number(s.rms)} {unit} rms, {number(s.max_abs)} {unit} at most, n = {s.n}.",
+        f"{Path(judged.run).name}, never used for the fit: {number(s.rms)} {unit} rms, {number(s.max_abs)} {unit} at most, n = {s.n}.",
         f"Grey: ± 2 × the noise floor of {number(floor)} {unit}." if floor else "No noise floor is known: nothing repeats.",
         f"Encoder zero: {judged.offset_kind}.",
     ]

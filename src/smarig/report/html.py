@@ -26,8 +26,8 @@ def escaped(value: Any) -> Html:
     return value if isinstance(value, Html) else Html(html.escape(str(value)))
 
 
-def tag(name: str, *children: Any, **attributes: Any) -> Html:
-    """``<name …>children</name>``; a trailing underscore in an attribute's name is dropped, inner ones are '-'.
+def tag(element: str, /, *children: Any, **attributes: Any) -> Html:
+    """``<element …>children</element>``; a trailing underscore in an attribute's name is dropped, inner ones are '-'.
 
     >>> tag("p", "T < 0", class_="note")
     '<p class="note">T &lt; 0</p>'
@@ -37,9 +37,9 @@ def tag(name: str, *children: Any, **attributes: Any) -> Html:
         for key, value in attributes.items()
         if value not in (None, "")
     )
-    if name in _VOID:
-        return Html(f"<{name}{given}>")
-    return Html(f"<{name}{given}>{joined(children)}</{name}>")
+    if element in _VOID:
+        return Html(f"<{element}{given}>")
+    return Html(f"<{element}{given}>{joined(children)}</{element}>")
 
 
 def joined(parts: Iterable[Any], between: str = "") -> Html:

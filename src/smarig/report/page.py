@@ -18,8 +18,7 @@ from smarig.report.style import CSS, template
 
 _DRAW = """
 (function(){
- const template=TEMPLATE, config={displaylogo:false,responsive:true,displayModeBar:'hover',
-  modeBarButtonsToRemove:['select2d','lasso2d','autoScale2d']};
+ const template=TEMPLATE, config={displaylogo:false,responsive:true,displayModeBar:false};
  const plots=[...document.querySelectorAll('.plot')];
  let next=0, width=0;
  function draw(div){
@@ -50,29 +49,29 @@ class Section:
     parts: Sequence[Html | Figure]
 
 
-def page(title: str, lead: Any, sections: Sequence[Section], *, twin: bool, notices: Sequence[Html] = ()) -> str:
+def page(title: str, lead: Any, sections: Sequence[Section], *, label: str = "", notices: Sequence[Html] = ()) -> str:
     """The whole page as text. ``notices`` stand above everything else (incomplete runs, refusals)."""
-    banner = tag("div", _TWIN_WORDS, class_="twinbar", role="note") if twin else ""
+    banner = tag("div", f"{label}: {_SIMULATED}", class_="twinbar", role="note") if label else ""
     links = [tag("a", s.short, href=f"#section-{k}") for k, s in enumerate(sections, start=1)]
     top = tag("div", banner, tag("nav", *links, aria_label="Sections"), class_="sticky")
     header = tag("header", tag("h1", title), tag("p", lead, class_="lead"), *notices, class_="top")
-    body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)), _footer(twin))
+    body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)), _footer(label))
     head = joined(
         [
             tag("meta", charset="utf-8"),
-            tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-            tag("title", ("TWIN · " if twin else "") + title),
+            tag("meta", name_="viewport", content="width=device-width, initial-scale=1"),
+            tag("title", f"{label} · {title}" if label else title),
             tag("style", Html(CSS)),
         ]
     )
     needs_plots = any(isinstance(part, Figure) for s in sections for part in s.parts)
     scripts = _scripts() if needs_plots else Html("")
-    return Html(
+    return (
         f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{top}{header}{body}{scripts}</body></html>\n'
     )
 
 
-_TWIN_WORDS = "TWIN: every number on this page comes from a software simulation. No wire was measured."
+_SIMULATED = "every number on this page comes from a software simulation. No wire was measured."
 
 
 def _section(number: int, section: Section) -> Html:
@@ -86,9 +85,9 @@ def _scripts() -> Html:
     return joined([missing, Html(f"<script>{get_plotlyjs()}</script>\n<script>{draw}</script>")])
 
 
-def _footer(twin: bool) -> Html:
+def _footer(label: str) -> Html:
     words = "Written by smarig. This file is complete in itself and loads nothing from anywhere."
-    return tag("footer", (_TWIN_WORDS + " " if twin else "") + words)
+    return tag("footer", (f"{label}: {_SIMULATED} " if label else "") + words)
 
 
 def write_page(html: str, path: str | Path, force: bool = False) -> Path:

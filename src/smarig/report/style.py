@@ -19,7 +19,16 @@ SURFACES = {
     "positive": "#009E73",
 }
 SEQUENCE = "Cividis"
-DIVERGING = "RdBu"  # reversed in use: red is positive, blue negative, white zero
+# Red positive, blue negative, white zero (after ColorBrewer RdBu).
+DIVERGING = [
+    [0.0, "#2166ac"],
+    [0.25, "#67a9cf"],
+    [0.42, "#d1e5f0"],
+    [0.5, "#ffffff"],
+    [0.58, "#fddbc7"],
+    [0.75, "#ef8a62"],
+    [1.0, "#b2182b"],
+]
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 
@@ -62,7 +71,7 @@ def template() -> dict[str, Any]:
             "xaxis": _axis(),
             "yaxis": _axis(),
             "hovermode": "closest",
-            "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
+            "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
             "scene": {"xaxis": scene_axis, "yaxis": scene_axis, "zaxis": scene_axis},
         }
     }
@@ -111,7 +120,7 @@ caption{text-align:left;font-size:14px;color:#333a44;padding-bottom:6px;max-widt
 caption::before{counter-increment:table;content:"Table " counter(table) ". ";font-weight:700}
 th,td{text-align:left;padding:4px 16px 4px 0;border-bottom:1px solid var(--line);vertical-align:top;font-weight:400}
 thead th{border-bottom:2px solid var(--ink);font-weight:600;vertical-align:bottom}
-tbody th{font-weight:500}td{overflow-wrap:anywhere;min-width:4.5em}
+tbody th{font-weight:500}td{overflow-wrap:break-word;min-width:4em}
 details{margin:10px 0}summary{cursor:pointer;color:var(--blue)}pre{overflow-x:auto;background:var(--soft);padding:12px;
  font:12px/1.45 ui-monospace,Menlo,Consolas,monospace}
 footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding:14px 0 40px}

@@ -43,7 +43,7 @@ class Remnant:
         swing = (
             ""
             if self.method == "none"
-            else f"; the wires swing between {self.swing_up_K:+.0f} and {self.swing_down_K:+.0f} K"
+            else f"; the wires swing between {self.swing_up_K:+.0f} and −{-self.swing_down_K:.0f} K"
         )
         return f"{what} the major loops of three histories lie up to {self.offset_counts:.1f} counts apart{swing}."
 

@@ -1,0 +1,127 @@
+"""What every caption must say of a run: rig, wire, n, seed, unit, where the input comes from; honest counts.
+
+Knows a run's description. Refuses to know figures and HTML.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.record import Run
+from smarig.sample import Quality
+
+_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
+
+
+def label_of(*runs: Run) -> str:
+    """"TWIN" or "SIMULATION" when any of the runs was not measured, "" for hardware and imports."""
+    found = [_LABELS[run.meta["source"]] for run in runs if run.meta.get("source") in _LABELS]
+    return found[0] if found else ""
+
+
+def protocol_of(run: Run) -> str:
+    """The protocol's name for readers."""
+    return str(run.meta.get("protocol") or "unnamed protocol").replace("_", " ")
+
+
+def place(run: Run) -> str:
+    """Where and how a run was made, as a caption's last sentence.
+
+    n, sample rate, rig, wire, seed, ambient temperature and the origin of the input, as far as known.
+    """
+    settled = len(run.settled)
+    n = f"n = {settled} steps of {thousands(len(run))} samples" if settled else f"n = {thousands(len(run))} samples"
+    rig = run.meta.get("rig")
+    where = [n, f"rig {rig}" if rig else "", f"wire {run.meta['wire']}" if run.meta.get("wire") else ""]
+    where += [f"imported from {run.meta['imported'].get('file')}" if run.meta.get("imported") else ""]
+    where += [f"seed {run.meta['seed']}" if label_of(run) and "seed" in run.meta else "", _ambient(run)]
+    source = run.meta.get("input", {}).get("from")
+    where += [f"input from the {source}" if source else ""]
+    return "; ".join(part for part in where if part) + "."
+
+
+def _ambient(run: Run) -> str:
+    known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
+    if not known.size:
+        return ""
+    low, high = float(known.min()), float(known.max())
+    return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
+
+
+def thousands(n: int) -> str:
+    """A count with thin spaces: 26 080."""
+    return f"{n:,}".replace(",", "\u202f")
+
+
+def duration(seconds: float) -> str:
+    """A duration for people: 43 s, 28.3 min, 4.5 h."""
+    if not np.isfinite(seconds):
+        return "unknown"
+    if seconds < 100:
+        return f"{seconds:.3g} s"
+    return f"{seconds / 60:.1f} min" if seconds < 7200 else f"{seconds / 3600:.2f} h"
+
+
+def duration_s(run: Run) -> float:
+    """From first to last sample; NaN for a run without time."""
+    known = run["t_s"][np.isfinite(run["t_s"])]
+    return float(known[-1] - known[0]) if known.size else float("nan")
+
+
+def input_title(run: Run) -> str:
+    """The hysteresis input with its unit, for an axis: "Wire temperature above ambient (K)"."""
+    return _titled(run.meta.get("input", {}).get("quantity") or "input", run.input_unit)
+
+
+def output_title(run: Run) -> str:
+    """The output with its unit, for an axis."""
+    return _titled(run.meta.get("output", {}).get("quantity") or "output", run.unit)
+
+
+def _titled(quantity: str, unit: str) -> str:
+    words = quantity[:1].upper() + quantity[1:]
+    return f"{words} ({unit})" if unit else words
+
+
+def count_size(run: Run) -> float:
+    """One encoder count in the run's unit, 0 where there is none."""
+    return float(run.meta.get("output", {}).get("per_count") or 0.0)
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What is not as it should be in a run: steps by verdict, void steps, samples by quality mark."""
+
+    steps: int
+    settled: int
+    timed_out: int
+    interrupted: int
+    void: int
+    samples: int
+    retried: int
+    stale: int
+    saturated: int
+    tripped: int
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing is marked."""
+        return not any(getattr(self, name) for name in BLEMISHES)
+
+
+BLEMISHES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated", "tripped")
+
+
+def marks(run: Run) -> Marks:
+    """Count a run's marks."""
+    quality = np.nan_to_num(run["quality"]).astype(int)
+    verdicts = [step.verdict for step in run.steps]
+    return Marks(
+        steps=len(run.steps),
+        settled=verdicts.count("settled"),
+        timed_out=verdicts.count("timed_out"),
+        interrupted=verdicts.count("interrupted"),
+        void=sum(step.void for step in run.steps),
+        samples=len(run),
+        **{flag.name.lower(): int(np.sum(quality & flag > 0)) for flag in Quality if flag.name and flag},
+    )

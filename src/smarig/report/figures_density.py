@@ -1,0 +1,132 @@
+"""The weighting function μ(α, β) as map and surface, and the reversible part g (Figs. 5.19, 5.20)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from smarig.identification.identify import Identification
+from smarig.record import Run
+from smarig.report.conditions import label_of, place
+from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
+from smarig.report.figures_fod import buttons, scene, surface_trace
+from smarig.report.identified import density_map, density_triangle, report_of, reversible
+from smarig.report.style import DIVERGING, INK, SURFACES
+
+
+def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
+    """One map of μ a surface, white at zero, red positive, blue negative; the zero line and the minimum marked."""
+    return Figure(
+        [_map(name, one, run) for name, one in found.items()],
+        "Weighting function μ(α, β) = ½ ∂²y/∂α∂β.",
+        [
+            f"Unit {density_unit(run)}. White is zero, red positive, blue negative; each map has its own scale, symmetric "
+            "about zero. Black line: μ = 0, around the negative region; cross: the minimum. "
+            + "; ".join(_least(name, one, run) for name, one in found.items())
+            + ". A table's μ is the mass of each cell over its area: noise of the readings is in it.",
+            place(run),
+        ],
+        label_of(run),
+        420,
+    )
+
+
+def density_unit(run: Run) -> str:
+    """Unit of μ: output per squared input."""
+    return f"{run.unit}/{run.input_unit}²" if run.input_unit else run.unit
+
+
+def _least(name: str, found: Identification, run: Run) -> str:
+    d = report_of(found)
+    at = f"α = {d.mu_min_at[0]:.4g}, β = {d.mu_min_at[1]:.4g} {run.input_unit}"
+    return f"{name}: min μ = {signed(d.mu_min)} at {at}"
+
+
+def signed(value: float) -> str:
+    """Three digits with a true minus sign."""
+    return f"{value:.3g}".replace("-", "−")
+
+
+def _map(name: str, found: Identification, run: Run) -> Panel:
+    alpha, beta, mu = density_map(found)
+    top = float(np.nanmax(np.abs(mu))) or 1.0
+    colour_bar = {"title": {"text": f"μ, {density_unit(run)}", "side": "right"}, "thickness": 12, "exponentformat": "power"}
+    heat: Trace = {
+        "type": "heatmap",
+        "x": packed(beta),
+        "y": packed(alpha),
+        "z": packed(mu, single=True),
+        "colorscale": DIVERGING,
+        "zmin": -top,
+        "zmax": top,
+        "colorbar": colour_bar,
+        "hovertemplate": "α %{y:.4g}<br>β %{x:.4g}<br>μ %{z:.3g}<extra></extra>",
+    }
+    d = report_of(found)
+    data: list[Trace] = [heat]
+    if not d.M_P and beta.size == mu.shape[1]:
+        data.append(_zero_line(alpha, beta, mu))
+    data.append(line([beta[0], beta[-1]], [beta[0], beta[-1]], "α = β", INK, width=1, showlegend=False, hoverinfo="skip"))
+    data.append(dots([d.mu_min_at[1]], [d.mu_min_at[0]], "minimum", INK, symbol="x-thin", size=11, marker={"line": {"width": 2}}))
+    layout = {
+        "title": {"text": f"{name}", "font": {"size": 14}, "x": 0.02, "y": 0.97},
+        "xaxis": axis(f"β ({run.input_unit})", constrain="domain"),
+        "yaxis": axis(f"α ({run.input_unit})", scaleanchor="x", constrain="domain"),
+        "showlegend": False,
+    }
+    return Panel(data, layout, 430)
+
+
+def _zero_line(alpha: np.ndarray, beta: np.ndarray, mu: np.ndarray) -> Trace:
+    return {
+        "type": "contour",
+        "x": packed(beta),
+        "y": packed(alpha),
+        "z": packed(mu, single=True),
+        "contours": {"start": 0, "end": 0, "size": 1, "coloring": "none"},
+        "line": {"color": INK, "width": 1.6},
+        "showscale": False,
+        "hoverinfo": "skip",
+    }
+
+
+def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure | None:
+    """μ in three dimensions with g(β) beside it; None when only tables were identified."""
+    grids = {name: grid for name, one in found.items() if (grid := density_triangle(one)) is not None}
+    if not grids:
+        return None
+    first = chosen if chosen in grids else next(iter(grids))
+    data = []
+    for name, (alpha, beta, mu) in grids.items():
+        top = float(np.abs(mu).max())
+        shades = {"colorscale": DIVERGING, "cmin": -top, "cmax": top}
+        data.append(surface_trace(beta, alpha, mu, name, name == first) | shades)
+    unit = run.input_unit
+    layout = scene(f"β ({unit})", f"α ({unit})", f"μ ({density_unit(run)})")
+    layout["scene"]["zaxis"]["exponentformat"] = "power"
+    layout |= {"updatemenus": [buttons(list(grids), first, keep=0)], "showlegend": False}
+    shares = "; ".join(f"{name} {100 * report_of(found[name]).reversible_share:.1f} %" for name in grids)
+    return Figure(
+        [Panel(data, layout, 520), _reversible(found, grids, run)],
+        f"μ(α, β) of the {first} surface, and the reversible part g.",
+        [
+            f"Left: the same as the map, colours centred at zero; buttons change the surface. Right: g(β) = ∂y/∂β on α = β, "
+            "the relays without width that μ leaves out: simulating with μ alone misses their part of the travel "
+            f"({shares}).",
+            place(run),
+        ],
+        label_of(run),
+        440,
+    )
+
+
+def _reversible(found: Mapping[str, Identification], names: Mapping[str, object], run: Run) -> Panel:
+    data = []
+    for name in names:
+        part = reversible(found[name])
+        if part is not None:
+            data.append(line(*part, name, SURFACES.get(name, INK), width=2))
+    layout = {
+        "xaxis": axis(f"β ({run.input_unit})"),
+        "yaxis": axis(f"g ({run.unit}/{run.input_unit})", rangemode="tozero"),
+    }
+    return Panel(data, layout, 520)

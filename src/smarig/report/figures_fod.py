@@ -1,0 +1,202 @@
+"""First-order curves: measured and modelled, one by one and re-simulated, and as a surface (Figs. 5.12 to 5.22)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from smarig.identification.curve_fit import fit_curves
+from smarig.identification.identify import Identification
+from smarig.record import Run
+from smarig.report.conditions import count_size, input_title, label_of, output_title, place
+from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.figures_representation import band
+from smarig.report.identified import Curve, measured_curves, model_curves, replayed, residuals, sign, triangle
+from smarig.report.style import GREY, INK, SEQUENCE, SURFACES, colours
+
+_MOST_CURVES = 30  # more are drawn every so many, and the caption says so
+_REACH = {"constant": "f constant", "parabolic": "f parabolic", "exponential": "f exponential", "table": "table"}
+
+
+def curves_figure(found: Identification, run: Run) -> Figure:
+    """Measured first-order curves with the chosen model's, and what is left between them."""
+    measured, model = measured_curves(found), model_curves(found)
+    every = -(-len(model) // _MOST_CURVES)
+    shown = {curve.reversal: shade for curve, shade in zip(model, colours(len(model)))}
+    shown = {reversal: shown[reversal] for reversal in list(shown)[::every]}
+    data: list[Trace] = []
+    for curve in model:
+        if curve.reversal in shown:
+            data.append(line(curve.u, curve.y, "model", shown[curve.reversal], hoverinfo="skip", showlegend=False))
+    for curve in measured:
+        if curve.reversal in shown:
+            data.append(_points(curve, shown[curve.reversal], run))
+    unit = run.input_unit
+    layout = {
+        "xaxis": axis(input_title(run)),
+        "yaxis": axis(output_title(run)),
+        "legend": {"orientation": "v", "x": 1.01, "y": 1, "yanchor": "top", "title": {"text": f"α ({unit})"}},
+        "showlegend": len(shown) <= 14,
+        "narrow": {"r": 8},
+    }
+    size = count_size(run)
+    some = f" One curve in {every} is drawn." if every > 1 else ""
+    return Figure(
+        [Panel(data, layout, 500), _residual_panel(found, run)],
+        f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
+        [
+            f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; colour: the "
+            f"reversal input α.{some} Second panel: model minus measured at all {len(found.data)} points of "
+            f"{found.data.curves} curves, rms {found.model.fit['rms']:.3g} {found.model.unit}{_noise_words(found)}.",
+            place(run),
+        ],
+        label_of(run),
+        460,
+    )
+
+
+def _points(curve: Curve, colour: str, run: Run) -> Trace:
+    size = count_size(run)
+    bars = {"error_y": {"type": "constant", "value": size, "color": colour, "thickness": 1, "width": 3}} if size else {}
+    return dots(curve.u, curve.y, f"{curve.reversal:.4g}", colour, size=5.5, **bars)
+
+
+def _noise_words(found: Identification) -> str:
+    floor = found.model.noise_floor.value
+    return f" (noise floor {floor:.2g} {found.model.unit}, grey band ± 2 σ)" if floor else ""
+
+
+def _residual_panel(found: Identification, run: Run) -> Panel:
+    alpha, u, error = residuals(found)
+    marker = {"color": alpha.tolist(), "colorscale": SEQUENCE, "showscale": False}
+    data = [dots(u, error, "model − measured", INK, size=6, marker=marker, showlegend=False)]
+    floor, size = found.model.noise_floor.value, count_size(run)
+    low, high = found.data.lower * sign(found), found.data.upper * sign(found)
+    if floor:
+        data.append(band(low, high, 2 * floor, "± 2 σ of the noise floor"))
+    for k, level in enumerate((size, -size) if size else ()):
+        data.append(line([low, high], [level] * 2, "± 1 count", GREY, dash="dot", width=1, showlegend=k == 0))
+    return Panel(data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}, 500)
+
+
+def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
+    """The identification input simulated with every surface, over the data (Figs. 5.21, 5.22)."""
+    inputs, outputs = run.points()
+    panels = []
+    for name, one in found.items():
+        u, y = replayed(one, inputs)
+        data = [
+            line(inputs, outputs, "measured, joined", GREY, dash="dash", width=1),
+            dots(inputs, outputs, "measured", INK, size=4, showlegend=False),
+            line(u, y, f"model, {_REACH.get(name, name)}", SURFACES.get(name, INK), width=1.8),
+        ]
+        layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+        panels.append(Panel(data, layout, 400))
+    return Figure(
+        panels,
+        "The identification input, re-simulated with each surface.",
+        [
+            "Dashed: the measured points, joined in order; coloured: the Preisach operator driven through the same "
+            "sequence, densely between the points. " + "; ".join(_error_words(n, f) for n, f in found.items()) + ".",
+            place(run),
+        ],
+        label_of(run),
+        440,
+    )
+
+
+def _error_words(name: str, found: Identification) -> str:
+    return f"{name}: rms {found.model.fit['rms']:.3g} {found.model.unit}"
+
+
+def parameters_figure(found: Identification, run: Run) -> Figure | None:
+    """b₁, b₂, b₃ of each curve's own sigmoid against α (Fig. 5.16); None when no curve determines them."""
+    fits = fit_curves(found.data)
+    alpha, b, error = fits.against_alpha()
+    if not alpha.size:
+        return None
+    u, y = found.data_unit if hasattr(found, "data_unit") else (run.input_unit, run.unit)
+    names = (f"b₁ ({y})", f"b₂ (1/{u})", f"b₃ ({u})")
+    panels = []
+    for k, name in enumerate(names):
+        bars = {"type": "data", "array": error[:, k].tolist(), "color": GREY, "thickness": 1.2, "width": 4}
+        trace = dots(alpha, b[:, k], name, INK, mode="lines+markers", size=7, error_y=bars, line={"color": GREY, "width": 1})
+        panels.append(Panel([trace], {"xaxis": axis(f"α ({u})"), "yaxis": axis(name), "showlegend": False}, 320))
+    short = fits.too_short
+    left_out = f" Not determined by their few points, left out: α = {', '.join(f'{a:.4g}' for a in short)}." if short else ""
+    mirror = " Ascending curves: parameters of the mirrored data (−u, −y)." if found.data.mirrored else ""
+    return Figure(
+        panels,
+        "Each curve by itself: its sigmoid's parameters against α.",
+        [
+            f"ȳ(β) = b₁/(1 + e^(−b₂(β + b₃))) + b₄ fitted to each of {alpha.size} curves (§5.4.2); bars are standard "
+            f"errors. What b₃ does decides between the constant, parabolic and exponential surface.{left_out}{mirror}",
+            place(run),
+        ],
+        label_of(run),
+        320,
+    )
+
+
+def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure:
+    """The FOD surface in three dimensions with its data points; buttons change the surface."""
+    one = found[chosen]
+    d, s = one.data, sign(one)
+    points = {
+        "type": "scatter3d",
+        "mode": "markers",
+        "x": (s * d.beta).tolist(),
+        "y": (s * d.alpha).tolist(),
+        "z": (s * d.y).tolist(),
+        "name": "measured",
+        "marker": {"size": 3, "color": INK},
+    }
+    surfaces = []
+    for name, each in found.items():
+        alpha, beta, y = triangle(each)
+        surfaces.append(surface_trace(beta, alpha, y, name, name == chosen) | {"colorscale": SEQUENCE, "opacity": 0.85})
+    layout = scene(f"β ({run.input_unit})", f"α ({run.input_unit})", f"y ({run.unit})") | {
+        "updatemenus": [buttons(list(found), chosen, keep=1)],
+        "showlegend": False,
+    }
+    return Figure(
+        [Panel([points, *surfaces], layout, 560)],
+        f"FOD surface y(α, β), {chosen}.",
+        [
+            f"Output after the input turns at α and comes to β; black: the {len(d)} measured points. Buttons show the "
+            "other surfaces; drag to turn.",
+            place(run),
+        ],
+        label_of(run),
+    )
+
+
+def surface_trace(x: Any, y: Any, z: Any, name: str, visible: bool) -> Trace:
+    """A surface from grids (n, n) of x, y and z."""
+    grids = {key: np.round(np.asarray(v, dtype=float), 9).tolist() for key, v in (("x", x), ("y", y), ("z", z))}
+    return {"type": "surface", "name": name, "visible": visible, "showscale": False, **grids}
+
+
+def scene(x: str, y: str, z: str) -> dict[str, Any]:
+    """Axes of a three-dimensional plot, seen from over the β axis."""
+    titles = {"xaxis": {"title": {"text": x}}, "yaxis": {"title": {"text": y}}, "zaxis": {"title": {"text": z}}}
+    camera = {"eye": {"x": 1.45, "y": -1.55, "z": 0.85}}
+    return {"scene": titles | {"camera": camera, "aspectmode": "cube"}, "margin": {"l": 0, "r": 0, "t": 44, "b": 0}}
+
+
+def buttons(names: list[str], chosen: str, *, keep: int) -> dict[str, Any]:
+    """Buttons that show one of the surfaces; the first ``keep`` traces stay."""
+    return {
+        "type": "buttons",
+        "direction": "right",
+        "x": 0,
+        "xanchor": "left",
+        "y": 1,
+        "yanchor": "bottom",
+        "active": names.index(chosen),
+        "font": {"size": 12},
+        "buttons": [
+            {"label": name, "method": "restyle", "args": [{"visible": [True] * keep + [name == other for other in names]}]}
+            for name in names
+        ],
+    }

@@ -1,0 +1,128 @@
+"""An identification as a reader sees it: mirrored fits turned back, values on grids, the input re-simulated.
+
+Surfaces are fitted to first-order curves that fall; rising ones are fitted in the mirror (u, y) → (−u, −y).
+Here everything is in the units and signs of the measurement. Knows models; refuses to know figures.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.density import DensityReport, density_report
+from smarig.identification.identify import Identification
+from smarig.model.fod_surface import FodSurface
+from smarig.model.fod_table import FodTable
+from smarig.model.mirrored import Mirrored
+from smarig.model.preisach import Preisach
+
+Array = NDArray[np.float64]
+_CELLS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A first-order curve: its reversal input, inputs (k,) and outputs (k,)."""
+
+    reversal: float
+    u: Array
+    y: Array
+
+
+def image(found: Identification):  # noqa: ANN201 (any surface or table with y)
+    """What was fitted: the hysteresis, or its mirror image."""
+    hysteresis = found.model.hysteresis
+    return hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
+
+
+def sign(found: Identification) -> float:
+    """−1 for fits in the mirror."""
+    return -1.0 if found.data.mirrored else 1.0
+
+
+def measured_curves(found: Identification) -> list[Curve]:
+    """The measured curves, reversal inputs rising."""
+    s = sign(found)
+    curves = [Curve(s * d.alpha, s * d.beta, s * d.y) for d in found.data.descents()]
+    return sorted(curves, key=lambda c: c.reversal)
+
+
+def model_curves(found: Identification, points: int = 60) -> list[Curve]:
+    """The model's curves from the same reversals, over the whole range."""
+    s, surface = sign(found), image(found)
+    curves = []
+    for alpha in np.unique([d.alpha for d in found.data.descents()]):
+        beta = np.linspace(found.data.lower, alpha, points)
+        curves.append(Curve(float(s * alpha), s * beta, s * np.asarray(surface.y(alpha, beta))))
+    return sorted(curves, key=lambda c: c.reversal)
+
+
+def residuals(found: Identification) -> tuple[Array, Array, Array]:
+    """Reversal input, input and model minus measured, (k,) each, over the points of the curves."""
+    d, s = found.data, sign(found)
+    return s * d.alpha, s * d.beta, s * (np.asarray(image(found).y(d.alpha, d.beta)) - d.y)
+
+
+def replayed(found: Identification, inputs: Array, between: int = 12) -> tuple[Array, Array]:
+    """The model along the identification input, densely (§5.5); starts in negative saturation."""
+    dense = np.concatenate([np.linspace(a, b, between + 1)[1:] for a, b in zip(inputs, inputs[1:])])
+    u = np.concatenate([inputs[:1], dense])
+    operator = Preisach(found.model.hysteresis, "negative")
+    operator.step(found.model.hysteresis.lower)
+    return u, np.array([operator.step(float(v)) for v in u])
+
+
+def triangle(found: Identification, n: int = 41) -> tuple[Array, Array, Array]:
+    """Grids (n, n) of reversal input, input, and output over the half plane, for a surface plot."""
+    s, lower, upper = sign(found), found.data.lower, found.data.upper
+    alpha, t = np.meshgrid(np.linspace(lower, upper, n), np.linspace(0, 1, n), indexing="ij")
+    beta = lower + t * (alpha - lower)
+    return s * alpha, s * beta, s * np.asarray(image(found).y(alpha, beta))
+
+
+def density_triangle(found: Identification, n: int = 61) -> tuple[Array, Array, Array] | None:
+    """Grids of α, β, μ(α, β) over the half plane α ≥ β; None for tables, whose μ is a matter of cells."""
+    surface = image(found)
+    if not isinstance(surface, FodSurface):
+        return None
+    a, t = np.meshgrid(np.linspace(surface.lower, surface.upper, n), np.linspace(0, 1, n), indexing="ij")
+    b = surface.lower + t * (a - surface.lower)
+    mu = surface.density(a, b)
+    return (-b, -a, mu) if found.data.mirrored else (a, b, mu)
+
+
+def density_map(found: Identification, n: int = 121) -> tuple[Array, Array, Array]:
+    """Edges or nodes of α and of β, and μ[α, β] with NaN outside α ≥ β: surfaces on nodes, tables by cells.
+
+    A cell's μ is its mass over its area, [F(α₂,β₁) − F(α₁,β₁) − F(α₂,β₂) + F(α₁,β₂)] / (2 Δα Δβ).
+    """
+    surface = image(found)
+    if isinstance(surface, FodSurface):
+        u = np.linspace(surface.lower, surface.upper, n)
+        a, b = np.meshgrid(u, u, indexing="ij")
+        mu = np.where(b <= a, surface.density(a, b), np.nan)
+    else:
+        even = np.linspace(surface.lower, surface.upper, _CELLS + 1)
+        u = surface.nodes if isinstance(surface, FodTable) else even
+        inputs = u.tolist()
+        F = np.array([[surface.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
+        mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
+        width = np.diff(u)
+        mu = np.where(np.tri(u.size - 1, k=-1, dtype=bool), mass / (2 * width[:, None] * width), np.nan)
+    if found.data.mirrored:  # μ(α, β) = μ̃(−β, −α)
+        return -u[::-1], -u[::-1], mu[::-1, ::-1].T
+    return u, u, mu
+
+
+def report_of(found: Identification) -> DensityReport:
+    """μ's extremes in the measurement's own signs."""
+    return density_report(found.model.hysteresis)
+
+
+def reversible(found: Identification, n: int = 201) -> tuple[Array, Array] | None:
+    """Input and g: the density of reversible relays on α = β; None for tables."""
+    surface = image(found)
+    if not isinstance(surface, FodSurface):
+        return None
+    u = np.linspace(surface.lower, surface.upper, n)
+    return sign(found) * u, np.asarray(surface.reversible(u))
