@@ -1,124 +1,193 @@
-"""The page `smarig characterise` ends with: one wire, from conditions to validated model."""
+"""The characterisation page: what a physicist pins up. Puts figures and tables in order, computes nothing new."""
 
-from pathlib import Path
+from collections.abc import Iterator
 
-import numpy as np
-
-from smarig.identification.verify import verify
-from smarig.model.fod_surface import FodSurface
-from smarig.report import figures_model as model_figures
-from smarig.report import tables
+from smarig.record import Run
+from smarig.report.conditions import label_of, protocol_of
 from smarig.report.evidence import Evidence
 from smarig.report.figure import Figure
-from smarig.report.figures_representation import superposed
-from smarig.report.figures_run import hysteresis_graph, swing, time_series
-from smarig.report.figures_verification import against_data, resimulated
-from smarig.report.html import Html, bullets, cards, notice, paragraph, tag
+from smarig.report.figures_density import density_figure, maps_figure
+from smarig.report.figures_fod import curves_figure, parameters_figure, replay_figure, surface_figure
+from smarig.report.figures_hysteresis import hysteresis
+from smarig.report.figures_representation import representation_figure
+from smarig.report.figures_time import initialisation, time_series
+from smarig.report.figures_validation import validation_figure
+from smarig.report.headline import headline
+from smarig.report.html import Html, bullets, notice, paragraph, tag
+from smarig.report.identified import report_of
 from smarig.report.page import Section, page
-from smarig.report.run_page import notices
-from smarig.report.words import duration, number
+from smarig.report.run_page import endings, lead
+from smarig.report.tables import (
+    calibration_table,
+    classes_table,
+    conditions_table,
+    errors_table,
+    marks_table,
+    parameters_table,
+    provenance_table,
+)
+
+Parts = Iterator[Html | Figure]
 
 
 def characterisation_page(evidence: Evidence) -> str:
-    """The whole page as HTML text."""
-    sections = [
-        Section("The wire in five numbers", "Summary", _summary(evidence)),
-        Section("Rig and conditions", "Conditions", _conditions(evidence)),
-        Section("Is a Preisach model justified?", "Representation", _representation(evidence)),
-        Section("Identification", "Identification", _identification(evidence)),
-        Section("Preisach density", "Density", _density(evidence)),
-        Section("Against data it has not seen", "Validation", _validation(evidence)),
-        Section("Records", "Records", _records(evidence)),
-        Section("Provenance", "Provenance", [tables.provenance(evidence)]),
-    ]
-    first = next(iter(evidence.runs.values()))
-    lead = f"Wire {first.meta.get('wire')} on rig {first.meta.get('rig')}, {evidence.best.model.arrangement}."
-    above = [n for run in evidence.runs.values() for n in notices(run)]
-    return page(evidence.title, lead, sections, twin=evidence.twin, notices=above)
-
-
-def _summary(evidence: Evidence) -> list[Html | Figure]:
-    best, unit = evidence.best, evidence.best.data.unit
-    judged = evidence.verifications[evidence.chosen].runs[0] if evidence.chosen in evidence.verifications else None
-    floor = judged.noise_floor if judged else best.model.noise_floor.value
-    hours = sum(float(run["t_s"][-1] - run["t_s"][0]) for run in evidence.runs.values())
-    numbers = [
-        ("Travel", f"{number(float(np.ptp(best.data.y)))} {unit}", "between the ends of the major loop"),
-        (
-            "Model error on unseen data",
-            f"{number(judged.settled.rms if judged else None)} {unit}",
-            f"rms, n = {judged.settled.n if judged else 0}; noise floor {number(floor)} {unit}",
-        ),
-        ("Best surface", best.surface, f"of {', '.join(evidence.identifications)}"),
-        ("Density", "μ ≥ 0" if best.density.M_P else "μ < 0 somewhere", "M_P" if best.density.M_P else "M_PC, not M_P"),
-        ("Rig time", duration(hours), f"{len(best.data)} FOD points on {best.data.curves} curves"),
-    ]
-    found: list[Html | Figure] = [cards(numbers)]
-    if evidence.discoveries:
-        found.append(notice("good", paragraph(tag("b", "Discovered.")), bullets(evidence.discoveries)))
-    if evidence.warnings:
-        found.append(notice("warning", paragraph(tag("b", "Mind.")), bullets(evidence.warnings)))
-    return found
-
-
-def _conditions(evidence: Evidence) -> list[Html | Figure]:
-    train = evidence.runs.get("first_order_descending") or next(iter(evidence.runs.values()))
-    parts: list[Html | Figure] = [tables.description(train), tables.constants(train.meta.get("actuator", ""))]
-    if evidence.calibration is not None:
-        parts.append(tables.calibration(evidence.calibration))
-    return parts
-
-
-def _representation(evidence: Evidence) -> list[Html | Figure]:
-    if not evidence.representation:
-        return [paragraph("The campaign held neither a wiping-out nor a congruency test.")]
-    intro = "Wiping-out and congruent minor loops together are necessary and sufficient for a Preisach model (§3.3)."
-    return [paragraph(intro), *(superposed(test, evidence.twin) for test in evidence.representation)]
-
-
-def _identification(evidence: Evidence) -> list[Html | Figure]:
-    best = evidence.best
-    parts: list[Html | Figure] = [model_figures.fod_curves(best), tables.errors(evidence), tables.parameters(evidence)]
-    parts += [model_figures.surface_plot(best), model_figures.parameters_against_alpha(best)]
-    train = [run for run in evidence.runs.values() if run.path.name in {Path(p.run).name for p in best.model.provenance}]
-    for name, result in evidence.identifications.items():
-        if train:
-            judged = verify(result.model, train).runs[0]
-            parts.append(resimulated(name, judged, result.data.unit, result.model.input.unit, evidence.twin))
-    return parts
-
-
-def _density(evidence: Evidence) -> list[Html | Figure]:
-    crossing = evidence.best.curves.cross
-    said = (
-        "Curves cross inside the major loop: μ is negative somewhere (Prop. 4.6)."
-        if crossing
-        else "No curves cross. That alone does not prove μ ≥ 0: Prop. 4.6 goes one way only; see min μ."
+    """One self-contained page (HTML) of everything a characterisation found, in the order of chapter 5."""
+    runs = list(evidence.runs.values())
+    sections = [Section(title, short, list(parts(evidence))) for title, short, parts in _SECTIONS]
+    return page(
+        evidence.title,
+        lead(runs[0]) if runs else "No runs",
+        [section for section in sections if section.parts],
+        label=label_of(*runs),
+        notices=endings(runs),
     )
-    analytic = [r for r in evidence.identifications.values() if _analytic(r)]
-    if not analytic:
-        return [paragraph(said), paragraph("Tables have no density without differentiation; none is drawn.")]
-    chosen = evidence.best if _analytic(evidence.best) else analytic[0]
-    return [paragraph(said), model_figures.density_plots(chosen)]
 
 
-def _analytic(result) -> bool:
-    return isinstance(model_figures._image(result), FodSurface)
+def _summary(e: Evidence) -> Parts:
+    yield headline(e)
 
 
-def _validation(evidence: Evidence) -> list[Html | Figure]:
-    if not evidence.verifications:
-        return [paragraph("The campaign held no run for validation: nothing can be said of the model's error.")]
-    verified = evidence.verifications[evidence.chosen]
-    unit_in = evidence.best.model.input.unit
-    return [against_data(evidence.chosen, judged, verified.unit, unit_in, evidence.twin) for judged in verified.runs]
+def _rig(e: Evidence) -> Parts:
+    for run in list(e.runs.values())[:1]:
+        yield conditions_table(run)
+    if e.calibration is not None:
+        yield calibration_table(e.calibration)
 
 
-def _records(evidence: Evidence) -> list[Html | Figure]:
-    parts: list[Html | Figure] = []
-    for name, run in evidence.runs.items():
-        parts.append(tag("h3", name.replace("_", " ")))
-        parts.append(swing(run) if name == "initialise" and np.nanmin(run["input"]) < 0 else time_series(run))
-        if run.settled and name != "initialise":
-            parts.append(hysteresis_graph(run))
-    return parts
+def _findings(e: Evidence) -> Parts:
+    if e.discoveries:
+        yield notice("good", paragraph(tag("b", "Discoveries")), bullets(e.discoveries))
+    if e.warnings:
+        yield notice("warning", paragraph(tag("b", "Warnings")), bullets(e.warnings))
+    if not (e.discoveries or e.warnings):
+        yield paragraph("Nothing to warn of.")
+    yield marks_table(e.runs)
+
+
+def _time(e: Evidence) -> Parts:
+    for run in _with_samples(e):
+        if run.has("t_s"):
+            yield time_series(run)
+
+
+def _loops(e: Evidence) -> Parts:
+    for run in _with_samples(e):
+        if len(run.settled) >= 2:
+            yield hysteresis(run)
+
+
+def _with_samples(e: Evidence) -> list[Run]:
+    return [run for run in e.runs.values() if len(run)]
+
+
+def _initialisation(e: Evidence) -> Parts:
+    for run in e.of("initialise"):
+        figure = initialisation(run)
+        if figure:
+            yield figure
+
+
+def _representation(e: Evidence) -> Parts:
+    for test in e.representation:
+        yield notice(
+            "good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning)
+        )
+        for run in e.of(test.name)[:1]:
+            yield representation_figure(test, run)
+
+
+def _training(e: Evidence) -> Run | None:
+    """The run the chosen model was made from (its largest part)."""
+    if e.best is None:
+        return None
+    names = {p.run for p in e.best.model.provenance}
+    made_from = [r for r in e.runs.values() if r.path.name in names or str(r.path) in names]
+    return max(made_from or e.of("first_order_descending", "first_order_ascending"), key=len, default=None)
+
+
+def _curves(e: Evidence) -> Parts:
+    run = _training(e)
+    if e.best is None or run is None:
+        yield paragraph("No model was identified.")
+        return
+    yield curves_figure(e.best, run)
+    own = parameters_figure(e.best, run)
+    if own:
+        yield own
+    if len(run.settled) >= 2:
+        yield replay_figure(e.identifications, run)
+    yield surface_figure(e.identifications, e.chosen, run)
+    yield errors_table(e.identifications, e.verifications, e.chosen)
+    for name in sorted(e.identifications, key=lambda name: name != e.chosen):
+        if e.identifications[name].fit is not None:
+            yield parameters_table(e.identifications[name])
+
+
+def _density(e: Evidence) -> Parts:
+    run = _training(e)
+    if e.best is None or run is None:
+        return
+    yield classes_table(e.identifications, run)
+    yield meaning_of_class(e)
+    yield maps_figure(e.identifications, run)
+    figure = density_figure(e.identifications, e.chosen, run)
+    if figure:
+        yield figure
+
+
+def meaning_of_class(e: Evidence) -> Html:
+    """Prop. 4.6 in words, in the one direction in which it is proved."""
+    if e.best is None:
+        return Html("")
+    d, cross = report_of(e.best), e.best.curves.cross
+    if cross:
+        first = "The measured curves cross inside the major loop, so the wire's own μ is negative somewhere (Prop. 4.6)."
+    else:
+        first = (
+            "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6); only that direction "
+            "is proved, so curves that do not cross prove nothing about the sign of μ."
+        )
+    if d.M_P:
+        then = f"The {e.chosen} model has μ ≥ 0: it is in M_P, and the theorems on passivity and stability apply to it."
+    else:
+        then = (
+            f"The {e.chosen} model has μ < 0 somewhere: it is not in M_P, and the theorems on passivity and stability cannot "
+            "be used with it as it stands. That is a statement about the fitted surface, not yet about the wire."
+        )
+    return paragraph(first, " ", then)
+
+
+def _validation(e: Evidence) -> Parts:
+    judged = e.verifications.get(e.chosen)
+    if judged is None:
+        yield paragraph("No held-out run was made, so the model's error outside its own data is unknown.")
+        return
+    by_path = {str(run.path): run for run in e.runs.values()}
+    for one in judged.runs:
+        if one.run in by_path:
+            yield validation_figure(one, by_path[one.run], e.chosen)
+        for warning in one.warnings:
+            yield notice("warning", paragraph(warning))
+
+
+def _provenance(e: Evidence) -> Parts:
+    yield provenance_table(e.runs)
+    yield paragraph("Command: ", tag("code", e.command))
+    yield paragraph(
+        f"Computed in {e.seconds:.1f} s. Protocols: ", ", ".join(map(protocol_of, e.runs.values())), "."
+    )
+
+
+_SECTIONS = (
+    ("Summary", "Summary", _summary),
+    ("Rig and conditions", "Rig", _rig),
+    ("Discoveries and warnings", "Discoveries", _findings),
+    ("What was done: time series", "Time series", _time),
+    ("Hysteresis graphs", "Hysteresis", _loops),
+    ("Initialisation", "Initialisation", _initialisation),
+    ("Is it a Preisach system? Wiping-out and congruency", "Wiping-out, congruency", _representation),
+    ("First-order curves and the model", "Curves and model", _curves),
+    ("Weighting function μ and reversible part g", "Weighting function", _density),
+    ("The model against data it never saw", "Validation", _validation),
+    ("Provenance", "Provenance", _provenance),
+)

@@ -14,7 +14,7 @@ _LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
 
 
 def label_of(*runs: Run) -> str:
-    """"TWIN" or "SIMULATION" when any of the runs was not measured, "" for hardware and imports."""
+    """ "TWIN" or "SIMULATION" when any of the runs was not measured, "" for hardware and imports."""
     found = [_LABELS[run.meta["source"]] for run in runs if run.meta.get("source") in _LABELS]
     return found[0] if found else ""
 
@@ -30,7 +30,11 @@ def place(run: Run) -> str:
     n, sample rate, rig, wire, seed, ambient temperature and the origin of the input, as far as known.
     """
     settled = len(run.settled)
-    n = f"n = {settled} steps of {thousands(len(run))} samples" if settled else f"n = {thousands(len(run))} samples"
+    n = (
+        f"n = {settled} steps of {thousands(len(run))} samples"
+        if settled
+        else f"n = {thousands(len(run))} samples"
+    )
     rig = run.meta.get("rig")
     where = [n, f"rig {rig}" if rig else "", f"wire {run.meta['wire']}" if run.meta.get("wire") else ""]
     where += [f"imported from {run.meta['imported'].get('file')}" if run.meta.get("imported") else ""]

@@ -58,7 +58,9 @@ class Figure:
         badge = joined([badge_of(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
-        return tag("figure", tag("div", *panels, class_="panels", style=f"--least:{self.least_px}px"), caption)
+        return tag(
+            "figure", tag("div", *panels, class_="panels", style=f"--least:{self.least_px}px"), caption
+        )
 
 
 def badge_of(label: str) -> Html:

@@ -49,7 +49,11 @@ def signed(value: float) -> str:
 def _map(name: str, found: Identification, run: Run) -> Panel:
     alpha, beta, mu = density_map(found)
     top = float(np.nanmax(np.abs(mu))) or 1.0
-    colour_bar = {"title": {"text": f"μ, {density_unit(run)}", "side": "right"}, "thickness": 12, "exponentformat": "power"}
+    colour_bar = {
+        "title": {"text": f"μ, {density_unit(run)}", "side": "right"},
+        "thickness": 12,
+        "exponentformat": "power",
+    }
     heat: Trace = {
         "type": "heatmap",
         "x": packed(beta),
@@ -65,8 +69,28 @@ def _map(name: str, found: Identification, run: Run) -> Panel:
     data: list[Trace] = [heat]
     if not d.M_P and beta.size == mu.shape[1]:
         data.append(_zero_line(alpha, beta, mu))
-    data.append(line([beta[0], beta[-1]], [beta[0], beta[-1]], "α = β", INK, width=1, showlegend=False, hoverinfo="skip"))
-    data.append(dots([d.mu_min_at[1]], [d.mu_min_at[0]], "minimum", INK, symbol="x-thin", size=11, marker={"line": {"width": 2}}))
+    data.append(
+        line(
+            [beta[0], beta[-1]],
+            [beta[0], beta[-1]],
+            "α = β",
+            INK,
+            width=1,
+            showlegend=False,
+            hoverinfo="skip",
+        )
+    )
+    data.append(
+        dots(
+            [d.mu_min_at[1]],
+            [d.mu_min_at[0]],
+            "minimum",
+            INK,
+            symbol="x-thin",
+            size=11,
+            marker={"line": {"width": 2}},
+        )
+    )
     layout = {
         "title": {"text": f"{name}", "font": {"size": 14}, "x": 0.02, "y": 0.97},
         "xaxis": axis(f"β ({run.input_unit})", constrain="domain"),

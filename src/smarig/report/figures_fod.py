@@ -3,19 +3,22 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from smarig.identification.curve_fit import fit_curves
 from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import count_size, input_title, label_of, output_title, place
-from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.figures_representation import band
 from smarig.report.identified import Curve, measured_curves, model_curves, replayed, residuals, sign, triangle
 from smarig.report.style import GREY, INK, SEQUENCE, SURFACES, colours
 
 _MOST_CURVES = 30  # more are drawn every so many, and the caption says so
-_REACH = {"constant": "f constant", "parabolic": "f parabolic", "exponential": "f exponential", "table": "table"}
+_REACH = {
+    "constant": "f constant",
+    "parabolic": "f parabolic",
+    "exponential": "f exponential",
+    "table": "table",
+}
 
 
 def curves_figure(found: Identification, run: Run) -> Figure:
@@ -27,7 +30,9 @@ def curves_figure(found: Identification, run: Run) -> Figure:
     data: list[Trace] = []
     for curve in model:
         if curve.reversal in shown:
-            data.append(line(curve.u, curve.y, "model", shown[curve.reversal], hoverinfo="skip", showlegend=False))
+            data.append(
+                line(curve.u, curve.y, "model", shown[curve.reversal], hoverinfo="skip", showlegend=False)
+            )
     for curve in measured:
         if curve.reversal in shown:
             data.append(_points(curve, shown[curve.reversal], run))
@@ -57,7 +62,11 @@ def curves_figure(found: Identification, run: Run) -> Figure:
 
 def _points(curve: Curve, colour: str, run: Run) -> Trace:
     size = count_size(run)
-    bars = {"error_y": {"type": "constant", "value": size, "color": colour, "thickness": 1, "width": 3}} if size else {}
+    bars = (
+        {"error_y": {"type": "constant", "value": size, "color": colour, "thickness": 1, "width": 3}}
+        if size
+        else {}
+    )
     return dots(curve.u, curve.y, f"{curve.reversal:.4g}", colour, size=5.5, **bars)
 
 
@@ -76,7 +85,9 @@ def _residual_panel(found: Identification, run: Run) -> Panel:
         data.append(band(low, high, 2 * floor, "± 2 σ of the noise floor"))
     for k, level in enumerate((size, -size) if size else ()):
         data.append(line([low, high], [level] * 2, "± 1 count", GREY, dash="dot", width=1, showlegend=k == 0))
-    return Panel(data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}, 500)
+    return Panel(
+        data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}, 500
+    )
 
 
 def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
@@ -97,7 +108,9 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         "The identification input, re-simulated with each surface.",
         [
             "Dashed: the measured points, joined in order; coloured: the Preisach operator driven through the same "
-            "sequence, densely between the points. " + "; ".join(_error_words(n, f) for n, f in found.items()) + ".",
+            "sequence, densely between the points. "
+            + "; ".join(_error_words(n, f) for n, f in found.items())
+            + ".",
             place(run),
         ],
         label_of(run),
@@ -115,15 +128,30 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
     alpha, b, error = fits.against_alpha()
     if not alpha.size:
         return None
-    u, y = found.data_unit if hasattr(found, "data_unit") else (run.input_unit, run.unit)
+    u, y = run.input_unit, run.unit
     names = (f"b₁ ({y})", f"b₂ (1/{u})", f"b₃ ({u})")
     panels = []
     for k, name in enumerate(names):
         bars = {"type": "data", "array": error[:, k].tolist(), "color": GREY, "thickness": 1.2, "width": 4}
-        trace = dots(alpha, b[:, k], name, INK, mode="lines+markers", size=7, error_y=bars, line={"color": GREY, "width": 1})
-        panels.append(Panel([trace], {"xaxis": axis(f"α ({u})"), "yaxis": axis(name), "showlegend": False}, 320))
+        trace = dots(
+            alpha,
+            b[:, k],
+            name,
+            INK,
+            mode="lines+markers",
+            size=7,
+            error_y=bars,
+            line={"color": GREY, "width": 1},
+        )
+        panels.append(
+            Panel([trace], {"xaxis": axis(f"α ({u})"), "yaxis": axis(name), "showlegend": False}, 320)
+        )
     short = fits.too_short
-    left_out = f" Not determined by their few points, left out: α = {', '.join(f'{a:.4g}' for a in short)}." if short else ""
+    left_out = (
+        f" Not determined by their few points, left out: α = {', '.join(f'{a:.4g}' for a in short)}."
+        if short
+        else ""
+    )
     mirror = " Ascending curves: parameters of the mirrored data (−u, −y)." if found.data.mirrored else ""
     return Figure(
         panels,
@@ -154,7 +182,9 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
     surfaces = []
     for name, each in found.items():
         alpha, beta, y = triangle(each)
-        surfaces.append(surface_trace(beta, alpha, y, name, name == chosen) | {"colorscale": SEQUENCE, "opacity": 0.85})
+        surfaces.append(
+            surface_trace(beta, alpha, y, name, name == chosen) | {"colorscale": SEQUENCE, "opacity": 0.85}
+        )
     layout = scene(f"β ({run.input_unit})", f"α ({run.input_unit})", f"y ({run.unit})") | {
         "updatemenus": [buttons(list(found), chosen, keep=1)],
         "showlegend": False,
@@ -173,15 +203,22 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
 
 def surface_trace(x: Any, y: Any, z: Any, name: str, visible: bool) -> Trace:
     """A surface from grids (n, n) of x, y and z."""
-    grids = {key: np.round(np.asarray(v, dtype=float), 9).tolist() for key, v in (("x", x), ("y", y), ("z", z))}
+    grids = {key: packed(v, single=True) for key, v in (("x", x), ("y", y), ("z", z))}
     return {"type": "surface", "name": name, "visible": visible, "showscale": False, **grids}
 
 
 def scene(x: str, y: str, z: str) -> dict[str, Any]:
     """Axes of a three-dimensional plot, seen from over the β axis."""
-    titles = {"xaxis": {"title": {"text": x}}, "yaxis": {"title": {"text": y}}, "zaxis": {"title": {"text": z}}}
+    titles = {
+        "xaxis": {"title": {"text": x}},
+        "yaxis": {"title": {"text": y}},
+        "zaxis": {"title": {"text": z}},
+    }
     camera = {"eye": {"x": 1.45, "y": -1.55, "z": 0.85}}
-    return {"scene": titles | {"camera": camera, "aspectmode": "cube"}, "margin": {"l": 0, "r": 0, "t": 44, "b": 0}}
+    return {
+        "scene": titles | {"camera": camera, "aspectmode": "cube"},
+        "margin": {"l": 0, "r": 0, "t": 44, "b": 0},
+    }
 
 
 def buttons(names: list[str], chosen: str, *, keep: int) -> dict[str, Any]:
@@ -196,7 +233,11 @@ def buttons(names: list[str], chosen: str, *, keep: int) -> dict[str, Any]:
         "active": names.index(chosen),
         "font": {"size": 12},
         "buttons": [
-            {"label": name, "method": "restyle", "args": [{"visible": [True] * keep + [name == other for other in names]}]}
+            {
+                "label": name,
+                "method": "restyle",
+                "args": [{"visible": [True] * keep + [name == other for other in names]}],
+            }
             for name in names
         ],
     }

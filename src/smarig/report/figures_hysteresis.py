@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.record import Run
-from smarig.report.conditions import count_size, input_title, label_of, output_title, place, protocol_of, thousands
+from smarig.report.conditions import (
+    count_size,
+    input_title,
+    label_of,
+    output_title,
+    place,
+    protocol_of,
+    thousands,
+)
 from smarig.report.decimate import path
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.style import BAD, COOLING, HEATING, INK, colours
@@ -37,7 +45,9 @@ def hysteresis(run: Run) -> Figure:
     )
 
 
-def travel(u: Array, y: Array, *, width: float = 1.3, names: tuple[str, str] = ("rising input", "falling input")) -> list[Trace]:
+def travel(
+    u: Array, y: Array, *, width: float = 1.3, names: tuple[str, str] = ("rising input", "falling input")
+) -> list[Trace]:
     """Points joined in order, rising and falling in their own colours, an arrow amid each long segment."""
     du = np.diff(u)
     long = np.hypot(du / (np.ptp(u) or 1), np.diff(y) / (np.ptp(y) or 1)) > 0.06
@@ -47,13 +57,18 @@ def travel(u: Array, y: Array, *, width: float = 1.3, names: tuple[str, str] = (
         if not k.size:
             continue
         gap = np.full(k.size, np.nan)
-        joined_u, joined_y = np.stack([u[k], u[k + 1], gap], 1).ravel(), np.stack([y[k], y[k + 1], gap], 1).ravel()
+        joined_u, joined_y = (
+            np.stack([u[k], u[k + 1], gap], 1).ravel(),
+            np.stack([y[k], y[k + 1], gap], 1).ravel(),
+        )
         traces.append(line(joined_u, joined_y, name, colour, width=width))
         k = k[long[k]]
         gap = np.full(k.size, np.nan)
         middle = [np.stack([v[k], (v[k] + 1.2 * v[k + 1]) / 2.2, gap], 1).ravel() for v in (u, y)]
         sizes = {"size": [0, 9, 0] * k.size, "angleref": "previous", "line": {"width": 0}}
-        traces.append(dots(*middle, name, colour, symbol="arrow", marker=sizes, showlegend=False, hoverinfo="skip"))
+        traces.append(
+            dots(*middle, name, colour, symbol="arrow", marker=sizes, showlegend=False, hoverinfo="skip")
+        )
     return traces
 
 
@@ -65,11 +80,15 @@ def _of_steps(run: Run) -> tuple[list[Trace], str]:
     if u.size <= _MOST:
         labels = [f"{s.branch} · step {s.index}" for s in run.settled]
         shown = [words for words, keep in zip(labels, good) if keep]
-        data.append(dots(u[good], y[good], f"{int(good.sum())} settled points", INK, size=4.5, text=_safe(shown)))
+        data.append(
+            dots(u[good], y[good], f"{int(good.sum())} settled points", INK, size=4.5, text=_safe(shown))
+        )
     words = "Each point is the mean output over the settle window of one hold; lines join points in order."
     if not good.all():
         late = int(np.sum(~good))
-        data.append(dots(u[~good], y[~good], f"{late} points not settled", BAD, symbol="circle-open", size=11))
+        data.append(
+            dots(u[~good], y[~good], f"{late} points not settled", BAD, symbol="circle-open", size=11)
+        )
         words += f" {late} of {u.size} points did not settle in time and are ringed."
     return data, words
 
@@ -86,7 +105,9 @@ def _of_samples(run: Run) -> tuple[list[Trace], str]:
     order = "by reversal input" if _reversal(run) else "by order of measurement"
     thinned = sum(rows.size for _, rows in curves) < known.size
     words = f"{thousands(known.size)} readings; colours run {order}, dark first."
-    return data, words + (" Thinned for drawing; every extreme of input and output is kept." if thinned else "")
+    return data, words + (
+        " Thinned for drawing; every extreme of input and output is kept." if thinned else ""
+    )
 
 
 def _reversal(run: Run) -> bool:
@@ -100,7 +121,8 @@ def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.int
     if not _reversal(run):
         groups = np.array_split(known, min(_GROUPS, max(1, known.size // 20)))
         return [
-            (f"readings {g[0] + 1} to {g[-1] + 1}", g[path(run["input"][g], run["position"][g], 1500)]) for g in groups
+            (f"readings {g[0] + 1} to {g[-1] + 1}", g[path(run["input"][g], run["position"][g], 1500)])
+            for g in groups
         ]
     step = run["step"][known]
     numbers = np.unique(step[step >= 0])

@@ -59,7 +59,9 @@ def time_series(run: Run) -> Figure:
     layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=f"y{_nth(len(names) - 1)}"), "showlegend": False}
     for k, (name, title, colour) in enumerate(names):
         kept = envelope(run[name])
-        data.append(line(t[kept], run[name][kept], title or titles[name], colour, width=1.1, yaxis=f"y{_nth(k)}"))
+        data.append(
+            line(t[kept], run[name][kept], title or titles[name], colour, width=1.1, yaxis=f"y{_nth(k)}")
+        )
         top = 1 - k / len(names)
         words = (title or titles[name]).replace(" above ambient", "<br>above ambient")
         layout[f"yaxis{_nth(k)}"] = {
@@ -106,9 +108,14 @@ def _marked(run: Run, t: Array, y_axis: str) -> list[Trace]:
             shown = hit[:: max(1, hit.size // POINTS + 1)]
             words = f"{thousands(hit.size)} {name} samples"
             traces.append(dots(t[shown], position[shown], words, BAD, symbol=symbol, size=7, yaxis=y_axis))
-    late = [s for s in run.steps if s.verdict == "timed_out" and s.t_end_s is not None and s.position is not None]
+    late = [
+        s for s in run.steps if s.verdict == "timed_out" and s.t_end_s is not None and s.position is not None
+    ]
     if late and run.has("t_s"):
-        first, size = run["t_s"][np.isfinite(run["t_s"])][0], _time_unit(float(np.ptp(run["t_s"][np.isfinite(run["t_s"])])))[0]
+        first, size = (
+            run["t_s"][np.isfinite(run["t_s"])][0],
+            _time_unit(float(np.ptp(run["t_s"][np.isfinite(run["t_s"])])))[0],
+        )
         ends = [(float(s.t_end_s or 0.0) - first) / size for s in late]
         words = f"{len(late)} steps that did not settle in time"
         here = [s.position if s.position is not None else np.nan for s in late]
@@ -138,7 +145,16 @@ def initialisation(run: Run) -> Figure | None:
     ]
     asked = float(np.nanmax(np.abs(steady)))
     return Figure(
-        [Panel(data, {"xaxis": axis(t_title), "yaxis": axis(input_title(run).replace(" above ambient", "<br>above ambient"))}, 380)],
+        [
+            Panel(
+                data,
+                {
+                    "xaxis": axis(t_title),
+                    "yaxis": axis(input_title(run).replace(" above ambient", "<br>above ambient")),
+                },
+                380,
+            )
+        ],
         "Initialisation: the wire's temperature swings against the asked one.",
         [
             f"The wire swings up to {peaks:.0f} {unit} where the source would settle at {asked:.0f} {unit}: it lags, and "

@@ -17,14 +17,26 @@ def validation_figure(judged: RunVerification, run: Run, surface: str) -> Figure
     colour = SURFACES.get(surface, INK)
     data: list[Trace] = [
         line(t, judged.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
-        dots(t, judged.predicted, f"{surface} model", colour, symbol="circle-open", size=10, marker={"line": {"width": 2}}),
+        dots(
+            t,
+            judged.predicted,
+            f"{surface} model",
+            colour,
+            symbol="circle-open",
+            size=10,
+            marker={"line": {"width": 2}},
+        ),
     ]
     first = {"xaxis": axis(t_title), "yaxis": axis(output_title(run))}
     error = np.where(judged.judged, judged.predicted - judged.measured, np.nan)
     by_time = _residual(t, error, judged, run, t_title)
     by_input = _residual(judged.input, error, judged, run, input_title(run))
     e, unit = judged.settled, run.unit
-    floor = f"; noise floor {judged.noise_floor:.2g} {unit} (band: ± 2 σ)" if judged.noise_floor else "; noise floor unknown"
+    floor = (
+        f"; noise floor {judged.noise_floor:.2g} {unit} (band: ± 2 σ)"
+        if judged.noise_floor
+        else "; noise floor unknown"
+    )
     zero = (
         "The encoder's zero is that of the training runs: nothing was fitted to this run."
         if judged.offset_kind == "known"
@@ -54,10 +66,14 @@ def _times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
 def _residual(x: np.ndarray, error: np.ndarray, judged: RunVerification, run: Run, title: str) -> Panel:
     data: list[Trace] = []
     if judged.noise_floor:
-        data.append(band(float(np.min(x)), float(np.max(x)), 2 * judged.noise_floor, "± 2 σ of the noise floor"))
+        data.append(
+            band(float(np.min(x)), float(np.max(x)), 2 * judged.noise_floor, "± 2 σ of the noise floor")
+        )
     data.append(line([np.min(x), np.max(x)], [0, 0], "zero", GREY, width=1, showlegend=False))
     late = np.array([step.verdict != "settled" for step in run.settled])
     data.append(dots(x, error, "model − measured", INK, size=6))
     if late.size == x.size and late.any():
-        data.append(dots(x[late], error[late], f"{int(late.sum())} not settled", BAD, symbol="circle-open", size=11))
+        data.append(
+            dots(x[late], error[late], f"{int(late.sum())} not settled", BAD, symbol="circle-open", size=11)
+        )
     return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Model − measured ({run.unit})")}, 340)

@@ -15,10 +15,14 @@ def plot(run: Run, model: Model | None = None) -> go.Figure:
     inputs, outputs = run.points()
     label = "twin" if run.twin else run.meta.get("source", "measured")
     figure = go.Figure()
-    figure.add_scatter(x=inputs, y=outputs, mode="lines+markers", name=f"measured ({label})", marker={"size": 6})
+    figure.add_scatter(
+        x=inputs, y=outputs, mode="lines+markers", name=f"measured ({label})", marker={"size": 6}
+    )
     if model is not None:
         predicted = verify(model, [run]).runs[0].predicted
-        figure.add_scatter(x=inputs, y=predicted, mode="markers", name="model", marker={"symbol": "x", "size": 7})
+        figure.add_scatter(
+            x=inputs, y=predicted, mode="markers", name="model", marker={"symbol": "x", "size": 7}
+        )
     quantity = run.meta.get("input", {}).get("quantity", "input")
     figure.update_layout(
         title=f"{run.meta.get('protocol', '')} on {run.meta.get('rig', '')}",

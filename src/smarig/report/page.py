@@ -49,7 +49,9 @@ class Section:
     parts: Sequence[Html | Figure]
 
 
-def page(title: str, lead: Any, sections: Sequence[Section], *, label: str = "", notices: Sequence[Html] = ()) -> str:
+def page(
+    title: str, lead: Any, sections: Sequence[Section], *, label: str = "", notices: Sequence[Html] = ()
+) -> str:
     """The whole page as text. ``notices`` stand above everything else (incomplete runs, refusals)."""
     banner = tag("div", f"{label}: {_SIMULATED}", class_="twinbar", role="note") if label else ""
     links = [tag("a", s.short, href=f"#section-{k}") for k, s in enumerate(sections, start=1)]
@@ -66,9 +68,7 @@ def page(title: str, lead: Any, sections: Sequence[Section], *, label: str = "",
     )
     needs_plots = any(isinstance(part, Figure) for s in sections for part in s.parts)
     scripts = _scripts() if needs_plots else Html("")
-    return (
-        f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{top}{header}{body}{scripts}</body></html>\n'
-    )
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{top}{header}{body}{scripts}</body></html>\n'
 
 
 _SIMULATED = "every number on this page comes from a software simulation. No wire was measured."

@@ -1,85 +1,92 @@
-"""A page about one run of any kind: finished, interrupted, imported, without time or without current."""
+"""The page of one run, whatever its kind: complete, interrupted, imported without time or current, or empty."""
 
 import numpy as np
 
-from smarig.errors import DataError
-from smarig.identification.representation import congruency, wiping_out
 from smarig.record import Run
-from smarig.report.figure import Figure
-from smarig.report.figures_representation import superposed
-from smarig.report.figures_run import hysteresis_graph, swing, time_series
-from smarig.report.html import Html, bullets, notice, paragraph, table
+from smarig.report.conditions import count_size, duration, duration_s, label_of, marks, protocol_of, thousands
+from smarig.report.figures_hysteresis import hysteresis
+from smarig.report.figures_time import initialisation, time_series
+from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag
 from smarig.report.page import Section, page
-from smarig.report.tables import constants, description
-from smarig.report.words import number
-
-_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
+from smarig.report.tables import conditions_table, events_table, marks_table, provenance_table, settings_words
 
 
 def run_page(run: Run) -> str:
-    """The page as HTML text; never fails on an empty or interrupted run."""
-    sections = [Section("Description", "Description", [description(run), constants(run.meta.get("actuator", ""))])]
-    if len(run):
-        sections.append(Section("Record", "Record", [time_series(run)]))
-        sections += _graphs(run)
-    if run.steps:
-        sections.append(Section("Steps", "Steps", [_steps(run)]))
-    if run.events:
-        sections.append(Section("Events", "Events", [_events(run)]))
-    title = f"{run.meta.get('protocol') or 'Run'}: {run.path.name}"
-    return page(title, repr(run), sections, twin=_simulated(run), notices=notices(run))
-
-
-def notices(run: Run) -> list[Html]:
-    """What must be known before anything else."""
-    found = []
-    if not run.complete:
-        found.append(notice("bad", paragraph(f"This run is incomplete: {run.cause.removeprefix('incomplete: ')}.")))
-    elif run.cause != "done":
-        found.append(notice("bad", paragraph(f"This run is incomplete: {run.cause}.")))
-    if not len(run):
-        found.append(notice("warning", paragraph("This run holds no samples.")))
-    warnings = run.meta.get("warnings") or []
-    if warnings:
-        found.append(notice("warning", paragraph("Found in the data:"), bullets(warnings)))
-    return found
-
-
-def _simulated(run: Run) -> bool:
-    return run.meta.get("source") in ("twin", "simulation")
-
-
-def _graphs(run: Run) -> list[Section]:
-    sections = []
-    inputs, outputs = run.points()
-    if inputs.size > 1 and np.ptp(inputs) > 0 and np.isfinite(outputs).any():
-        sections.append(Section("Hysteresis", "Hysteresis", [hysteresis_graph(run)]))
-    if run.meta.get("protocol") == "initialise" and run.has("input"):
-        sections.append(Section("Initialisation", "Initialisation", [swing(run)]))
-    test = _TESTS.get(run.meta.get("protocol", ""))
-    if test is not None:
-        sections.append(Section("Test of representation", "Test", [_tested(run, test)]))
-    return sections
-
-
-def _tested(run: Run, test) -> Figure | Html:
-    try:
-        return superposed(test(run), _simulated(run))
-    except DataError as error:
-        return notice("warning", paragraph(str(error)))
-
-
-def _steps(run: Run) -> Html:
-    rows = [
-        (s.index, s.branch, number(s.target, 4), number(s.position, 5), s.n, s.verdict.replace("_", " "))
-        for s in run.steps[:400]
+    """A page with a run's time series, hysteresis graph, conditions, marks, events and provenance (HTML)."""
+    data = list(_figures(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
+    sections = [
+        Section("Summary", "Summary", [headline(run), settings_words(run)]),
+        Section("Measurement", "Measurement", data),
+        Section("Rig and conditions", "Rig", [conditions_table(run)]),
+        Section(
+            "Honest numbers", "Honest numbers", [marks_table({protocol_of(run): run}), events_table(run)]
+        ),
+        Section("Provenance", "Provenance", [provenance_table({protocol_of(run): run})]),
     ]
-    more = f" The first 400 of {len(run.steps)}." if len(run.steps) > 400 else ""
-    unit_in, unit = run.input_unit or "1", run.unit or "1"
-    head = ("Step", "Branch", f"Target ({unit_in})", f"Position ({unit})", "n", "Verdict")
-    return table(head, rows, f"Position is the mean over the last n samples.{more}")
+    title = f"{protocol_of(run).capitalize()} run"
+    return page(title, lead(run), sections, label=label_of(run), notices=[*endings([run]), *_warnings(run)])
 
 
-def _events(run: Run) -> Html:
-    rows = [(number(e.t_s, 6), e.level, e.kind, e.text) for e in run.events[:300]]
-    return table(("Time (s)", "Level", "Kind", "What"), rows, "What happened during the run.")
+def _figures(run: Run):  # noqa: ANN202 (figures, in order)
+    if not len(run):
+        return
+    if run.has("t_s") and any(run.has(name) for name in ("current_A", "input", "position")):
+        yield time_series(run)
+    start = initialisation(run)
+    if start:
+        yield start
+    if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
+        yield hysteresis(run)
+
+
+def lead(run: Run) -> str:
+    """What was measured on what, in a line."""
+    wire, rig = run.meta.get("wire"), run.meta.get("rig")
+    imported = (run.meta.get("imported") or {}).get("file")
+    parts = [
+        f"Wire {wire}" if wire else "",
+        f"rig {rig}" if rig else "",
+        f"imported from {imported}" if imported else "",
+    ]
+    return ", ".join(part for part in parts if part) or run.path.name
+
+
+def headline(run: Run) -> Html:
+    """The numbers of one run that matter."""
+    m, size = marks(run), count_size(run)
+    known = run["position"][np.isfinite(run["position"])]
+    travel = f"{np.ptp(known):.4g} {run.unit}" if known.size else "none"
+    bad = m.timed_out + m.interrupted
+    return cards(
+        [
+            ("Travel", travel, f"{np.ptp(known) / size:.0f} counts" if known.size and size else ""),
+            ("Duration", duration(duration_s(run)), "first to last sample"),
+            (
+                "Samples",
+                thousands(m.samples),
+                "none marked" if m.clean else "some are marked, see Honest numbers",
+            ),
+            ("Steps", str(m.steps), f"{m.settled} settled, {bad} not" if m.steps else "none recorded"),
+        ]
+    )
+
+
+def endings(runs: list[Run]) -> list[Html]:
+    """A box for every run that did not end as planned."""
+    boxes = []
+    for run in runs:
+        if not run.complete or run.cause != "done":
+            boxes.append(
+                notice(
+                    "bad",
+                    paragraph(tag("b", f"Incomplete run {run.path.name}."), f" It ended early: {run.cause}"),
+                )
+            )
+    return boxes
+
+
+def _warnings(run: Run) -> list[Html]:
+    found = run.meta.get("warnings") or ()
+    told = [e.text for e in run.events if e.level in ("warning", "error") and e.kind != "end"]
+    items = [*found, *told]
+    return [notice("warning", paragraph(tag("b", "Warnings")), bullets(items))] if items else [joined([])]
