@@ -16,15 +16,14 @@ from smarig.report.headline import headline
 from smarig.report.html import Html, bullets, notice, paragraph, tag
 from smarig.report.identified import report_of
 from smarig.report.page import Section, page
-from smarig.report.run_page import endings, lead
-from smarig.report.tables import (
+from smarig.report.run_page import endings, lead, representation_words
+from smarig.report.tables import conditions_table, marks_table, provenance_table
+from smarig.report.tables_model import (
+    M_P,
     calibration_table,
     classes_table,
-    conditions_table,
     errors_table,
-    marks_table,
     parameters_table,
-    provenance_table,
 )
 
 Parts = Iterator[Html | Figure]
@@ -71,9 +70,9 @@ def _time(e: Evidence) -> Parts:
 
 
 def _loops(e: Evidence) -> Parts:
-    for run in _with_samples(e):
-        if len(run.settled) >= 2:
-            yield hysteresis(run)
+    graphs = [hysteresis(run).html() for run in _with_samples(e) if len(run.settled) >= 2]
+    if graphs:
+        yield tag("div", *graphs, class_="pairs")
 
 
 def _with_samples(e: Evidence) -> list[Run]:
@@ -89,9 +88,7 @@ def _initialisation(e: Evidence) -> Parts:
 
 def _representation(e: Evidence) -> Parts:
     for test in e.representation:
-        yield notice(
-            "good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning)
-        )
+        yield representation_words(test)
         for run in e.of(test.name)[:1]:
             yield representation_figure(test, run)
 
@@ -118,9 +115,9 @@ def _curves(e: Evidence) -> Parts:
         yield replay_figure(e.identifications, run)
     yield surface_figure(e.identifications, e.chosen, run)
     yield errors_table(e.identifications, e.verifications, e.chosen)
-    for name in sorted(e.identifications, key=lambda name: name != e.chosen):
-        if e.identifications[name].fit is not None:
-            yield parameters_table(e.identifications[name])
+    first = sorted(e.identifications, key=lambda name: name != e.chosen)
+    fitted = [parameters_table(e.identifications[name]) for name in first if e.identifications[name].fit]
+    yield tag("div", *fitted, class_="columns")
 
 
 def _density(e: Evidence) -> Parts:
@@ -136,25 +133,29 @@ def _density(e: Evidence) -> Parts:
 
 
 def meaning_of_class(e: Evidence) -> Html:
-    """Prop. 4.6 in words, in the one direction in which it is proved."""
+    """Prop. 4.6 in words, in the one direction in which it is proved, and what the model's class allows."""
     if e.best is None:
         return Html("")
-    d, cross = report_of(e.best), e.best.curves.cross
-    if cross:
-        first = "The measured curves cross inside the major loop, so the wire's own μ is negative somewhere (Prop. 4.6)."
+    if e.best.curves.cross:
+        wire = "The measured curves cross inside the major loop, so the wire's own μ is negative somewhere (Prop. 4.6)."
     else:
-        first = (
-            "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6); only that direction "
-            "is proved, so curves that do not cross prove nothing about the sign of μ."
+        wire = (
+            "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6); only that "
+            "direction is proved, so curves that do not cross prove nothing about the sign of μ."
         )
-    if d.M_P:
-        then = f"The {e.chosen} model has μ ≥ 0: it is in M_P, and the theorems on passivity and stability apply to it."
+    if report_of(e.best).M_P:
+        model = (
+            f"The {e.chosen} model has μ ≥ 0: it is in ",
+            M_P,
+            ", as the theorems on passivity and stability need.",
+        )
     else:
-        then = (
-            f"The {e.chosen} model has μ < 0 somewhere: it is not in M_P, and the theorems on passivity and stability cannot "
-            "be used with it as it stands. That is a statement about the fitted surface, not yet about the wire."
+        model = (
+            f"The {e.chosen} model has μ < 0 somewhere: it is not in ",
+            M_P,
+            ", so the theorems on passivity and stability cannot be used with it as it stands.",
         )
-    return paragraph(first, " ", then)
+    return paragraph(wire, " ", *model)
 
 
 def _validation(e: Evidence) -> Parts:
@@ -185,9 +186,9 @@ _SECTIONS = (
     ("What was done: time series", "Time series", _time),
     ("Hysteresis graphs", "Hysteresis", _loops),
     ("Initialisation", "Initialisation", _initialisation),
-    ("Is it a Preisach system? Wiping-out and congruency", "Wiping-out, congruency", _representation),
+    ("Is it a Preisach system? Wiping-out and congruency", "Representation", _representation),
     ("First-order curves and the model", "Curves and model", _curves),
-    ("Weighting function μ and reversible part g", "Weighting function", _density),
+    ("Weighting function μ and reversible part g", "Density μ", _density),
     ("The model against data it never saw", "Validation", _validation),
     ("Provenance", "Provenance", _provenance),
 )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.record import Run
+from smarig.report.numbers import thousands
 from smarig.sample import Quality
 
 _LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
@@ -52,24 +53,15 @@ def _ambient(run: Run) -> str:
     return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
 
 
-def thousands(n: int) -> str:
-    """A count with thin spaces: 26 080."""
-    return f"{n:,}".replace(",", "\u202f")
-
-
-def duration(seconds: float) -> str:
-    """A duration for people: 43 s, 28.3 min, 4.5 h."""
-    if not np.isfinite(seconds):
-        return "unknown"
-    if seconds < 100:
-        return f"{seconds:.3g} s"
-    return f"{seconds / 60:.1f} min" if seconds < 7200 else f"{seconds / 3600:.2f} h"
-
-
 def duration_s(run: Run) -> float:
     """From first to last sample; NaN for a run without time."""
     known = run["t_s"][np.isfinite(run["t_s"])]
     return float(known[-1] - known[0]) if known.size else float("nan")
+
+
+def exact_unit(unit: str) -> str:
+    """A unit with raised powers: kg/m^3 as kg/m³."""
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 def input_title(run: Run) -> str:
@@ -83,7 +75,7 @@ def output_title(run: Run) -> str:
 
 
 def _titled(quantity: str, unit: str) -> str:
-    words = quantity[:1].upper() + quantity[1:]
+    words = (quantity[:1].upper() + quantity[1:]).replace("T1 - T2", "T₁ − T₂")
     return f"{words} ({unit})" if unit else words
 
 

@@ -20,7 +20,7 @@ MARK = {
     "xref": "paper",
     "yref": "paper",
     "x": 1,
-    "y": 0,
+    "y": 1,
     "xanchor": "right",
     "yanchor": "bottom",
     "showarrow": False,
@@ -32,11 +32,12 @@ MARK = {
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot: traces and layout (Plotly schema), height in CSS pixels."""
+    """One plot: traces and layout (Plotly schema), height in CSS pixels; ``wide`` takes a whole row."""
 
     data: Sequence[Trace]
     layout: Mapping[str, Any]
     height: int = 420
+    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def _panel(panel: Panel, label: str) -> Html:
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
-    return tag("div", script, class_="plot", style=f"height:{panel.height}px")
+    return tag("div", script, class_="plot wide" if panel.wide else "plot", style=f"height:{panel.height}px")
 
 
 def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:

@@ -10,6 +10,7 @@ from smarig.report.conditions import label_of, place
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.figures_fod import buttons, scene, surface_trace
 from smarig.report.identified import density_map, density_triangle, report_of, reversible
+from smarig.report.numbers import number, raised
 from smarig.report.style import DIVERGING, INK, SURFACES
 
 
@@ -19,8 +20,8 @@ def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         [_map(name, one, run) for name, one in found.items()],
         "Weighting function μ(α, β) = ½ ∂²y/∂α∂β.",
         [
-            f"Unit {density_unit(run)}. White is zero, red positive, blue negative; each map has its own scale, symmetric "
-            "about zero. Black line: μ = 0, around the negative region; cross: the minimum. "
+            "White is zero, red positive, blue negative; each map has its own scale, symmetric about zero. "
+            "Outlined and tinted: where μ < 0, however little; cross: the minimum. "
             + "; ".join(_least(name, one, run) for name, one in found.items())
             + ". A table's μ is the mass of each cell over its area: noise of the readings is in it.",
             place(run),
@@ -35,82 +36,64 @@ def density_unit(run: Run) -> str:
     return f"{run.unit}/{run.input_unit}²" if run.input_unit else run.unit
 
 
+def scaled(top: float, unit: str) -> tuple[float, str]:
+    """A power of ten that makes ``top`` readable, and the unit with it: (1e-3, "10⁻³ mm/K²")."""
+    power = int(np.floor(np.log10(top))) if top > 0 else 0
+    if -2 < power < 3:
+        return 1.0, unit
+    return 10.0**power, f"10{raised(power)} {unit}"
+
+
 def _least(name: str, found: Identification, run: Run) -> str:
     d = report_of(found)
-    at = f"α = {d.mu_min_at[0]:.4g}, β = {d.mu_min_at[1]:.4g} {run.input_unit}"
-    return f"{name}: min μ = {signed(d.mu_min)} at {at}"
-
-
-def signed(value: float) -> str:
-    """Three digits with a true minus sign."""
-    return f"{value:.3g}".replace("-", "−")
+    at = f"α = {number(d.mu_min_at[0], 4)}, β = {number(d.mu_min_at[1], 4)} {run.input_unit}"
+    return f"{name}: min μ = {number(d.mu_min)} {density_unit(run)} at {at}"
 
 
 def _map(name: str, found: Identification, run: Run) -> Panel:
     alpha, beta, mu = density_map(found)
     top = float(np.nanmax(np.abs(mu))) or 1.0
-    colour_bar = {
-        "title": {"text": f"μ, {density_unit(run)}", "side": "right"},
-        "thickness": 12,
-        "exponentformat": "power",
-    }
-    heat: Trace = {
+    size, unit = scaled(top, density_unit(run))
+    common = {"x": packed(beta), "y": packed(alpha), "z": packed(mu / size, single=True)}
+    heat: Trace = common | {
         "type": "heatmap",
-        "x": packed(beta),
-        "y": packed(alpha),
-        "z": packed(mu, single=True),
         "colorscale": DIVERGING,
-        "zmin": -top,
-        "zmax": top,
-        "colorbar": colour_bar,
+        "zmin": -top / size,
+        "zmax": top / size,
+        "colorbar": {"title": {"text": f"μ ({unit})", "side": "right"}, "thickness": 12},
         "hovertemplate": "α %{y:.4g}<br>β %{x:.4g}<br>μ %{z:.3g}<extra></extra>",
     }
     d = report_of(found)
     data: list[Trace] = [heat]
     if not d.M_P and beta.size == mu.shape[1]:
-        data.append(_zero_line(alpha, beta, mu))
-    data.append(
-        line(
-            [beta[0], beta[-1]],
-            [beta[0], beta[-1]],
-            "α = β",
-            INK,
-            width=1,
-            showlegend=False,
-            hoverinfo="skip",
-        )
-    )
-    data.append(
-        dots(
-            [d.mu_min_at[1]],
-            [d.mu_min_at[0]],
-            "minimum",
-            INK,
-            symbol="x-thin",
-            size=11,
-            marker={"line": {"width": 2}},
-        )
-    )
+        data.append(common | _NEGATIVE)
+    ends = [float(beta.min()), float(beta.max())]
+    data.append(line(ends, ends, "α = β", INK, width=1, hoverinfo="skip"))
+    cross = {
+        "symbol": "x-thin",
+        "size": 11,
+        "cliponaxis": False,
+        "marker": {"line": {"width": 2, "color": INK}},
+    }
+    data.append(dots([d.mu_min_at[1]], [d.mu_min_at[0]], "minimum", INK, **cross))
     layout = {
-        "title": {"text": f"{name}", "font": {"size": 14}, "x": 0.02, "y": 0.97},
-        "xaxis": axis(f"β ({run.input_unit})", constrain="domain"),
-        "yaxis": axis(f"α ({run.input_unit})", scaleanchor="x", constrain="domain"),
+        "title": {"text": name, "font": {"size": 14}, "x": 0.02, "y": 0.97},
+        "xaxis": axis(f"β ({run.input_unit})", constrain="domain", range=ends),
+        "yaxis": axis(f"α ({run.input_unit})", scaleanchor="x", constrain="domain", range=ends),
         "showlegend": False,
     }
     return Panel(data, layout, 430)
 
 
-def _zero_line(alpha: np.ndarray, beta: np.ndarray, mu: np.ndarray) -> Trace:
-    return {
-        "type": "contour",
-        "x": packed(beta),
-        "y": packed(alpha),
-        "z": packed(mu, single=True),
-        "contours": {"start": 0, "end": 0, "size": 1, "coloring": "none"},
-        "line": {"color": INK, "width": 1.6},
-        "showscale": False,
-        "hoverinfo": "skip",
-    }
+_NEGATIVE: Trace = {
+    "type": "contour",
+    # Plotly tints what a constraint leaves out
+    "contours": {"type": "constraint", "operation": ">", "value": 0},
+    "fillcolor": "rgba(33,102,172,.14)",
+    "line": {"color": INK, "width": 1.6},
+    "showscale": False,
+    "hoverinfo": "skip",
+}
 
 
 def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure | None:
@@ -119,22 +102,22 @@ def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
     if not grids:
         return None
     first = chosen if chosen in grids else next(iter(grids))
+    size, unit = scaled(max(float(np.abs(mu).max()) for _, _, mu in grids.values()), density_unit(run))
     data = []
     for name, (alpha, beta, mu) in grids.items():
-        top = float(np.abs(mu).max())
+        top = float(np.abs(mu).max()) / size
         shades = {"colorscale": DIVERGING, "cmin": -top, "cmax": top}
-        data.append(surface_trace(beta, alpha, mu, name, name == first) | shades)
-    unit = run.input_unit
-    layout = scene(f"β ({unit})", f"α ({unit})", f"μ ({density_unit(run)})")
-    layout["scene"]["zaxis"]["exponentformat"] = "power"
+        data.append(surface_trace(beta, alpha, mu / size, name, name == first) | shades)
+    layout = scene(f"β ({run.input_unit})", f"α ({run.input_unit})", f"μ ({unit})")
     layout |= {"updatemenus": [buttons(list(grids), first, keep=0)], "showlegend": False}
     shares = "; ".join(f"{name} {100 * report_of(found[name]).reversible_share:.1f} %" for name in grids)
     return Figure(
-        [Panel(data, layout, 520), _reversible(found, grids, run)],
+        [Panel(data, layout, 500), _reversible(found, grids, run)],
         f"μ(α, β) of the {first} surface, and the reversible part g.",
         [
-            f"Left: the same as the map, colours centred at zero; buttons change the surface. Right: g(β) = ∂y/∂β on α = β, "
-            "the relays without width that μ leaves out: simulating with μ alone misses their part of the travel "
+            "First panel: the same as the map, colours centred at zero; buttons change the surface. Second: "
+            "g(β) = ∂y/∂β on α = β, the relays without width that μ leaves out: simulating with μ alone misses their "
+            "part of the travel "
             f"({shares}).",
             place(run),
         ],
@@ -153,4 +136,4 @@ def _reversible(found: Mapping[str, Identification], names: Mapping[str, object]
         "xaxis": axis(f"β ({run.input_unit})"),
         "yaxis": axis(f"g ({run.unit}/{run.input_unit})", rangemode="tozero"),
     }
-    return Panel(data, layout, 520)
+    return Panel(data, layout, 500)

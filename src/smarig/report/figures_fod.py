@@ -3,13 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from smarig.identification.curve_fit import fit_curves
 from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import count_size, input_title, label_of, output_title, place
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
-from smarig.report.figures_representation import band
+from smarig.report.figures_representation import band, count_lines, count_words
 from smarig.report.identified import Curve, measured_curves, model_curves, replayed, residuals, sign, triangle
+from smarig.report.numbers import number
 from smarig.report.style import GREY, INK, SEQUENCE, SURFACES, colours
 
 _MOST_CURVES = 30  # more are drawn every so many, and the caption says so
@@ -50,9 +53,10 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         [Panel(data, layout, 500), _residual_panel(found, run)],
         f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
         [
-            f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; colour: the "
-            f"reversal input α.{some} Second panel: model minus measured at all {len(found.data)} points of "
-            f"{found.data.curves} curves, rms {found.model.fit['rms']:.3g} {found.model.unit}{_noise_words(found)}.",
+            f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; "
+            f"colour: the reversal input α.{some} Second panel: model minus measured at all {len(found.data)} points "
+            f"of {found.data.curves} curves, rms {found.model.fit['rms']:.3g} {found.model.unit}{_noise_words(found)}."
+            f"{count_words(size, _residual_reach(found), run.unit)}",
             place(run),
         ],
         label_of(run),
@@ -67,7 +71,7 @@ def _points(curve: Curve, colour: str, run: Run) -> Trace:
         if size
         else {}
     )
-    return dots(curve.u, curve.y, f"{curve.reversal:.4g}", colour, size=5.5, **bars)
+    return dots(curve.u, curve.y, number(curve.reversal, 4), colour, size=5.5, **bars)
 
 
 def _noise_words(found: Identification) -> str:
@@ -75,16 +79,18 @@ def _noise_words(found: Identification) -> str:
     return f" (noise floor {floor:.2g} {found.model.unit}, grey band ± 2 σ)" if floor else ""
 
 
+def _residual_reach(found: Identification) -> float:
+    return 1.2 * max(float(np.abs(residuals(found)[2]).max()), 2 * (found.model.noise_floor.value or 0.0))
+
+
 def _residual_panel(found: Identification, run: Run) -> Panel:
     alpha, u, error = residuals(found)
     marker = {"color": alpha.tolist(), "colorscale": SEQUENCE, "showscale": False}
-    data = [dots(u, error, "model − measured", INK, size=6, marker=marker, showlegend=False)]
-    floor, size = found.model.noise_floor.value, count_size(run)
-    low, high = found.data.lower * sign(found), found.data.upper * sign(found)
-    if floor:
-        data.append(band(low, high, 2 * floor, "± 2 σ of the noise floor"))
-    for k, level in enumerate((size, -size) if size else ()):
-        data.append(line([low, high], [level] * 2, "± 1 count", GREY, dash="dot", width=1, showlegend=k == 0))
+    low, high = float(u.min()), float(u.max())
+    floor = found.model.noise_floor.value
+    data = [band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
+    data += count_lines(low, high, count_size(run), _residual_reach(found))
+    data.append(dots(u, error, "model − measured", INK, size=6, marker=marker, showlegend=False))
     return Panel(
         data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}, 500
     )
@@ -148,7 +154,7 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
         )
     short = fits.too_short
     left_out = (
-        f" Not determined by their few points, left out: α = {', '.join(f'{a:.4g}' for a in short)}."
+        f" Not determined by their few points, left out: α = {', '.join(number(a, 4) for a in short)}."
         if short
         else ""
     )
@@ -190,7 +196,7 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         "showlegend": False,
     }
     return Figure(
-        [Panel([points, *surfaces], layout, 560)],
+        [Panel([points, *surfaces], layout, 520)],
         f"FOD surface y(α, β), {chosen}.",
         [
             f"Output after the input turns at α and comes to β; black: the {len(d)} measured points. Buttons show the "
@@ -214,9 +220,10 @@ def scene(x: str, y: str, z: str) -> dict[str, Any]:
         "yaxis": {"title": {"text": y}},
         "zaxis": {"title": {"text": z}},
     }
-    camera = {"eye": {"x": 1.45, "y": -1.55, "z": 0.85}}
+    camera = {"eye": {"x": 1.3, "y": -1.45, "z": 0.7}, "center": {"x": 0, "y": 0, "z": -0.16}}
     return {
-        "scene": titles | {"camera": camera, "aspectmode": "cube"},
+        "scene": titles
+        | {"camera": camera, "aspectmode": "manual", "aspectratio": {"x": 1.1, "y": 1.1, "z": 0.75}},
         "margin": {"l": 0, "r": 0, "t": 44, "b": 0},
     }
 

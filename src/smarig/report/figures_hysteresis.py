@@ -9,17 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.record import Run
-from smarig.report.conditions import (
-    count_size,
-    input_title,
-    label_of,
-    output_title,
-    place,
-    protocol_of,
-    thousands,
-)
+from smarig.report.conditions import count_size, input_title, label_of, output_title, place, protocol_of
 from smarig.report.decimate import path
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.numbers import thousands
 from smarig.report.style import BAD, COOLING, HEATING, INK, colours
 
 Array = NDArray[np.float64]
@@ -38,7 +31,7 @@ def hysteresis(run: Run) -> Figure:
     size = count_size(run)
     resolution = f"Resolution {size:.3g} {run.unit}." if size else ""
     return Figure(
-        [Panel(data, layout, 480)],
+        [Panel(data, layout, 450)],
         f"Hysteresis of the {protocol_of(run)} run.",
         [words, resolution, place(run)],
         label_of(run),
@@ -64,10 +57,10 @@ def travel(
         traces.append(line(joined_u, joined_y, name, colour, width=width))
         k = k[long[k]]
         gap = np.full(k.size, np.nan)
-        middle = [np.stack([v[k], (v[k] + 1.2 * v[k + 1]) / 2.2, gap], 1).ravel() for v in (u, y)]
+        mid_u, mid_y = (np.stack([v[k], (v[k] + 1.2 * v[k + 1]) / 2.2, gap], 1).ravel() for v in (u, y))
         sizes = {"size": [0, 9, 0] * k.size, "angleref": "previous", "line": {"width": 0}}
         traces.append(
-            dots(*middle, name, colour, symbol="arrow", marker=sizes, showlegend=False, hoverinfo="skip")
+            dots(mid_u, mid_y, name, colour, symbol="arrow", marker=sizes, showlegend=False, hoverinfo="skip")
         )
     return traces
 

@@ -19,10 +19,11 @@ def representation_figure(test: Representation, run: Run) -> Figure:
     first, second, title = _NAMES[test.name]
     relative = test.name == "congruency"
     y_title = f"{output_title(run)}{', from the lower corner' if relative else ''}"
-    # Congruency's points are stored branch by branch; a loop is falling, then rising, so they join as they stand.
+    # A minor loop's points are its falling, then its rising branch: the last one is the corner they begin at.
+    k = np.arange(test.input.size) if not relative else np.append(-1, np.arange(test.input.size))
     curves = [
-        line(test.input, test.first, first, FIRST, mode="lines+markers", width=2),
-        line(test.input, test.second, second, SECOND, mode="lines+markers", width=1.4, dash="dash"),
+        line(test.input[k], test.first[k], first, FIRST, mode="lines+markers", width=2),
+        line(test.input[k], test.second[k], second, SECOND, mode="lines+markers", width=1.4, dash="dash"),
     ]
     curves[1]["marker"] = {"symbol": "circle-open", "size": 9}
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(y_title)}
@@ -35,10 +36,10 @@ def representation_figure(test: Representation, run: Run) -> Figure:
         [Panel(curves, layout), _difference(test, run, f"{second} − {first}")],
         title,
         [
-            f"Left: both curves; right: their difference ({test.input.size} pairs of points) against the input. Band: ± 2 "
-            f"standard deviations of a difference by the points' own noise ({test.noise:.2g} {test.unit})"
-            + (f"; dotted: ± 1 count ({test.per_count:.3g} {test.unit})." if test.per_count else ".")
-            + shift,
+            f"First panel: both curves; second: their difference ({test.input.size} pairs of points) against the "
+            f"input. Band: ± 2 standard deviations of a difference by the points' own noise "
+            f"({test.noise:.2g} {test.unit})"
+            + f".{count_words(test.per_count, _reach(test), test.unit)}{shift}",
             place(run),
         ],
         label_of(run),
@@ -46,18 +47,41 @@ def representation_figure(test: Representation, run: Run) -> Figure:
     )
 
 
+def _reach(test: Representation) -> float:
+    return 1.2 * max(test.max_abs, 2 * test.noise)
+
+
 def _difference(test: Representation, run: Run, title: str) -> Panel:
     low, high = float(test.input.min()), float(test.input.max())
-    data: list[Trace] = [dots(test.input, test.second - test.first, "difference", INK, size=7)]
-    data.append(band(low, high, 2 * test.noise, "± 2 σ of the noise"))
-    reach = 1.15 * max(test.max_abs, 2.2 * test.noise, test.per_count)
-    for k, level in enumerate((test.per_count, -test.per_count) if test.per_count else ()):
-        data.append(line([low, high], [level] * 2, "± 1 count", GREY, dash="dot", width=1, showlegend=k == 0))
-    layout = {
-        "xaxis": axis(input_title(run)),
-        "yaxis": axis(f"{title} ({test.unit})", range=[-reach, reach]),
-    }
-    return Panel(data, layout)
+    reach = _reach(test)
+    data: list[Trace] = [
+        band(low, high, 2 * test.noise, "± 2 σ of the noise"),
+        *count_lines(low, high, test.per_count, reach),
+        dots(test.input, test.second - test.first, "difference", INK, size=7),
+    ]
+    if test.per_count and test.per_count < 3 * reach:
+        reach = max(reach, 1.2 * test.per_count)
+    return Panel(
+        data,
+        {"xaxis": axis(input_title(run)), "yaxis": axis(f"{title} ({test.unit})", range=[-reach, reach])},
+    )
+
+
+def count_lines(low: float, high: float, count: float, reach: float) -> list[Trace]:
+    """Dotted lines at ± 1 count, where they would not squeeze what is shown up to ± reach."""
+    if not 0 < count < 3 * reach:
+        return []
+    return [
+        line([low, high], [level] * 2, "± 1 count", GREY, dash="dot", width=1, showlegend=level > 0)
+        for level in (count, -count)
+    ]
+
+
+def count_words(count: float, reach: float, unit: str) -> str:
+    """The same in words; off the scale where the lines are left out."""
+    if not count:
+        return ""
+    return f" {'Dotted: ±' if count < 3 * reach else 'Off the scale:'} 1 count ({count:.3g} {unit})."
 
 
 def band(low: float, high: float, half: float, name: str) -> Trace:

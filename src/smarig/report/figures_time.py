@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from smarig.errors import SmarigError
 from smarig.model.actuator import Actuator
 from smarig.record import Run
-from smarig.report.conditions import input_title, label_of, output_title, place, protocol_of, thousands
+from smarig.report.conditions import input_title, label_of, output_title, place, protocol_of
 from smarig.report.decimate import POINTS, envelope
-from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, tag_free
+from smarig.report.numbers import thousands
 from smarig.report.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
 from smarig.sample import Quality
 
@@ -56,17 +57,25 @@ def time_series(run: Run) -> Figure:
         names = [row for row in names if row[0] != "current_command_A"]
     titles = {"input": input_title(run), "position": output_title(run)}
     data: list[Trace] = []
-    layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=f"y{_nth(len(names) - 1)}"), "showlegend": False}
+    layout: dict[str, Any] = {
+        "xaxis": axis(t_title, anchor=f"y{_nth(len(names) - 1)}", mirror=False),
+        "showlegend": False,
+    }
     for k, (name, title, colour) in enumerate(names):
         kept = envelope(run[name])
         data.append(
             line(t[kept], run[name][kept], title or titles[name], colour, width=1.1, yaxis=f"y{_nth(k)}")
         )
         top = 1 - k / len(names)
-        words = (title or titles[name]).replace(" above ambient", "<br>above ambient")
+        words = (
+            tag_free(title or titles[name])
+            .replace(" above ambient", "<br>above ambient")
+            .replace(", ", ",<br>")
+        )
         layout[f"yaxis{_nth(k)}"] = {
-            "title": {"text": words, "font": {"size": 12}},
-            "domain": [top - 1 / len(names) + 0.03, top],
+            "title": {"text": words, "font": {"size": 11}},
+            "domain": [top - 1 / len(names) + (0.03 if k + 1 < len(names) else 0), top],
+            "mirror": False,
             "nticks": 6,
         }
     marked = _marked(run, t, f"y{_nth(len(names) - 1)}")
@@ -94,7 +103,7 @@ def _nth(k: int) -> str:
 def _rows_words(run: Run) -> str:
     return (
         "The plateaus are the holds until the output stood still (§5.2.1)."
-        if any(step.verdict == "settled" for step in run.steps)
+        if 2 * sum(step.verdict == "settled" for step in run.steps) > len(run.steps)
         else ""
     )
 
@@ -136,29 +145,21 @@ def initialisation(run: Run) -> Figure | None:
     t, t_title = clock(run)
     current, wire = run["current_command_A"][rows], run["input"][rows]
     steady = gain * np.sign(current) * current**2
-    peaks = float(np.nanmax(np.abs(wire)))
-    unit = run.input_unit
     kept, also = envelope(steady), envelope(wire)
     data = [
-        line(t[rows][kept], steady[kept], "steady temperature of the current asked for", CURRENT, width=1.2),
+        line(t[rows][kept], steady[kept], "asked: steady temperature of the current", CURRENT, width=1.2),
         line(t[rows][also], wire[also], "wire temperature", INK, width=1.6),
     ]
-    asked = float(np.nanmax(np.abs(steady)))
+    cycles = int(np.sum((wire[1:] > 0) & (wire[:-1] <= 0)))
+    last = float(np.nanmax(np.abs(wire[-max(1, wire.size // max(1, cycles)) :])))
+    layout = {"xaxis": axis(t_title), "yaxis": axis(input_title(run))}
     return Figure(
-        [
-            Panel(
-                data,
-                {
-                    "xaxis": axis(t_title),
-                    "yaxis": axis(input_title(run).replace(" above ambient", "<br>above ambient")),
-                },
-                380,
-            )
-        ],
+        [Panel(data, layout, 430)],
         "Initialisation: the wire's temperature swings against the asked one.",
         [
-            f"The wire swings up to {peaks:.0f} {unit} where the source would settle at {asked:.0f} {unit}: it lags, and "
-            "the source leads it so that the swing of the wire itself decays evenly to zero (anhysteretic state, §5.2.2).",
+            f"In {cycles} cycles the wire's swing decays from {np.nanmax(wire):.0f} to {last:.0f} {run.input_unit}, "
+            f"where the current asks for {np.nanmax(steady):.0f} {run.input_unit} at first: the wire lags by its time "
+            "constant. What must decay evenly to leave the anhysteretic state (§5.2.2) is the black curve.",
             place(run),
         ],
         label_of(run),

@@ -43,11 +43,12 @@ def validation_figure(judged: RunVerification, run: Run, surface: str) -> Figure
         else f"One additive offset ({judged.offset:.3g} {unit}) was fitted, because the encoder's zero is not known."
     )
     return Figure(
-        [Panel(data, first, 380), by_time, by_input],
+        [Panel(data, first, 380, wide=True), by_time, by_input],
         f"Held-out run against the {surface} model.",
         [
-            f"{e.n} settled points in order of time; then model minus measured against time and against the input. rms "
-            f"{e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at most {e.max_abs:.3g} {unit}{floor}. {zero}",
+            f"{e.n} settled points in order of time; then model minus measured against time and against the input. "
+            f"rms {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at most "
+            f"{e.max_abs:.3g} {unit}{floor}. {zero}",
             place(run),
         ],
         label_of(run),

@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from smarig.report.conditions import count_size, duration, duration_s, marks
+from smarig.report.conditions import count_size, duration_s, marks
 from smarig.report.evidence import Evidence
-from smarig.report.figures_density import density_unit, signed
-from smarig.report.html import Html, cards
+from smarig.report.figures_density import density_unit
+from smarig.report.html import Html, cards, joined
 from smarig.report.identified import report_of
-from smarig.report.tables import pooled_rms
+from smarig.report.numbers import duration, number
+from smarig.report.tables_model import M_P, M_PC, pooled_rms
 
-_Card = tuple[str, str, str]
+_Card = tuple[str, str | Html, str | Html]
 
 
 def headline(e: Evidence) -> Html:
@@ -33,14 +34,14 @@ def _error(e: Evidence) -> _Card:
     judged = e.verifications.get(e.chosen)
     rms = pooled_rms(judged)
     if judged is None or rms is None:
-        return "Model error on held-out data", "unknown", "no held-out run"
+        return "Model error on held-out data, rms", "unknown", "no held-out run"
     floors = [r.noise_floor for r in judged.runs if r.noise_floor]
     floor = f"noise floor {max(floors):.2g} {judged.unit}" if floors else "noise floor unknown"
     share = max(r.settled.nrmse for r in judged.runs)
     n = sum(r.settled.n for r in judged.runs)
     return (
-        "Model error on held-out data",
-        f"{rms:.3g} {judged.unit} rms",
+        "Model error on held-out data, rms",
+        f"{rms:.3g} {judged.unit}",
         f"{floor}; {100 * share:.2f} % of travel, n = {n}",
     )
 
@@ -50,8 +51,10 @@ def _class(e: Evidence) -> _Card:
         return "Class of μ", "unknown", "no model"
     d = report_of(e.best)
     run = next(iter(e.runs.values()))
-    name = "in M_P" if d.M_P else "in M_PC, not in M_P" if d.M_PC else "not in M_PC"
-    return "Class of μ", name, f"{e.chosen} surface, min μ = {signed(d.mu_min)} {density_unit(run)}"
+    name = joined(["in ", M_P]) if d.M_P else joined(["not in ", M_P])
+    wider = joined(["in ", M_PC, "; "]) if d.M_PC and not d.M_P else ""
+    least = f"{e.chosen} surface, min μ = {number(d.mu_min)} {density_unit(run)}"
+    return "Class of μ", name, joined([wider, least])
 
 
 def _duration(e: Evidence) -> _Card:

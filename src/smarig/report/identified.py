@@ -9,10 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.errors import DataError
 from smarig.identification.density import DensityReport, density_report
 from smarig.identification.identify import Identification
 from smarig.model.fod_surface import FodSurface
 from smarig.model.fod_table import FodTable
+from smarig.model.forc_table import ForcTable
 from smarig.model.mirrored import Mirrored
 from smarig.model.preisach import Preisach
 
@@ -29,10 +31,15 @@ class Curve:
     y: Array
 
 
-def image(found: Identification):  # noqa: ANN201 (any surface or table with y)
+def image(found: Identification) -> FodSurface | FodTable | ForcTable:
     """What was fitted: the hysteresis, or its mirror image."""
     hysteresis = found.model.hysteresis
-    return hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
+    fitted = hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
+    if not isinstance(fitted, FodSurface | FodTable | ForcTable):
+        raise DataError(
+            f"A {type(fitted).__name__} has no first-order curves to draw; identify a surface or a table."
+        )
+    return fitted
 
 
 def sign(found: Identification) -> float:
@@ -80,7 +87,7 @@ def triangle(found: Identification, n: int = 41) -> tuple[Array, Array, Array]:
     return s * alpha, s * beta, s * np.asarray(image(found).y(alpha, beta))
 
 
-def density_triangle(found: Identification, n: int = 61) -> tuple[Array, Array, Array] | None:
+def density_triangle(found: Identification, n: int = 81) -> tuple[Array, Array, Array] | None:
     """Grids of α, β, μ(α, β) over the half plane α ≥ β; None for tables, whose μ is a matter of cells."""
     surface = image(found)
     if not isinstance(surface, FodSurface):

@@ -20,7 +20,7 @@ _DRAW = """
 (function(){
  const template=TEMPLATE, config={displaylogo:false,responsive:true,displayModeBar:false};
  const plots=[...document.querySelectorAll('.plot')];
- let next=0, width=0;
+ let next=0;
  function draw(div){
   const source=div.querySelector('script'); if(!source) return;
   const spec=JSON.parse(source.textContent); source.remove();
@@ -66,8 +66,7 @@ def page(
             tag("style", Html(CSS)),
         ]
     )
-    needs_plots = any(isinstance(part, Figure) for s in sections for part in s.parts)
-    scripts = _scripts() if needs_plots else Html("")
+    scripts = _scripts() if 'class="plot' in body else Html("")
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{top}{header}{body}{scripts}</body></html>\n'
 
 

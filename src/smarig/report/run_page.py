@@ -1,14 +1,28 @@
 """The page of one run, whatever its kind: complete, interrupted, imported without time or current, or empty."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from smarig.errors import DataError
+from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.record import Run
-from smarig.report.conditions import count_size, duration, duration_s, label_of, marks, protocol_of, thousands
+from smarig.report.conditions import count_size, duration_s, label_of, marks, protocol_of
+from smarig.report.figure import Figure
 from smarig.report.figures_hysteresis import hysteresis
+from smarig.report.figures_representation import representation_figure
 from smarig.report.figures_time import initialisation, time_series
 from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag
+from smarig.report.numbers import duration, thousands
 from smarig.report.page import Section, page
-from smarig.report.tables import conditions_table, events_table, marks_table, provenance_table, settings_words
+from smarig.report.tables import (
+    conditions_table,
+    events_table,
+    marks_table,
+    provenance_table,
+    settings_words,
+    steps_table,
+)
 
 
 def run_page(run: Run) -> str:
@@ -19,7 +33,9 @@ def run_page(run: Run) -> str:
         Section("Measurement", "Measurement", data),
         Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
-            "Honest numbers", "Honest numbers", [marks_table({protocol_of(run): run}), events_table(run)]
+            "Honest numbers",
+            "Honest numbers",
+            [marks_table({protocol_of(run): run}), steps_table(run), events_table(run)],
         ),
         Section("Provenance", "Provenance", [provenance_table({protocol_of(run): run})]),
     ]
@@ -27,7 +43,7 @@ def run_page(run: Run) -> str:
     return page(title, lead(run), sections, label=label_of(run), notices=[*endings([run]), *_warnings(run)])
 
 
-def _figures(run: Run):  # noqa: ANN202 (figures, in order)
+def _figures(run: Run) -> Iterator[Figure | Html]:
     if not len(run):
         return
     if run.has("t_s") and any(run.has(name) for name in ("current_A", "input", "position")):
@@ -37,6 +53,26 @@ def _figures(run: Run):  # noqa: ANN202 (figures, in order)
         yield start
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
         yield hysteresis(run)
+    if run.meta.get("protocol") in _TESTS:
+        yield from _tested(run)
+
+
+_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
+
+
+def _tested(run: Run) -> Iterator[Figure | Html]:
+    try:
+        test = _TESTS[run.meta["protocol"]](run)
+    except DataError as error:
+        yield notice("warning", paragraph(str(error)))
+        return
+    yield representation_words(test)
+    yield representation_figure(test, run)
+
+
+def representation_words(test: Representation) -> Html:
+    """Verdict and meaning in a box."""
+    return notice("good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning))
 
 
 def lead(run: Run) -> str:

@@ -55,6 +55,7 @@ def _axis() -> dict[str, Any]:
         "gridcolor": "#eceff3",
         "zeroline": False,
         "automargin": True,
+        "exponentformat": "power",
         "title": {"standoff": 8},
     }
 
@@ -83,11 +84,11 @@ CSS = """
 html{scroll-padding-top:5.5rem;-webkit-text-size-adjust:100%}
 body{margin:0;background:#fff;color:var(--ink);font:16px/1.55 FONT;counter-reset:section figure table;
  font-variant-numeric:tabular-nums}
-main,header.top{max-width:1180px;margin:0 auto;padding:0 24px}
+main,header.top{max-width:1180px;margin:0 auto;padding:0 24px}sub{line-height:0}
 .sticky{position:sticky;top:0;z-index:20;background:#fff;border-bottom:1px solid var(--line)}
 .twinbar{background:repeating-linear-gradient(-45deg,#f7c948 0 22px,#f2b632 22px 44px);color:#111;font-weight:700;
  text-align:center;padding:6px 12px;letter-spacing:.02em}
-nav{display:flex;gap:2px 18px;overflow-x:auto;white-space:nowrap;padding:8px 24px;max-width:1180px;margin:0 auto;
+nav{display:flex;gap:2px 16px;overflow-x:auto;white-space:nowrap;padding:8px 24px;max-width:1180px;margin:0 auto;
  font-size:14px}
 nav a{color:var(--grey);text-decoration:none}nav a:hover{color:var(--blue);text-decoration:underline}
 h1{font-size:clamp(24px,3.4vw,36px);line-height:1.15;margin:28px 0 6px;letter-spacing:-.01em;overflow-wrap:anywhere}
@@ -109,7 +110,9 @@ code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow
 .notice.bad{border-color:#D55E00;background:#fdf0e8}
 figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
 figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px}
-.plot{width:100%;min-width:0;position:relative}
+.plot{width:100%;min-width:0;position:relative}.plot.wide{grid-column:1/-1}
+.pairs,.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:0 28px;
+ align-items:start}.columns{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}.columns td{white-space:nowrap}
 figcaption{font-size:14px;line-height:1.5;color:#333a44;max-width:100ch;margin-top:4px;overflow-wrap:anywhere}
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:700}
 .twin{display:inline-block;background:var(--amber);color:#111;font-weight:700;font-size:12px;padding:0 6px;
@@ -127,7 +130,8 @@ footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding
 @media (max-width:600px){body{font-size:15px}main,header.top{padding:0 14px}nav{padding:7px 14px}
  .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}}
 @media print{@page{size:A4;margin:14mm 12mm}body{font-size:10pt}.sticky{position:static}nav{display:none}
- main,header.top{padding:0;max-width:none}section{margin:22px 0}h2,h3{break-after:avoid}.modebar{display:none!important}
+ main,header.top{padding:0;max-width:none}section{margin:22px 0}.pairs,.columns{grid-template-columns:1fr 1fr}
+ h2,h3{break-after:avoid}.modebar{display:none!important}
  .twinbar,.notice,.card,.twin{-webkit-print-color-adjust:exact;print-color-adjust:exact}
  .cards{grid-template-columns:repeat(3,1fr)}figcaption,table,caption{font-size:8.5pt}.card strong{font-size:15pt}
  figure .panels{grid-template-columns:repeat(auto-fit,minmax(min(100%,min(300px,var(--least,300px))),1fr))}}

@@ -1,4 +1,4 @@
-"""The tables of a page: rig and conditions, honest counts, parameters, errors, classes, provenance."""
+"""Tables about runs: rig and conditions, honest counts, steps, events, provenance. Knows no model."""
 
 import hashlib
 import tomllib
@@ -9,15 +9,11 @@ from typing import Any
 import numpy as np
 
 from smarig.errors import SmarigError
-from smarig.identification.calibrate import Calibration
-from smarig.identification.identify import Identification
-from smarig.identification.verify import Verification
 from smarig.model.actuator import Actuator
 from smarig.record import Run
-from smarig.report.conditions import BLEMISHES, duration, duration_s, marks, protocol_of, thousands
-from smarig.report.figures_density import density_unit, signed
+from smarig.report.conditions import BLEMISHES, duration_s, exact_unit, marks, protocol_of
 from smarig.report.html import Html, joined, paragraph, table, tag
-from smarig.report.identified import report_of
+from smarig.report.numbers import duration, number, thousands
 
 Row = Sequence[Any]
 
@@ -39,18 +35,19 @@ def _of_run(run: Run) -> Iterable[Row]:
         yield "Tick", f"{meta['period_s']:g}", "s", "run file"
     for key, name in (("input", "Hysteresis input"), ("output", "Output")):
         part = meta.get(key) or {}
-        yield name, part.get("quantity") or "not named", part.get("unit", ""), part.get("from") or "run file"
+        yield (
+            name,
+            (part.get("quantity") or "not named").replace("T1 - T2", "T₁ − T₂"),
+            part.get("unit", ""),
+            part.get("from") or "run file",
+        )
     size = (meta.get("output") or {}).get("per_count")
     if size:
         yield "One count", f"{size:.4g}", run.unit, "run file"
     known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if known.size:
-        yield (
-            "Ambient",
-            f"{known.mean():.2f} (from {known.min():.2f} to {known.max():.2f})",
-            "°C",
-            f"n = {thousands(known.size)}",
-        )
+        moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
+        yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
     for key in ("initial", "encoder_zero", "seed", "notes"):
         if meta.get(key) not in (None, ""):
             yield key.replace("_", " ").capitalize(), meta[key], "", "run file"
@@ -67,7 +64,12 @@ def _of_rig(run: Run) -> Iterable[Row]:
         part = rig.get(group)
         for key, value in part.items() if isinstance(part, dict) else ():
             name, unit = _name_and_unit(key)
-            yield f"{group.capitalize()}: {name}", value, unit, "rig file"
+            yield (
+                f"{group.capitalize()}: {name}",
+                f"{value:g}" if isinstance(value, float) else value,
+                unit,
+                "rig file",
+            )
 
 
 def _name_and_unit(key: str) -> tuple[str, str]:
@@ -94,7 +96,7 @@ def _of_actuator(run: Run) -> Iterable[Row]:
                 yield (
                     key.replace("_", " ").capitalize(),
                     f"{quantity.value:g}",
-                    quantity.unit,
+                    exact_unit(quantity.unit),
                     quantity.source,
                 )
     yield "Thermal time constant τ", f"{actuator.tau_s:.3g}", "s", "derived: ρ c_p V/(hA)"
@@ -118,144 +120,12 @@ def marks_table(runs: Mapping[str, Run]) -> Html:
     return table(
         (*header, "Retried", "Stale", "Saturated", "Tripped", "Ended"),
         rows,
-        "Honest numbers: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its steps "
-        "need not settle.",
+        "Honest numbers: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
+        "steps need not settle.",
     )
 
 
-# --- models ---------------------------------------------------------------------------------------------------
-
-
-def errors_table(
-    found: Mapping[str, Identification], held_out: Mapping[str, Verification], chosen: str
-) -> Html:
-    """Errors over the identification points (as Table 5.1) and on held-out data, by surface."""
-    rows = []
-    for name, one in found.items():
-        fit = one.model.fit
-        judged = pooled_rms(held_out.get(name))
-        row = [f"{fit[key]:.4g}" for key in ("rms", "norm2", "weighted_norm2")]
-        row += [f"{judged:.3g}" if judged is not None else "—", f"{fit['points']} on {fit['curves']} curves"]
-        rows.append((tag("b", f"{name} (chosen)") if name == chosen else name, *row))
-    unit = next(iter(found.values())).model.unit
-    return table(
-        (
-            "Surface",
-            f"rms ({unit})",
-            f"‖e‖₂ ({unit})",
-            f"weighted ‖e‖₂ ({unit})",
-            f"held-out rms ({unit})",
-            "points",
-        ),
-        rows,
-        "Errors of each surface over the identification points, in the manner of Table 5.1 (2-norms over the points; major "
-        "loop weighted twice), and on the held-out run. A table meets its points exactly, so only held-out data judges it.",
-    )
-
-
-def pooled_rms(verification: Verification | None) -> float | None:
-    """rms over all points of all runs of a verification."""
-    if verification is None or not verification.runs:
-        return None
-    n = sum(r.settled.n for r in verification.runs)
-    return float(np.sqrt(sum(r.settled.n * r.settled.rms**2 for r in verification.runs) / n)) if n else None
-
-
-def parameters_table(found: Identification) -> Html:
-    """Fitted parameters with 95 % intervals; nothing for tables."""
-    if found.fit is None:
-        return paragraph(
-            f"The {found.surface} model has no fitted parameters: it interpolates the measured points."
-        )
-    units = _units(found)
-    rows = []
-    for name, value in zip(found.fit.names, found.fit.values):
-        low, high = found.fit.intervals[name]
-        known = np.isfinite([low, high]).all()
-        interval = f"{signed5(low)} to {signed5(high)}" if known else "not determined by this data"
-        rows.append((_pretty(name), signed5(float(value)), interval, units.get(name, "")))
-    converged = "" if found.fit.converged else " The fit did not converge."
-    return table(
-        ("Parameter", "Value", "95 % interval", "Unit"),
-        rows,
-        f"The {found.surface} surface (5.5), {found.fit.points} points on {found.fit.curves} curves. Intervals assume equal "
-        f"independent noise at every point (residual σ {found.fit.sigma:.3g} {found.model.unit}).{converged}",
-    )
-
-
-def signed5(value: float) -> str:
-    """Five digits with a true minus sign."""
-    return f"{value:.5g}".replace("-", "−")
-
-
-def _units(found: Identification) -> dict[str, str]:
-    u, y = found.model.input.unit, found.model.unit
-    units = {"x2": f"1/{u}", "x3": u, "x4": f"1/{u}", "y_upper": y, "y_lower": y}
-    return units | {
-        "constant": {"x5": u},
-        "parabolic": {"x5": f"1/{u}", "x6": "1", "x7": u},
-        "exponential": {"x5": u, "x6": f"1/{u}", "x7": u},
-    }.get(found.surface, {})
-
-
-def _pretty(name: str) -> str:
-    return {"y_upper": "y(u₊, u₊)", "y_lower": "y(u₊, u₋)"}.get(
-        name, name.translate(str.maketrans("234567", "₂₃₄₅₆₇"))
-    )
-
-
-def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
-    """Classes of μ as in Table 5.2, with its extremes and the reversible part."""
-    rows = []
-    for name, one in found.items():
-        d = report_of(one)
-        share = f"{100 * d.reversible_share:.1f} %" if np.isfinite(d.reversible_share) else "—"
-        cells = f"; {d.negative_cells} of {d.cells} cells negative" if d.cells else ""
-        at = f"({signed(d.mu_min_at[0])}, {signed(d.mu_min_at[1])})"
-        rows.append(
-            (
-                name,
-                "yes" if d.M_PC else "no",
-                ("yes" if d.M_P else "no") + cells,
-                signed(d.mu_min),
-                at,
-                signed(d.mu_max),
-                share,
-            )
-        )
-    unit = density_unit(run)
-    header = (
-        "Surface",
-        "M_PC",
-        "M_P",
-        f"min μ ({unit})",
-        f"at (α, β) ({run.input_unit})",
-        f"max μ ({unit})",
-        "reversible share",
-    )
-    return table(
-        header,
-        rows,
-        "Class of the weighting function (Table 5.2). M_PC: bounded, piecewise continuous. M_P: besides, μ ≥ 0 everywhere; "
-        "passivity and the stability theorems need it.",
-    )
-
-
-# --- the rest ----------------------------------------------------------------------------------------------
-
-
-def calibration_table(found: Calibration) -> Html:
-    """The wire's own constants with intervals, and what the data cannot give."""
-    rows = [
-        (name, f"{e.value:.4g}", f"{e.ci95[0]:.4g} to {e.ci95[1]:.4g}", e.unit, e.source, thousands(e.n))
-        for name, e in found.parameters.items()
-    ]
-    rows += [(name, "—", "—", "", why, "") for name, why in found.not_available.items()]
-    return table(
-        ("Constant", "Value", "95 % interval", "Unit", "From", "n"),
-        rows,
-        "Constants of the wire, calibrated.",
-    )
+# --- what happened, and where it comes from ---
 
 
 def provenance_table(runs: Mapping[str, Run]) -> Html:
@@ -301,6 +171,30 @@ def events_table(run: Run, most: int = 60) -> Html:
     rows = [(f"{e.t_s:g}", e.level, e.kind, e.text) for e in run.events[:most]]
     more = f" The first {most} of {len(run.events)}." if len(run.events) > most else ""
     return table(("t (s)", "Level", "Kind", "What"), rows, f"Events.{more}") if rows else Html("")
+
+
+def steps_table(run: Run, most: int = 400) -> Html:
+    """The steps as recorded; the first ``most``."""
+    rows = [
+        (
+            s.index,
+            s.branch,
+            number(s.target, 4),
+            number(s.position, 5),
+            s.n,
+            s.verdict.replace("_", " "),
+            "void" if s.void else "",
+        )
+        for s in run.steps[:most]
+    ]
+    more = f" The first {most} of {len(run.steps)}." if len(run.steps) > most else ""
+    header = ("Step", "Branch", f"Target ({run.input_unit})", f"Position ({run.unit})", "n", "Verdict", "")
+    words = f"Steps; position is the mean over the last n samples.{more}"
+    return (
+        tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
+        if rows
+        else Html("")
+    )
 
 
 def settings_words(run: Run) -> Html:

@@ -1,0 +1,151 @@
+"""Tables of identified models: errors, parameters with intervals, classes of μ, calibrated constants."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from smarig.identification.calibrate import Calibration
+from smarig.identification.identify import Identification
+from smarig.identification.verify import Verification
+from smarig.record import Run
+from smarig.report.figures_density import density_unit
+from smarig.report.html import Html, joined, paragraph, table, tag
+from smarig.report.identified import report_of
+from smarig.report.numbers import number, thousands
+
+M_P, M_PC = Html("M<sub>P</sub>"), Html("M<sub>PC</sub>")
+
+
+def errors_table(
+    found: Mapping[str, Identification], held_out: Mapping[str, Verification], chosen: str
+) -> Html:
+    """Errors over the identification points (as Table 5.1) and on held-out data, by surface."""
+    rows = []
+    for name, one in found.items():
+        fit = one.model.fit
+        judged = pooled_rms(held_out.get(name))
+        row = [f"{fit[key]:.4g}" for key in ("rms", "norm2", "weighted_norm2")]
+        row += [f"{judged:.3g}" if judged is not None else "—", f"{fit['points']} on {fit['curves']} curves"]
+        rows.append((tag("b", f"{name} (chosen)") if name == chosen else name, *row))
+    unit = next(iter(found.values())).model.unit
+    return table(
+        (
+            "Surface",
+            f"rms ({unit})",
+            f"‖e‖₂ ({unit})",
+            f"weighted ‖e‖₂ ({unit})",
+            f"held-out rms ({unit})",
+            "points",
+        ),
+        rows,
+        "Errors of each surface over the identification points, in the manner of Table 5.1 (2-norms over the points; "
+        "major loop weighted twice), and on the held-out run. A table goes through its points, so only held-out data "
+        "judges it.",
+    )
+
+
+def pooled_rms(verification: Verification | None) -> float | None:
+    """rms over all points of all runs of a verification."""
+    if verification is None or not verification.runs:
+        return None
+    n = sum(r.settled.n for r in verification.runs)
+    return float(np.sqrt(sum(r.settled.n * r.settled.rms**2 for r in verification.runs) / n)) if n else None
+
+
+def parameters_table(found: Identification) -> Html:
+    """Fitted parameters with 95 % intervals; nothing for tables."""
+    if found.fit is None:
+        return paragraph(
+            f"The {found.surface} model has no fitted parameters: it interpolates the measured points."
+        )
+    units = _units(found)
+    rows = []
+    for name, value in zip(found.fit.names, found.fit.values):
+        low, high = found.fit.intervals[name]
+        known = np.isfinite([low, high]).all()
+        interval = f"{number(low, 5)}…{number(high, 5)}" if known else "not determined by this data"
+        rows.append((_pretty(name), number(float(value), 5), interval, units.get(name, "")))
+    converged = "" if found.fit.converged else " The fit did not converge."
+    return table(
+        ("Parameter", "Value", "95 % interval", "Unit"),
+        rows,
+        f"The {found.surface} surface (5.5), {found.fit.points} points on {found.fit.curves} curves. Intervals assume "
+        f"equal independent noise at every point (residual σ {found.fit.sigma:.3g} {found.model.unit}).{converged}",
+    )
+
+
+def _units(found: Identification) -> dict[str, str]:
+    u, y = found.model.input.unit, found.model.unit
+    units = {"x2": f"1/{u}", "x3": u, "x4": f"1/{u}", "y_upper": y, "y_lower": y}
+    return units | {
+        "constant": {"x5": u},
+        "parabolic": {"x5": f"1/{u}", "x6": "1", "x7": u},
+        "exponential": {"x5": u, "x6": f"1/{u}", "x7": u},
+    }.get(found.surface, {})
+
+
+def _pretty(name: str) -> str:
+    return {"y_upper": "y(u₊, u₊)", "y_lower": "y(u₊, u₋)"}.get(
+        name, name.translate(str.maketrans("234567", "₂₃₄₅₆₇"))
+    )
+
+
+def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
+    """Classes of μ as in Table 5.2, with its extremes and the reversible part."""
+    rows = []
+    for name, one in found.items():
+        d = report_of(one)
+        share = f"{100 * d.reversible_share:.1f} %" if np.isfinite(d.reversible_share) else "—"
+        cells = f"; {d.negative_cells} of {d.cells} cells negative" if d.cells else ""
+        at = f"({number(d.mu_min_at[0])}, {number(d.mu_min_at[1])})"
+        rows.append(
+            (
+                name,
+                "yes" if d.M_PC else "no",
+                ("yes" if d.M_P else "no") + cells,
+                number(d.mu_min),
+                at,
+                number(d.mu_max),
+                share,
+            )
+        )
+    unit = density_unit(run)
+    header = (
+        "Surface",
+        M_PC,
+        M_P,
+        f"min μ ({unit})",
+        f"at (α, β) ({run.input_unit})",
+        f"max μ ({unit})",
+        "reversible share",
+    )
+    return table(
+        header,
+        rows,
+        joined(
+            [
+                "Class of the weighting function (Table 5.2). ",
+                M_PC,
+                ": bounded, piecewise continuous. ",
+                M_P,
+                _CLASS_WORDS,
+            ]
+        ),
+    )
+
+
+_CLASS_WORDS = ": besides, μ ≥ 0 everywhere; passivity and the stability theorems need it."
+
+
+def calibration_table(found: Calibration) -> Html:
+    """The wire's own constants with intervals, and what the data cannot give."""
+    rows = [
+        (name, f"{e.value:.4g}", f"{e.ci95[0]:.4g} to {e.ci95[1]:.4g}", e.unit, e.source, thousands(e.n))
+        for name, e in found.parameters.items()
+    ]
+    rows += [(name, "—", "—", "", why, "") for name, why in found.not_available.items()]
+    return table(
+        ("Constant", "Value", "95 % interval", "Unit", "From", "n"),
+        rows,
+        "Constants of the wire, calibrated.",
+    )
