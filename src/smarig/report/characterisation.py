@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from smarig.record import Run
 from smarig.report.conditions import label_of, protocol_of
+from smarig.report.decimate import POINTS
 from smarig.report.evidence import Evidence
 from smarig.report.figure import Figure
 from smarig.report.figures_density import density_figure, maps_figure
@@ -27,6 +28,7 @@ from smarig.report.tables_model import (
 )
 
 Parts = Iterator[Html | Figure]
+_ALL_POINTS = 10_000  # a channel over all runs: the page stays below 7 MB however many there are
 
 
 def characterisation_page(evidence: Evidence) -> str:
@@ -64,9 +66,10 @@ def _findings(e: Evidence) -> Parts:
 
 
 def _time(e: Evidence) -> Parts:
+    points = min(POINTS, _ALL_POINTS // max(1, len(e.runs)))
     for run in _with_samples(e):
         if run.has("t_s"):
-            yield time_series(run)
+            yield time_series(run, points)
 
 
 def _loops(e: Evidence) -> Parts:

@@ -59,9 +59,9 @@ class Figure:
         badge = joined([badge_of(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
-        return tag(
-            "figure", tag("div", *panels, class_="panels", style=f"--least:{self.least_px}px"), caption
-        )
+        kind = "panels one" if len(panels) == 1 else "panels"
+        frame = tag("div", *panels, class_=kind, style=f"--least:{self.least_px}px")
+        return tag("figure", frame, caption)
 
 
 def badge_of(label: str) -> Html:
@@ -76,7 +76,7 @@ def _panel(panel: Panel, label: str) -> Html:
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
-    return tag("div", script, class_="plot wide" if panel.wide else "plot", style=f"height:{panel.height}px")
+    return tag("div", script, class_="plot wide" if panel.wide else "plot", style=f"--high:{panel.height}px")
 
 
 def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:

@@ -49,8 +49,11 @@ def _time_unit(span_s: float) -> tuple[float, str]:
     return (3600.0, "h") if span_s > 6 * 3600 else (60.0, "min") if span_s > 600 else (1.0, "s")
 
 
-def time_series(run: Run) -> Figure:
-    """Current, hysteresis input and output against time, one above the other, marks included."""
+def time_series(run: Run, points: int = POINTS) -> Figure:
+    """Current, hysteresis input and output against time, one above the other, marks included.
+
+    At most ``points`` points a channel, of every stretch its least and greatest value.
+    """
     t, t_title = clock(run)
     names = [row for row in _ROWS if run.has(row[0])]
     if run.has("current_A"):
@@ -62,7 +65,7 @@ def time_series(run: Run) -> Figure:
         "showlegend": False,
     }
     for k, (name, title, colour) in enumerate(names):
-        kept = envelope(run[name])
+        kept = envelope(run[name], points)
         data.append(
             line(t[kept], run[name][kept], title or titles[name], colour, width=1.1, yaxis=f"y{_nth(k)}")
         )
@@ -84,7 +87,7 @@ def time_series(run: Run) -> Figure:
         trace["showlegend"] = False
     thinned = (
         f"Drawn from {thousands(len(run))} samples as the least and greatest of equal stretches, so no peak is lost."
-        if len(run) > POINTS
+        if len(run) > points
         else ""
     )
     kept_out = " Marked: " + ", ".join(f"{m['name']}" for m in marked) + "." if marked else ""

@@ -31,10 +31,13 @@ _DRAW = """
  }
  function step(){ if(next<plots.length){ draw(plots[next++]); setTimeout(step,0); } }
  function all(){ while(next<plots.length) draw(plots[next++]); }
- function fit(){ plots.forEach(div=>Plotly.relayout(div,{width:div.clientWidth,height:div.clientHeight})); }
- addEventListener('beforeprint',()=>{ all(); document.body.style.width='700px'; fit(); });
- addEventListener('afterprint',()=>{ document.body.style.width='';
-  plots.forEach(div=>Plotly.relayout(div,{width:null,height:null,autosize:true})); });
+ function fit(size){ plots.forEach(div=>Plotly.relayout(div,
+  {width:div.clientWidth,height:div.clientHeight,'font.size':size})); }
+ addEventListener('beforeprint',()=>{ all(); document.querySelectorAll('details').forEach(d=>d.open=true);
+  document.body.classList.add('printing'); fit(10); });
+ addEventListener('afterprint',()=>{ document.body.classList.remove('printing');
+  plots.forEach(div=>Plotly.relayout(div,{width:null,height:null,autosize:true,
+   'font.size':div.clientWidth<520?11:13})); });
  step();
 })();
 """

@@ -110,14 +110,15 @@ code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow
 .notice.bad{border-color:#D55E00;background:#fdf0e8}
 figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
 figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px}
-.plot{width:100%;min-width:0;position:relative}.plot.wide{grid-column:1/-1}
+.plot{width:100%;min-width:0;position:relative;height:var(--high)}.plot.wide{grid-column:1/-1}
 .pairs,.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:0 28px;
- align-items:start}.columns{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}.columns td{white-space:nowrap}
+ align-items:start}
+.columns{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}.columns td{white-space:nowrap}
 figcaption{font-size:14px;line-height:1.5;color:#333a44;max-width:100ch;margin-top:4px;overflow-wrap:anywhere}
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:700}
 .twin{display:inline-block;background:var(--amber);color:#111;font-weight:700;font-size:12px;padding:0 6px;
  border-radius:2px;letter-spacing:.03em;white-space:nowrap}
-.table{overflow-x:auto;margin:16px 0 22px;break-inside:avoid}
+.table{overflow-x:auto;margin:16px 0 22px}
 table{border-collapse:collapse;font-size:14px;line-height:1.4;min-width:min(100%,420px)}
 caption{text-align:left;font-size:14px;color:#333a44;padding-bottom:6px;max-width:100ch}
 caption::before{counter-increment:table;content:"Table " counter(table) ". ";font-weight:700}
@@ -129,10 +130,15 @@ details{margin:10px 0}summary{cursor:pointer;color:var(--blue)}pre{overflow-x:au
 footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding:14px 0 40px}
 @media (max-width:600px){body{font-size:15px}main,header.top{padding:0 14px}nav{padding:7px 14px}
  .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}}
-@media print{@page{size:A4;margin:14mm 12mm}body{font-size:10pt}.sticky{position:static}nav{display:none}
- main,header.top{padding:0;max-width:none}section{margin:22px 0}.pairs,.columns{grid-template-columns:1fr 1fr}
- h2,h3{break-after:avoid}.modebar{display:none!important}
- .twinbar,.notice,.card,.twin{-webkit-print-color-adjust:exact;print-color-adjust:exact}
- .cards{grid-template-columns:repeat(3,1fr)}figcaption,table,caption{font-size:8.5pt}.card strong{font-size:15pt}
- figure .panels{grid-template-columns:repeat(auto-fit,minmax(min(100%,min(300px,var(--least,300px))),1fr))}}
+/* .printing is set before the figures are fitted to the paper, so that screen and print agree on every width */
+body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
+.printing main,.printing header.top{padding:0;max-width:none}.printing section{margin:20px 0}
+.printing .plot{height:calc(var(--high)*.66)}.printing .cards{grid-template-columns:repeat(5,1fr);gap:6px}
+.printing .card{padding:6px 8px}.printing .card strong{font-size:12pt}.printing .card span,.printing .card small{font-size:8pt}
+.printing .pairs,.printing .columns,.printing .panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:6px}
+.printing .panels.one,.printing .pairs .panels{grid-template-columns:minmax(0,1fr)}
+.printing figcaption,.printing table,.printing caption{font-size:8pt}.printing th,.printing td{padding:2px 8px 2px 0}
+.printing .columns td{white-space:normal}.printing td{min-width:2.5em}.printing .table{overflow:visible}
+@media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}tr,.card,.notice{break-inside:avoid}
+ .twinbar,.notice,.card,.twin{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 """.replace("FONT", FONT)
