@@ -22,7 +22,12 @@ def label_of(*runs: Run) -> str:
 
 def protocol_of(run: Run) -> str:
     """The protocol's name for readers."""
-    return str(run.meta.get("protocol") or "unnamed protocol").replace("_", " ")
+    return str(run.meta.get("protocol") or "unnamed").replace("_", " ").replace("sma ", "SMA ")
+
+
+def sentence(words: str) -> str:
+    """The words with a capital at the beginning."""
+    return words[:1].upper() + words[1:]
 
 
 def place(run: Run) -> str:
@@ -60,8 +65,8 @@ def duration_s(run: Run) -> float:
 
 
 def exact_unit(unit: str) -> str:
-    """A unit with raised powers: kg/m^3 as kg/m³."""
-    return unit.replace("^2", "²").replace("^3", "³")
+    """A unit as it is written: kg/m³ for kg/m^3, °C for degC."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
 
 
 def input_title(run: Run) -> str:
@@ -75,8 +80,8 @@ def output_title(run: Run) -> str:
 
 
 def _titled(quantity: str, unit: str) -> str:
-    words = (quantity[:1].upper() + quantity[1:]).replace("T1 - T2", "T₁ − T₂")
-    return f"{words} ({unit})" if unit else words
+    words = sentence(quantity).replace("T1 - T2", "T₁ − T₂")
+    return f"{words} ({exact_unit(unit)})" if unit else words
 
 
 def count_size(run: Run) -> float:

@@ -12,7 +12,7 @@ from smarig.record import Run
 from smarig.report.conditions import count_size, input_title, label_of, output_title, place, protocol_of
 from smarig.report.decimate import path
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
-from smarig.report.numbers import thousands
+from smarig.report.numbers import number, thousands
 from smarig.report.style import BAD, COOLING, HEATING, INK, colours
 
 Array = NDArray[np.float64]
@@ -111,14 +111,14 @@ def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.int
     """Named groups of row indices, −1 for a gap."""
     if not known.size:
         return []
-    if not _reversal(run):
+    step = run["step"][known]
+    numbers = np.unique(step[step >= 0])
+    if not _reversal(run) or not numbers.size:
         groups = np.array_split(known, min(_GROUPS, max(1, known.size // 20)))
         return [
             (f"readings {g[0] + 1} to {g[-1] + 1}", g[path(run["input"][g], run["position"][g], 1500)])
             for g in groups
         ]
-    step = run["step"][known]
-    numbers = np.unique(step[step >= 0])
     named = []
     for some in np.array_split(numbers, min(_GROUPS, numbers.size)):
         pieces = [known[step == number] for number in some]
@@ -126,7 +126,9 @@ def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.int
         least = max(60, 6000 // max(1, numbers.size))
         thin = [p[path(run["input"][p], run["position"][p], least)] for p in pieces]
         rows = np.concatenate([np.append(p, -1) for p in thin])
-        named.append((f"reversal at {starts[0]:.3g} to {starts[-1]:.3g} {run.input_unit}", rows))
+        named.append(
+            (f"reversal at {number(starts[0], 4)} to {number(starts[-1], 4)} {run.input_unit}", rows)
+        )
     return named
 
 

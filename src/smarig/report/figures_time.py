@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from smarig.errors import SmarigError
 from smarig.model.actuator import Actuator
 from smarig.record import Run
-from smarig.report.conditions import input_title, label_of, output_title, place, protocol_of
+from smarig.report.conditions import input_title, label_of, output_title, place, protocol_of, sentence
 from smarig.report.decimate import POINTS, envelope
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, tag_free
 from smarig.report.numbers import thousands
@@ -93,7 +93,7 @@ def time_series(run: Run, points: int = POINTS) -> Figure:
     kept_out = " Marked: " + ", ".join(f"{m['name']}" for m in marked) + "." if marked else ""
     return Figure(
         [Panel([*data, *marked], layout, max(220, 150 * len(names) + 60))],
-        f"{protocol_of(run).capitalize()} against time.",
+        f"{sentence(protocol_of(run))} against time.",
         [_rows_words(run), thinned + kept_out, place(run)],
         label_of(run),
     )

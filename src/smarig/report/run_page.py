@@ -7,13 +7,21 @@ import numpy as np
 from smarig.errors import DataError
 from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.record import Run
-from smarig.report.conditions import count_size, duration_s, label_of, marks, protocol_of
+from smarig.report.conditions import (
+    count_size,
+    duration_s,
+    exact_unit,
+    label_of,
+    marks,
+    protocol_of,
+    sentence,
+)
 from smarig.report.figure import Figure
 from smarig.report.figures_hysteresis import hysteresis
 from smarig.report.figures_representation import representation_figure
 from smarig.report.figures_time import initialisation, time_series
 from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag
-from smarig.report.numbers import duration, thousands
+from smarig.report.numbers import duration, number, thousands
 from smarig.report.page import Section, page
 from smarig.report.tables import (
     conditions_table,
@@ -39,7 +47,7 @@ def run_page(run: Run) -> str:
         ),
         Section("Provenance", "Provenance", [provenance_table({protocol_of(run): run})]),
     ]
-    title = f"{protocol_of(run).capitalize()} run"
+    title = f"{sentence(protocol_of(run))} run"
     return page(title, lead(run), sections, label=label_of(run), notices=[*endings([run]), *_warnings(run)])
 
 
@@ -89,14 +97,19 @@ def lead(run: Run) -> str:
 
 def headline(run: Run) -> Html:
     """The numbers of one run that matter."""
-    m, size = marks(run), count_size(run)
+    m, size = marks(run), 0.0 if run.meta.get("imported") else count_size(run)
     known = run["position"][np.isfinite(run["position"])]
-    travel = f"{np.ptp(known):.4g} {run.unit}" if known.size else "none"
+    travel = f"{number(float(np.ptp(known)), 4)} {exact_unit(run.unit)}" if known.size else "none"
     bad = m.timed_out + m.interrupted
+    timed = np.isfinite(duration_s(run))
     return cards(
         [
             ("Travel", travel, f"{np.ptp(known) / size:.0f} counts" if known.size and size else ""),
-            ("Duration", duration(duration_s(run)), "first to last sample"),
+            (
+                "Duration",
+                duration(duration_s(run)),
+                "first to last sample" if timed else "no time was recorded",
+            ),
             (
                 "Samples",
                 thousands(m.samples),
@@ -108,17 +121,17 @@ def headline(run: Run) -> Html:
 
 
 def endings(runs: list[Run]) -> list[Html]:
-    """A box for every run that did not end as planned."""
-    boxes = []
-    for run in runs:
-        if not run.complete or run.cause != "done":
-            boxes.append(
-                notice(
-                    "bad",
-                    paragraph(tag("b", f"Incomplete run {run.path.name}."), f" It ended early: {run.cause}"),
-                )
-            )
-    return boxes
+    """A box for every run that did not end as planned, with the cause."""
+    return [
+        notice(
+            "bad",
+            paragraph(
+                tag("b", f"Incomplete run {run.path.name}: "), run.cause.removeprefix("incomplete: "), "."
+            ),
+        )
+        for run in runs
+        if not run.complete or run.cause != "done"
+    ]
 
 
 def _warnings(run: Run) -> list[Html]:

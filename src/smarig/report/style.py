@@ -72,7 +72,7 @@ def template() -> dict[str, Any]:
             "xaxis": _axis(),
             "yaxis": _axis(),
             "hovermode": "closest",
-            "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
+            "legend": {"orientation": "h", "x": 0, "y": 1.07, "yanchor": "bottom", "font": {"size": 12}},
             "scene": {"xaxis": scene_axis, "yaxis": scene_axis, "zaxis": scene_axis},
         }
     }
@@ -134,7 +134,8 @@ footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding
 body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
 .printing main,.printing header.top{padding:0;max-width:none}.printing section{margin:20px 0}
 .printing .plot{height:calc(var(--high)*.66)}.printing .cards{grid-template-columns:repeat(5,1fr);gap:6px}
-.printing .card{padding:6px 8px}.printing .card strong{font-size:12pt}.printing .card span,.printing .card small{font-size:8pt}
+.printing .card{padding:6px 8px}.printing .card strong{font-size:12pt}
+.printing .card span,.printing .card small{font-size:8pt}
 .printing .pairs,.printing .columns,.printing .panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:6px}
 .printing .panels.one,.printing .pairs .panels{grid-template-columns:minmax(0,1fr)}
 .printing figcaption,.printing table,.printing caption{font-size:8pt}.printing th,.printing td{padding:2px 8px 2px 0}

@@ -1,0 +1,192 @@
+"""The characterisation page holds the numbers that were found, in the promised order, in one small file."""
+
+from dataclasses import replace
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from tests.report.pages import LOADING, Page, unpacked
+
+from smarig.characterise import characterise
+from smarig.identification.density import density_report
+from smarig.report.characterisation import characterisation_page
+
+
+@pytest.fixture(scope="module")
+def evidence(tmp_path_factory):
+    """What characterising the one-wire twin finds."""
+    return characterise("one_wire_twin", tmp_path_factory.mktemp("one"), seed=2).evidence
+
+
+@pytest.fixture(scope="module")
+def text(evidence):
+    return characterisation_page(evidence)
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return Page(text)
+
+
+def test_it_is_one_small_file_that_loads_nothing(page, text):
+    assert len(text.encode()) < 7e6
+    assert text.count("plotly.js v") == 1
+    for name, attributes in page.tags:
+        assert name not in ("link", "iframe", "object", "embed", "base", "img")
+        for key in LOADING:
+            assert attributes.get(key, "#").startswith("#")
+    style = text[text.index("<style>") : text.index("</style>")]
+    assert "url(" not in style
+    assert "@import" not in style
+
+
+def test_the_sections_come_in_the_promised_order(page):
+    words = (
+        "Summary",
+        "Rig",
+        "Discoveries",
+        "time series",
+        "Hysteresis",
+        "Wiping-out",
+        "First-order",
+        "Weighting",
+    )
+    places = [
+        next(k for k, h in enumerate(page.headings) if word in h)
+        for word in (*words, "never saw", "Provenance")
+    ]
+    assert places == sorted(places)
+    links = [a["href"] for name, a in page.tags if name == "a"]
+    assert set(links) <= {"#" + a["id"] for _, a in page.tags if "id" in a}
+
+
+def test_the_five_numbers(evidence, page):
+    judged = evidence.verifications[evidence.chosen].runs[0]
+    e = judged.settled
+    assert f"{e.rms:.3g} mm" in page.card("Model error on held-out data")
+    assert f"noise floor {judged.noise_floor:.2g} mm" in page.card("Model error on held-out data")
+    assert f"n = {e.n}" in page.card("Model error on held-out data")
+    travel = max(np.ptp(run.points()[1]) for run in evidence.runs.values() if len(run.settled) > 1)
+    assert f"{travel:.4g} mm" in page.card("Travel")
+    assert "not in MP" in page.card("Class of μ")  # one_e is known to have negative density (Table 5.2)
+    hours = sum(run["t_s"][-1] - run["t_s"][0] for run in evidence.runs.values()) / 3600
+    assert f"{hours:.2f} h" in page.card("Rig time")
+    assert "65 FOD points on 10 curves" in page.card("Settled points")
+
+
+def test_table_5_1_and_5_2(evidence, page):
+    for name, found in evidence.identifications.items():
+        row = next(
+            r
+            for t in page.tables
+            if t[0][0] == "Surface" and "rms" in t[0][1]
+            for r in t
+            if r[0].startswith(name)
+        )
+        assert float(row[1]) == pytest.approx(found.model.fit["rms"], rel=1e-3)
+        assert float(row[2]) == pytest.approx(found.model.fit["norm2"], rel=1e-3)
+        assert float(row[3]) == pytest.approx(found.model.fit["weighted_norm2"], rel=1e-3)
+        assert float(row[4]) == pytest.approx(evidence.verifications[name].runs[0].settled.rms, rel=1e-2)
+        category = next(r for r in classes if r[0] == name)
+        assert category[2].startswith("yes" if found.density.M_P else "no")
+
+
+def test_parameters_with_intervals(evidence, page):
+    low, high = evidence.best.fit.intervals["x2"]
+    table = next(t for t in page.tables if t[0][0] == "Parameter")
+    assert table[1][0] == "x₂"
+    assert float(table[1][1]) == pytest.approx(evidence.best.fit.values[0], rel=1e-4)
+    assert [float(v) for v in table[1][2].split("…")] == pytest.approx([low, high], rel=1e-3)
+
+
+def test_the_density_map_is_white_at_zero_and_marks_the_minimum(evidence, page):
+    maps = {
+        p["layout"]["title"]["text"]: p for p in page.plots if p["data"] and p["data"][0]["type"] == "heatmap"
+    }
+    assert list(maps) == list(evidence.identifications)
+    for name, plot in maps.items():
+        heat = plot["data"][0]
+        assert heat["zmin"] == -heat["zmax"]
+        d = density_report(evidence.identifications[name].model.hysteresis)
+        cross = next(t for t in plot["data"] if t.get("name") == "minimum")
+        assert (unpacked(cross["y"])[0], unpacked(cross["x"])[0]) == pytest.approx(d.mu_min_at)
+        z = unpacked(heat["z"])
+        assert np.nanmin(z) < 0 or d.M_P
+        outlined = any(t["type"] == "contour" for t in plot["data"])
+        assert outlined == (name != "table" and not d.M_P)
+
+
+def test_the_residuals_drawn_are_model_minus_measured(evidence, page):
+    judged = evidence.verifications[evidence.chosen].runs[0]
+    drawn = [t for t in page.traces("model − measured") if unpacked(t["y"]).size == judged.input.size]
+    assert len(drawn) == 2
+    for trace in drawn:
+        np.testing.assert_allclose(unpacked(trace["y"]), judged.predicted - judged.measured)
+    np.testing.assert_allclose(unpacked(drawn[1]["x"]), judged.input)
+
+
+def test_the_replayed_model_passes_the_measured_peaks(evidence, page):
+    inputs, outputs = next(iter(evidence.of("first_order_descending"))).points()
+    trace = next(t for t in page.traces("model, f exponential"))
+    u, y = unpacked(trace["x"]), unpacked(trace["y"])
+    np.testing.assert_allclose(u[::12], inputs, rtol=1e-5, atol=1e-4)
+    assert np.abs(y[::12] - outputs).max() < 0.02  # a twentieth of what the constant surface misses
+
+
+def test_every_caption_says_twin_n_and_rig(page):
+    assert len(page.captions) > 15
+    for caption in page.captions:
+        assert caption.startswith("TWIN")
+        assert "n = " in caption
+        assert "one_wire_twin" in caption
+
+
+def test_every_trace_and_layout_is_one_plotly_accepts(page):
+    for plot in page.plots:
+        plot["layout"].pop("narrow", None)
+        go.Figure(plot["data"], plot["layout"])
+        for trace in plot["data"]:
+            if trace["type"] == "scatter":
+                assert unpacked(trace["x"]).size < 3000
+
+
+def test_provenance_names_every_run_with_its_hash(evidence, page):
+    import hashlib
+
+    for run in evidence.runs.values():
+        assert page.row(run.path.name)[-1] == hashlib.sha256(run.path.read_bytes()).hexdigest()
+    assert evidence.command in page.visible
+
+
+def test_prop_4_6_is_told_in_its_one_proved_direction(evidence, page):
+    assert evidence.best.curves.cross
+    assert "cross inside the major loop, so the wire's own μ is negative" in page.visible
+    curves = replace(evidence.best.curves, cross=False)
+    best = replace(evidence.best, curves=curves)
+    silent = replace(evidence, identifications={**evidence.identifications, evidence.chosen: best})
+    assert "prove nothing about the sign of μ" in Page(characterisation_page(silent)).visible
+
+
+def test_an_interrupted_run_is_announced_at_the_top(evidence):
+    name, run = next(iter(evidence.runs.items()))
+    cut = replace(run, meta={**run.meta, "end": {"cause": "hung up (SIGHUP)"}})
+    page = Page(characterisation_page(replace(evidence, runs={**evidence.runs, name: cut})))
+    assert page.visible.index("hung up (SIGHUP)") < page.visible.index("Summary1"[:7], 400)
+
+
+def test_what_people_typed_stays_text(evidence):
+    evil = "<script>alert(1)</script>"
+    text = characterisation_page(
+        replace(evidence, title=evil, discoveries=(evil,), warnings=(evil,), command=evil)
+    )
+    assert evil not in text
+    assert Page(text).visible.count(evil) >= 4
+
+
+def test_a_campaign_without_a_model_or_validation_still_gives_a_page(evidence):
+    bare = replace(evidence, identifications={}, verifications={}, representation=(), calibration=None)
+    page = Page(characterisation_page(bare))
+    assert "No model was identified" in page.visible
+    assert "unknown" in page.card("Model error on held-out data")
+    blind = Page(characterisation_page(replace(evidence, verifications={})))
+    assert "No held-out run" in blind.visible

@@ -1,0 +1,174 @@
+"""The page of one run: of any kind, however it ended, whatever it lacks."""
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+from tests.report.pages import LOADING, Page, run_of, step, unpacked
+
+from smarig.record import Event
+from smarig.report.run_page import run_page
+from smarig.runner.session import Session
+from smarig.sample import Quality
+
+TEMPERATURE = {"quantity": "temperature", "unit": "degC"}
+STRAIN = {"quantity": "strain", "unit": "mm/mm"}
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory):
+    """A short run of the two-wire twin's initialisation and one of wiping-out on the one-wire twin."""
+    from smarig.record import load_run
+
+    folder = tmp_path_factory.mktemp("runs")
+    with Session("two_wire_twin", seed=3) as session:
+        start = session.run("initialise", {"cycles": 4}, folder / "i.run.sqlite")
+    with Session("one_wire_twin", seed=3) as session:
+        test = session.run(
+            "wiping_out", {"points_per_branch": 2}, folder / "w.run.sqlite", notes="<script>1</script>"
+        )
+    return load_run(start), load_run(test)
+
+
+def test_a_twin_run_shows_its_numbers_and_says_what_it_is(twin):
+    run = twin[1]
+    text = run_page(run)
+    page = Page(text)
+    assert page.visible.startswith("TWIN")
+    assert all("TWIN" in c and "one_wire_twin" in c and f"n = {len(run.settled)}" in c for c in page.captions)
+    travel = np.ptp(run["position"])
+    assert f"{travel:.4g} mm" in page.card("Travel")
+    counted = page.row("wiping out")
+    assert int(counted[3]) == len(run.steps)
+    assert int(counted[4]) == sum(s.verdict == "settled" for s in run.steps)
+    assert page.row("One count")[1:3] == ["0.04712", "mm"]
+    assert page.row("Resistance martensite")[1:] == ["5", "ohm", "section 5.1.3"]
+    assert page.row("Notes")[1] == "<script>1</script>"
+    assert "<script>1</script>" not in text
+    assert "retraces segment A" in page.visible
+
+
+def test_the_settled_points_are_drawn_as_measured(twin):
+    run = twin[1]
+    drawn = Page(run_page(run)).traces("settled points")[0]
+    inputs, outputs = run.points()
+    np.testing.assert_allclose(unpacked(drawn["x"]), inputs)
+    np.testing.assert_allclose(unpacked(drawn["y"]), outputs)
+
+
+def test_the_direction_of_travel_is_drawn(twin):
+    page = Page(run_page(twin[1]))
+    for name, sign in (("rising input", 1), ("falling input", -1)):
+        trace = page.traces(name)[0]
+        moves = np.diff(unpacked(trace["x"]).reshape(-1, 3)[:, :2], axis=1)
+        assert moves.size
+        assert np.all(np.sign(moves) == sign)
+
+
+def test_initialisation_shows_the_wire_against_what_was_asked(twin):
+    run = twin[0]
+    page = Page(run_page(run))
+    wire, asked = page.traces("wire temperature")[0], page.traces("asked")[0]
+    assert unpacked(asked["y"]).max() == pytest.approx(185, abs=0.5)
+    assert 100 < unpacked(wire["y"]).max() < unpacked(asked["y"]).max()
+    assert "In 4 cycles" in page.visible or "In 5 cycles" in page.visible
+
+
+def test_every_trace_and_layout_is_one_plotly_accepts(twin):
+    for run in twin:
+        for plot in Page(run_page(run)).plots:
+            plot["layout"].pop("narrow", None)
+            go.Figure(plot["data"], plot["layout"])
+
+
+def test_long_runs_are_drawn_with_few_points_and_all_extremes(twin):
+    run = twin[0]
+    trace = Page(run_page(run)).traces("Shaft angle")[0]
+    y = unpacked(trace["y"])
+    assert len(run) > 3000 > y.size
+    assert y.max() == pytest.approx(run["position"].max(), rel=1e-6)
+    assert y.min() == pytest.approx(run["position"].min(), rel=1e-6)
+
+
+def test_an_empty_run_gives_a_page():
+    page = Page(run_page(run_of()))
+    assert "nothing to draw" in page.visible
+    assert page.plots == []
+
+
+@pytest.mark.parametrize(
+    ("end", "words"), [(None, "never closed"), ("stopped: the <b>lease</b> expired", "<b>lease</b>")]
+)
+def test_a_run_that_ended_early_says_so_at_the_top_with_its_cause(end, words):
+    page = Page(run_page(run_of(end=end)))
+    at = page.visible.index("Incomplete run made.run.sqlite")
+    assert words in page.visible[at : at + 120]
+    assert at < page.visible.index("Rig and conditions")
+    assert "Incomplete" not in Page(run_page(run_of())).visible
+
+
+def test_what_is_not_as_it_should_be_is_marked_and_counted():
+    n = 400
+    quality = np.zeros(n)
+    quality[[5, 6, 7]] = Quality.SATURATED
+    quality[100] = Quality.RETRIED | Quality.STALE
+    columns = {
+        "t_s": np.arange(n) / 10,
+        "position": np.linspace(0, 1, n),
+        "current_A": np.ones(n),
+        "quality": quality,
+    }
+    steps = (step(0, 1.0, 0.1), step(1, 2.0, 0.5, "timed_out"), step(2, 1.5, 0.4))
+    events = (Event(3.0, "warning", "amplifier", "It saturated.", {}),)
+    page = Page(run_page(run_of(columns, steps, events, source="bench")))
+    counted = dict(zip(*[next(t for t in page.tables if t[0][0] == "Run")[k] for k in (0, 1)]))
+    assert [
+        counted[k] for k in ("Steps", "Settled", "Timed out", "Retried", "Stale", "Saturated", "Tripped")
+    ] == list("3211130"[:7])
+    ringed = page.traces("not settled")[0]
+    assert unpacked(ringed["x"]).tolist() == [2.0]
+    assert unpacked(page.traces("3 saturated")[0]["x"]).tolist() == pytest.approx([0.5, 0.6, 0.7])
+    assert "It saturated." in page.visible
+    assert "TWIN" not in page.visible
+
+
+def test_temperature_strain_cycles_without_time_or_current():
+    t = np.linspace(0, 40 * np.pi, 9000)
+    columns = {"input": 100 + 60 * np.sin(t), "position": 0.02 - 0.02 * np.tanh(np.sin(t - 0.3))}
+    imported = {"file": "<cycles>.txt", "format": "csv"}
+    run = run_of(
+        columns, protocol="sma_cycles", source="import", input=TEMPERATURE, output=STRAIN, imported=imported
+    )
+    page = Page(run_page(run))
+    assert "TWIN" not in page.visible
+    assert "no time was recorded" in page.visible
+    assert "imported from <cycles>.txt" in page.captions[0]
+    (plot,) = page.plots
+    assert plot["layout"]["xaxis"]["title"]["text"] == "Temperature (°C)"
+    assert plot["layout"]["yaxis"]["title"]["text"] == "Strain (mm/mm)"
+    x = np.concatenate([unpacked(trace["x"]) for trace in plot["data"]])
+    assert np.nanmax(x) == columns["input"].max()
+
+
+def test_reversal_curves_are_drawn_one_by_one():
+    fields = [np.linspace(-start, 1, 200) for start in np.linspace(-0.8, 1, 30)]
+    columns = {
+        "input": np.concatenate(fields),
+        "position": np.concatenate([np.tanh(3 * f - 1) for f in fields]),
+        "step": np.repeat(np.arange(30), 200),
+    }
+    page = Page(run_page(run_of(columns, protocol="first_order_reversal_curves", source="import")))
+    gaps = sum(int(np.isnan(unpacked(trace["x"])).sum()) for trace in page.traces("reversal at"))
+    assert gaps == 30
+
+
+def test_reversal_curves_without_numbers_are_still_drawn():
+    columns = {"input": np.linspace(0, 1, 50), "position": np.linspace(0, 1, 50)}
+    assert Page(run_page(run_of(columns, protocol="first_order_reversal_curves"))).plots
+
+
+def test_nothing_is_ever_loaded(twin):
+    for name, attributes in Page(run_page(twin[1])).tags:
+        assert name not in ("link", "iframe", "object", "embed", "base", "img")
+        for key in LOADING:
+            assert attributes.get(key, "#").startswith("#"), f"<{name} {key}={attributes[key]}>"
+        assert "url(" not in attributes.get("style", "")
