@@ -74,7 +74,7 @@ def characterise(
     plan = load_campaign(campaign)
     _check_folder(out, plan, force)
     runs = _run_all(rig, plan, out, seed, wire, force, watching or (lambda _: nullcontext()))
-    evidence = _analyse(rig, plan, runs, started)
+    evidence = _analyse(rig, seed, plan, runs, started)
     evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
     write_page(characterisation_page(evidence), out / "report.html", force=force)
     return Characterisation(out, evidence)
@@ -117,30 +117,14 @@ def _run_all(
     return runs
 
 
-def _analyse(rig: str, plan: CampaignFile, runs: Mapping[str, Run], started: float) -> Evidence:
-    by_purpose = {
-        purpose: [runs[s.name or s.protocol] for s in plan.step if s.purpose == purpose]
-        for purpose in ("train", "held_out")
-    }
-    if not by_purpose["train"]:
-        raise UsageError(
-            f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."
-        )
-    results: dict[str, Identification] = {}
-    warnings: list[str] = []
-    for name in SURFACES:
-        try:
-            results[name] = identify(by_purpose["train"], surface=name)
-        except DataError as error:
-            warnings.append(f"No {name} model: {error}")
-    if not results:
-        raise DataError("No model could be identified. " + " ".join(warnings))
-    verified: dict[str, Verification] = {}
-    if by_purpose["held_out"]:
-        verified = {name: verify(result.model, by_purpose["held_out"]) for name, result in results.items()}
-    chosen = identify(
-        by_purpose["train"], surface="best"
-    ).surface  # by curves of its own: validation only judges
+def _analyse(rig: str, seed: int, plan: CampaignFile, runs: Mapping[str, Run], started: float) -> Evidence:
+    train, held_out = _of_purpose(plan, runs, "train"), _of_purpose(plan, runs, "held_out")
+    if not train:
+        raise UsageError(f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from.")
+    results, refused = _identified(train)
+    verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}
+    chosen = identify(train, surface="best").surface  # by curves of its own: validation only judges
+    actuator = Actuator.named(load_rig(rig).actuator)
     return Evidence(
         title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
         runs=runs,
@@ -148,12 +132,29 @@ def _analyse(rig: str, plan: CampaignFile, runs: Mapping[str, Run], started: flo
         identifications=results,
         chosen=chosen,
         verifications=verified,
-        calibration=calibrate([runs[n] for n in runs], Actuator.named(load_rig(rig).actuator), results[chosen].model.hysteresis),
-        discoveries=_discoveries(rig),
-        warnings=tuple(dict.fromkeys([*warnings, *results[chosen].warnings, *_unsettled(runs)])),
-        command=f"smarig characterise --rig {rig}",
+        calibration=calibrate(list(runs.values()), actuator, results[chosen].model.hysteresis),
+        discoveries=_discoveries(rig, actuator),
+        warnings=tuple(dict.fromkeys([*refused, *results[chosen].warnings, *_unsettled(runs)])),
+        command=f"smarig characterise --rig {rig} --seed {seed}",
         seconds=time.monotonic() - started,
     )
+
+
+def _of_purpose(plan: CampaignFile, runs: Mapping[str, Run], purpose: str) -> list[Run]:
+    return [runs[s.name or s.protocol] for s in plan.step if s.purpose == purpose]
+
+
+def _identified(train: list[Run]) -> tuple[dict[str, Identification], list[str]]:
+    results: dict[str, Identification] = {}
+    refused: list[str] = []
+    for name in SURFACES:
+        try:
+            results[name] = identify(train, surface=name)
+        except DataError as error:
+            refused.append(f"No {name} model: {error}")
+    if not results:
+        raise DataError("No model could be identified. " + " ".join(refused))
+    return results, refused
 
 
 def _representation(runs: Mapping[str, Run]) -> tuple[Representation, ...]:
@@ -161,8 +162,9 @@ def _representation(runs: Mapping[str, Run]) -> tuple[Representation, ...]:
     return tuple(tests[name](run) for name, run in runs.items() if name in tests)
 
 
-def _discoveries(rig: str) -> tuple[str, ...]:
-    if not Session(rig).actuator.two_wire:
+def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
+    """Fig. 5.4 on the rig's own twin: only the differential rig has remnant hysteresis when cold."""
+    if not actuator.two_wire:
         return ()
     return tuple(remnant(rig, method).sentence() for method in ("none", "thesis", "planned"))
 

@@ -3,8 +3,8 @@
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from tests.report.pages import LOADING, Page, run_of, step, unpacked
 
+from report.pages import LOADING, Page, run_of, step, unpacked
 from smarig.record import Event
 from smarig.report.run_page import run_page
 from smarig.runner.session import Session
@@ -33,7 +33,7 @@ def test_a_twin_run_shows_its_numbers_and_says_what_it_is(twin):
     run = twin[1]
     text = run_page(run)
     page = Page(text)
-    assert page.visible.startswith("TWIN")
+    assert page.visible.lstrip().startswith("TWIN")
     assert all("TWIN" in c and "one_wire_twin" in c and f"n = {len(run.settled)}" in c for c in page.captions)
     travel = np.ptp(run["position"])
     assert f"{travel:.4g} mm" in page.card("Travel")
@@ -68,7 +68,10 @@ def test_initialisation_shows_the_wire_against_what_was_asked(twin):
     run = twin[0]
     page = Page(run_page(run))
     wire, asked = page.traces("wire temperature")[0], page.traces("asked")[0]
-    assert unpacked(asked["y"]).max() == pytest.approx(185, abs=0.5)
+    rows = run["step"] == next(s.index for s in run.steps if s.branch == "decay")
+    top = run["current_command_A"][rows].max()
+    assert unpacked(asked["y"]).max() == pytest.approx(185 * top**2, rel=1e-4)  # 185 K at 1 A (§5.4.1)
+    assert unpacked(wire["y"]).max() == pytest.approx(run["input"][rows].max(), rel=1e-6)
     assert 100 < unpacked(wire["y"]).max() < unpacked(asked["y"]).max()
     assert "In 4 cycles" in page.visible or "In 5 cycles" in page.visible
 
@@ -146,7 +149,7 @@ def test_temperature_strain_cycles_without_time_or_current():
     assert plot["layout"]["xaxis"]["title"]["text"] == "Temperature (°C)"
     assert plot["layout"]["yaxis"]["title"]["text"] == "Strain (mm/mm)"
     x = np.concatenate([unpacked(trace["x"]) for trace in plot["data"]])
-    assert np.nanmax(x) == columns["input"].max()
+    assert np.nanmax(x) == pytest.approx(columns["input"].max())
 
 
 def test_reversal_curves_are_drawn_one_by_one():
