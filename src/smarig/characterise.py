@@ -15,7 +15,7 @@ from smarig.errors import DataError, StorageError, UsageError
 from smarig.identification.calibrate import calibrate
 from smarig.identification.identify import Identification, identify
 from smarig.identification.representation import Representation, congruency, wiping_out
-from smarig.identification.verify import Verification, verify
+from smarig.identification.verify import verify
 from smarig.model.actuator import Actuator
 from smarig.record import Run, load_run
 from smarig.report.characterisation import characterisation_page
