@@ -149,6 +149,16 @@ class RigFile(Section):
     amplifier: AmplifierFile
     encoder: EncoderFile
 
+    @model_validator(mode="after")
+    def _reachable(self) -> "RigFile":
+        most = max(self.limits.current_max_A, -self.limits.current_min_A)
+        if most > self.amplifier.saturation_A:
+            raise ValueError(
+                f"limits allow {most:g} A but amplifier.saturation_A is {self.amplifier.saturation_A:g}: "
+                "what is beyond would be cut off silently; lower the limits"
+            )
+        return self
+
 
 class CampaignStep(Section):
     """One protocol of a campaign with its settings."""

@@ -119,17 +119,42 @@ def test_a_damaged_run_is_a_data_error(capsys, tmp_path):
     assert "b.run.sqlite" in err
 
 
-def test_limits_are_rig_faults(capsys, tmp_path):
+def cooled(tmp_path, kelvin):
     from smarig.config import locate
 
     cool = tmp_path / "cool.toml"
     text = locate("rigs", "one_wire_twin").read_text(encoding="utf-8")
-    cool.write_text(text.replace("temperature_max_K = 185.0", "temperature_max_K = 90.0"))
-    status, _, err = call(
-        capsys, "run", "first_order_descending", "--rig", cool, "-o", tmp_path / "r.run.sqlite"
+    cool.write_text(
+        text.replace("temperature_max_K = 185.0", f"temperature_max_K = {kelvin}"), encoding="utf-8"
     )
-    assert status == 3
+    return cool
+
+
+def test_what_would_trip_is_not_started(capsys, tmp_path):
+    arguments = [
+        "run",
+        "minor_loops",
+        "--rig",
+        cooled(tmp_path, 90.0),
+        "--set",
+        "high_A=1",
+        "--set",
+        "loop_s=60",
+    ]
+    status, _, err = call(capsys, *arguments, "-o", tmp_path / "r.run.sqlite")
+    assert status == 2
+    assert "not started" in err
     assert "temperature_max_K = 90" in err
+    assert not (tmp_path / "r.run.sqlite").exists()
+
+
+def test_partitions_follow_the_limits(capsys, tmp_path):
+    cool = cooled(tmp_path, 90.0)
+    status, out, _ = call(capsys, "check", cool, "--protocol", "first_order_descending", "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["input_range_K"] == [0.0, 89.5]
+    assert 89 < found["preview"]["peak_temperature_K"] < 90
 
 
 def test_an_unwritable_folder_is_said(capsys, tmp_path):

@@ -133,3 +133,9 @@ def test_the_template_is_one_plotly_accepts():
 
     go.Figure(layout={"template": template()})
     assert json.dumps(template())
+
+
+def test_a_figure_cannot_end_its_own_script():
+    text = Figure([Panel([], {"title": {"text": "</script><script>alert(1)"}})], "t", [], "").html()
+    assert text.count("<script") == text.count("</script>") == 1
+    assert Page(text).plots[0]["layout"]["title"]["text"] == "</script><script>alert(1)"

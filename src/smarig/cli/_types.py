@@ -8,6 +8,12 @@ from click.shell_completion import CompletionItem
 from smarig.catalogue import names
 from smarig.config import listed
 
+_PACKAGES = {
+    "protocols": "smarig.protocols",
+    "readers": "smarig.exchange.readers",
+    "writers": "smarig.exchange.writers",
+}
+
 
 class Named(click.ParamType):
     """A name from one or more catalogues, or a path; checked where it is used."""
@@ -22,11 +28,7 @@ class Named(click.ParamType):
     ) -> list[CompletionItem]:
         """Names that begin as typed."""
         del ctx, param
-        known = [
-            n
-            for c in self._catalogues
-            for n in (names("smarig.protocols") if c == "protocols" else listed(c))
-        ]
+        known = [n for c in self._catalogues for n in (names(_PACKAGES[c]) if c in _PACKAGES else listed(c))]
         return [CompletionItem(n) for n in known if n.startswith(incomplete)]
 
 

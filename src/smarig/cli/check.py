@@ -8,6 +8,7 @@ from smarig.config import load_rig
 from smarig.errors import LeaseExpired
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import parse_pairs
+from smarig.protocols._setup import Setup
 from smarig.rig.twin import Twin
 from smarig.runner.preview import preview
 
@@ -25,26 +26,30 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...]) -> None:
     """Check a rig's file, constants and lease; preview a protocol on its twin."""
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
+    setup = Setup(actuator, file.limits, file.period_s)
     found = {
         "rig": file.name,
         "kind": file.kind,
         "actuator": actuator.name,
         "tau_s": actuator.tau_s,
         "hA_W_per_K": actuator.hA_W_per_K,
-        "input_range_K": [
-            actuator.input_for(file.limits.current_min_A),
-            actuator.input_for(file.limits.current_max_A),
-        ],
+        "input_range_K": [setup.lower_K, setup.upper_K],
         "position_per_count": actuator.position_per_count(file.encoder.counts_per_rev),
         "unit": actuator.unit,
         "lease_trips": _lease_trips(Twin.named(rig)),
     }
-    lines = [f"{key:>20}: {value}" for key, value in found.items()]
+    lines = [f"{key:>20}: {_short(value)}" for key, value in found.items()]
     if protocol:
         cost = preview(protocol, file, parse_pairs(pairs))
         found["preview"] = cost.__dict__
         lines.append(f"{'preview':>20}: {cost.sentence()}")
     emit(found, "\n".join(lines))
+
+
+def _short(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    return " … ".join(map(_short, value)) if isinstance(value, list) else str(value)
 
 
 def _lease_trips(twin: Twin) -> bool:

@@ -5,14 +5,14 @@ from pathlib import Path
 import click
 
 from smarig.cli._output import emit, json_option
-from smarig.cli._types import FILE
+from smarig.cli._types import FILE, Named
 
 
 @click.command(
     "export", epilog="\b\nExample:\n  smarig export validation.run.sqlite --to csv -o validation.csv"
 )
 @click.argument("run", type=FILE)
-@click.option("--to", "format_", required=True, help="Format: csv, parquet.")
+@click.option("--to", "format_", required=True, type=Named("writers"), help="Format: csv, parquet.")
 @click.option("-o", "--out", type=FILE, required=True, help="File to write.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @json_option

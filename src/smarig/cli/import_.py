@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from smarig.cli._output import emit, json_option, say
-from smarig.cli._types import FILE, RIG
+from smarig.cli._types import FILE, RIG, Named
 
 EPILOG = """\b
 Examples:
@@ -18,8 +18,12 @@ Examples:
 
 @click.command("import", epilog=EPILOG)
 @click.argument("file", type=FILE)
-@click.option("--format", "format_", required=True, help="Format of the file: csv, forc.")
-@click.option("--map", "mapping", help="Mapping file for a CSV: a shipped name or a path.")
+@click.option(
+    "--format", "format_", required=True, type=Named("readers"), help="Format of the file: csv, forc."
+)
+@click.option(
+    "--map", "mapping", type=Named("imports"), help="Mapping file for a CSV: a shipped name or a path."
+)
 @click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
 @click.option("--t0", type=float, help="Where this file begins on a clock shared with other runs, s.")
 @click.option("--wire", help="Identity of the wire.")

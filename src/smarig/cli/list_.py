@@ -54,4 +54,6 @@ def command(kind: str, settings: bool) -> None:
             lines.append(f"  {name:<{width}}  {text}")
             if settings and group == "protocols":
                 lines += [f"  {'':<{width}}    {key} = {default}" for key, default in described(name)]
+    if settings:
+        found["settings"] = {n: dict(described(n)) for n in found.get("protocols", {})}
     emit(found, "\n".join(lines))

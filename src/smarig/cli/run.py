@@ -11,9 +11,10 @@ from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG
 from smarig.config import CampaignStep, listed, load_campaign, load_rig
 from smarig.errors import UsageError
 from smarig.protocols._settings import parse_pairs
-from smarig.record import load_run
+from smarig.record import Run, load_run
 from smarig.runner.preview import preview
 from smarig.runner.session import Session
+from smarig.sample import Quality
 
 EPILOG = """\b
 Examples:
@@ -76,6 +77,8 @@ def command(
                 session.run(step.protocol, step.set, target, listeners=[progress], force=force, notes=notes)
             say(f"{step.protocol}: {target}")
     runs = [load_run(t) for t in targets]
+    for warning in (w for r in runs for w in _marked(r)):
+        say(f"Warning: {warning}")
     emit({"runs": [_summary(r) for r in runs]}, "\n".join(repr(r) for r in runs))
 
 
@@ -92,12 +95,21 @@ def _steps(experiment: str, settings: dict) -> list[CampaignStep]:
     return list(load_campaign(experiment).step)
 
 
-def _summary(run) -> dict:
+def _marked(run: Run) -> list[str]:
+    """Honest numbers: what a person must know although the run is done."""
+    late = sum(s.verdict == "timed_out" for s in run.steps)
+    saturated = int(((run["quality"].astype(int) & Quality.SATURATED) > 0).sum())
+    found = [f"{run.path.name}: {late} of {len(run.steps)} holds did not settle in time."] if late else []
+    return found + ([f"{run.path.name}: {saturated} samples were saturated."] if saturated else [])
+
+
+def _summary(run: Run) -> dict:
     return {
         "run": str(run.path),
         "protocol": run.meta["protocol"],
         "samples": len(run),
         "steps": len(run.steps),
         "timed_out": sum(s.verdict == "timed_out" for s in run.steps),
+        "warnings": _marked(run),
         "cause": run.cause,
     }

@@ -26,7 +26,13 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
             say(f"Warning: {warning}")
     lines = [
         f"{run['run']}: {run['rms']:.4g} {unit} rms (NRMSE {run['nrmse']:.3g}), "
-        f"{run['max_abs']:.4g} {unit} at most, n = {run['n']}"
+        f"{run['max_abs']:.4g} {unit} at most, n = {run['n']}; noise floor {_floor(run, unit)}"
         for run in found["runs"]
     ]
     emit(found, "\n".join(lines))
+
+
+def _floor(run: dict, unit: str) -> str:
+    return (
+        f"{run['noise_floor']:.2g} {unit}" if run["noise_floor"] is not None else "unknown (nothing repeats)"
+    )

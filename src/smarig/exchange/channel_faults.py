@@ -27,11 +27,8 @@ def channel_findings(
         return []
     if np.ptp(values) == 0:
         return [f"{name} is {values[0]:g} {unit} in every row: nominal or not connected, not measured."]
-    return (
-        _clipped(name, unit, values, where)
-        + _spikes(name, unit, values, where)
-        + _steps(name, unit, values, rests)
-    )
+    stuck = [] if rests else _clipped(name, unit, values, where)  # a wire rests at both ends of its travel
+    return stuck + _spikes(name, unit, values, where) + _steps(name, unit, values, rests)
 
 
 def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:

@@ -22,7 +22,7 @@ from smarig.identification.fod_table_data import table
 from smarig.identification.forc_curves import curves_from_run
 from smarig.identification.model_file import Model, NoiseRecord
 from smarig.identification.noise_floor import noise_floor
-from smarig.identification.origin import description, provenance
+from smarig.identification.origin import description, file_hash, provenance
 from smarig.identification.surface_fit import ROOT_WEIGHT, SurfaceFit, Weights, fit_surface
 from smarig.model.fod_surface import FORMS, FodSurface
 from smarig.model.fod_table import FodTable
@@ -113,13 +113,15 @@ def identify(
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     given = _loaded(runs)
-    data = fod_data(given)
-    data = selected(data, select) if select else data
+    if len({file_hash(run) or id(run) for run in given}) < len(given):
+        raise UsageError("The same run was given twice: its points would count double; name each run once.")
+    everything = fod_data(given)
+    data = selected(everything, select) if select else everything
     choice = choose(data, anchor=anchor, weights=weights) if surface == "best" else None
     kind = choice.kind if choice else surface
     fit = fit_surface(data, kind, anchor=anchor, weights=weights) if kind in FORMS else None
     image = fit.surface if fit else _tabulated(given, data, select)
-    density, curves = density_report(image), curve_report(data)
+    density, curves = density_report(image), curve_report(everything)  # a selection says nothing of the range
     hysteresis = Mirrored(image) if data.mirrored else image
     floor = noise_floor(given)
     model = Model(

@@ -59,6 +59,7 @@ class Provenance(_Table):
     rows: int
     start_epoch: float | None = None
     encoder_zero: str | None = None
+    wire: str = ""
 
 
 class _File(_Table):

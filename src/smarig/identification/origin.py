@@ -24,6 +24,7 @@ def provenance(run: Run) -> Provenance:
         rows=len(run),
         start_epoch=float(epoch) if isinstance(epoch, int | float) else None,
         encoder_zero=str(zero) if zero is not None else None,
+        wire=str(run.meta.get("wire") or ""),
     )
 
 

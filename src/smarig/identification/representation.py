@@ -44,7 +44,7 @@ class Representation:
         """One plain sentence."""
         counts = f" ({self.max_abs / self.per_count:.2f} counts)" if self.per_count else ""
         size = f"{self.rms:.3g} {self.unit} rms, {self.max_abs:.3g} {self.unit}{counts} at most"
-        against = f"the noise of the settled points is {self.noise:.2g} {self.unit}"
+        against = f"noise alone gives differences of {self.noise:.2g} {self.unit} rms"
         what = {
             "wiping_out": ("Segment B retraces segment A", "Segment B does not retrace segment A"),
             "congruency": ("The two minor loops have one shape", "The two minor loops differ in shape"),

@@ -61,7 +61,8 @@ def _uncertainty(run: Run, step: Step, rows: slice | None, per_count: float) -> 
     if window.size < 2 * _BLOCKS:
         return per_count / np.sqrt(12)
     used = window[: window.size // _BLOCKS * _BLOCKS].reshape(_BLOCKS, -1).mean(axis=1)
-    scatter = used.std(ddof=1) / np.sqrt(_BLOCKS)
-    still_moving = used[-5:].mean() - used.mean()
-    undithered = per_count / np.sqrt(12) if window.std() < 0.3 * per_count else 0.0
-    return float(np.sqrt(scatter**2 + still_moving**2 + undithered**2))
+    block = used.var(ddof=1)
+    # The end of the window against its mean; what noise alone does to that difference is taken out.
+    moved = (used[-5:].mean() - used.mean()) ** 2 - block * (1 / 5 - 1 / _BLOCKS)
+    undithered = per_count**2 / 12 if window.std() < 0.3 * per_count else 0.0
+    return float(np.sqrt(block / _BLOCKS + max(moved, 0.0) + undithered))

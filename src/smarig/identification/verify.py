@@ -17,7 +17,7 @@ from smarig.identification.fod_data import FORC_PROTOCOL, located
 from smarig.identification.history import named_start
 from smarig.identification.model_file import Model
 from smarig.identification.noise_floor import noise_floor
-from smarig.identification.origin import provenance
+from smarig.identification.origin import file_hash, provenance
 from smarig.identification.selection import matches
 from smarig.identification.simulate import out_of_range, simulate_along, simulate_in_turn
 from smarig.record import Run
@@ -152,7 +152,7 @@ def _judged(
         measured=measured,
         predicted=predicted + shift,
         judged=counts,
-        warnings=_warnings(model, early, outside, kind),
+        warnings=(*_fair(model, run), *_warnings(model, early, outside, kind)),
     )
 
 
@@ -206,6 +206,22 @@ def known_offset(model: Model, run: Run) -> float | None:
     if start is not None and run.meta.get("encoder_zero", "power-up") == "power-up":
         return -model.preisach(start).y
     return None
+
+
+def _fair(model: Model, run: Run) -> list[str]:
+    """Is this a fair judgement? Not on another wire, not on training data, not on half a run."""
+    found = []
+    wires = {p.wire for p in model.provenance if p.wire}
+    wire = run.meta.get("wire")
+    if wire and wires and wire not in wires:
+        found.append(f"The run is of wire '{wire}', the model of {', '.join(sorted(wires))}.")
+    if file_hash(run) in {p.sha256 for p in model.provenance}:
+        found.append(
+            "The model was fitted to this run: the figures say how well it fits, not how well it predicts."
+        )
+    if run.cause != "done":
+        found.append(f"The run is incomplete: {run.cause.removeprefix('incomplete: ')}.")
+    return found
 
 
 def _warnings(model: Model, unknown: int, outside: int, kind: str) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from smarig.command import Hold, Protocol, Settled
 from smarig.errors import UsageError
+from smarig.model.gorbet_1997 import PARTITIONS
 from smarig.protocols._setup import Setup
 
 
@@ -26,6 +27,14 @@ def within_range(setup: Setup, inputs_K: Sequence[float], name: str) -> tuple[fl
                 f"{name}: {value:g} K is outside the rig's range {setup.lower_K:g}…{setup.upper_K:g} K above ambient."
             )
     return tuple(float(v) for v in inputs_K)
+
+
+def default_partition(setup: Setup) -> tuple[float, ...]:
+    """The thesis's partition (§5.4.1), scaled to the range this rig's limits leave."""
+    levels = PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
+    up = setup.upper_K / levels[-1]
+    down = setup.lower_K / levels[0] if levels[0] else 1.0
+    return tuple(level * (up if level > 0 else down) for level in levels)
 
 
 def increasing(setup: Setup, partition_K: Sequence[float], name: str = "partition_K") -> tuple[float, ...]:

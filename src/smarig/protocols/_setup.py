@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from smarig.config import LimitsFile, load_rig
 from smarig.model.actuator import Actuator
 
+_MARGIN_K = 0.5
+
 
 @dataclass(frozen=True)
 class Setup:
@@ -28,12 +30,17 @@ class Setup:
     @property
     def lower_K(self) -> float:
         """Smallest hysteresis input the limits allow, kelvin above ambient."""
-        return self.actuator.input_for(self.limits.current_min_A)
+        return max(self.actuator.input_for(self.limits.current_min_A), -self._hottest_K)
 
     @property
     def upper_K(self) -> float:
         """Largest hysteresis input the limits allow."""
-        return self.actuator.input_for(self.limits.current_max_A)
+        return min(self.actuator.input_for(self.limits.current_max_A), self._hottest_K)
+
+    @property
+    def _hottest_K(self) -> float:
+        """The temperature limit less what the prediction's own noise needs."""
+        return self.limits.temperature_max_K - _MARGIN_K
 
     @property
     def tau_s(self) -> float:

@@ -1,8 +1,7 @@
 """The mirror of the FOD protocol (§4.2): first-order ascending (FOA) curves."""
 
 from smarig.command import Mark, Protocol, Settled
-from smarig.model.gorbet_1997 import PARTITIONS
-from smarig.protocols._moves import increasing, saturate, settle_at
+from smarig.protocols._moves import default_partition, increasing, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -14,8 +13,7 @@ def first_order_ascending(
     A classical Preisach operator gives the same density from either set; comparing them tests it.
     """
     settle = settle or Settled()
-    default = PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
-    levels = increasing(setup, partition_K or default)
+    levels = increasing(setup, partition_K or default_partition(setup))
     yield Mark("first-order ascending", {"partition_K": list(levels)})
     yield from saturate(setup, settle)
     yield from saturate(setup, settle, upper=True)

@@ -1,8 +1,7 @@
 """The identification protocol of §3.4 and §5.4.1: first-order descending (FOD) curves."""
 
 from smarig.command import Mark, Protocol, Settled
-from smarig.model.gorbet_1997 import PARTITIONS
-from smarig.protocols._moves import increasing, saturate, settle_at
+from smarig.protocols._moves import default_partition, increasing, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -12,11 +11,11 @@ def first_order_descending(
     """First-order descending curves over a partition: the identification data of a Preisach model.
 
     From negative saturation u₀ rise to α = u_i, then fall through u_{i−1} … u₀; for i = 1 … n. With n
-    segments that is n curves and n(n+3)/2 points y(α, β). Default: the thesis's partitions.
+    segments that is n curves and n(n+3)/2 points y(α, β). Default: the thesis's
+    partitions, scaled to the rig's range.
     """
     settle = settle or Settled()
-    default = PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
-    levels = increasing(setup, partition_K or default)
+    levels = increasing(setup, partition_K or default_partition(setup))
     yield Mark("first-order descending", {"partition_K": list(levels)})
     yield from saturate(setup, settle)
     yield from settle_at(setup, levels[:1], "base", settle)

@@ -40,8 +40,8 @@ def initialise(
 
 def _planned(setup: Setup, cycles: int) -> Protocol:
     swing = Elapsed(_SWING_TAUS * setup.tau_s)
-    yield Hold(setup.limits.current_max_A, swing, branch="swing up")
-    yield Hold(setup.limits.current_min_A, swing, branch="swing down")
+    yield Hold(setup.current_for(setup.upper_K), swing, branch="swing up")
+    yield Hold(setup.current_for(setup.lower_K), swing, branch="swing down")
     amplitude = min(setup.upper_K, -setup.lower_K)
     omega = 2 * math.pi / (_PERIOD_TAUS * setup.tau_s)
     end_s = cycles * 2 * math.pi / omega

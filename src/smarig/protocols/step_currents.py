@@ -27,6 +27,8 @@ def step_currents(
     ``currents_A`` list one; ``file`` is a CSV with one column named temperature_K or current_A.
     """
     settle = settle or Settled()
+    if sum(map(bool, (temperatures_K, currents_A, file))) > 1:
+        raise UsageError("step_currents takes one of temperatures_K, currents_A and file, not several.")
     if file:
         temperatures_K, currents_A = _from_csv(Path(file))
     if currents_A:

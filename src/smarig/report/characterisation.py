@@ -8,9 +8,10 @@ from smarig.report.decimate import POINTS
 from smarig.report.evidence import Evidence
 from smarig.report.figure import Figure
 from smarig.report.figures_density import density_figure, maps_figure
-from smarig.report.figures_fod import curves_figure, parameters_figure, replay_figure, surface_figure
+from smarig.report.figures_fod import curves_figure, parameters_figure, replay_figure
 from smarig.report.figures_hysteresis import hysteresis
 from smarig.report.figures_representation import representation_figure
+from smarig.report.figures_surface import surface_figure
 from smarig.report.figures_time import initialisation, time_series
 from smarig.report.figures_validation import validation_figure
 from smarig.report.headline import headline

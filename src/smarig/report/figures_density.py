@@ -8,7 +8,7 @@ from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import label_of, place
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
-from smarig.report.figures_fod import buttons, scene, surface_trace
+from smarig.report.figures_surface import buttons, scene, surface_trace
 from smarig.report.identified import density_map, density_triangle, report_of, reversible
 from smarig.report.numbers import number, raised
 from smarig.report.style import DIVERGING, INK, SURFACES

@@ -1,7 +1,6 @@
 """First-order curves: measured and modelled, one by one and re-simulated, and as a surface (Figs. 5.12 to 5.22)."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -9,9 +8,9 @@ from smarig.identification.curve_fit import fit_curves
 from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import count_size, input_title, label_of, output_title, place
-from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
+from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.figures_representation import band, count_lines, count_words
-from smarig.report.identified import Curve, measured_curves, model_curves, replayed, residuals, sign, triangle
+from smarig.report.identified import Curve, measured_curves, model_curves, replayed, residuals, turning
 from smarig.report.numbers import number
 from smarig.report.style import GREY, INK, SEQUENCE, SURFACES, colours
 
@@ -39,11 +38,17 @@ def curves_figure(found: Identification, run: Run) -> Figure:
     for curve in measured:
         if curve.reversal in shown:
             data.append(_points(curve, shown[curve.reversal], run))
-    unit = run.input_unit
+    unit, (turn, _) = run.input_unit, turning(found)
     layout = {
         "xaxis": axis(input_title(run)),
         "yaxis": axis(output_title(run)),
-        "legend": {"orientation": "v", "x": 1.01, "y": 1, "yanchor": "top", "title": {"text": f"α ({unit})"}},
+        "legend": {
+            "orientation": "v",
+            "x": 1.01,
+            "y": 1,
+            "yanchor": "top",
+            "title": {"text": f"{turn} ({unit})"},
+        },
         "showlegend": len(shown) <= 14,
         "narrow": {"r": 8},
     }
@@ -54,8 +59,9 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
         [
             f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; "
-            f"colour: the reversal input α.{some} Second panel: model minus measured at all {len(found.data)} points "
-            f"of {found.data.curves} curves, rms {found.model.fit['rms']:.3g} {found.model.unit}{_noise_words(found)}."
+            f"colour: the reversal input {turn}.{some} Second panel: model minus measured at all "
+            f"{len(found.data)} points of {found.data.curves} curves, "
+            f"rms {found.model.fit['rms']:.3g} {found.model.unit}{_noise_words(found)}."
             f"{count_words(size, _residual_reach(found), run.unit)}",
             place(run),
         ],
@@ -170,81 +176,3 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
         label_of(run),
         320,
     )
-
-
-def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure:
-    """The FOD surface in three dimensions with its data points; buttons change the surface."""
-    one = found[chosen]
-    d, s = one.data, sign(one)
-    points = {
-        "type": "scatter3d",
-        "mode": "markers",
-        "x": (s * d.beta).tolist(),
-        "y": (s * d.alpha).tolist(),
-        "z": (s * d.y).tolist(),
-        "name": "measured",
-        "marker": {"size": 3, "color": INK},
-    }
-    surfaces = []
-    for name, each in found.items():
-        alpha, beta, y = triangle(each)
-        surfaces.append(
-            surface_trace(beta, alpha, y, name, name == chosen) | {"colorscale": SEQUENCE, "opacity": 0.85}
-        )
-    layout = scene(f"β ({run.input_unit})", f"α ({run.input_unit})", f"y ({run.unit})") | {
-        "updatemenus": [buttons(list(found), chosen, keep=1)],
-        "showlegend": False,
-    }
-    return Figure(
-        [Panel([points, *surfaces], layout, 520)],
-        f"FOD surface y(α, β), {chosen}.",
-        [
-            f"Output after the input turns at α and comes to β; black: the {len(d)} measured points. Buttons show the "
-            "other surfaces; drag to turn.",
-            place(run),
-        ],
-        label_of(run),
-    )
-
-
-def surface_trace(x: Any, y: Any, z: Any, name: str, visible: bool) -> Trace:
-    """A surface from grids (n, n) of x, y and z."""
-    grids = {key: packed(v, single=True) for key, v in (("x", x), ("y", y), ("z", z))}
-    return {"type": "surface", "name": name, "visible": visible, "showscale": False, **grids}
-
-
-def scene(x: str, y: str, z: str) -> dict[str, Any]:
-    """Axes of a three-dimensional plot, seen from over the β axis."""
-    titles = {
-        "xaxis": {"title": {"text": x}},
-        "yaxis": {"title": {"text": y}},
-        "zaxis": {"title": {"text": z}},
-    }
-    camera = {"eye": {"x": 1.3, "y": -1.45, "z": 0.7}, "center": {"x": 0, "y": 0, "z": -0.16}}
-    return {
-        "scene": titles
-        | {"camera": camera, "aspectmode": "manual", "aspectratio": {"x": 1.1, "y": 1.1, "z": 0.75}},
-        "margin": {"l": 0, "r": 0, "t": 44, "b": 0},
-    }
-
-
-def buttons(names: list[str], chosen: str, *, keep: int) -> dict[str, Any]:
-    """Buttons that show one of the surfaces; the first ``keep`` traces stay."""
-    return {
-        "type": "buttons",
-        "direction": "right",
-        "x": 0,
-        "xanchor": "left",
-        "y": 1,
-        "yanchor": "bottom",
-        "active": names.index(chosen),
-        "font": {"size": 12},
-        "buttons": [
-            {
-                "label": name,
-                "method": "restyle",
-                "args": [{"visible": [True] * keep + [name == other for other in names]}],
-            }
-            for name in names
-        ],
-    }

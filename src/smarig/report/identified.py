@@ -47,6 +47,11 @@ def sign(found: Identification) -> float:
     return -1.0 if found.data.mirrored else 1.0
 
 
+def turning(found: Identification) -> tuple[str, str]:
+    """Names of the input where a curve turns and of the present input: falling curves turn at α, rising ones at β."""
+    return ("β", "α") if found.data.mirrored else ("α", "β")
+
+
 def measured_curves(found: Identification) -> list[Curve]:
     """The measured curves, reversal inputs rising."""
     s = sign(found)

@@ -9,6 +9,7 @@ from typing import Any
 
 from smarig.command import StepResult, Verdict
 from smarig.config import RigFile
+from smarig.errors import LimitExceeded, UsageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
@@ -59,14 +60,19 @@ class _Peaks:
 
 
 def preview(protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = None) -> Preview:
-    """Run a protocol on the rig's noise-free twin; raises what the real run would (limits, settings)."""
+    """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits."""
     actuator = Actuator.named(rig.actuator)
     twin = Twin(rig, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
         Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)]
     )
-    runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings))
+    try:
+        runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings))
+    except LimitExceeded as refused:
+        raise UsageError(
+            f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"
+        ) from None
     return Preview(
         protocol,
         runner.t_s,

@@ -36,7 +36,7 @@ class Remnant:
     def sentence(self) -> str:
         """One line for a report."""
         what = {
-            "none": "Without initialisation",
+            "none": "On this rig's noise-free twin: without initialisation",
             "thesis": "With the thesis's initialisation (0.1 Hz, 180 s)",
             "planned": "With the initialisation planned from the time constant",
         }[self.method]
@@ -83,7 +83,7 @@ def _major_loop(
 def _history(setup: Setup, shares: Sequence[float]) -> Protocol:
     long = Elapsed(10 * setup.tau_s)
     for share in shares:
-        yield Hold(share * setup.limits.current_max_A, long)
+        yield Hold(share * setup.current_for(setup.upper_K), long)
         yield Hold(0.0, long)
 
 
@@ -92,8 +92,8 @@ def _zero_only() -> Protocol:
 
 
 def _loop(setup: Setup) -> Protocol:
-    for current_A in (setup.limits.current_min_A, setup.limits.current_max_A, setup.limits.current_min_A):
-        yield Hold(current_A, Settled(), target=setup.actuator.input_for(current_A))
+    for input_K in (setup.lower_K, setup.upper_K, setup.lower_K):
+        yield Hold(setup.current_for(input_K), Settled(), target=input_K)
 
 
 class _Swing:

@@ -29,6 +29,8 @@ from smarig.runner.lock import wire_lock
 from smarig.runner.preview import preview
 from smarig.runner.runner import Runner
 
+_ONE_WIRE_INPUT = "wire temperature above ambient"
+
 
 class Session:
     """``with Session("one_wire_twin", seed=1) as s: s.run("validation", {}, Path("v.run.sqlite"))``."""
@@ -116,8 +118,9 @@ class Session:
             "start_epoch": self._epoch,
             "period_s": self.file.period_s,
             "input": {
-                "quantity": "wire temperature above ambient"
-                + (", T1 - T2" if self.actuator.two_wire else ""),
+                "quantity": "wire temperature difference T₁ − T₂"
+                if self.actuator.two_wire
+                else _ONE_WIRE_INPUT,
                 "unit": "K",
                 "from": "heating model along the measured current",
             },
@@ -129,7 +132,8 @@ class Session:
             "initial": self.actuator.file.hysteresis.initial if self.twin.tick == 0 else "continued",
             "encoder_zero": self._zero,
             "config": self._config_text,
-            "versions": {"smarig": version("smarig"), "python": platform.python_version()},
+            "versions": {name: version(name) for name in ("smarig", "numpy", "scipy")}
+            | {"python": platform.python_version()},
             "notes": notes,
         }
 
