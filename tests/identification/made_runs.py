@@ -38,6 +38,7 @@ def made_run(inputs, outputs, *, name="made.run.sqlite", unit="mm", initial="neg
     told = {
         "input": {"quantity": "temperature", "unit": "K"},
         "output": {"quantity": "position", "unit": unit},
+        "end": {"cause": "done"},
     }
     if initial:
         told["initial"] = initial

@@ -45,7 +45,7 @@ _KINDS = {
 @json_option
 def command(kind: str, settings: bool) -> None:
     """What there is: rigs, actuators, protocols, campaigns, import mappings."""
-    found = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
+    found: dict[str, dict] = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
     lines = []
     for group, entries in found.items():
         lines.append(f"{group}:")

@@ -55,12 +55,11 @@ def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list
 
 def saturation(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:
     """Quality marks (n,): SATURATED where one of the measured channels is clipped."""
-    masks = [
-        clipped(columns[c])
-        for c in channels
-        if c in columns and c not in ("input", "current_command_A", "position")
-    ]
-    return np.any(masks, axis=0) * float(Quality.SATURATED)
+    mask = np.zeros(next(iter(columns.values())).size, dtype=bool)
+    for name in channels:
+        if name in columns and name not in ("input", "current_command_A", "position"):
+            mask |= clipped(columns[name])
+    return mask * float(Quality.SATURATED)
 
 
 def _command_error(measured: Array, command: Array) -> list[str]:

@@ -215,7 +215,7 @@ def _fair(model: Model, run: Run) -> list[str]:
     wire = run.meta.get("wire")
     if wire and wires and wire not in wires:
         found.append(f"The run is of wire '{wire}', the model of {', '.join(sorted(wires))}.")
-    if file_hash(run) in {p.sha256 for p in model.provenance}:
+    if (mine := file_hash(run)) and mine in {p.sha256 for p in model.provenance}:
         found.append(
             "The model was fitted to this run: the figures say how well it fits, not how well it predicts."
         )
