@@ -116,7 +116,12 @@ def _run_all(
             with watching(cost) as listener:
                 target = _target(out, k, plan)
                 session.run(
-                    step.protocol, step.set, target, listeners=[listener] if listener else [], force=force
+                    step.protocol,
+                    step.set,
+                    target,
+                    listeners=[listener] if listener else [],
+                    force=force,
+                    expected=cost,
                 )
             runs[step.name or step.protocol] = load_run(target)
     return runs

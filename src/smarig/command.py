@@ -41,7 +41,7 @@ class Settled:
         if not (
             self.band_counts > 0
             and self.window_s > 0
-            and self.timeout_s >= self.window_s
+            and 1e6 >= self.timeout_s >= self.window_s
             and self.approach_K > 0
         ):
             raise UsageError(

@@ -115,6 +115,8 @@ class LimitsFile(Section):
             raise ValueError(
                 "current_min_A ≤ 0 ≤ current_max_A is needed: zero current must always be allowed"
             )
+        if self.current_min_A == self.current_max_A:
+            raise ValueError("current_min_A and current_max_A are both 0: nothing could be driven")
         return self
 
 
@@ -129,8 +131,8 @@ class AmplifierFile(Section):
 class EncoderFile(Section):
     """[encoder]: resolution and noise of one sample before quantisation."""
 
-    counts_per_rev: int = Field(gt=0)
-    noise_counts: Number = Field(ge=0)
+    counts_per_rev: int = Field(gt=0, le=10_000_000)
+    noise_counts: Number = Field(ge=0, le=1e6)
 
 
 class RigFile(Section):
@@ -139,10 +141,10 @@ class RigFile(Section):
     name: str
     kind: Literal["twin"]
     actuator: str
-    wire: str
-    period_s: Number = Field(gt=0)
-    ambient_degC: Number
-    lease_s: Number = Field(gt=0)
+    wire: str = Field(min_length=1, max_length=200)
+    period_s: Number = Field(ge=1e-3, le=60)
+    ambient_degC: Number = Field(ge=-273.15, le=1000)
+    lease_s: Number = Field(ge=0.01, le=60)
     temperature_noise_K: Number = Field(ge=0)
     temperature_noise_time_s: Number = Field(gt=0)
     limits: LimitsFile

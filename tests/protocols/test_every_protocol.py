@@ -112,7 +112,7 @@ def test_profiles_from_lists_and_files(tmp_path):
         ("first_order_ascending", {"partition_K": "0,x,300"}, "partition_K"),
         ("step_currents", {"profile": "zigzag"}, "setting profile"),
         ("step_currents", {"file": "nowhere.csv"}, "nowhere.csv"),
-        ("step_currents", {"points": "1"}, "at least 2"),
+        ("step_currents", {"points": "1"}, "between 2 and"),
         ("validation", {"points": "ten"}, "setting points"),
         ("congruency", {"low": "0.8"}, "low < high < peak"),
         ("minor_loops", {"loops": "0"}, "loops"),

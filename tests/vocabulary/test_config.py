@@ -93,7 +93,7 @@ MISTAKES = {
         RIG,
         "period_s = 0.1",
         "period_s = -0.1",
-        r"period_s: Input should be greater than 0 \(given: -0\.1\)",
+        r"period_s: Input should be greater than or equal to 0.001 \(given: -0\.1\)",
     ),
     "a word for a number": (
         RIG,

@@ -3,8 +3,10 @@
 Knows how to print results and errors. Refuses to compute anything itself.
 """
 
+import contextlib
 import importlib
 import os
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -53,6 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
+    _interrupt_on("SIGTERM", "SIGHUP")
     try:
         status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
         return status if isinstance(status, int) else 0
@@ -64,9 +67,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
         return report_error("Interrupted; the rig is safe.", Interrupted.exit_status)
+    except MemoryError:
+        return report_error("This needs more memory than there is; ask for less.", 4)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader of our output has gone: not an error
         return 0
+    except OSError as error:
+        what = f"{error.filename}: " if error.filename else ""
+        return report_error(f"{what}{error.strerror or error}.", 4)
     except Exception as error:
         if os.environ.get("SMARIG_DEBUG"):
             raise
@@ -75,3 +83,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
             "set SMARIG_DEBUG=1 to see where.",
             1,
         )
+
+
+def _interrupt_on(*names: str) -> None:
+    """Outside a session these signals end a command like Ctrl-C does; a session has its own way with them."""
+    for number in (getattr(signal, name) for name in names if hasattr(signal, name)):
+        with contextlib.suppress(ValueError):  # not the main thread: somebody else's signals
+            signal.signal(number, signal.default_int_handler)

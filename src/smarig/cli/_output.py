@@ -3,13 +3,17 @@
 Results go to stdout, everything else to stderr.
 """
 
+import contextlib
 import json
 import math
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
+
+from smarig.errors import UsageError
 
 _STATE = {"json": False}
 
@@ -51,10 +55,18 @@ def json_wanted() -> bool:
 
 def report_error(sentence: str, status: int) -> int:
     """One sentence on stderr (and as JSON on stdout with --json); returns the status."""
-    if _STATE["json"] or "--json" in sys.argv:
-        click.echo(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
-    click.echo(f"smarig: {sentence}", err=True)
+    with contextlib.suppress(OSError):  # nobody can hear us: the status still tells
+        click.echo(f"smarig: {sentence}", err=True)
+        if _STATE["json"] or "--json" in sys.argv:
+            click.echo(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
     return status
+
+
+def distinct(out: Path | None, *inputs: Path | None) -> None:
+    """UsageError when the output is one of the inputs: --force must not destroy what was measured."""
+    for given in inputs:
+        if out is not None and given is not None and out.resolve() == given.resolve():
+            raise UsageError(f"{out} is both input and output; give the output another name.")
 
 
 def _plain(value: Any) -> Any:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli._output import emit, json_option
+from smarig.cli._output import distinct, emit, json_option
 from smarig.cli._types import FILE, Named
 from smarig.errors import UsageError
 from smarig.model.actuator import Actuator
@@ -31,6 +31,7 @@ def command(
 
     base = Actuator.named(actuator) if actuator else None
     hysteresis = load_model(model).hysteresis if model else None
+    distinct(out, model, *runs)
     result = calibrate([load_run(r) for r in runs], base, hysteresis)
     if out is not None and base is None:
         raise UsageError("An actuator file needs a parameter set to start from: give --actuator.")

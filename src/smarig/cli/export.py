@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli._output import emit, json_option
+from smarig.cli._output import distinct, emit, json_option
 from smarig.cli._types import FILE, Named
 
 
@@ -21,6 +21,7 @@ def command(run: Path, format_: str, out: Path, force: bool) -> None:
     from smarig.exchange import export_run
     from smarig.record import load_run
 
+    distinct(out, run)
     recorded = load_run(run)
     export_run(recorded, to=format_, out=out, force=force)
     emit({"run": str(run), "file": str(out), "rows": len(recorded)}, f"{out}: {len(recorded)} rows.")

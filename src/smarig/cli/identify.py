@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli._output import emit, json_option, say
+from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import FILE
 
 SURFACES = ("constant", "parabolic", "exponential", "table", "best")
@@ -31,6 +31,7 @@ def command(
     """Identify a Preisach model from runs that hold first-order curves."""
     from smarig.identification.identify import identify
 
+    distinct(out, *runs)
     result = identify(runs, surface=surface, select=select, anchor=anchor)
     result.model.save(out, force=force)
     for warning in result.warnings:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli._output import emit, json_option, say
+from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import FILE, RIG, Named
 
 EPILOG = """\b
@@ -43,6 +43,7 @@ def command(
     """Import measured data; what looks wrong in it is said."""
     from smarig.exchange import import_file
 
+    distinct(out, file)
     report = import_file(
         file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, force=force
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli._output import emit, json_option
+from smarig.cli._output import distinct, emit, json_option
 from smarig.cli._types import ANY_PATH, FILE
 
 
@@ -20,6 +20,7 @@ def command(run: Path, out: Path | None, force: bool) -> None:
     from smarig.report.run_page import run_page
 
     target = out or run.with_name(run.name.removesuffix(".sqlite").removesuffix(".run") + ".html")
+    distinct(target, run)
     recorded = load_run(run)
     write_page(run_page(recorded), target, force=force)
     emit({"report": str(target), "complete": recorded.complete, "cause": recorded.cause}, f"Report: {target}")

@@ -74,7 +74,15 @@ def command(
     with Session(rig, seed=seed, speed=speed, wire=wire) as session:
         for step, target, cost in zip(steps, targets, costs, strict=True):
             with ProgressLine(cost, quiet) as progress:
-                session.run(step.protocol, step.set, target, listeners=[progress], force=force, notes=notes)
+                session.run(
+                    step.protocol,
+                    step.set,
+                    target,
+                    listeners=[progress],
+                    force=force,
+                    notes=notes,
+                    expected=cost,
+                )
             say(f"{step.protocol}: {target}")
     runs = [load_run(t) for t in targets]
     for warning in (w for r in runs for w in _marked(r)):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli._output import emit, json_option
+from smarig.cli._output import distinct, emit, json_option
 from smarig.cli._types import FILE, PROTOCOL, RIG
 from smarig.errors import UsageError
 from smarig.protocols._settings import parse_pairs
@@ -43,6 +43,7 @@ def command(
 
     if (along is None) == (protocol is None):
         raise UsageError("Give either --along RUN or --protocol P.")
+    distinct(out, model, along)
     loaded = load_model(model)
     if along is not None:
         simulate_run(loaded, load_run(along), out, force=force)

@@ -4,6 +4,7 @@ Knows the description every imported run carries. Refuses to know any format: th
 """
 
 import hashlib
+import math
 import platform
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -11,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from smarig.catalogue import find
-from smarig.errors import StorageError, UsageError
+from smarig.errors import DataError, StorageError, UsageError
 from smarig.exchange.draft import Draft
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.rig_facts import RigFacts
 from smarig.record.recorder import write_run
+
+LARGEST_BYTES = 2 * 10**9
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,12 @@ def import_file(
     DataError or StorageError; a file already at ``out`` is kept unless ``force``.
     """
     source, target = Path(path), Path(out)
+    if not source.is_file():
+        raise UsageError(f"There is no file {source}.")
+    if source.stat().st_size > LARGEST_BYTES:
+        raise DataError(f"{source} is larger than {LARGEST_BYTES // 10**9} GB; split it.")
+    if t0 is not None and not math.isfinite(t0):
+        raise UsageError(f"--t0 is {t0}, expected a time in seconds.")
     read = find("smarig.exchange.readers", format)
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")

@@ -3,6 +3,7 @@
 Knows the actuator's schema and which constant sets which key. Refuses to know how it was measured.
 """
 
+import contextlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -55,6 +56,9 @@ def write(path: Path, actuator: ActuatorFile, *, force: bool) -> Path:
         part.replace(path)
     except OSError as error:
         raise StorageError(f"Actuator file {path} cannot be written: {error.strerror or error}.") from None
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
     return path
 
 

@@ -59,7 +59,11 @@ def _load_surface(data: dict[str, Any]) -> FodSurface:
     if set(x) != set(names):
         raise DataError(f"a {data['form']} surface has parameters {', '.join(names) or '(unknown form)'}")
     numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
-    return FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
+    surface = FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
+    with np.errstate(all="ignore"):
+        if not np.isfinite(surface.amplitude):
+            raise DataError("the surface's parameters give no output range")
+    return surface
 
 
 def _finite(value: Any, key: str) -> float:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from smarig.catalogue import suggestion
-from smarig.errors import UsageError
+from smarig.errors import DataError, UsageError
 from smarig.identification.choose import Choice, choose
 from smarig.identification.curve_report import CurveReport, curve_report
 from smarig.identification.density import DensityReport, density_report
@@ -31,6 +31,7 @@ from smarig.model.mirrored import Mirrored
 from smarig.record import Run, load_run
 
 Kind = Literal["constant", "parabolic", "exponential", "table", "best"]
+_BEYOND = 1e30
 KINDS: tuple[str, ...] = (*FORMS, "table", "best")
 
 
@@ -116,7 +117,8 @@ def identify(
     if len({file_hash(run) or id(run) for run in given}) < len(given):
         raise UsageError("The same run was given twice: its points would count double; name each run once.")
     everything = fod_data(given)
-    data = selected(everything, select) if select else everything
+    _usable(everything)
+    data = everything if select is None else selected(everything, select)
     choice = choose(data, anchor=anchor, weights=weights) if surface == "best" else None
     kind = choice.kind if choice else surface
     fit = fit_surface(data, kind, anchor=anchor, weights=weights) if kind in FORMS else None
@@ -149,9 +151,20 @@ def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
 
 def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTable | ForcTable:
     """A table of the data; whole reversal curves go in as their reader cleans them."""
-    if select or any(run.meta.get("protocol") != FORC_PROTOCOL for run in runs):
+    if select is not None or any(run.meta.get("protocol") != FORC_PROTOCOL for run in runs):
         return table(data)
     return ForcTable.from_curves([c for run in runs for c in curves_from_run(run)], unit=data.unit)
+
+
+def _usable(data: FodData) -> None:
+    """DataError where no hysteresis can be seen: nothing moves, or a number is beyond all measure."""
+    y = data.y
+    if not (np.isfinite(y).all() and np.abs(y).max() < _BEYOND and np.abs(data.alpha).max() < _BEYOND):
+        raise DataError("The first-order curves hold values that are not finite or beyond all measure.")
+    if np.ptp(y) == 0:
+        raise DataError(
+            f"The output is {y[0]:g} {data.unit} at every point: nothing moves, nothing to identify."
+        )
 
 
 def _figures(

@@ -178,8 +178,10 @@ def load_model(path: str | Path) -> Model:
         where = ".".join(str(part) for part in first["loc"])
         what = "is an unknown key" if first["type"] == "extra_forbidden" else f"is wrong: {first['msg']}"
         raise DataError(f"{file}: '{where}' {what}.") from None
-    except DataError as error:
+    except (DataError, UsageError) as error:
         raise DataError(f"{file}: {str(error).rstrip('.')}.") from None
+    except (TypeError, ValueError, ArithmeticError, KeyError) as error:
+        raise DataError(f"{file} holds no usable hysteresis: {error}.") from None
 
 
 def _to_file(model: Model) -> _File:

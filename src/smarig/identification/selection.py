@@ -55,6 +55,8 @@ def matches(expression: str, values: Mapping[str, NDArray]) -> NDArray[np.bool_]
             result = np.asarray(_value(tree.body, expression, values))
         except (ZeroDivisionError, OverflowError):
             raise _wrong(expression, "it divides by zero or overflows") from None
+        except TypeError:
+            raise _wrong(expression, "it calculates with a condition") from None
     if result.dtype != np.bool_ or result.shape != np.shape(values["curve"]):
         raise _wrong(expression, f"it is not a condition on {', '.join(NAMES)}")
     return result

@@ -144,7 +144,7 @@ def _judged(
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
-        transient=None if select else _transient(model, run, shift),
+        transient=None if select is not None else _transient(model, run, shift),
         noise_floor=noise_floor(run).value,
         offset=shift,
         offset_kind=kind,

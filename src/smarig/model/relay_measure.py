@@ -32,6 +32,8 @@ class RelayMeasure:
         a, b, m = (np.ravel(np.asarray(x, dtype=float)) for x in (alpha, beta, mass))
         if not a.size == b.size == m.size > 0:
             raise DataError(f"Relay arrays differ in length or are empty: {a.size}, {b.size}, {m.size}.")
+        if not (np.isfinite(a).all() and np.isfinite(b).all() and np.isfinite(m).all()):
+            raise DataError("A relay has a threshold or a mass that is not finite.")
         if np.any(a < b):
             raise DataError("A relay has α < β: it must switch up above where it switches down.")
         alphas, rows = np.unique(a, return_inverse=True)

@@ -48,6 +48,13 @@ def increasing(setup: Setup, partition_K: Sequence[float], name: str = "partitio
     return levels
 
 
+def few(name: str, value: int, least: int, most: int) -> int:
+    """A number of points, loops, …: UsageError outside least…most."""
+    if not least <= value <= most:
+        raise UsageError(f"{name} must lie between {least} and {most}, got {value}.")
+    return value
+
+
 def line(start: float, stop: float, points: int) -> list[float]:
     """``points`` inputs from start (left out) to stop (included), evenly spaced."""
     return [start + (stop - start) * (k + 1) / points for k in range(points)]

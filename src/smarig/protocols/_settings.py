@@ -73,8 +73,12 @@ def _grouped(settings: Mapping[str, Any]) -> dict[str, Any]:
     grouped: dict[str, Any] = {}
     for key, value in settings.items():
         group, dot, inner = key.partition(".")
+        if dot and not isinstance(grouped.setdefault(group, {}), dict):
+            raise UsageError(f"'{group}' is set both as a whole and by '{key}'.")
         if dot:
-            grouped.setdefault(group, {})[inner] = value
+            grouped[group][inner] = value
+        elif key in grouped:
+            raise UsageError(f"'{key}' is set both as a whole and by its parts.")
         else:
             grouped[key] = value
     return grouped

@@ -2,7 +2,7 @@
 
 from smarig.command import Mark, Protocol, Settled
 from smarig.errors import UsageError
-from smarig.protocols._moves import line, saturate, settle_at
+from smarig.protocols._moves import few, line, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -25,7 +25,7 @@ def congruency(
         raise UsageError(f"congruency needs 0 ≤ low < high < peak ≤ 1, got {low:g}, {high:g}, {peak:g}.")
     settle = settle or Settled()
     bottom, top, crest = setup.at(low), setup.at(high), setup.at(peak)
-    n = points_per_branch
+    n = few("points_per_branch", points_per_branch, 1, 1000)
     yield Mark("congruency", {"bottom_K": bottom, "top_K": top, "peak_K": crest})
     yield from saturate(setup, settle)
     yield from settle_at(setup, line(setup.lower_K, top, n), "rise", settle)

@@ -4,7 +4,7 @@ import math
 from typing import Literal
 
 from smarig.command import Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
-from smarig.errors import UsageError
+from smarig.protocols._moves import few
 from smarig.protocols._setup import Setup
 
 _SWING_TAUS = 8.0  # a swing of 8 τ comes within 0.03 % of the limit
@@ -27,8 +27,7 @@ def initialise(
     sin(0.2πt) by the steady relation, for 180 s; with τ ≈ 5 s the wire does not follow it (theory.md §8.6).
     A one-wire rig has no remnant hysteresis when cold: it is cooled.
     """
-    if cycles < 1:
-        raise UsageError(f"cycles must be at least 1, got {cycles}.")
+    few("cycles", cycles, 1, 1000)
     settle = settle or Settled()
     yield Mark("initialise", {"method": method if setup.two_wire else "cool"})
     if setup.two_wire:

@@ -13,8 +13,13 @@ def minor_loops(
     With loops of seconds the wire's temperature lags the current and the loops drift; with loops of
     minutes they close. ``loop_s`` is the period of one loop; the first rise takes half of it.
     """
-    if not 0 <= low_A < high_A or loops < 1 or loop_s <= 0:
-        raise UsageError("minor_loops needs 0 ≤ low_A < high_A, loops ≥ 1 and loop_s > 0.")
+    if not (
+        0 <= low_A < high_A and 0 < loop_s <= 86_400 and 1 <= loops <= 1000 and loops * loop_s <= 864_000
+    ):
+        raise UsageError(
+            "minor_loops needs 0 ≤ low_A < high_A, 0 < loop_s ≤ 86400 and 1 ≤ loops ≤ 1000, ten days in all; got "
+            f"{low_A:g}, {high_A:g}, {loop_s:g}, {loops}."
+        )
     half = max(1, round(loop_s / 2 / setup.period_s))
     up = [low_A + (high_A - low_A) * (k + 1) / half for k in range(half)]
     first = [high_A * (k + 1) / half for k in range(half)]

@@ -7,7 +7,7 @@ from typing import Literal
 
 from smarig.command import Mark, Protocol, Settled
 from smarig.errors import DataError, UsageError
-from smarig.protocols._moves import line, settle_at, within_range
+from smarig.protocols._moves import few, line, settle_at, within_range
 from smarig.protocols._setup import Setup
 
 
@@ -31,6 +31,12 @@ def step_currents(
         raise UsageError("step_currents takes one of temperatures_K, currents_A and file, not several.")
     if file:
         temperatures_K, currents_A = _from_csv(Path(file))
+    low, high = setup.limits.current_min_A, setup.limits.current_max_A
+    for current_A in currents_A:
+        if not low - 1e-9 <= current_A <= high + 1e-9:
+            raise UsageError(
+                f"step_currents: {current_A:g} A is outside the rig's limits {low:g}…{high:g} A."
+            )
     if currents_A:
         temperatures_K = tuple(setup.actuator.input_for(i) for i in currents_A)
     inputs = within_range(setup, temperatures_K or _named(setup, profile, points), "step_currents")
@@ -39,8 +45,7 @@ def step_currents(
 
 
 def _named(setup: Setup, profile: str, points: int) -> list[float]:
-    if points < 2:
-        raise UsageError(f"points must be at least 2, got {points}.")
+    few("points", points, 2, 100_000)
     low, high = setup.lower_K, setup.upper_K
     if profile == "major_loop":
         half = (points + 1) // 2
@@ -54,11 +59,15 @@ def _named(setup: Setup, profile: str, points: int) -> list[float]:
 
 
 def _from_csv(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    if not path.is_file() or path.stat().st_size > 10_000_000:
+        raise UsageError(f"Profile {path} cannot be read: there is no such file, or it is larger than 10 MB.")
     try:
         with path.open(newline="", encoding="utf-8-sig") as lines:
             rows = list(csv.reader(lines))
     except OSError as error:
         raise UsageError(f"Profile {path} cannot be read: {error.strerror}.") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise DataError(f"Profile {path} is not a text table.") from None
     header = rows[0][0].strip() if rows and rows[0] else ""
     if header not in ("temperature_K", "current_A"):
         raise DataError(

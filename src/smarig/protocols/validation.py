@@ -3,8 +3,7 @@
 import random
 
 from smarig.command import Mark, Protocol, Settled
-from smarig.errors import UsageError
-from smarig.protocols._moves import saturate, settle_at
+from smarig.protocols._moves import few, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -13,8 +12,7 @@ def validation(setup: Setup, *, points: int = 40, seed: int = 1, settle: Settled
 
     The sequence follows from ``seed``; a model is judged on it, and never fitted to it.
     """
-    if points < 2:
-        raise UsageError(f"points must be at least 2, got {points}.")
+    few("points", points, 2, 100_000)
     settle = settle or Settled()
     dice = random.Random(seed)
     inputs = [setup.at(dice.random()) for _ in range(points)]

@@ -1,8 +1,7 @@
 """The wiping-out test of §5.3.1: does a peak erase what came before it?"""
 
 from smarig.command import Mark, Protocol, Settled
-from smarig.errors import UsageError
-from smarig.protocols._moves import line, saturate, settle_at
+from smarig.protocols._moves import few, line, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 # Shares of the range at which the nested branches of one segment turn (Fig. 5.5).
@@ -14,8 +13,7 @@ def wiping_out(setup: Setup, *, points_per_branch: int = 5, settle: Settled | No
 
     The peak that opens B wipes out the memory of A, if the wire has a Preisach representation (§3.3.1).
     """
-    if points_per_branch < 1:
-        raise UsageError(f"points_per_branch must be at least 1, got {points_per_branch}.")
+    few("points_per_branch", points_per_branch, 1, 1000)
     settle = settle or Settled()
     turns = [setup.at(share) for share in _TURNS]
     yield Mark("wiping-out", {"turns_K": turns})

@@ -6,6 +6,7 @@ refuses to know what is measured. A listener: ``sample``, ``step``, ``event`` ar
 
 import contextlib
 import json
+import os
 import shutil
 import sqlite3
 import threading
@@ -34,7 +35,9 @@ class Recorder:
         self._wake = threading.Event()
         self._closing = False
         self._failure: str | None = None
-        self._db = _create(path, {"schema_version": schema.VERSION, **meta}, force)
+        self._db = _create(
+            path, {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}, force
+        )
         self._thread = threading.Thread(target=self._write_until_closed, name="recorder", daemon=True)
         self._thread.start()
 
@@ -86,7 +89,7 @@ class Recorder:
             try:
                 self._commit()
                 self._check_space()
-            except (sqlite3.Error, OSError) as error:
+            except Exception as error:  # whatever it is, the tick must hear of it
                 self._failure = f"Run {self.path} cannot be written: {error}. The current is at zero."
                 return
 
@@ -101,7 +104,7 @@ class Recorder:
                 self._db.executemany(schema.INSERT_SAMPLE, rows)
                 for sql, row in statements:
                     self._db.execute(sql, row)
-        except sqlite3.Error:  # rolled back: keep them, so that closing can try once more
+        except Exception:  # rolled back: keep them, so that closing can try once more
             self._rows.extendleft(reversed(rows))
             with self._lock:
                 self._statements[:0] = statements
@@ -128,7 +131,7 @@ class Recorder:
         self._thread.join()
         try:
             self._commit()
-        except sqlite3.Error as error:
+        except (sqlite3.Error, OverflowError) as error:
             raise StorageError(f"The end of run {self.path} could not be written: {error}.") from None
         finally:
             _leave_one_file(self._db)
@@ -146,6 +149,7 @@ def _leave_one_file(db: sqlite3.Connection) -> None:
 def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    _refuse_if_recording(path)
     try:
         for suffix in ("", "-wal", "-shm"):
             path.with_name(path.name + suffix).unlink(missing_ok=True)
@@ -159,6 +163,22 @@ def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection
     except (OSError, sqlite3.Error) as error:
         raise StorageError(f"Run file {path} cannot be created: {error}.") from None
     return db
+
+
+def _refuse_if_recording(path: Path) -> None:
+    """UsageError if another living process is still writing that run."""
+    if not path.is_file() or os.name == "nt":
+        return
+    try:
+        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+            meta = dict(db.execute("SELECT key, value FROM run WHERE key IN ('recorder_pid', 'end')"))
+        writer = int(meta.get("recorder_pid", 0))
+        if "end" in meta or writer in (0, os.getpid()):
+            return
+        os.kill(writer, 0)
+    except (sqlite3.Error, OSError, ValueError):
+        return  # no run, or its recorder is gone
+    raise UsageError(f"{path} is being recorded by process {writer}; stop that run, or give another name.")
 
 
 def write_run(
@@ -194,7 +214,7 @@ def write_run(
         for suffix in ("-wal", "-shm"):
             path.with_name(path.name + suffix).unlink(missing_ok=True)
         part.replace(path)
-    except (OSError, sqlite3.Error) as error:
+    except (OSError, sqlite3.Error, OverflowError) as error:
         raise StorageError(f"Run file {path} cannot be written: {error}.") from None
     finally:
         for suffix in ("", "-wal", "-shm"):

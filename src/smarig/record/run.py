@@ -136,6 +136,7 @@ def load_run(path: str | Path) -> Run:
 def _read(file: Path, db: sqlite3.Connection) -> Run:
     meta = {k: json.loads(v) for k, v in db.execute("SELECT key, value FROM run")}
     _check_version(file, meta)
+    _check_description(meta)
     rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
     steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
     events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
@@ -146,13 +147,42 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
         meta,
         columns,
         tuple(_step(*row) for row in steps),
-        tuple(Event(r[0], r[1], r[2], r[3], json.loads(r[4] or "{}")) for r in events),
+        tuple(_event(*row) for row in events),
     )
+
+
+def _check_description(meta: dict[str, Any]) -> None:
+    """TypeError where a key of the run table is of another kind than it is written."""
+    for key in ("input", "output", "end"):
+        if not isinstance(meta.get(key, {}), dict):
+            raise TypeError(f"its key '{key}' is not a table")
+    for key in ("protocol", "rig", "wire", "actuator", "source", "initial", "encoder_zero", "notes"):
+        if not isinstance(meta.get(key, ""), str | None):
+            raise TypeError(f"its key '{key}' is not a text")
+
+
+def _event(t_s, level, kind, text, data) -> Event:
+    return Event(
+        float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), json.loads(data or "{}")
+    )
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
 
 
 def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, position, n) -> Step:
     return Step(
-        index, attempt, bool(void), branch or "", target, t_start_s, t_end_s, verdict or "", position, n or 0
+        int(index),
+        int(attempt),
+        bool(void),
+        str(branch or ""),
+        _number(target),
+        float(t_start_s or 0.0),
+        _number(t_end_s),
+        str(verdict or ""),
+        _number(position),
+        int(n or 0),
     )
 
 

@@ -54,10 +54,12 @@ class Guard:
         answer = []
         for sample in self.rig.step(current_A):
             answer.append((sample, heat.step(sample.current_A)))
-            if heat.wire_K[0] > limit or heat.wire_K[1] > limit:
+            if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # NaN is no temperature to rely on
                 self.tripped = (
                     f"Predicted wire temperature {max(heat.wire_K):.1f} K above ambient exceeds the limit "
                     f"temperature_max_K = {limit:g}; the current is at zero."
+                    if heat.wire_K[0] + heat.wire_K[1] < math.inf
+                    else f"The measured current reads {sample.current_A} A; the current is at zero."
                 )
                 self.safe()
         return answer

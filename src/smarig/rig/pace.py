@@ -3,8 +3,11 @@
 import time
 from collections.abc import Callable
 
+from smarig.errors import UsageError
 from smarig.rig.rig import Rig
 from smarig.sample import Sample
+
+_SLOWEST, _FASTEST = 1e-3, 1e6
 
 
 class Paced:
@@ -16,8 +19,12 @@ class Paced:
         speed: float,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
+        while_waiting: Callable[[], None] = lambda: None,
     ) -> None:
+        if not _SLOWEST <= speed <= _FASTEST:
+            raise UsageError(f"Speed {speed:g} is outside {_SLOWEST:g}…{_FASTEST:g} × real time.")
         self.rig, self._clock, self._sleep = rig, clock, sleep
+        self._while_waiting = while_waiting  # may raise: a stop must not wait for a slow tick
         self._tick_s = rig.period_s / speed
         self._next_s = clock()
 
@@ -30,8 +37,10 @@ class Paced:
         """Wait for the tick, then step; a late caller is not made to catch up."""
         now = self._clock()
         self._next_s = max(self._next_s + self._tick_s, now)
-        if self._next_s > now:
-            self._sleep(self._next_s - now)
+        while self._next_s > now:
+            self._while_waiting()
+            self._sleep(min(self._next_s - now, 0.1))
+            now = self._clock()
         return self.rig.step(current_A)
 
     def zero(self) -> None:

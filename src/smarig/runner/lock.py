@@ -3,14 +3,16 @@
 Refuses to know rigs; a wire is its name. Twins lock the wire name in their rig file like hardware does.
 """
 
+import contextlib
 import os
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from smarig.errors import RigFault
+from smarig.errors import RigFault, UsageError
 
 
 def lock_folder() -> Path:
@@ -21,10 +23,7 @@ def lock_folder() -> Path:
 @contextmanager
 def wire_lock(wire: str) -> Iterator[None]:
     """Hold the lock of a wire; RigFault naming the holder if somebody else does."""
-    folder = lock_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    name = "".join(c if c.isalnum() or c in "-_" else "_" for c in wire)
-    with (folder / f"{name}.lock").open("a+") as file:
+    with _opened(wire) as file:
         if not _try_lock(file):
             file.seek(0)
             holder = file.read().strip() or "another process"
@@ -38,6 +37,23 @@ def wire_lock(wire: str) -> Iterator[None]:
         yield
         file.seek(0)
         file.truncate()
+
+
+def _opened(wire: str) -> IO:
+    readable = "".join(c if c.isalnum() or c in "-_" else "_" for c in wire)[:60]
+    path = lock_folder() / f"{readable}-{zlib.crc32(wire.encode()):08x}.lock"
+    try:
+        if not path.parent.is_dir():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.parent.chmod(0o1777)  # the wire is one, whoever works at it
+        file = path.open("a+")
+        with contextlib.suppress(OSError):  # somebody else's file: its mode is theirs
+            path.chmod(0o666)
+    except OSError as error:
+        raise UsageError(
+            f"Lock {path} cannot be made: {error.strerror}; set SMARIG_LOCK_DIR to a folder."
+        ) from None
+    return file
 
 
 def _try_lock(file: IO) -> bool:

@@ -15,10 +15,12 @@ from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.control import Control
 from smarig.runner.listener import Watch
 from smarig.runner.runner import Runner
 from smarig.sample import Sample
 
+MOST_SAMPLES = 5_000_000  # almost six days at 10 Hz
 BYTES_PER_SAMPLE = 90  # measured on run files, with a margin
 
 
@@ -52,6 +54,8 @@ class _Peaks:
 
     def sample(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.samples += 1
+        if self.samples > MOST_SAMPLES:
+            raise UsageError(f"It would take more than {s.t_s / 86400:.1f} days; ask for less, or split it.")
         self.current_A = max(self.current_A, abs(s.current_A))
         self.temperature_K = max(self.temperature_K, abs(input_K))
 
@@ -59,13 +63,15 @@ class _Peaks:
         self.timed_out += result.verdict is Verdict.TIMED_OUT
 
 
-def preview(protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = None) -> Preview:
+def preview(
+    protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = None, control: Control | None = None
+) -> Preview:
     """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits."""
     actuator = Actuator.named(rig.actuator)
     twin = Twin(rig, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
-        Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)]
+        Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)], control
     )
     try:
         runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings))

@@ -26,7 +26,7 @@ from smarig.runner.control import Control
 from smarig.runner.endings import safe_endings
 from smarig.runner.listener import Listener, Watch
 from smarig.runner.lock import wire_lock
-from smarig.runner.preview import preview
+from smarig.runner.preview import Preview, preview
 from smarig.runner.runner import Runner
 
 _ONE_WIRE_INPUT = "wire temperature above ambient"
@@ -54,7 +54,11 @@ class Session:
         self.control = control or Control()
         self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
         self.twin = Twin(self.file, self.actuator, settings)
-        self._guard = Guard(Paced(self.twin, speed) if speed else self.twin, self.file.limits, self.actuator)
+        self._guard = Guard(
+            Paced(self.twin, speed, while_waiting=self.control.raise_if_stopped) if speed else self.twin,
+            self.file.limits,
+            self.actuator,
+        )
         self._zero = "power-up"
         self._epoch = time.time()
         self._open = ExitStack()
@@ -77,10 +81,15 @@ class Session:
         listeners: Sequence[Listener] = (),
         force: bool = False,
         notes: str = "",
+        expected: Preview | None = None,
     ) -> Path:
-        """Run one protocol into one run file; returns its path. Raises what ended it, after closing it."""
+        """Run one protocol into one run file; returns its path. Raises what ended it, after closing it.
+
+        ``expected``: its preview, if that has been made already.
+        """
         generator = build(protocol, self.setup, settings)
-        _check_free_space(out, preview(protocol, self.file, settings).bytes)
+        cost = expected or preview(protocol, self.file, settings, self.control)
+        _check_free_space(out, cost.bytes)
         recorder = Recorder(out, self._describe(protocol, settings, notes), force=force)
         runner = Runner(
             self._guard,

@@ -1,0 +1,261 @@
+"""What an attacker found, kept: every one of these once hung, lied, or destroyed something."""
+
+import json
+import math
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+
+import pytest
+
+from smarig.cli import run
+from smarig.config import load_rig
+from smarig.errors import LimitExceeded, UsageError
+from smarig.model.actuator import Actuator
+from smarig.rig.guard import Guard
+from smarig.rig.pace import Paced
+from smarig.rig.twin import Twin
+from smarig.runner.control import Control
+from smarig.runner.session import Session
+
+
+def call(capsys, *arguments):
+    status = run([str(a) for a in arguments])
+    out, err = capsys.readouterr()
+    assert "Traceback" not in err
+    assert "Internal error" not in err
+    return status, out, err
+
+
+@pytest.fixture
+def recorded(tmp_path, capsys):
+    path = tmp_path / "v.run.sqlite"
+    call(capsys, "run", "validation", "--rig", "one_wire_twin", "-o", path, "--set", "points=3")
+    return path
+
+
+def test_a_read_back_that_is_no_number_trips_at_once():
+    class Blind:
+        period_s = 0.1
+
+        def step(self, current_A):
+            return tuple(s._replace(current_A=math.nan) for s in twin.step(current_A))
+
+        def safe(self):
+            twin.safe()
+
+    twin = Twin.named("one_wire_twin")
+    guard = Guard(Blind(), load_rig("one_wire_twin").limits, Actuator.named("gorbet_one_wire"))
+    guard.step(0.5)
+    with pytest.raises(LimitExceeded, match="reads nan"):
+        guard.raise_if_tripped()
+    assert twin.output_A == 0.0
+
+
+def test_a_stop_does_not_wait_for_a_slow_tick():
+    control = Control()
+    naps = []
+
+    def sleep(seconds):
+        naps.append(seconds)
+        control.stop("enough")
+
+    paced = Paced(Twin.named("one_wire_twin"), 0.001, lambda: sum(naps), sleep, control.raise_if_stopped)
+    with pytest.raises(Exception, match="enough"):
+        paced.step(0.1)
+    assert naps == [0.1]
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-9, math.nan, math.inf, 1e9])
+def test_impossible_speeds_are_refused(speed):
+    with pytest.raises(UsageError, match="Speed"):
+        Paced(Twin.named("one_wire_twin"), speed)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_a_run_being_recorded_is_not_replaced(tmp_path):
+    out = tmp_path / "r.run.sqlite"
+    base = [sys.executable, "-m", "smarig", "run", "validation", "--rig", "one_wire_twin", "-o", str(out)]
+    first = subprocess.Popen(
+        [*base, "--speed", "50"], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        while first.poll() is None and not recording(out):
+            pass
+        second = subprocess.run(
+            [*base, "--wire", "other", "--force"], capture_output=True, text=True, check=False
+        )
+    finally:
+        first.send_signal(signal.SIGTERM)
+        first.communicate(timeout=20)
+    assert second.returncode == 2
+    assert "is being recorded by process" in second.stderr
+    assert first.returncode == 130
+
+
+def recording(path):
+    if not path.exists():
+        return False
+    try:
+        with sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True) as db:
+            return db.execute("SELECT count(*) FROM sample").fetchone()[0] > 0
+    except sqlite3.Error:
+        return False
+
+
+@pytest.mark.parametrize("command", ["report", "export", "identify"])
+def test_the_output_is_never_the_input(capsys, recorded, command):
+    before = recorded.read_bytes()
+    extra = {"export": ["--to", "csv"]}.get(command, [])
+    status, _, err = call(capsys, command, recorded, *extra, "-o", recorded, "--force")
+    assert status == 2
+    assert "both input and output" in err
+    assert recorded.read_bytes() == before
+
+
+HUGE = [
+    ("validation", "points=1000000000"),
+    ("validation", "points=90000"),
+    ("congruency", "points_per_branch=0"),
+    ("congruency", "points_per_branch=1000000000"),
+    ("minor_loops", "loops=1000000000"),
+    ("minor_loops", "loop_s=nan"),
+    ("minor_loops", "loop_s=1e9"),
+    ("validation", "settle.timeout_s=inf"),
+    ("step_currents", "currents_A=-1"),
+    ("step_currents", "file=/dev/zero"),
+]
+
+
+@pytest.mark.parametrize(("protocol", "setting"), HUGE)
+def test_what_would_never_end_is_refused(capsys, protocol, setting):
+    status, _, err = call(capsys, "run", protocol, "--rig", "one_wire_twin", "--dry-run", "--set", setting)
+    assert status == 2
+    assert err.count("\n") == 1
+
+
+def test_conflicting_settings_are_refused(capsys):
+    both = ["--set", "settle=3", "--set", "settle.window_s=30"]
+    assert call(capsys, "run", "validation", "--rig", "one_wire_twin", "--dry-run", *both)[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("period_s = 0.1", "period_s = 1e-9"),
+        ("period_s = 0.1", "period_s = 1e300"),
+        ("noise_counts = 0.4", "noise_counts = 1e19"),
+        ("current_max_A = 1.0", "current_max_A = 0.0"),
+        ("saturation_A = 1.0", "saturation_A = 0.5"),
+        ("ambient_degC = 22.0", "ambient_degC = -1e8"),
+    ],
+)
+def test_rigs_beyond_physics_are_refused(capsys, tmp_path, old, new):
+    from smarig.config import locate
+
+    text = locate("rigs", "one_wire_twin").read_text(encoding="utf-8")
+    assert old in text
+    file = tmp_path / "rig.toml"
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    assert call(capsys, "check", file)[0] == 2
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "UPDATE run SET value = '\"mm\"' WHERE key = 'output'",
+        "UPDATE run SET value = '[1]' WHERE key = 'end'",
+        "UPDATE run SET value = '7' WHERE key = 'protocol'",
+        "UPDATE step SET position = 'far'",
+        "UPDATE step SET target = 'hot'",
+    ],
+)
+def test_damaged_runs_are_data_errors(capsys, recorded, damage):
+    with sqlite3.connect(recorded) as db:
+        db.execute(damage)
+    status, _, err = call(capsys, "report", recorded)
+    assert status == 4
+    assert "damaged" in err
+
+
+def test_events_without_words_do_not_stop_a_report(capsys, recorded):
+    with sqlite3.connect(recorded) as db:
+        db.execute("UPDATE event SET text = NULL, kind = NULL, t_s = NULL")
+    assert call(capsys, "report", recorded)[0] == 0
+
+
+@pytest.mark.parametrize("value", ["1e999", "1e40"])
+def test_positions_beyond_all_measure_are_not_identified(capsys, tmp_path, value):
+    fod = tmp_path / "f.run.sqlite"
+    call(
+        capsys,
+        "run",
+        "first_order_descending",
+        "--rig",
+        "one_wire_twin",
+        "-o",
+        fod,
+        "--set",
+        "partition_K=0,40,90,170",
+    )
+    with sqlite3.connect(fod) as db:
+        db.execute(f'UPDATE step SET position = {value} WHERE "index" = 6')
+    status, _, err = call(capsys, "identify", fod, "-o", tmp_path / "m.json")
+    assert status == 4
+    assert "not finite or beyond" in err
+
+
+def test_the_same_run_twice_is_refused(capsys, tmp_path, recorded):
+    status, _, err = call(capsys, "identify", recorded, recorded, "-o", tmp_path / "m.json")
+    assert status == 2
+    assert "twice" in err
+
+
+@pytest.mark.parametrize("select", ["-(curve==0)", "(curve==0)-(curve==1)", ""])
+def test_selections_that_are_no_condition(capsys, tmp_path, select):
+    fod = tmp_path / "f.run.sqlite"
+    call(
+        capsys,
+        "run",
+        "first_order_descending",
+        "--rig",
+        "one_wire_twin",
+        "-o",
+        fod,
+        "--set",
+        "partition_K=0,40,90,170",
+    )
+    assert call(capsys, "identify", fod, "--select", select, "-o", tmp_path / "m.json")[0] == 2
+
+
+def test_a_tampered_model_is_a_data_error(capsys, tmp_path):
+    fod, model = tmp_path / "f.run.sqlite", tmp_path / "m.json"
+    call(capsys, "run", "first_order_descending", "--rig", "one_wire_twin", "-o", fod)
+    call(capsys, "identify", fod, "--surface", "exponential", "-o", model)
+    good = json.loads(model.read_text(encoding="utf-8"))
+    for key, wrong in (("x4", 0), ("x5", -1e308)):
+        bad = json.loads(json.dumps(good))
+        bad["hysteresis"]["x"][key] = wrong
+        model.write_text(json.dumps(bad), encoding="utf-8")
+        assert call(capsys, "verify", model, fod)[0] == 4
+    good["hysteresis"]["kind"] = []
+    model.write_text(json.dumps(good), encoding="utf-8")
+    assert call(capsys, "verify", model, fod)[0] == 4
+
+
+def test_locks_that_cannot_be_made_are_said(monkeypatch):
+    monkeypatch.setenv("SMARIG_LOCK_DIR", os.devnull)
+    with pytest.raises(UsageError, match="SMARIG_LOCK_DIR"), Session("one_wire_twin"):
+        pass
+
+
+def test_a_preview_can_be_interrupted():
+    from smarig.errors import Interrupted
+    from smarig.runner.preview import preview
+
+    control = Control()
+    control.stop("enough")
+    with pytest.raises(Interrupted, match="enough"):
+        preview("validation", load_rig("one_wire_twin"), {}, control)
