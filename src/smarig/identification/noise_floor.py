@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.identification.history import History, histories
+from smarig.identification.settled_points import settled_points
 from smarig.record import Run
 
 FEWEST_PAIRS = 3
+FEWEST_ENDS = 8
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,8 @@ class NoiseFloor:
     """Standard deviation ``value`` of a settled output in ``unit``, None when nothing was repeated.
 
     ``n_pairs`` degrees of freedom; ``source`` says which repeats: "repeats" inside the loop, "saturation"
-    when only the ends of the range were visited again, or "none".
+    when only the ends of the range were visited again, "windows" when the scatter of the samples within each
+    settling window has to do, or "none".
     """
 
     value: float | None
@@ -33,8 +36,8 @@ class NoiseFloor:
 def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
     """Pure-error standard deviation √(Σ(y − ȳ)²/Σ(n − 1)) over repeated memory states, within each run.
 
-    Repeats in saturation are used only when there are fewer than three others: where the range was not
-    fully exercised, they are no repeats.
+    Repeats in saturation are used only when there are fewer than three others (where the range was not
+    fully exercised, they are no repeats), and eight of them at least; else the points' own windows tell.
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
     unit = runs[0].unit if runs else ""
@@ -47,9 +50,21 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
             (ends if at_end else inside).add(outputs)
     if inside.freedom >= FEWEST_PAIRS:
         return NoiseFloor(inside.sd, inside.freedom, unit, "repeats")
+    windows = _of_windows(runs)
+    if windows is not None and ends.freedom < FEWEST_ENDS:  # one pair says next to nothing of a deviation
+        return NoiseFloor(*windows, unit, "windows")
     if ends.freedom:
         return NoiseFloor(ends.sd, ends.freedom, unit, "saturation")
     return NoiseFloor(inside.sd, inside.freedom, unit, "repeats" if inside.freedom else "none")
+
+
+def _of_windows(runs: list[Run]) -> tuple[float, int] | None:
+    """Rms uncertainty of the settled points by their own windows, and how many; None without samples."""
+    points = [settled_points(run) for run in runs if run.settled and len(run) >= 50 * len(run.settled)]
+    if not points:
+        return None
+    every = np.concatenate([p.uncertainty for p in points])
+    return float(np.sqrt(np.mean(every**2))), every.size
 
 
 def _repeats(history: History, lower: float, upper: float) -> Iterable[tuple[bool, np.ndarray]]:

@@ -62,7 +62,9 @@ def _uncertainty(run: Run, step: Step, rows: slice | None, per_count: float) -> 
         return per_count / np.sqrt(12)
     used = window[: window.size // _BLOCKS * _BLOCKS].reshape(_BLOCKS, -1).mean(axis=1)
     block = used.var(ddof=1)
-    # The end of the window against its mean; what noise alone does to that difference is taken out.
-    moved = (used[-5:].mean() - used.mean()) ** 2 - block * (1 / 5 - 1 / _BLOCKS)
+    # The end of the window against its mean: a wire that still moves shows there. Within twice what noise
+    # alone does to that difference it says nothing.
+    moved, by_noise = (used[-5:].mean() - used.mean()) ** 2, block * (1 / 5 - 1 / _BLOCKS)
+    moved = moved if moved > 4 * by_noise else 0.0
     undithered = per_count**2 / 12 if window.std() < 0.3 * per_count else 0.0
-    return float(np.sqrt(block / _BLOCKS + max(moved, 0.0) + undithered))
+    return float(np.sqrt(block / _BLOCKS + moved + undithered))
