@@ -70,13 +70,22 @@ def _of_steps(run: Run) -> tuple[list[Trace], str]:
     verdicts = np.array([step.verdict for step in run.settled])
     good = verdicts == "settled"
     data = travel(u, y)
+    single = all(s.n <= 1 for s in run.settled)
+    what = "one reading, as recorded" if single else "the mean output over the settle window of one hold"
     if u.size <= _MOST:
         labels = [f"{s.branch} · step {s.index}" for s in run.settled]
         shown = [words for words, keep in zip(labels, good) if keep]
         data.append(
-            dots(u[good], y[good], f"{int(good.sum())} settled points", INK, size=4.5, text=_safe(shown))
+            dots(
+                u[good],
+                y[good],
+                f"{int(good.sum())} {'readings' if single else 'settled points'}",
+                INK,
+                size=4.5,
+                text=_safe(shown),
+            )
         )
-    words = "Each point is the mean output over the settle window of one hold; lines join points in order."
+    words = f"Each point is {what}; lines join points in order."
     if not good.all():
         late = int(np.sum(~good))
         data.append(
