@@ -164,3 +164,12 @@ def test_an_unwritable_folder_is_said(capsys, tmp_path):
     )
     assert status == 4
     assert "cannot be written" in err
+
+
+def test_a_folder_of_runs_gets_a_page_each(capsys, tmp_path):
+    call(capsys, "run", "quick_look", "--rig", "one_wire_twin", "-o", tmp_path / "q", "--quiet")
+    status, out, _ = call(capsys, "report", tmp_path / "q", "--json")
+    assert status == 0
+    assert len(json.loads(out)["reports"]) == 3
+    assert len(list((tmp_path / "q").glob("*.html"))) == 3
+    assert call(capsys, "report", tmp_path / "q", "-o", tmp_path / "one.html")[0] == 2
