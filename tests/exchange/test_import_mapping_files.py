@@ -185,11 +185,6 @@ def test_a_table_number_belongs_to_files_of_several_tables():
         load_mapping("sma_staircase:2")
 
 
-def test_a_rig_beside_a_mapping_is_refused(mapped):
-    with pytest.raises(UsageError, match="--rig or --map"):
-        mapped(DATA, rig="one_wire_twin")
-
-
 @pytest.mark.parametrize(
     ("value", "unit", "to", "expected"),
     [

@@ -15,6 +15,7 @@ from smarig.exchange.channel_faults import quantum
 from smarig.exchange.clock import check_time, time_findings
 from smarig.exchange.draft import Draft
 from smarig.exchange.findings import record_findings, saturation, twin_columns
+from smarig.exchange.heated import input_description
 from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
 from smarig.exchange.loop_faults import Loop, loop_findings
 from smarig.exchange.plausible import check_plausible
@@ -135,13 +136,8 @@ def _input(
     measured = columns.get("current_A", drive)
     along = rig.input_along(columns["t_s"], np.where(np.isfinite(measured), measured, drive))
     columns["input"] = table.columns.get("input_K", along)
-    meta = {
-        "quantity": "wire temperature above ambient" + (", T1 - T2" if rig.actuator.two_wire else ""),
-        "unit": "K",
-        "from": "the file"
-        if "input_K" in table.columns
-        else "heating model along the current, from a cold wire",
-    }
+    source = "the file" if "input_K" in table.columns else "heating model along the current, from a cold wire"
+    meta = input_description(rig, source)
     return meta, lambda a, b: rig.actuator.input_for(float(np.mean(drive[a:b])))
 
 

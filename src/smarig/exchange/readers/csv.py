@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from smarig.errors import UsageError
 from smarig.exchange.draft import Draft
+from smarig.exchange.heated import heated
 from smarig.exchange.mapped_csv import read_mapped_csv
 from smarig.exchange.mapping import load_mapping
 from smarig.exchange.own_csv import read_own_csv
@@ -14,6 +14,5 @@ def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Dr
     """Text table with a header row, or anything a mapping file describes."""
     if mapping is None:
         return read_own_csv(path, RigFacts.named(rig) if rig else None)
-    if rig is not None:
-        raise UsageError("Give --rig or --map: a mapping file says itself what the columns are.")
-    return read_mapped_csv(path, load_mapping(mapping))
+    draft = read_mapped_csv(path, load_mapping(mapping))
+    return heated(draft, RigFacts.named(rig)) if rig else draft
