@@ -63,6 +63,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return leaving.exit_code
     except click.ClickException as error:
         return report_error(error.format_message(), 2)
+    except Interrupted as stopped:
+        sentence = f"Run {stopped}: it is closed, the current is at zero."
+        return report_error(sentence, stopped.exit_status)
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
