@@ -276,3 +276,16 @@ def test_what_was_found_goes_into_an_actuator_file(tmp_path):
         found.write_actuator(tmp_path / "b.txt", base)
     with pytest.raises(UsageError, match="Nothing was found"):
         Calibration({}, {}).write_actuator(tmp_path / "b.toml", base)
+
+
+def test_runs_of_one_sitting_share_their_ends(tmp_path):
+    """A run that stops short of saturation borrows the ends from the run beside it."""
+    with Session("one_wire_twin", seed=2, wire=str(tmp_path)) as session:
+        settings = {"partition_K": "0,40,80,174.1"}
+        fod = session.run("first_order_descending", settings, tmp_path / "fod.run.sqlite")
+        settings = {"temperatures_K": "0,40,80,90,80,90,80,90,80,90,80,90,80,90,80,90,0"}
+        short = session.run("step_currents", settings, tmp_path / "short.run.sqlite")
+    alone = calibrate([load_run(short)]).parameters["R_A"]
+    together = calibrate([load_run(fod), load_run(short)]).parameters["R_A"]
+    assert alone.value > 4.515, "its own travel does not end in pure austenite"
+    assert abs(together.value - 4.5) < 0.005

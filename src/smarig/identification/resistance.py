@@ -1,6 +1,6 @@
 """R_M and R_A from voltage, current and position: V = i (R_M + ξ (R_A − R_M)), by least squares in volts.
 
-ξ is the austenite fraction taken from the position, 0 at one end of the run's travel and 1 at the other
+ξ is the austenite fraction taken from the position, 0 at one end of the sitting's travel and 1 at the other
 (the median there, since the extreme of a noisy position is no end); in the differential rig wire 2 (i < 0)
 has 1 − ξ. Fitting volts weighs each reading by its current, as a constant voltage noise asks. Refuses to
 know temperature.
@@ -32,7 +32,7 @@ def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
             "no run with voltage and current has a position that moves, so the phase is not known"
         )
     used = [run for run, travel in moved if travel >= _FULL * widest]
-    ends = [_ends(run["position"]) for run in used]
+    ends = _pooled(used, [_ends(run["position"]) for run in used])
     fit = linear_fit([_rows(run, low, high) for run, (low, high, _) in zip(used, ends)])
     if fit is None:
         return _because("the readings with current do not cover both ends of the travel")
@@ -66,6 +66,16 @@ def _ends(y: Array) -> tuple[float, float, float]:
     noise = max(float(np.median(change)) / 0.954, float(change[change > 0].min()))
     band = 6 * noise
     return float(np.median(y[y <= y.min() + band])), float(np.median(y[y >= y.max() - band])), noise
+
+
+def _pooled(runs: Sequence[Run], ends: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+    """The same ends for runs of one sitting and encoder zero: the farthest any of them went."""
+    sittings = [(run.meta.get("start_epoch") or id(run), run.meta.get("encoder_zero")) for run in runs]
+    pooled = []
+    for mine in sittings:
+        same = [end for end, sitting in zip(ends, sittings) if sitting == mine]
+        pooled.append((min(e[0] for e in same), max(e[1] for e in same), max(e[2] for e in same)))
+    return pooled
 
 
 def _rows(run: Run, low: float, high: float) -> tuple[Array, Array]:
