@@ -92,17 +92,13 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool) -> None:
         probe.unlink()
     except OSError as error:
         raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
-    targets = [_target(out, k, plan) for k in range(len(plan.step))] + [
+    targets = plan.run_files(out / "runs") + [
         out / "model.json",
         out / "report.html",
     ]
     existing = [t for t in targets if t.exists()]
     if existing and not force:
         raise UsageError(f"{existing[0]} exists; give another folder or --force to replace it.")
-
-
-def _target(out: Path, k: int, plan: CampaignFile) -> Path:
-    return out / "runs" / f"{k + 1:02d}_{plan.step[k].name or plan.step[k].protocol}.run.sqlite"
 
 
 def _run_all(
@@ -112,9 +108,8 @@ def _run_all(
     costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before the first ampere
     runs = {}
     with Session(rig, seed=seed, wire=wire) as session:
-        for k, (step, cost) in enumerate(zip(plan.step, costs, strict=True)):
+        for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
             with watching(cost) as listener:
-                target = _target(out, k, plan)
                 session.run(
                     step.protocol,
                     step.set,
@@ -123,7 +118,7 @@ def _run_all(
                     force=force,
                     expected=cost,
                 )
-            runs[step.name or step.protocol] = load_run(target)
+            runs[step.label] = load_run(target)
     return runs
 
 
@@ -153,7 +148,7 @@ def _analyse(
 
 
 def _of_purpose(plan: CampaignFile, runs: Mapping[str, Run], purpose: str) -> list[Run]:
-    return [runs[s.name or s.protocol] for s in plan.step if s.purpose == purpose]
+    return [runs[s.label] for s in plan.step if s.purpose == purpose]
 
 
 def _identified(train: list[Run]) -> tuple[dict[str, Identification], list[str]]:

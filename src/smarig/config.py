@@ -170,6 +170,11 @@ class CampaignStep(Section):
     purpose: Literal["prepare", "test", "train", "held_out"] = "train"
     set: dict[str, Any] = {}
 
+    @property
+    def label(self) -> str:
+        """What its run is called: its name, or its protocol's."""
+        return self.name or self.protocol
+
 
 class CampaignFile(Section):
     """configs/campaigns/NAME.toml: protocols in order."""
@@ -177,6 +182,18 @@ class CampaignFile(Section):
     name: str
     summary: str
     step: tuple[CampaignStep, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _told_apart(self) -> "CampaignFile":
+        labels = [step.label for step in self.step]
+        twice = next((label for label in labels if labels.count(label) > 1), None)
+        if twice:
+            raise ValueError(f"two steps are called '{twice}'; give each a name of its own (name = \"…\")")
+        return self
+
+    def run_files(self, folder: Path) -> list[Path]:
+        """Where the runs of its steps go, in order."""
+        return [folder / f"{k:02d}_{step.label}.run.sqlite" for k, step in enumerate(self.step, start=1)]
 
 
 Model = TypeVar("Model", bound=BaseModel)

@@ -21,6 +21,13 @@ from smarig.runner.control import Control
 from smarig.runner.session import Session
 
 
+def small_fod(capsys, tmp_path):
+    path = tmp_path / "f.run.sqlite"
+    partition = ["--set", "partition_K=0,40,90,170"]
+    call(capsys, "run", "first_order_descending", "--rig", "one_wire_twin", "-o", path, *partition)
+    return path
+
+
 def call(capsys, *arguments):
     status = run([str(a) for a in arguments])
     out, err = capsys.readouterr()
@@ -188,18 +195,7 @@ def test_events_without_words_do_not_stop_a_report(capsys, recorded):
 
 @pytest.mark.parametrize("value", ["1e999", "1e40"])
 def test_positions_beyond_all_measure_are_not_identified(capsys, tmp_path, value):
-    fod = tmp_path / "f.run.sqlite"
-    call(
-        capsys,
-        "run",
-        "first_order_descending",
-        "--rig",
-        "one_wire_twin",
-        "-o",
-        fod,
-        "--set",
-        "partition_K=0,40,90,170",
-    )
+    fod = small_fod(capsys, tmp_path)
     with sqlite3.connect(fod) as db:
         db.execute(f'UPDATE step SET position = {value} WHERE "index" = 6')
     status, _, err = call(capsys, "identify", fod, "-o", tmp_path / "m.json")
@@ -215,18 +211,7 @@ def test_the_same_run_twice_is_refused(capsys, tmp_path, recorded):
 
 @pytest.mark.parametrize("select", ["-(curve==0)", "(curve==0)-(curve==1)", ""])
 def test_selections_that_are_no_condition(capsys, tmp_path, select):
-    fod = tmp_path / "f.run.sqlite"
-    call(
-        capsys,
-        "run",
-        "first_order_descending",
-        "--rig",
-        "one_wire_twin",
-        "-o",
-        fod,
-        "--set",
-        "partition_K=0,40,90,170",
-    )
+    fod = small_fod(capsys, tmp_path)
     assert call(capsys, "identify", fod, "--select", select, "-o", tmp_path / "m.json")[0] == 2
 
 
@@ -259,3 +244,57 @@ def test_a_preview_can_be_interrupted():
     control.stop("enough")
     with pytest.raises(Interrupted, match="enough"):
         preview("validation", load_rig("one_wire_twin"), {}, control)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
+    from smarig.record.recorder import write_run
+
+    out = tmp_path / "r.run.sqlite"
+    recording_one = [
+        sys.executable,
+        "-m",
+        "smarig",
+        "run",
+        "validation",
+        "--rig",
+        "one_wire_twin",
+        "-o",
+        str(out),
+    ]
+    process = subprocess.Popen(
+        [*recording_one, "--speed", "50"], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+    )
+    try:
+        while process.poll() is None and not recording(out):
+            pass
+        with pytest.raises(UsageError, match="being recorded"):
+            write_run(out, {}, {"tick": [0]}, [], force=True)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.wait(timeout=20)
+
+
+def test_two_steps_of_a_campaign_need_two_names(capsys, tmp_path):
+    plan = tmp_path / "twice.toml"
+    step = '[[step]]\nprotocol = "validation"\nset = { points = 2 }\n'
+    plan.write_text(f'name = "twice"\nsummary = "s"\n{step}{step}', encoding="utf-8")
+    status, _, err = call(capsys, "run", plan, "--rig", "one_wire_twin", "--dry-run")
+    assert status == 2
+    assert "two steps are called 'validation'" in err
+    plan.write_text(f'name = "twice"\nsummary = "s"\n{step}{step}name = "again"\n', encoding="utf-8")
+    assert call(capsys, "run", plan, "--rig", "one_wire_twin", "-o", tmp_path / "out", "--quiet")[0] == 0
+    assert [p.name for p in sorted((tmp_path / "out").iterdir())] == [
+        "01_validation.run.sqlite",
+        "02_again.run.sqlite",
+    ]
+
+
+def test_a_model_in_what_is_no_folder_is_said(capsys, tmp_path):
+    fod = small_fod(capsys, tmp_path)
+    (tmp_path / "file").write_text("x", encoding="utf-8")
+    status, _, err = call(
+        capsys, "identify", fod, "--surface", "constant", "-o", tmp_path / "file" / "m.json"
+    )
+    assert status == 2
+    assert "is not a folder" in err

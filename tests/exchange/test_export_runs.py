@@ -115,7 +115,7 @@ def test_a_failure_leaves_no_half_file_and_the_old_one(run, tmp_path, monkeypatc
 
 def test_where_nothing_can_be_written_it_is_said(run, tmp_path):
     (tmp_path / "file").write_text("not a folder")
-    with pytest.raises(StorageError, match="cannot be written"):
+    with pytest.raises(UsageError, match="is not a folder"):
         export_run(run, to="csv", out=tmp_path / "file" / "x.csv")
 
 

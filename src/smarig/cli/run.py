@@ -8,7 +8,7 @@ from smarig.catalogue import names, suggestion
 from smarig.cli._output import emit, json_option, say
 from smarig.cli._progress import ProgressLine
 from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG
-from smarig.config import CampaignStep, listed, load_campaign, load_rig
+from smarig.config import CampaignFile, CampaignStep, listed, load_campaign, load_rig
 from smarig.errors import UsageError
 from smarig.protocols._settings import parse_pairs
 from smarig.record import Run, load_run
@@ -55,7 +55,8 @@ def command(
     quiet: bool,
 ) -> None:
     """Run a protocol or a campaign on a rig and record it."""
-    steps = _steps(experiment, parse_pairs(pairs))
+    plan = _plan(experiment, parse_pairs(pairs))
+    steps = plan.step
     file = load_rig(rig)
     costs = [preview(s.protocol, file, s.set) for s in steps]
     if dry_run:
@@ -65,9 +66,7 @@ def command(
     if out is None:
         raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")
     single = experiment in names("smarig.protocols")
-    targets = (
-        [out] if single else [out / f"{k:02d}_{s.protocol}.run.sqlite" for k, s in enumerate(steps, start=1)]
-    )
+    targets = [out] if single else plan.run_files(out)
     for target in targets:
         if target.exists() and not force:
             raise UsageError(f"{target} exists; give another name or --force to replace it.")
@@ -90,17 +89,20 @@ def command(
     emit({"runs": [_summary(r) for r in runs]}, "\n".join(repr(r) for r in runs))
 
 
-def _steps(experiment: str, settings: dict) -> list[CampaignStep]:
+def _plan(experiment: str, settings: dict) -> CampaignFile:
+    """A campaign; a protocol is one of a single step."""
     protocols, campaigns = names("smarig.protocols"), listed("campaigns")
     if experiment in protocols:
-        return [CampaignStep(protocol=experiment, set=settings)]
+        return CampaignFile(
+            name=experiment, summary="", step=(CampaignStep(protocol=experiment, set=settings),)
+        )
     if experiment not in campaigns and not experiment.endswith(".toml"):
         raise UsageError(
             f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."
         )
     if settings:
         raise UsageError("--set belongs to a single protocol; a campaign's settings stand in its file.")
-    return list(load_campaign(experiment).step)
+    return load_campaign(experiment)
 
 
 def _marked(run: Run) -> list[str]:

@@ -3,12 +3,11 @@
 Refuses to know any format: those are in writers/.
 """
 
-import contextlib
 from pathlib import Path
 
 from smarig.catalogue import find
-from smarig.errors import StorageError, UsageError
 from smarig.record import Run, load_run
+from smarig.whole_file import whole_file
 
 
 def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
@@ -19,17 +18,7 @@ def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool =
     """
     target = Path(out)
     write = find("smarig.exchange.writers", to)
-    if target.exists() and not force:
-        raise UsageError(f"{target} exists; give another name or --force to replace it.")
     data = run if isinstance(run, Run) else load_run(run)
-    part = target.with_name(target.name + ".part")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(target, force=force) as part:
         write(data, part)
-        part.replace(target)
-    except OSError as error:
-        raise StorageError(f"{target} cannot be written: {error.strerror or error}.") from None
-    finally:
-        with contextlib.suppress(OSError):  # the folder itself may be missing
-            part.unlink(missing_ok=True)
     return target

@@ -3,16 +3,16 @@
 Knows the actuator's schema and which constant sets which key. Refuses to know how it was measured.
 """
 
-import contextlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from smarig.config import ActuatorFile, Quantity
-from smarig.errors import StorageError, UsageError
+from smarig.errors import UsageError
 from smarig.identification.estimate import Estimate
 from smarig.model.actuator import Actuator
+from smarig.whole_file import whole_file
 
 
 def calibrated(base: ActuatorFile, found: Mapping[str, Estimate], name: str) -> ActuatorFile:
@@ -47,18 +47,8 @@ def write(path: Path, actuator: ActuatorFile, *, force: bool) -> Path:
     """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
     if path.suffix != ".toml":
         raise UsageError(f"An actuator file is TOML: give a name that ends in .toml, not {path.name}.")
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists; give another name or --force to replace it.")
-    part = path.with_name(path.name + ".part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(path, force=force) as part:
         part.write_text(_toml(actuator), encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        raise StorageError(f"Actuator file {path} cannot be written: {error.strerror or error}.") from None
-    finally:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
     return path
 
 

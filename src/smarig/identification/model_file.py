@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from smarig.errors import DataError, StorageError, UsageError
+from smarig.errors import DataError, UsageError
 from smarig.identification.hysteresis_json import dump_hysteresis, load_hysteresis
 from smarig.model.everett import Everett
 from smarig.model.preisach import Initial, Preisach
+from smarig.whole_file import whole_file
 
 VERSION = 1
 FORMAT = "smarig model"
@@ -129,17 +130,8 @@ class Model:
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
         target = Path(path)
-        if target.exists() and not force:
-            raise UsageError(f"{target} exists; give another name or --force to replace it.")
-        part = target.with_name(target.name + ".part")
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(target, force=force) as part:
             part.write_text(_pretty(_to_file(self).model_dump(mode="json")), encoding="utf-8")
-            part.replace(target)
-        except OSError as error:
-            raise StorageError(f"Model file {target} cannot be written: {error.strerror or error}.") from None
-        finally:
-            part.unlink(missing_ok=True)
         return target
 
     def __repr__(self) -> str:

@@ -192,6 +192,7 @@ def write_run(
     part = path.with_name(path.name + ".part")
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    _refuse_if_recording(path)
     try:
         db = _create(
             part,

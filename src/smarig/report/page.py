@@ -11,10 +11,10 @@ from typing import Any
 
 from plotly.offline import get_plotlyjs
 
-from smarig.errors import StorageError, UsageError
 from smarig.report.figure import Figure
 from smarig.report.html import Html, escaped, joined, tag
 from smarig.report.style import CSS, template
+from smarig.whole_file import whole_file
 
 _DRAW = """
 (function(){
@@ -93,28 +93,8 @@ def _footer(label: str) -> Html:
 
 
 def write_page(html: str, path: str | Path, force: bool = False) -> Path:
-    """Write a page, all of it or nothing. UsageError if it exists (without ``force``) or has no folder."""
+    """Write a page, all of it or nothing; errors as of ``whole_file``."""
     file = Path(path)
-    if file.is_dir():
-        raise UsageError(f"{file} is a folder; name the page to write, for example {file / 'report.html'}.")
-    if file.exists() and not force:
-        raise UsageError(f"{file} exists; give another name or --force to replace it.")
-    part = file.with_name(file.name + ".part")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(file, force=force) as part:
         part.write_text(html, encoding="utf-8")
-        part.replace(file)
-    except (FileExistsError, NotADirectoryError):
-        raise UsageError(f"{file.parent} is not a folder; name a page inside a folder.") from None
-    except OSError as error:
-        raise StorageError(f"Page {file} cannot be written: {error.strerror or error}.") from None
-    finally:
-        _remove(part)
     return file
-
-
-def _remove(part: Path) -> None:
-    try:
-        part.unlink(missing_ok=True)
-    except OSError:
-        return

@@ -36,7 +36,7 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> D
         "input": {"quantity": "magnetic field", "unit": file.units[0]},
         "output": {"quantity": "magnetic moment", "unit": file.units[1], "per_count": None},
         "forc": described,
-        "notes": "Drift is not corrected here; forc.drift says whether correction helps.",
+        "notes": "Moments are as measured; whether a drift correction helps is said among the warnings.",
     }
     return Draft(columns, meta, (), tuple(warnings))
 
