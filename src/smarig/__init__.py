@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from smarig.identification.identify import identify as identify
     from smarig.identification.model_file import load_model as load_model
-    from smarig.model.fod_surface import FodSurface as FodSurface
-    from smarig.model.preisach import Preisach as Preisach
+    from smarig.preisach.fod_surface import FodSurface as FodSurface
+    from smarig.preisach.operator import Preisach as Preisach
     from smarig.record.run import load_run as load_run
     from smarig.report.notebook import plot as plot
     from smarig.rig.twin import Twin as Twin
     from smarig.runner.session import run as run
 
 _HOME = {
-    "FodSurface": "smarig.model.fod_surface",
-    "Preisach": "smarig.model.preisach",
+    "FodSurface": "smarig.preisach.fod_surface",
+    "Preisach": "smarig.preisach.operator",
     "Twin": "smarig.rig.twin",
     "identify": "smarig.identification.identify",
     "load_model": "smarig.identification.model_file",

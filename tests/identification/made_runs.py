@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.model.gorbet_1997 import PARTITIONS, surface
-from smarig.model.preisach import Preisach
+from smarig.preisach.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.operator import Preisach
 from smarig.record import Run, Step
 from smarig.record.schema import SAMPLE_COLUMNS
 

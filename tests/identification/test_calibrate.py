@@ -11,7 +11,7 @@ from smarig.errors import UsageError
 from smarig.identification.calibrate import Calibration, calibrate
 from smarig.identification.estimate import Estimate, inflation, linear_fit
 from smarig.model.actuator import Actuator
-from smarig.model.gorbet_1997 import surface
+from smarig.preisach.gorbet_1997 import surface
 from smarig.record import Run, load_run
 from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.runner.session import Session

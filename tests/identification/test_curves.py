@@ -15,8 +15,8 @@ from identification.made_runs import (
 from smarig.identification.curve_fit import fit_curves
 from smarig.identification.curve_report import curve_report, reading_noise
 from smarig.identification.fod_data import fod_data
-from smarig.model.gorbet_1997 import NAMES, surface
-from smarig.model.preisach import Preisach
+from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.preisach.operator import Preisach
 
 
 def reading_sd(wire):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from smarig.identification.density import density_report
-from smarig.model.fod_table import FodTable
-from smarig.model.gorbet_1997 import NAMES, PARTITIONS, surface
-from smarig.model.mirrored import Mirrored
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.preisach.mirrored import Mirrored
 
 MU_MIN = {"one_p": -6.9e-4, "one_e": -1.9e-3, "two_p": -2.5e-4, "two_e": -1.2e-4}  # theory.md §4
 REVERSIBLE = {

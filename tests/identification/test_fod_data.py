@@ -6,7 +6,7 @@ import pytest
 from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run, made_run
 from smarig.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data, select
-from smarig.model.gorbet_1997 import surface
+from smarig.preisach.gorbet_1997 import surface
 
 
 def points(data):

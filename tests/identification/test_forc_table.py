@@ -11,11 +11,11 @@ import pytest
 
 from smarig.errors import DataError
 from smarig.identification.forc_curves import curves_from_run
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import Curve, ForcTable
-from smarig.model.gorbet_1997 import PARTITIONS, surface
-from smarig.model.mirrored import Mirrored
-from smarig.model.preisach import Preisach
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import Curve, ForcTable
+from smarig.preisach.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.operator import Preisach
 from smarig.record.run import Run
 from smarig.record.schema import SAMPLE_COLUMNS
 

@@ -8,11 +8,11 @@ import pytest
 from identification.made_runs import PARTITION, driven_run, fod_run
 from smarig.errors import DataError, UsageError
 from smarig.identification.identify import identify
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import ForcTable
-from smarig.model.gorbet_1997 import surface
-from smarig.model.mirrored import Mirrored
-from smarig.model.preisach import Preisach
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import ForcTable
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.operator import Preisach
 
 CONTRACT = [
     *("model", "surface", "points", "curves", "rms", "norm2", "weighted_norm2"),

@@ -9,7 +9,7 @@ from identification.made_runs import driven_run, fod_run
 from smarig.errors import DataError, UsageError
 from smarig.identification.identify import identify
 from smarig.identification.model_file import load_model
-from smarig.model.mirrored import Mirrored
+from smarig.preisach.mirrored import Mirrored
 
 WALK = np.random.default_rng(3).uniform(-10, 180, 300)
 

@@ -7,7 +7,7 @@ import pytest
 
 from smarig.identification.fod_data import fod_data
 from smarig.identification.surface_fit import fit_surface
-from smarig.model.gorbet_1997 import surface
+from smarig.preisach.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session

@@ -8,8 +8,8 @@ from smarig.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data, select
 from smarig.identification.surface_fit import fit_surface
 from smarig.identification.surface_jacobian import jacobian
-from smarig.model.fod_surface import FodSurface
-from smarig.model.gorbet_1997 import NAMES, surface
+from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.gorbet_1997 import NAMES, surface
 
 FORM = {"c": "constant", "p": "parabolic", "e": "exponential"}
 SEEDS = range(20)

@@ -8,8 +8,8 @@ from smarig.errors import DataError, UsageError
 from smarig.identification.identify import identify
 from smarig.identification.simulate import simulate, simulate_along
 from smarig.identification.verify import verify
-from smarig.model.gorbet_1997 import surface
-from smarig.model.preisach import Preisach
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
 
 WALK = [0.0, *np.random.default_rng(5).uniform(0, 174.1, 40)]
 TWO_WALK = [*np.random.default_rng(6).uniform(-185, 185, 40)]

@@ -9,7 +9,7 @@ from smarig.exchange.importing import import_file
 from smarig.identification.identify import identify
 from smarig.identification.model_file import load_model
 from smarig.identification.verify import verify
-from smarig.model.gorbet_1997 import surface
+from smarig.preisach.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.runner.session import Session
 

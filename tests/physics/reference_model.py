@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from physics.relay_reference import NODES, WEIGHTS, Printed
+from preisach.relay_reference import NODES, WEIGHTS, Printed
 
 ARRANGEMENTS = {  # theory §3: mean R in Ω, length in m, kelvin above ambient at 1 A
     "gorbet_one_wire": {"R": 4.75, "L": 0.38, "T": 174.1, "two_wire": False},

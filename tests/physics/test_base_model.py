@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from physics.reference_model import counts_along, input_along, output_along
-from physics.relay_reference import Printed
+from preisach.relay_reference import Printed
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Stage
-from smarig.model.gorbet_1997 import surface
 from smarig.model.heating import temperature_along
 from smarig.model.plant import Plant
-from smarig.model.preisach import Preisach
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
 
 CASES = [
     ("gorbet_one_wire", "one_c", "negative"),

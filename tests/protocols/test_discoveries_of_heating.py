@@ -5,9 +5,9 @@ import pytest
 
 import smarig
 from smarig.model.actuator import Actuator
-from smarig.model.gorbet_1997 import surface
 from smarig.model.heating import temperature_along
-from smarig.model.preisach import Preisach
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
 from smarig.runner.remnant import remnant
 
 

@@ -4,8 +4,8 @@ import pytest
 
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Stage
-from smarig.model.gorbet_1997 import surface
 from smarig.model.plant import Plant
+from smarig.preisach.gorbet_1997 import surface
 
 
 class Planted:

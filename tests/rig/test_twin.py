@@ -7,7 +7,7 @@ import pytest
 
 from rig.rig_contract import CHECKS, MAKERS, drive
 from smarig.errors import UsageError
-from smarig.model.gorbet_1997 import surface
+from smarig.preisach.gorbet_1997 import surface
 from smarig.rig.noise import Noise
 from smarig.rig.twin import Twin
 

@@ -22,7 +22,7 @@ from smarig.identification.replay import tau_from_position
 from smarig.identification.resistance import resistances
 from smarig.identification.thermal_transient import tau_from_temperature
 from smarig.model.actuator import Actuator
-from smarig.model.everett import Everett
+from smarig.preisach.everett import Everett
 from smarig.record.run import Run
 
 

@@ -14,8 +14,8 @@ from smarig.errors import DataError
 from smarig.identification.fod_data import FodData
 from smarig.identification.fod_table_data import curve_table
 from smarig.identification.surface_fit import SurfaceFit, Weights, fit_surface
-from smarig.model.fod_surface import FORMS, FodSurface
-from smarig.model.forc_table import ForcTable
+from smarig.preisach.fod_surface import FORMS, FodSurface
+from smarig.preisach.forc_table import ForcTable
 
 Array = NDArray[np.float64]
 LEVELS = (("constant",), ("parabolic", "exponential"), ("table",))  # by rising freedom

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from smarig.model.everett import Everett
-from smarig.model.fod_surface import FodSurface
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import ForcTable
-from smarig.model.mirrored import Mirrored
+from smarig.preisach.everett import Everett
+from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import ForcTable
+from smarig.preisach.mirrored import Mirrored
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]

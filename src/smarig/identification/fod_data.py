@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from smarig.errors import DataError, UsageError
 from smarig.identification.history import History, histories
 from smarig.identification.selection import matches
-from smarig.model.preisach import State
+from smarig.preisach.operator import State
 from smarig.record import Run
 
 Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ import numpy as np
 
 from smarig.errors import DataError
 from smarig.identification.fod_data import FodData
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import Curve, ForcTable
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import Curve, ForcTable
 
 
 def table(data: FodData) -> FodTable | ForcTable:

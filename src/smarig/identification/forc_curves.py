@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.errors import DataError
-from smarig.model.forc_curve import Curve
+from smarig.preisach.forc_curve import Curve
 from smarig.record.run import Run
 
 PROTOCOL = "first_order_reversal_curves"

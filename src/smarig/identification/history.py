@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.model.preisach import Preisach, State
+from smarig.preisach.operator import Preisach, State
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -36,6 +36,10 @@ class Memory:
     def everett(self, alpha: float, beta: float) -> float:  # noqa: ARG002
         """Zero: only the extrema matter here."""
         return 0.0
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """Zero."""
+        return np.zeros(np.broadcast_shapes(np.shape(alpha), np.shape(beta)))
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:  # noqa: ARG002
         """Zero."""

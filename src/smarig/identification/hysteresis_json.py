@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from smarig.errors import DataError, UsageError
-from smarig.model.everett import Everett
-from smarig.model.fod_surface import FORMS, FodSurface
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import ForcTable
-from smarig.model.mirrored import Mirrored
+from smarig.preisach.everett import Everett
+from smarig.preisach.fod_surface import FORMS, FodSurface
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import ForcTable
+from smarig.preisach.mirrored import Mirrored
 
 
 class _Kind(NamedTuple):

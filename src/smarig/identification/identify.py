@@ -24,10 +24,10 @@ from smarig.identification.model_file import Model, NoiseRecord
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.origin import description, file_hash, provenance
 from smarig.identification.surface_fit import ROOT_WEIGHT, SurfaceFit, Weights, fit_surface
-from smarig.model.fod_surface import FORMS, FodSurface
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import ForcTable
-from smarig.model.mirrored import Mirrored
+from smarig.preisach.fod_surface import FORMS, FodSurface
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import ForcTable
+from smarig.preisach.mirrored import Mirrored
 from smarig.record import Run, load_run
 
 Kind = Literal["constant", "parabolic", "exponential", "table", "best"]

@@ -15,8 +15,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from smarig.errors import DataError, UsageError
 from smarig.identification.hysteresis_json import dump_hysteresis, load_hysteresis
-from smarig.model.everett import Everett
-from smarig.model.preisach import Initial, Preisach
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
 from smarig.whole_file import whole_file
 
 VERSION = 1

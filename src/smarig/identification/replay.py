@@ -18,9 +18,9 @@ from smarig.identification.estimate import Estimate, inflation, quantile
 from smarig.identification.history import continues, named_start
 from smarig.identification.holds import good, holds
 from smarig.model.actuator import Actuator
-from smarig.model.everett import Everett
 from smarig.model.heating import Heating
-from smarig.model.preisach import Preisach
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach
 from smarig.record.run import Run
 
 Array = NDArray[np.float64]

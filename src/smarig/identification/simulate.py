@@ -13,7 +13,7 @@ from smarig.errors import UsageError
 from smarig.identification.fod_data import FORC_PROTOCOL
 from smarig.identification.history import REST, SAME_INPUT, continues, named_start
 from smarig.identification.model_file import Model
-from smarig.model.preisach import Preisach
+from smarig.preisach.operator import Preisach
 from smarig.record import Run
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from smarig.errors import DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface_jacobian import jacobian
 from smarig.identification.surface_starts import FLATTEST, ranked_starts
-from smarig.model.fod_surface import FORMS, FodSurface, Form
+from smarig.preisach.fod_surface import FORMS, FodSurface, Form
 
 Array = NDArray[np.float64]
 Weights = Literal["residual", "square"]

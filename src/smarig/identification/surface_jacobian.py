@@ -9,7 +9,7 @@ Knows no data.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.model.fod_surface import FodSurface, sigmoid
+from smarig.preisach.fod_surface import FodSurface, sigmoid
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.identification.fod_data import FodData
-from smarig.model.fod_surface import FodSurface, Form
+from smarig.preisach.fod_surface import FodSurface, Form
 
 Array = NDArray[np.float64]
 Guess = tuple[float, ...]

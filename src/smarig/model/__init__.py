@@ -1,1 +1,1 @@
-"""Physics of the wire: heating, hysteresis, mechanics. Knows no device, no protocol, no file."""
+"""Physics of the wire: heating, plant, effects, stress. Knows no device, no protocol, no file."""

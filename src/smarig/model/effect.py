@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
-from smarig.model.everett import Everett
+from smarig.preisach.everett import Everett
 
 
 class Stage(IntEnum):

@@ -7,15 +7,15 @@ from collections.abc import Sequence
 
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect, Hook, Moment, Stage, chain
-from smarig.model.everett import Everett
 from smarig.model.heating import Heating
-from smarig.model.preisach import Initial, Preisach
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
 
 
 class Plant:
     """State of the wire(s): temperatures, hysteresis memory, position (rig unit, operator's own zero).
 
-    >>> from smarig.model.gorbet_1997 import surface
+    >>> from smarig.preisach.gorbet_1997 import surface
     >>> plant = Plant(Actuator.named("gorbet_one_wire"), surface("one_e"), "negative", dt_s=0.1)
     >>> for _ in range(1200):
     ...     position_mm = plant.step(1.0)

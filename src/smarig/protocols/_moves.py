@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from smarig.command import Hold, Protocol, Settled
 from smarig.errors import UsageError
-from smarig.model.gorbet_1997 import PARTITIONS
+from smarig.preisach.gorbet_1997 import PARTITIONS
 from smarig.protocols._setup import Setup
 
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from smarig.errors import DataError
 from smarig.identification.density import DensityReport, density_report
 from smarig.identification.identify import Identification
-from smarig.model.fod_surface import FodSurface
-from smarig.model.fod_table import FodTable
-from smarig.model.forc_table import ForcTable
-from smarig.model.mirrored import Mirrored
-from smarig.model.preisach import Preisach
+from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.forc_table import ForcTable
+from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.operator import Preisach
 
 Array = NDArray[np.float64]
 _CELLS = 40

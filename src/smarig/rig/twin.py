@@ -12,10 +12,10 @@ from smarig.config import RigFile, load_rig
 from smarig.errors import LeaseExpired, UsageError
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect
-from smarig.model.everett import Everett
-from smarig.model.gorbet_1997 import surface
 from smarig.model.plant import Plant
-from smarig.model.preisach import Initial
+from smarig.preisach.everett import Everett
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Initial
 from smarig.rig.noise import Noise
 from smarig.sample import NAN, Quality, Sample
 

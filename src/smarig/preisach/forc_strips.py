@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.model.forc_curve import Line
+from smarig.preisach.forc_curve import Line
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,10 @@ FOD curves of the mirrored hysteresis. Reflection keeps the measure: F(α, β) =
 
 from dataclasses import dataclass
 
-from smarig.model.everett import Everett
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.preisach.everett import Everett
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +36,10 @@ class Mirrored:
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = F̃(−β, −α)."""
         return self.image.everett(-beta, -alpha)
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+        """F(α, β), arrays."""
+        return self.image.swept(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """A rise here is a fall in the mirror."""

@@ -12,7 +12,7 @@ piecewise models.
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -37,6 +37,10 @@ class Everett(Protocol):
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) for scalars with β ≤ α."""
+        ...
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+        """F(α, β) for arrays, which broadcast."""
         ...
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.model.everett import fall_integral, rise_integral
+from smarig.preisach.everett import fall_integral, rise_integral
 
 Array = NDArray[np.float64]
 
@@ -87,6 +87,18 @@ class FodTable:
         near = low[j] + t * (low[j + 1] - low[j])
         far = high[j] + t * (high[j + 1] - high[j])
         return near + s * (far - near)
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """F(α, β), arrays."""
+        a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
+        drops, last = np.asarray(self._drops), self.nodes.size - 2
+        i = np.clip(np.searchsorted(self.nodes, a, side="right") - 1, 0, last)
+        j = np.clip(np.searchsorted(self.nodes, b, side="right") - 1, 0, last)
+        width = np.diff(self.nodes)
+        s, t = (a - self.nodes[i]) / width[i], (b - self.nodes[j]) / width[j]
+        near = drops[i, j] + t * (drops[i, j + 1] - drops[i, j])
+        far = drops[i + 1, j] + t * (drops[i + 1, j + 1] - drops[i + 1, j])
+        return np.where(j >= i, (s - t) * drops[i + 1, i], near + s * (far - near))
 
     def _cell(self, u: float) -> tuple[int, float]:
         grid = self._grid

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError, UsageError
-from smarig.model.everett import Everett
-from smarig.model.fod_surface import FodSurface
-from smarig.model.fod_table import FodTable
-from smarig.model.relay_measure import RelayMeasure
+from smarig.preisach.everett import Everett
+from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.relay_measure import RelayMeasure
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ Initial = Literal["negative", "positive", "anhysteretic"] | State
 class Preisach:
     """Preisach operator y = Γ[u] for a FOD surface, a FOD table or a measure of relays.
 
-    >>> from smarig.model.gorbet_1997 import surface
+    >>> from smarig.preisach.gorbet_1997 import surface
     >>> wire = Preisach.from_surface(surface("one_c"))
     >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])       # a minor loop closes: wiping-out
     >>> bool(y[1] == y[3])

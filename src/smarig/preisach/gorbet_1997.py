@@ -6,7 +6,7 @@ in the third digit. One-wire outputs in mm, two-wire in degrees; inputs in kelvi
 
 from smarig.catalogue import suggestion
 from smarig.errors import UsageError
-from smarig.model.fod_surface import FodSurface, Form
+from smarig.preisach.fod_surface import FodSurface, Form
 
 _ONE = {"lower": 0.0, "upper": 174.1, "y_lower": 0.0, "y_upper": 12.54, "unit": "mm"}
 _TWO = {"lower": -185.0, "upper": 185.0, "y_lower": -16.5234, "y_upper": 18.1055, "unit": "deg"}

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.model.everett import fall_integral, rise_integral
-from smarig.model.forc_curve import Curve, completed, saturation
-from smarig.model.forc_strips import Strips
+from smarig.preisach.everett import fall_integral, rise_integral
+from smarig.preisach.forc_curve import Curve, completed, saturation
+from smarig.preisach.forc_strips import Strips
 
 Array = NDArray[np.float64]
 
@@ -92,6 +92,10 @@ class ForcTable:
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β), scalar."""
         return self._value(alpha, alpha) - self._value(alpha, beta)
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """F(α, β), arrays."""
+        return self.y(alpha, alpha) - self.y(alpha, beta)
 
     def _value(self, alpha: float, beta: float) -> float:
         """One point of the surface without arrays, for the tick; ``Strips.parts`` is the same in arrays."""

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from physics.relay_reference import TABLE_5_1, Printed, Relays, cells, histories, lower_half
-from smarig.model.fod_table import FodTable
-from smarig.model.gorbet_1997 import PARTITIONS, surface
-from smarig.model.mirrored import Mirrored
-from smarig.model.preisach import Preisach
-from smarig.model.relay_measure import RelayMeasure
+from preisach.relay_reference import TABLE_5_1, Printed, Relays, cells, histories, lower_half
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.operator import Preisach
+from smarig.preisach.relay_measure import RelayMeasure
 
 TOLERANCE = 1e-12  # of the output range, design.md §4.5
 HISTORIES = tuple(histories(np.arange(20.0), 0))

@@ -8,12 +8,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from smarig.errors import DataError, UsageError
-from smarig.model.everett import Everett
-from smarig.model.fod_table import FodTable
-from smarig.model.gorbet_1997 import NAMES, surface
-from smarig.model.mirrored import Mirrored
-from smarig.model.preisach import Preisach, State
-from smarig.model.relay_measure import RelayMeasure
+from smarig.preisach.everett import Everett
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.operator import Preisach, State
+from smarig.preisach.relay_measure import RelayMeasure
 
 
 def _table() -> FodTable:

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from physics.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
+from preisach.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
 from smarig.errors import UsageError
-from smarig.model.fod_surface import FodSurface
-from smarig.model.gorbet_1997 import NAMES, PARTITIONS, surface
-from smarig.model.preisach import Preisach
+from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.preisach.operator import Preisach
 
 
 def grid(name: str, n: int = 371) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

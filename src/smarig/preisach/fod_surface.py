@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import UsageError
-from smarig.model.everett import fall_integral, rise_integral
+from smarig.preisach.everett import fall_integral, rise_integral
 
 Form = Literal["constant", "parabolic", "exponential"]
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ class FodSurface:
     input; ``y_lower``/``y_upper`` the outputs at negative and positive saturation. Inputs α ≥ β in
     kelvin above ambient, outputs in ``unit``. All methods broadcast.
 
-    >>> from smarig.model.gorbet_1997 import surface
+    >>> from smarig.preisach.gorbet_1997 import surface
     >>> one_e = surface("one_e")
     >>> float(one_e.y(174.1, 174.1)), float(one_e.y(90.0, 0.0))
     (12.54, 0.0)
@@ -134,7 +134,7 @@ class FodSurface:
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β), scalar.
 
-        >>> from smarig.model.gorbet_1997 import surface
+        >>> from smarig.preisach.gorbet_1997 import surface
         >>> s = surface("two_c")
         >>> abs(s.everett(90.0, -20.0) - float(s.y(90.0, 90.0) - s.y(90.0, -20.0))) < 1e-13
         True
@@ -149,6 +149,11 @@ class FodSurface:
             f = x[3] * math.exp(-x[4] * alpha) + x[5]
         rise = math.tanh(0.5 * x4 * (alpha + f)) - math.tanh(0.5 * x4 * (beta + f))
         return self._quarter_amplitude() * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """F(α, β), arrays."""
+        a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
+        return self.y(a, a) - self.y(a, b)
 
     def _quarter_amplitude(self) -> float:
         cached = self.__dict__.get("_c4")

@@ -62,6 +62,11 @@ class RelayMeasure:
         """F(α, β): twice the mass of the relays a rise from β to α switches."""
         return self._sums[bisect_right(self._alphas, alpha)][bisect_left(self._betas, beta)]
 
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """F(α, β), arrays."""
+        rows = np.searchsorted(self._alphas, alpha, side="right")
+        return np.asarray(self._sums)[rows, np.searchsorted(self._betas, beta, side="left")]
+
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """Twice the mass switched on by a rise from ℓ to u."""
         off = (self.alpha > centre) & (self.alpha + self.beta >= 2 * centre)
