@@ -74,8 +74,26 @@ def test_notebook_lines(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip()
 
 
+def test_hysteresis_alone(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    code = next(body for kind, body in BLOCKS if kind == "python" and "certify" in body)
+    names = {}
+    exec(compile(code, "README.md", "exec"), names)
+    assert names["wire"].peek(names["u"]) == pytest.approx(6.0, abs=1e-9)
+    assert "Dissipative: no loop" in capsys.readouterr().out
+
+
+def test_a_measure_that_is_positive(tmp_path):
+    in_shell("smarig run validation --rig one_wire_twin -o validation.run.sqlite --seed 1", tmp_path)
+    for command in lines_of("sh", "--surface positive"):
+        in_shell(command, tmp_path)
+    assert (tmp_path / "positive.model.json").is_file()
+
+
 def test_other_peoples_data(tmp_path, shared_data):
     (tmp_path / "forc.txt").write_bytes((shared_data / "forc_magnetic" / "MSM33-55-1_d330.forc").read_bytes())
     (tmp_path / "test.csv").write_bytes((shared_data / "sma_staircase" / "test.csv").read_bytes())
+    for name in ("B_MnZn_HP_ferrite.mat", "H_MnZn_HP_ferrite.mat"):
+        (tmp_path / name).write_bytes((shared_data / "ferrite_nested" / name).read_bytes())
     for command in lines_of("sh", "--format forc"):
         in_shell(command, tmp_path)

@@ -13,6 +13,7 @@ from typing import Any
 from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
 from smarig.errors import DataError, StorageError, UsageError
 from smarig.identification.calibrate import calibrate
+from smarig.identification.choose import Choice
 from smarig.identification.identify import Identification, identify
 from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.identification.verify import verify
@@ -26,7 +27,7 @@ from smarig.runner.preview import Preview, preview
 from smarig.runner.remnant import remnant
 from smarig.runner.session import Session
 
-SURFACES = ("constant", "parabolic", "exponential", "table")
+SURFACES = ("constant", "parabolic", "exponential", "positive", "table")
 Watching = Callable[[Preview], AbstractContextManager[Listener | None]]
 
 
@@ -128,7 +129,7 @@ def _analyse(
     train, held_out = _of_purpose(plan, runs, "train"), _of_purpose(plan, runs, "held_out")
     results, refused = _identified(train)
     verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}
-    chosen = _chosen(train, results)
+    chosen, choice = _chosen(train, results)
     actuator = Actuator.named(load_rig(rig).actuator)
     return Evidence(
         title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
@@ -144,6 +145,7 @@ def _analyse(
         ),
         command=f"smarig characterise --rig {rig} --out {out} --seed {seed}",
         seconds=time.monotonic() - started,
+        choice=choice,
     )
 
 
@@ -164,12 +166,13 @@ def _identified(train: list[Run]) -> tuple[dict[str, Identification], list[str]]
     return results, refused
 
 
-def _chosen(train: list[Run], results: Mapping[str, Identification]) -> str:
+def _chosen(train: list[Run], results: Mapping[str, Identification]) -> tuple[str, Choice | None]:
     """The best surface by held-out curves of the training data itself: the validation run only judges."""
     try:
-        return identify(train, surface="best").surface
+        best = identify(train, surface="best")
     except DataError:  # too few curves to hold any out
-        return min(results, key=lambda name: results[name].model.fit["rms"])
+        return min(results, key=lambda name: results[name].model.fit["rms"]), None
+    return best.surface, best.choice
 
 
 def _representation(runs: Mapping[str, Run]) -> tuple[Representation, ...]:

@@ -173,3 +173,33 @@ def test_a_folder_of_runs_gets_a_page_each(capsys, tmp_path):
     assert len(json.loads(out)["reports"]) == 3
     assert len(list((tmp_path / "q").glob("*.html"))) == 3
     assert call(capsys, "report", tmp_path / "q", "-o", tmp_path / "one.html")[0] == 2
+
+
+def test_any_run_gives_a_positive_model(capsys, tmp_path):
+    recorded, model = tmp_path / "v.run.sqlite", tmp_path / "v.model.json"
+    call(capsys, "run", "validation", "--rig", "one_wire_twin", "-o", recorded, "--set", "points=12")
+    status, out, _ = call(capsys, "identify", recorded, "--surface", "positive", "-o", model, "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["surface"] == "positive"
+    assert found["classes"] == {"M_PC": True, "M_P": True}
+    assert found["mu_min"] >= 0
+    assert found["fit"]["symmetric"] is False
+    status, out, _ = call(capsys, "verify", model, recorded, "--json")
+    assert status == 0
+    assert json.loads(out)["runs"][0]["nrmse"] < 0.02
+
+
+def test_symmetry_is_for_the_positive_surface_and_a_range_around_zero(capsys, tmp_path):
+    fod, model = tmp_path / "f.run.sqlite", tmp_path / "f.model.json"
+    levels = ["--set", "partition_K=0,40,90,130,170"]
+    call(capsys, "run", "first_order_descending", "--rig", "one_wire_twin", "-o", fod, *levels)
+    for surface, expected, says in (
+        ("table", 2, "positive surface only"),
+        ("positive", 4, "range around zero"),
+    ):
+        status, _, err = call(capsys, "identify", fod, "--surface", surface, "--symmetric", "-o", model)
+        assert status == expected
+        assert says in err
+        assert err.strip().count("\n") == 0
+    assert not model.exists()

@@ -205,11 +205,11 @@ def test_ferroelectric_tables_are_offset_and_hold_copies(table, volts):
     assert run["position"][np.argmax(run["input"])] > 0 > run["position"][np.argmin(run["input"])]
 
 
-def test_a_matlab_matrix_is_refused_with_what_to_do():
+def test_a_matlab_file_given_as_text_is_refused_with_what_to_do():
     path = DATA / "ferrite_nested" / "H_MnZn_HP_ferrite.mat"
     if not path.exists():
         pytest.skip("real data ferrite_nested are not in ../shared/data")
-    with pytest.raises(DataError, match="MATLAB file, which smarig does not read yet; save it as CSV"):
+    with pytest.raises(DataError, match=r"MATLAB file; import it with --format mat and a mapping \(--map\)"):
         _run("ferrite_nested/H_MnZn_HP_ferrite.mat", "sma_cycles")
 
 

@@ -102,7 +102,14 @@ def test_the_fourth_of_many_tables_is_found_with_its_own_preamble(write):
         ("", "is empty"),
         ("  \n \n", "is empty"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00", "binary"),
-        (b"MATLAB 5.0 MAT-file, written by Octave\x00\x01", "MATLAB file, which smarig does not read yet"),
+        (
+            b"MATLAB 5.0 MAT-file, written by Octave\x00\x01",
+            r"MATLAB file; import it with --format mat .*--map",
+        ),
+        (
+            b"MATLAB 7.3 MAT-file, Platform: PCWIN64\x00\x01",
+            r"MATLAB file; import it with --format mat .*--map",
+        ),
         ("t,a,b\n1,2,3\n", r"holds 1 sample\(s\); at least two"),
         ("t,a,b\n", r"holds 0 sample\(s\)"),
         ("t,a,a\n1,2,3\n2,3,4\n", "line 1: column 'a' appears more than once"),

@@ -21,16 +21,17 @@ CONTRACT = [
 WALK = np.random.default_rng(11).uniform(0.0, 174.1, 200)
 
 
-@pytest.mark.parametrize("kind", ["constant", "parabolic", "exponential", "table", "best"])
+@pytest.mark.parametrize("kind", ["constant", "parabolic", "exponential", "positive", "table", "best"])
 def test_json_begins_with_the_contract(kind):
     found = identify(fod_run("one_e", seed=4), kind).to_json()
     assert list(found)[: len(CONTRACT)] == CONTRACT
     json.dumps(found, allow_nan=False)
-    assert found["points"] == 65
+    points = 66 if kind == "positive" else 65  # it learns from the first point, in saturation, as well
+    assert found["points"] == points
     assert found["curves"] == 10
     assert found["unit"] == "mm"
     assert found["classes"].keys() == {"M_PC", "M_P"}
-    assert found["norm2"] == pytest.approx(found["rms"] * np.sqrt(65))
+    assert found["norm2"] == pytest.approx(found["rms"] * np.sqrt(points))
 
 
 def test_the_model_predicts_what_was_not_measured():
@@ -52,6 +53,18 @@ def test_best_finds_the_form_of_the_truth_and_the_simplest_that_does(name, form)
         assert result.surface == form
         rms = result.choice.held_out_rms
         assert rms[form] <= 1.3 * min(rms.values())
+
+
+def test_best_gives_the_model_that_its_kind_gives_by_name():
+    run = fod_run("two_p", seed=0)
+    best, named = identify(run, "best"), identify(run, "parabolic")
+    assert best.surface == "parabolic"
+    assert best.fit.values.tolist() == named.fit.values.tolist()
+    assert best.model.intervals == named.model.intervals
+    assert best.model.fit == named.model.fit
+    found = best.to_json()
+    assert found["held_out_interval"].keys() == found["negative_share"].keys() == found["held_out_rms"].keys()
+    assert named.to_json()["held_out_interval"] is None
 
 
 def test_best_needs_curves_to_hold_out():

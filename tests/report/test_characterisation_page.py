@@ -83,8 +83,100 @@ def test_table_5_1_and_5_2(evidence, page):
             [fit["rms"], fit["norm2"], fit["weighted_norm2"]], rel=1e-3
         )
         assert float(row[4]) == pytest.approx(evidence.verifications[name].runs[0].settled.rms, rel=1e-2)
+        low, high = evidence.choice.held_out_interval[name]
+        assert row[5] == f"{evidence.choice.held_out_rms[name]:.3g} ({low:.3g}…{high:.3g})"
+        assert row[6] == f"{100 * evidence.choice.negative_share[name]:.2f} %"
         category = next(r for r in classes if r[0] == name)
         assert category[2].startswith("yes" if found.density.M_P else "no")
+
+
+def test_all_five_kinds_are_compared(evidence):
+    kinds = ["constant", "parabolic", "exponential", "positive", "table"]
+    assert list(evidence.identifications) == list(evidence.verifications) == kinds
+    assert list(evidence.choice.held_out_rms) == kinds
+
+
+def test_the_trade_off_has_one_mark_a_kind_and_positive_in_the_good_corner(evidence, page):
+    title = "Negative part of μ (%)"
+    by_curve, by_run = (
+        p for p in page.plots if p["layout"].get("xaxis", {}).get("title", {}).get("text") == title
+    )
+    choice = evidence.choice
+    for plot, rms in (
+        (by_curve, choice.held_out_rms),
+        (by_run, {n: v.runs[0].settled.rms for n, v in evidence.verifications.items()}),
+    ):
+        marks = {t["name"]: t for t in plot["data"] if t["name"] in rms}
+        assert list(marks) == list(rms)
+        for name, mark in marks.items():
+            assert unpacked(mark["x"])[0] == pytest.approx(100 * choice.negative_share[name])
+            assert unpacked(mark["y"])[0] == pytest.approx(rms[name])
+            filled = mark["marker"]["symbol"] == "circle"
+            assert filled == evidence.identifications[name].density.M_P
+        left = [n for n in marks if unpacked(marks[n]["x"])[0] == 0]
+        assert min(left, key=lambda n: rms[n]) == "positive"
+        low, high = plot["layout"]["yaxis"]["range"]
+        assert all(10**low < v < 10**high for v in rms.values())
+    for mark in by_curve["data"][1:]:
+        bar, value = mark["error_y"], unpacked(mark["y"])[0]
+        ends = (value - bar["arrayminus"][0], value + bar["array"][0])
+        assert ends == pytest.approx(choice.held_out_interval[mark["name"]])
+    caption = next(c for c in page.captions if "One mark for each kind" in c)
+    assert f"{choice.curves} curves held out" in caption
+    assert f"{evidence.verifications['positive'].runs[0].settled.n} points" in caption
+    assert f"the least in MP, {choice.held_out_rms['positive']:.3g} mm, that of positive" in caption
+
+
+def test_the_summary_says_which_model_the_theorems_apply_to(evidence, page):
+    at = page.visible.index("The exponential model is not in MP")
+    words = page.visible[at : at + 700]
+    rms, judged = evidence.choice.held_out_rms, evidence.verifications
+    assert (
+        "The positive model is, by construction, so the stability results of chapter 8 apply to it" in words
+    )
+    assert "It predicts less well" in words
+    assert f"on held-out curves {rms['positive']:.3g} against {rms['exponential']:.3g} mm" in words
+    run = {name: v.runs[0].settled.rms for name, v in judged.items()}
+    assert f"on the held-out run {run['positive']:.3g} against {run['exponential']:.3g} mm" in words
+    assert f"constant, has {run['constant']:.3g} mm there" in words
+    assert "--surface positive" in words
+
+
+def test_the_verdict_follows_the_errors(evidence):
+    choice = evidence.choice
+    even = replace(
+        choice, held_out_rms=choice.held_out_rms | {"positive": choice.held_out_rms["exponential"]}
+    )
+    blind = replace(evidence, choice=even, verifications={})
+    assert "It predicts as well" in Page(characterisation_page(blind)).visible
+    safe = Page(characterisation_page(replace(evidence, chosen="positive"))).visible
+    assert "The positive model is in MP: the stability results of chapter 8 apply to it." in safe
+    without = {n: f for n, f in evidence.identifications.items() if n != "positive"}
+    bare = Page(characterisation_page(replace(evidence, identifications=without))).visible
+    assert "the stability results of chapter 8 do not apply to it" in bare
+
+
+def test_the_positive_model_shows_its_interval_around_its_curves(evidence, page):
+    bands = page.traces("90 % interval")
+    positive = evidence.identifications["positive"]
+    assert len(bands) == positive.data.curves == 10
+    for band in bands:
+        u, y = unpacked(band["x"]), unpacked(band["y"])
+        half = u.size // 2
+        low, high = y[:half], y[half:][::-1]
+        np.testing.assert_allclose(u[:half], u[half:][::-1], rtol=1e-6)
+        assert np.all(low <= high)
+        assert np.all(np.diff(low) >= 0)  # the curve of a positive measure never falls
+        model = positive.model.hysteresis.y(u[:half].max(), u[:half])
+        assert np.all((low <= model + 1e-5) & (model <= high + 1e-5))
+    assert any("90 % intervals of a new reading" in c for c in page.captions)
+
+
+def test_a_positive_measure_is_described_in_numbers(evidence, page):
+    fit = evidence.identifications["positive"].positive
+    assert page.row("Cells")[1:] == [str(fit.cells), f"{fit.at_zero} held at zero by μ ≥ 0"]
+    assert page.row("Held-out rms")[1] == f"{fit.held_out.rms:.3g}"
+    assert page.row("Effective parameters")[1] == f"{fit.freedom:.0f}"
 
 
 def test_parameters_with_intervals(evidence, page):

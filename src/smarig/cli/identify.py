@@ -7,10 +7,11 @@ import click
 from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import FILE
 
-SURFACES = ("constant", "parabolic", "exponential", "table", "best")
+SURFACES = ("constant", "parabolic", "exponential", "positive", "table", "best")
 EPILOG = """\b
 Examples:
   smarig identify fod.run.sqlite --surface exponential -o wire.model.json
+  smarig identify fod.run.sqlite loops.run.sqlite --surface positive -o wire.model.json
   smarig identify forc.run.sqlite --surface table --select 'curve%2==0' -o half.model.json
 """
 
@@ -22,17 +23,26 @@ Examples:
 @click.option(
     "--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them)."
 )
+@click.option(
+    "--symmetric", is_flag=True, help="The positive surface is its own mirror image (u, y) → (−u, −y)."
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
 @json_option
 def command(
-    runs: tuple[Path, ...], surface: str, select: str | None, anchor: bool, out: Path, force: bool
+    runs: tuple[Path, ...],
+    surface: str,
+    select: str | None,
+    anchor: bool,
+    symmetric: bool,
+    out: Path,
+    force: bool,
 ) -> None:
-    """Identify a Preisach model from runs that hold first-order curves."""
+    """Identify a Preisach model: from runs that hold first-order curves, or (positive) from any runs."""
     from smarig.identification.identify import identify
 
     distinct(out, *runs)
-    result = identify(runs, surface=surface, select=select, anchor=anchor)
+    result = identify(runs, surface=surface, select=select, anchor=anchor, symmetric=symmetric)
     result.model.save(out, force=force)
     for warning in result.warnings:
         say(f"Warning: {warning}")

@@ -13,16 +13,20 @@ Examples:
   smarig import test.csv --format csv --map sma_staircase -o staircase.run.sqlite
   smarig import loops.dat --format csv --map ferroelectric_loops:4 -o loops.run.sqlite
   smarig import reversal_curves --format forc -o forc.run.sqlite
+  smarig import H_MnZn_HP_ferrite.mat --format mat --map ferrite_nested -o ferrite.run.sqlite
 """
 
 
 @click.command("import", epilog=EPILOG)
 @click.argument("file", type=FILE)
 @click.option(
-    "--format", "format_", required=True, type=Named("readers"), help="Format of the file: csv, forc."
+    "--format", "format_", required=True, type=Named("readers"), help="Format of the file: csv, forc, mat."
 )
 @click.option(
-    "--map", "mapping", type=Named("imports"), help="Mapping file for a CSV: a shipped name or a path."
+    "--map",
+    "mapping",
+    type=Named("imports"),
+    help="Mapping file for csv, needed for mat: a shipped name or a path.",
 )
 @click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
 @click.option("--t0", type=float, help="Where this file begins on a clock shared with other runs, s.")

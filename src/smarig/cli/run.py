@@ -55,10 +55,12 @@ def command(
     quiet: bool,
 ) -> None:
     """Run a protocol or a campaign on a rig and record it."""
+    from smarig.identification.adaptive import informed
+
     plan = _plan(experiment, parse_pairs(pairs))
     steps = plan.step
     file = load_rig(rig)
-    costs = [preview(s.protocol, file, s.set) for s in steps]
+    costs = [preview(s.protocol, file, s.set, chooser=informed) for s in steps]
     if dry_run:
         lines = [c.sentence() for c in costs] + [f"total: {sum(c.duration_s for c in costs) / 3600:.2f} h"]
         emit({"preview": [c.__dict__ for c in costs]}, "\n".join(lines))
@@ -81,6 +83,7 @@ def command(
                     force=force,
                     notes=notes,
                     expected=cost,
+                    chooser=informed,
                 )
             say(f"{step.protocol}: {target}")
     runs = [load_run(t) for t in targets]

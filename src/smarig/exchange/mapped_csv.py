@@ -3,6 +3,7 @@
 Knows mapping files. Refuses unknown columns and values no wire can have; never repairs what it reports.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -25,11 +26,16 @@ Array = NDArray[np.float64]
 
 
 def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
-    """Read a table as its mapping says; DataError, ConfigError or UsageError naming line and column."""
+    """Read a text table as its mapping says; DataError, ConfigError or UsageError naming line and column."""
     f = mapping.file
     known = tuple(mapping.used()) if not f.names else ()
     table = read_table(path, Layout(known, f.names, f.delimiter, f.decimal, f.header_starts, f.table))
     require_columns(mapping, list(table.columns), path)
+    return mapped_draft(path, table, mapping)
+
+
+def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> Draft:
+    """A table that holds every column of its mapping, as a run; loops keep their numbers as ``step``."""
     table, clock = _on_one_clock(path, table, mapping)
     columns, line, branch, notes = _unfolded(path, table, mapping)
     conditions, remarks = _conditions(path, table, mapping)
@@ -40,10 +46,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
     warnings = [*table.notes, *clock, *notes, *odd, *remarks, *twin_columns(_without_time(table, mapping))]
     if mapping.time is None:  # with a clock, rows at rest are alike
         warnings += repeated_rows(_without_time(table, mapping), table.line)
-    warnings += record_findings(columns, units, line)
-    if mapping.output:
-        loop = Loop(columns["input"], columns["position"], line, units["input"], mapping.output.unit)
-        warnings += loop_findings(loop)
+    warnings += _odd_in_each_loop(columns, units, line, table.loop)
     for name in mapping.ignore:
         if name in table.columns:
             warnings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
@@ -52,8 +55,32 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
     elif mapping.output.quantity == "strain":
         column = mapping.tables()[0][1]["position"].column
         warnings += check_strain(path, column, convert(columns["position"], mapping.output.unit, "mm/mm"))
+    if table.loop is not None:
+        columns["step"] = table.loop.astype(float)
     steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
     return Draft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(warnings))
+
+
+def _odd_in_each_loop(
+    columns: dict[str, Array],
+    units: dict[str, str],
+    line: NDArray[np.int64],
+    number: NDArray[np.int64] | None,
+) -> list[str]:
+    """Findings on channels and on input against output; loop by loop where they are told apart."""
+    if number is not None:
+        parts = [(f"Loop {k}: ", number == k) for k in np.unique(number).tolist()]
+    else:
+        parts = [("", np.ones(line.size, dtype=bool))]
+    out = []
+    for prefix, rows in parts:
+        part, where = {name: x[rows] for name, x in columns.items()}, line[rows]
+        found = record_findings(part, units, where)
+        if "position" in part:
+            loop = Loop(part["input"], part["position"], where, units["input"], units["position"])
+            found += loop_findings(loop)
+        out += [prefix + sentence for sentence in found]
+    return out
 
 
 def _on_one_clock(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[str]]:
@@ -91,7 +118,7 @@ def _without_time(table: Table, mapping: MappingFile) -> dict[str, Array]:
 
 
 def _with(table: Table, columns: dict[str, Array], line: NDArray[np.int64]) -> Table:
-    return Table(columns, line, table.header, table.notes)
+    return replace(table, columns=columns, line=line)
 
 
 def _unfolded(
@@ -206,6 +233,8 @@ def _meta(mapping: MappingFile, columns: dict[str, Array], conditions: dict, tab
             "unit": mapping.output.unit,
             "per_count": resolution,
         }
+    if mapping.initial:
+        meta["initial"] = mapping.initial
     if conditions:
         meta["conditions"] = conditions
     if table.header:

@@ -41,6 +41,24 @@ class TextLayout(Section):
     table: int = Field(default=1, ge=1)
 
 
+class MatLayout(Section):
+    """[mat]: variables of MATLAB files instead of columns of a text.
+
+    ``files``: names that belong together and lie side by side, '*' standing for the same text in each;
+    ``loops``: whether each column or each row of the variables' matrices is one loop, or they are vectors.
+    """
+
+    files: tuple[str, ...] = ()
+    loops: Literal["none", "columns", "rows"] = "none"
+
+    @model_validator(mode="after")
+    def _patterns(self) -> "MatLayout":
+        for pattern in self.files:
+            if pattern.count("*") != 1 or "/" in pattern or "\\" in pattern:
+                raise ValueError(f"files: '{pattern}' is not a file name with one '*'")
+        return self
+
+
 class TimeAxis(Section):
     """[time]: a column, or a period (rows_per_period rows each, the column then counting within it)."""
 
@@ -105,6 +123,7 @@ class MappingFile(Section):
     input: Input
     output: Quantity | None = None
     file: TextLayout = TextLayout()
+    mat: MatLayout | None = None
     time: TimeAxis | None = None
     columns: dict[Channel, Column] = Field(default_factory=dict)
     branch: tuple[Branch, ...] = ()
@@ -112,12 +131,17 @@ class MappingFile(Section):
     ignore: dict[str, str] = Field(default_factory=dict)
     compare: tuple[Compare, ...] = ()
     steps: Literal["none", "rows"] = "none"
+    initial: Literal["", "negative", "positive", "anhysteretic"] = ""
     notes: str = ""
 
     @model_validator(mode="after")
     def _consistent(self) -> "MappingFile":
         if bool(self.columns) == bool(self.branch):
             raise ValueError("give either [columns] or [[branch]], not both and not neither")
+        if self.mat and ("file" in self.model_fields_set or self.branch):
+            raise ValueError("[mat] goes with [columns] alone: [file] and [[branch]] describe a text table")
+        if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
+            raise ValueError("[mat] loops have a number instead of a time: leave out [time] and steps")
         for where, columns in self.tables():
             if self.input.channel not in columns:
                 raise ValueError(f"{where} has no '{self.input.channel}', which [input] names as its channel")
@@ -168,19 +192,22 @@ def mapping_text(name: str) -> str:
     return locate("imports", re.sub(r":\d+$", "", name)).read_text(encoding="utf-8")
 
 
-def require_columns(mapping: MappingFile, names: list[str], path: Path) -> None:
-    """Every column of the file must be used or ignored, every used column must be there; ConfigError."""
+def require_columns(mapping: MappingFile, names: list[str], path: Path, noun: str = "column") -> None:
+    """Every column of the file must be used or ignored, every used column must be there; ConfigError.
+
+    ``noun``: what the file calls a column.
+    """
     used = mapping.used()
     for column, use in used.items():
         if column not in names:
             raise ConfigError(
-                f"{path} has no column '{column}', which mapping {mapping.name} uses as {use}; "
+                f"{path} has no {noun} '{column}', which mapping {mapping.name} uses as {use}; "
                 f"the file has: {', '.join(names)}."
             )
     unknown = [name for name in names if name not in used and name not in mapping.ignore]
     if unknown:
         raise ConfigError(
-            f"{path}: column '{unknown[0]}' is not in mapping {mapping.name}; "
+            f"{path}: {noun} '{unknown[0]}' is not in mapping {mapping.name}; "
             f"map it, or list it under [ignore] with the reason."
         )
 

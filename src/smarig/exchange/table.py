@@ -37,12 +37,16 @@ class Layout:
 
 @dataclass(frozen=True)
 class Table:
-    """Columns by name, each (n,) float64; ``line`` (n,) says where each row stood; ``notes`` what was odd."""
+    """Columns by name, each (n,) float64; ``line`` (n,) says where each row stood; ``notes`` what was odd.
+
+    ``loop`` (n,): number of the loop each row belongs to, where the file tells its loops apart.
+    """
 
     columns: dict[str, NDArray[np.float64]]
     line: NDArray[np.int64]
     header: dict[str, str]
     notes: tuple[str, ...]
+    loop: NDArray[np.int64] | None = None
 
     def __len__(self) -> int:
         return self.line.size
@@ -90,8 +94,8 @@ def read_text(path: Path) -> tuple[str, list[str]]:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     if not data.removeprefix(b"\xef\xbb\xbf").strip(b" \t\r\n\xff\xfe"):
         raise DataError(f"{path} is empty.")
-    if data.startswith(b"MATLAB 5.0"):
-        raise DataError(f"{path} is a MATLAB file, which smarig does not read yet; save it as CSV.")
+    if data.startswith((b"MATLAB 5.0", b"MATLAB 7.3")):
+        raise DataError(f"{path} is a MATLAB file; import it with --format mat and a mapping (--map).")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return data.decode("utf-16", errors="replace"), ["The file is UTF-16 text."]
     if any(byte < 9 for byte in set(data)):

@@ -23,6 +23,7 @@ _DENSE = 20  # curves of this many points show their noise in third differences
 # second-highest input the two-wire ones leave 0.48 or more, cut at the third-highest the one-wire ones 0.37.
 _ANGLE = 0.3
 _MERGED = 0.01
+NO_CURVES = "The runs hold no first-order curves: whether such curves cross and merge cannot be told."
 _SPREAD = 7.0  # the range of a dozen readings of one output is 3.3 σ on average, and 5 σ now and then
 
 
@@ -31,7 +32,8 @@ class CurveReport:
     """``noise`` σ of a reading in ``unit`` (NaN: unknown); ``cross`` Prop. 4.6; ``merge_spread`` of the ends.
 
     ``top_angle`` is the slope of the rising branch less that of the falling one at the top, over the mean
-    slope of the major loop: 0 in saturation. ``exercised``: both ends look like saturation.
+    slope of the major loop: 0 in saturation. ``exercised``: both ends look like saturation; None where
+    there are no first-order curves to tell.
     """
 
     noise: float
@@ -41,13 +43,15 @@ class CurveReport:
     merge: bool
     merge_spread: float
     top_angle: float
-    exercised: bool
+    exercised: bool | None
     warnings: tuple[str, ...]
 
 
 def curve_report(data: FodData) -> CurveReport:
     """Judge the curves of FOD data (k points) against their own noise; warnings are plain sentences."""
     descents = data.descents()
+    if not descents:
+        return CurveReport(float("nan"), data.unit, True, False, True, 0.0, 0.0, None, (NO_CURVES,))
     noise = reading_noise(data)
     threshold = SIGNIFICANT * noise if np.isfinite(noise) else 0.0
     rising = [d.alpha for d in descents if _climb(d) > threshold]

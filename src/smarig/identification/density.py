@@ -1,7 +1,7 @@
 """The density μ = ½ ∂²y/∂α∂β of a model: its extremes, its class (Ch. 4), and its reversible share.
 
-M_PC: bounded and piecewise continuous on P_r. M_P: besides, μ ≥ 0. For analytic surfaces the extremes are
-found on a grid and then refined. For tables μ is judged by the mass of cells, never by differentiation.
+M_PC: bounded and piecewise continuous on P_r. M_P: besides, μ ≥ 0. For analytic surfaces the extremes
+are those of ``preisach.properties``. For tables μ is judged by the mass of cells, never by differentiation.
 Computed, never stored. Knows no data.
 """
 
@@ -9,20 +9,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.fod_table import FodTable
 from smarig.preisach.forc_table import ForcTable
 from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.properties.classes import classes
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]
 _NAN = float("nan")
-_GRID = 161
 _CELLS = 40
-_ZERO = 1e-9  # a minimum above −_ZERO of the maximum is rounding
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,8 @@ class DensityReport:
     """μ over P_r: minimum and maximum (output per K²) with their places (α, β), classes, reversible part.
 
     ``g_min`` is the least density of reversible relays on the diagonal (output per K), ``reversible_share``
-    their part of the whole output range; both NaN for tables, whose cells on the diagonal cannot tell.
+    their part of the whole output range. A ``FodTable`` is reversible on its diagonal cells, so it has a
+    ``g_min``; which part of a wire's output is, cells cannot tell, so the share is NaN for tables.
     ``negative_cells`` of ``cells`` have negative mass (0 of 0 for surfaces).
     """
 
@@ -67,36 +66,11 @@ def _turned(r: DensityReport) -> DensityReport:
 
 
 def _of_surface(surface: FodSurface) -> DensityReport:
-    low, low_at = _extreme(surface, 1.0)
-    high, high_at = _extreme(surface, -1.0)
-    u = np.linspace(surface.lower, surface.upper, 4001)
-    g = surface.reversible(u)
-    share = float(np.trapezoid(g, u)) / (surface.y_upper - surface.y_lower)
-    bounded = bool(np.isfinite([low, high]).all())
-    positive = bounded and low >= -_ZERO * abs(high)
-    return DensityReport(low, low_at, high, high_at, bounded, positive, float(g.min()), share)
-
-
-def _extreme(surface: FodSurface, sign: float) -> tuple[float, Place]:
-    """Least sign·μ over the triangle β = u₋ + t(α − u₋), t in [0, 1]: grid, then bounded refinement."""
-    lower, span = surface.lower, surface.upper - surface.lower
-
-    def mu(p: Array) -> Array:
-        alpha = lower + span * p[0]
-        return sign * surface.density(alpha, lower + p[1] * (alpha - lower))
-
-    side = np.linspace(0.0, 1.0, _GRID)
-    grid = np.stack(np.meshgrid(side, side, indexing="ij")).reshape(2, -1)
-    values = mu(grid)
-    scale = float(np.abs(values).max()) or 1.0
-    best, at = np.inf, grid[:, 0]
-    for start in grid[:, np.argsort(values)[[0, 20, 100]]].T:
-        found = minimize(lambda p: float(mu(p)) / scale, start, method="L-BFGS-B", bounds=[(0.0, 1.0)] * 2)
-        for p in (start, found.x):
-            if mu(p) < best:
-                best, at = float(mu(p)), p
-    alpha = lower + span * float(at[0])
-    return sign * best, (alpha, lower + float(at[1]) * (alpha - lower))
+    c = classes(surface)
+    low, high = c.mu_min, c.mu_max
+    return DensityReport(
+        low.value, low.at, high.value, high.at, c.M_PC, c.M_P, c.g_min.value, c.reversible_share
+    )
 
 
 def _of_cells(table: Everett) -> DensityReport:
@@ -106,6 +80,8 @@ def _of_cells(table: Everett) -> DensityReport:
     inputs = nodes.tolist()
     F = np.array([[table.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
     mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
+    rounding = 1e-12 * float(np.nanmax(np.abs(F)))
+    mass = np.where(np.abs(mass) <= rounding, 0.0, mass)
     off_diagonal = np.tri(n - 1, k=-1, dtype=bool)
     width = np.diff(nodes)
     mu = np.where(off_diagonal, mass / (2 * width[:, None] * width), np.nan)
@@ -114,8 +90,7 @@ def _of_cells(table: Everett) -> DensityReport:
     middle = (nodes[1:] + nodes[:-1]) / 2
     i, j = np.unravel_index(int(np.nanargmin(mu)), mu.shape)
     k, m = np.unravel_index(int(np.nanargmax(mu)), mu.shape)
-    rounding = 1e-12 * float(np.nanmax(np.abs(F)))
-    negative = int(np.sum(mass[off_diagonal] < -rounding))
+    negative = int(np.sum(mass[off_diagonal] < 0))
     return DensityReport(
         mu_min=float(mu[i, j]),
         mu_min_at=(float(middle[i]), float(middle[j])),
@@ -124,7 +99,7 @@ def _of_cells(table: Everett) -> DensityReport:
         # Interpolated finite tables are piecewise smooth; ForcTable's seams are kinks, not jumps.
         M_PC=isinstance(table, FodTable | ForcTable),
         M_P=negative == 0,
-        g_min=_NAN,
+        g_min=float(np.min(np.diag(F, -1) / width)) if isinstance(table, FodTable) else _NAN,
         reversible_share=_NAN,
         negative_cells=negative,
         cells=int(off_diagonal.sum()),

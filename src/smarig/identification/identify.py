@@ -1,6 +1,8 @@
-"""Runs in, model out (§5.4): find the first-order curves, fit or tabulate them, say what is known of it.
+"""Runs in, model out (§5.4, §5.6): find what the runs say of the hysteresis, fit or tabulate it, say what is known.
 
-Puts the parts of this folder together. Refuses to know rigs, and judges nothing on validation runs.
+Surfaces and tables learn from first-order curves; a positive measure from every point whose memory is known,
+whatever protocol it comes from. Puts the parts of this folder together. Refuses to know rigs, and judges
+nothing on validation runs.
 """
 
 from collections.abc import Sequence
@@ -10,19 +12,29 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.catalogue import suggestion
 from smarig.errors import DataError, UsageError
-from smarig.identification.choose import Choice, choose
+from smarig.identification.choose import MOST_OBSERVATIONS, POSITIVE, Choice, choose, thinned, thinning
 from smarig.identification.curve_report import CurveReport, curve_report
 from smarig.identification.density import DensityReport, density_report
-from smarig.identification.fod_data import FORC_PROTOCOL, FodData, fod_data
+from smarig.identification.fit_figures import (
+    plain,
+    positive_figures,
+    positive_warnings,
+    surface_figures,
+    surface_warnings,
+)
+from smarig.identification.fod_data import FORC_PROTOCOL, FodData, fod_data, located
 from smarig.identification.fod_data import select as selected
 from smarig.identification.fod_table_data import table
 from smarig.identification.forc_curves import curves_from_run
 from smarig.identification.model_file import Model, NoiseRecord
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.origin import description, file_hash, provenance
+from smarig.identification.positive.fit import PositiveFit, fit_positive
+from smarig.identification.positive.observations import Observations
 from smarig.identification.surface_fit import ROOT_WEIGHT, SurfaceFit, Weights, fit_surface
 from smarig.preisach.fod_surface import FORMS, FodSurface
 from smarig.preisach.fod_table import FodTable
@@ -30,16 +42,19 @@ from smarig.preisach.forc_table import ForcTable
 from smarig.preisach.mirrored import Mirrored
 from smarig.record import Run, load_run
 
-Kind = Literal["constant", "parabolic", "exponential", "table", "best"]
+Kind = Literal["constant", "parabolic", "exponential", "positive", "table", "best"]
 _BEYOND = 1e30
-KINDS: tuple[str, ...] = (*FORMS, "table", "best")
+_NOTHING = 0.9  # of the output's standard deviation left over by a fit: it has not followed the output
+KINDS: tuple[str, ...] = (*FORMS, POSITIVE, "table", "best")
 
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """A model and the evidence for it. ``surface`` is the kind used, ``fit`` None for tables.
+    """A model and the evidence for it. ``surface`` is the kind used.
 
-    ``choice`` says how "best" was found, None when the kind was asked for by name.
+    ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the runs'
+    first-order curves: none where the runs of a positive measure hold none; its own points are
+    ``model.fit["points"]``. ``choice`` says how "best" was found, None when the kind was asked for by name.
     """
 
     model: Model
@@ -49,6 +64,7 @@ class Identification:
     density: DensityReport
     curves: CurveReport
     choice: Choice | None
+    positive: PositiveFit | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -57,41 +73,58 @@ class Identification:
 
     def to_json(self) -> dict[str, Any]:
         """The CLI's JSON object; figures in ``unit``, μ in unit per squared input unit."""
-        model, d = self.model, self.density
+        model, d, choice = self.model, self.density, self.choice
         values = dict(zip(model.parameters, self.fit.values.tolist())) if self.fit else {}
-        intervals = {name: [_plain(v) for v in ends] for name, ends in model.intervals.items()}
+        intervals = {name: [plain(v) for v in ends] for name, ends in model.intervals.items()}
+        share = self.positive.reversible_share if self.positive else d.reversible_share
         return {
             "model": model.name,
             "surface": self.surface,
-            "points": len(self.data),
+            "points": model.fit["points"],
             "curves": self.data.curves,
             **{key: model.fit[key] for key in ("rms", "norm2", "weighted_norm2")},
-            "mu_min": _plain(d.mu_min),
-            "mu_max": _plain(d.mu_max),
+            "mu_min": plain(d.mu_min),
+            "mu_max": plain(d.mu_max),
             "classes": {"M_PC": d.M_PC, "M_P": d.M_P},
             "fod_curves_cross": self.curves.cross,
             "unit": model.unit,
             "mu_unit": f"{model.unit}/{model.input.unit}^2",
-            "mu_min_at": [_plain(v) for v in d.mu_min_at],
-            "g_min": _plain(d.g_min),
-            "reversible_share": _plain(d.reversible_share),
+            "mu_min_at": [plain(v) for v in d.mu_min_at],
+            "g_min": plain(d.g_min),
+            "reversible_share": plain(share),
             "parameters": {n: {"value": v, "ci95": intervals[n]} for n, v in values.items()},
             "fit": model.fit,
             "mirrored": model.mirrored,
             "range": [self.data.lower, self.data.upper],
             "exercised": self.curves.exercised,
             "noise_floor": model.noise_floor.model_dump(),
-            "held_out_rms": self.choice.held_out_rms if self.choice else None,
+            "held_out_rms": choice.held_out_rms if choice else None,
+            "held_out_interval": choice.held_out_interval if choice else None,
+            "negative_share": choice.negative_share if choice else None,
             "twin": model.twin,
             "warnings": list(self.warnings),
         }
 
     def __repr__(self) -> str:
         d, fit = self.density, self.model.fit
+        where = f"on {self.data.curves} curves" if self.data.curves else "without first-order curves"
         return (
-            f"Identification({self.surface} from {len(self.data)} points on {self.data.curves} curves: "
+            f"Identification({self.surface} from {fit['points']} points {where}: "
             f"rms {fit['rms']:.3g} {self.model.unit}; {d!r}; {len(self.warnings)} warning(s))"
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """One kind fitted: ``image`` is the hysteresis, or its mirror image where ``mirrored``."""
+
+    image: FodSurface | FodTable | ForcTable
+    mirrored: bool
+    figures: dict[str, Any]
+    density: DensityReport
+    warnings: list[str]
+    fit: SurfaceFit | None = None
+    positive: PositiveFit | None = None
 
 
 def identify(
@@ -101,36 +134,39 @@ def identify(
     select: str | None = None,
     anchor: bool = False,
     weights: Weights = "residual",
+    symmetric: bool = False,
 ) -> Identification:
-    """Identify a Preisach model from runs (or paths) that hold first-order curves, by any protocol.
+    """Identify a Preisach model from runs (or paths), by any protocol.
 
-    ``surface``: a form of (5.5), a "table" without a fit, or the "best" by held-out curves; ``select``
-    keeps the points where an expression on curve, alpha, beta holds; ``anchor`` and ``weights`` as in
-    ``fit_surface``. Ascending data and magnetic reversal curves are fitted in the mirror (−u, −y).
+    ``surface``: a form of (5.5) or a "table" without a fit, from first-order curves; a "positive" measure,
+    from all points whose memory is known (of reversal curves and selections: their points); or the "best"
+    by held-out curves. ``select`` keeps the points where an expression on curve, alpha, beta holds;
+    ``anchor`` and ``weights`` as in ``fit_surface``; ``symmetric``: the positive measure is its own image
+    under (u, y) → (−u, −y), as that of a magnet. Surfaces and tables of ascending curves, and all models of
+    magnetic reversal curves, are fitted in that mirror.
     Raises UsageError for unknown names, DataError when the runs hold too little.
     """
-    if surface not in KINDS:
-        raise UsageError(f"No surface '{surface}'{suggestion(surface, list(KINDS))}.")
-    if weights not in ROOT_WEIGHT:
-        raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
+    _check_words(surface, weights, symmetric)
     given = _loaded(runs)
-    if len({file_hash(run) or id(run) for run in given}) < len(given):
-        raise UsageError("The same run was given twice: its points would count double; name each run once.")
-    everything = fod_data(given)
-    _usable(everything)
+    everything = _curves(given, surface)
     data = everything if select is None else selected(everything, select)
     choice = choose(data, anchor=anchor, weights=weights) if surface == "best" else None
     kind = choice.kind if choice else surface
-    fit = fit_surface(data, kind, anchor=anchor, weights=weights) if kind in FORMS else None
-    image = fit.surface if fit else _tabulated(given, data, select)
-    density, curves = density_report(image), curve_report(everything)  # a selection says nothing of the range
-    hysteresis = Mirrored(image) if data.mirrored else image
-    floor = noise_floor(given)
+    if kind == POSITIVE:
+        found = _positive(given, data, select, weights, symmetric)
+    else:
+        fit = choice.fit if choice and choice.fit and choice.fit.points == len(data) else None
+        if kind in FORMS and fit is None:
+            fit = fit_surface(data, kind, anchor=anchor, weights=weights)
+        found = _surface(given, data, fit, select, weights)
+    curves = curve_report(everything)  # a selection says nothing of the range
+    fit, floor = found.fit, noise_floor(given)
+    late = _late(given, data, found)
     model = Model(
         name=f"{given[0].meta.get('wire') or given[0].path.name.split('.')[0]} {kind}",
-        hysteresis=hysteresis,
-        mirrored=data.mirrored,
-        fit=_figures(image, data, fit, weights, select),
+        hysteresis=Mirrored(found.image) if found.mirrored else found.image,
+        mirrored=found.mirrored,
+        fit=found.figures,
         noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
         provenance=tuple(provenance(run) for run in given),
         twin=any(run.twin for run in given),
@@ -138,15 +174,62 @@ def identify(
         parameters=fit.names if fit else (),
         covariance=fit.covariance if fit else np.empty((0, 0)),
         intervals=fit.intervals if fit else {},
-        warnings=(*curves.warnings, *_warnings(given, data, image, fit, density)),
+        warnings=(*curves.warnings, *found.warnings, *late),
         **description(given),
     )
-    return Identification(model, kind, data, fit, density, curves, choice)
+    return Identification(model, kind, data, fit, found.density, curves, choice, found.positive)
+
+
+def _check_words(surface: str, weights: str, symmetric: bool) -> None:
+    if surface not in KINDS:
+        raise UsageError(f"No surface '{surface}'{suggestion(surface, list(KINDS))}.")
+    if weights not in ROOT_WEIGHT:
+        raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
+    if symmetric and surface != POSITIVE:
+        raise UsageError(f"Mirror symmetry can be asked of the {POSITIVE} surface only, not of '{surface}'.")
 
 
 def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
     several = [runs] if isinstance(runs, Run | str | Path) else list(runs)
-    return [run if isinstance(run, Run) else load_run(run) for run in several]
+    given = [run if isinstance(run, Run) else load_run(run) for run in several]
+    if len({file_hash(run) or id(run) for run in given}) < len(given):
+        raise UsageError("The same run was given twice: its points would count double; name each run once.")
+    return given
+
+
+def _curves(runs: Sequence[Run], surface: str) -> FodData:
+    """The runs' first-order curves; DataError where a surface needs some and there are too few."""
+    data = located(runs)
+    if surface == POSITIVE:
+        return data
+    if data.curves < 2:
+        try:
+            fod_data(runs)
+        except DataError as error:
+            raise DataError(
+                f"{error} Without such curves only the {POSITIVE} surface can be identified: it learns from "
+                "every point whose memory is known."
+            ) from None
+    _usable(data.y, data.alpha, data.unit)
+    return data
+
+
+def _usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str) -> None:
+    """DataError where no hysteresis can be seen: nothing moves, or a number is beyond all measure."""
+    if not (np.isfinite(y).all() and np.abs(y).max() < _BEYOND and np.abs(alpha).max() < _BEYOND):
+        raise DataError("The runs' points hold values that are not finite or beyond all measure.")
+    if np.ptp(y) == 0:
+        raise DataError(f"The output is {y[0]:g} {unit} at every point: nothing moves, nothing to identify.")
+
+
+def _surface(
+    runs: Sequence[Run], data: FodData, fit: SurfaceFit | None, select: str | None, weights: Weights
+) -> _Found:
+    """A fitted surface, or without a fit a table."""
+    image = fit.surface if fit else _tabulated(runs, data, select)
+    figures = surface_figures(image.y(data.alpha, data.beta) - data.y, data, fit, weights, select)
+    density = density_report(image)
+    return _Found(image, data.mirrored, figures, density, surface_warnings(image, data, fit, density), fit)
 
 
 def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTable | ForcTable:
@@ -156,71 +239,44 @@ def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTab
     return ForcTable.from_curves([c for run in runs for c in curves_from_run(run)], unit=data.unit)
 
 
-def _usable(data: FodData) -> None:
-    """DataError where no hysteresis can be seen: nothing moves, or a number is beyond all measure."""
-    y = data.y
-    if not (np.isfinite(y).all() and np.abs(y).max() < _BEYOND and np.abs(data.alpha).max() < _BEYOND):
-        raise DataError("The first-order curves hold values that are not finite or beyond all measure.")
-    if np.ptp(y) == 0:
+def _positive(
+    runs: Sequence[Run], data: FodData, select: str | None, weights: Weights, symmetric: bool
+) -> _Found:
+    """Of points on first-order curves where they were selected, else of all points of known memory.
+
+    Only the former can be in the mirror: memory is followed in the signs of the measurement.
+    """
+    points_alone = select is not None or any(run.meta.get("protocol") == FORC_PROTOCOL for run in runs)
+    if points_alone:
+        observations = Observations.of_fod(thinned(data, MOST_OBSERVATIONS))
+    else:
+        observations = Observations.of_runs(runs)
+        observations = observations.where(thinning(observations.curve, MOST_OBSERVATIONS))
+    _usable(observations.y, observations.alpha, data.unit)
+    fit = fit_positive(observations, symmetric=symmetric)
+    if fit.rms > _NOTHING * np.std(observations.y):
         raise DataError(
-            f"The output is {y[0]:g} {data.unit} at every point: nothing moves, nothing to identify."
+            "No positive measure follows this output: where it falls while the input rises, turn its sign (a "
+            "negative scale in the mapping of an import) and identify again."
         )
-
-
-def _figures(
-    image: FodSurface | FodTable | ForcTable,
-    data: FodData,
-    fit: SurfaceFit | None,
-    weights: Weights,
-    select: str | None,
-) -> dict[str, Any]:
-    """Errors over the FOD points under their own names: rms, √Σe², Σe², and the weighted ones."""
-    squares = (image.y(data.alpha, data.beta) - data.y) ** 2
-    weighted = float(np.sum(squares * np.where(data.major, ROOT_WEIGHT[weights] ** 2, 1.0)))
-    sse = float(np.sum(squares))
-    return {
-        "rms": float(np.sqrt(sse / len(data))),
-        "norm2": float(np.sqrt(sse)),
-        "weighted_norm2": float(np.sqrt(weighted)),
-        "sse": sse,
-        "weighted_sse": weighted,
-        "points": len(data),
-        "curves": data.curves,
-        "weights": weights,
-        "select": select,
-        "anchored": fit.anchored if fit else False,
-        "converged": fit.converged if fit else None,
-        "starts": fit.starts if fit else 0,
-        "sigma": _plain(fit.sigma) if fit else None,
-    }
-
-
-def _warnings(
-    runs: Sequence[Run],
-    data: FodData,
-    image: FodSurface | FodTable | ForcTable,
-    fit: SurfaceFit | None,
-    density: DensityReport,
-) -> list[str]:
-    found = []
-    if fit and not fit.converged:
-        found.append("The surface fit did not converge; compare with another surface before using it.")
-    if fit and not fit.determined:
-        found.append("The data does not determine all parameters of the surface; intervals cannot be given.")
-    if isinstance(image, ForcTable) and not data.mirrored:
-        found.append("The curves do not share one partition; between them the table is interpolated.")
-    if fit is None and density.negative_cells:
-        found.append(
-            f"{density.negative_cells} of the table's {density.cells} cells have negative mass; noise of the "
-            "readings does that too, so this alone does not prove μ < 0."
-        )
-    late = sum(
-        runs[r].settled[k].verdict != "settled" for r, k in zip(data.run, data.point) if runs[r].settled
+    figures = positive_figures(fit, observations, data, weights, select)
+    return _Found(
+        image=fit.table,
+        mirrored=points_alone and data.mirrored,
+        figures=figures,
+        density=density_report(fit.table),
+        warnings=positive_warnings(fit),
+        positive=fit,
     )
-    if late:
-        found.append(f"{late} of {len(data)} points are from steps that did not settle in time.")
-    return found
 
 
-def _plain(value: float) -> float | None:
-    return value if np.isfinite(value) else None
+def _late(runs: Sequence[Run], data: FodData, found: _Found) -> list[str]:
+    """How many of the points used are from steps that did not settle."""
+    if found.positive and not (found.mirrored or found.figures["select"]):
+        late = sum(step.verdict != "settled" for run in runs for step in run.settled)
+    else:
+        late = sum(
+            runs[r].settled[k].verdict != "settled" for r, k in zip(data.run, data.point) if runs[r].settled
+        )
+    points = found.figures["points"]
+    return [f"{late} of {points} points are from steps that did not settle in time."] if late else []

@@ -5,16 +5,18 @@
 F is the output change of a monotone sweep between β and α (thesis §3.4, theory.md §1): the measure ν
 of the triangle with corner (α, β), reversible part included. Surfaces, tables and relay measures
 provide it; the operator never integrates μ. The diagonal states B_ℓ = {α = 2ℓ − β} (Def. 3.1, §8.3)
-have a boundary of slope −1, along which F must be integrated: ``Diagonal`` does that for smooth and
-piecewise models.
+have a boundary of slope −1, along which F must be integrated: ``diagonal_integral`` does that for smooth
+and piecewise models.
 """
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_BLOCK = 2048  # inputs integrated at once: bounds memory
 
 
 class Everett(Protocol):
@@ -70,38 +72,81 @@ class Differentiable(Protocol):
         ...
 
 
+def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> NDArray[np.float64]:
+    """Output change (signed) from B_ℓ, ℓ = centre, by one monotone move to each input u (n,).
+
+    By the hysteresis's own array method ``from_diagonal`` where it has one, else input by input.
+    """
+    inputs = np.asarray(u, dtype=float)
+    own = getattr(hysteresis, "from_diagonal", None)
+    if own is not None:
+        return own(centre, inputs)
+    rise, fall = hysteresis.rise_from_diagonal, hysteresis.fall_from_diagonal
+    return np.array([rise(centre, v) if v >= centre else -fall(centre, v) for v in inputs.tolist()])
+
+
+def diagonal_integral(surface: Differentiable, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``from_diagonal`` by quadrature: rises and falls (n,), each exact to rounding whatever the others are."""
+    change = np.empty(u.shape)
+    up = u >= centre
+    change[up] = _cumulative(*_rising(surface, centre), u[up])
+    change[~up] = -_cumulative(*_falling(surface, centre), -u[~up])
+    return change
+
+
 def rise_integral(surface: Differentiable, centre: float, u: float) -> float:
     """∫_ℓ^u ∂_αF(α, max(2ℓ − α, u₋)) dα: output change rising from B_ℓ."""
-    mirror = _breaks(surface, centre, centre, u, 2 * centre - surface.lower)
-
-    def strip(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
-        return surface.strip_alpha(alpha, np.maximum(2 * centre - alpha, surface.lower))
-
-    return _integrate(strip, mirror)
+    return float(_cumulative(*_rising(surface, centre), np.array([u], dtype=float))[0])
 
 
 def fall_integral(surface: Differentiable, centre: float, u: float) -> float:
     """∫_u^ℓ ∂_βy(min(2ℓ − β, u₊), β) dβ: output change falling from B_ℓ (theory.md §1, ψ)."""
-    mirror = _breaks(surface, centre, u, centre, 2 * centre - surface.upper)
-
-    def strip(beta: NDArray[np.float64]) -> NDArray[np.float64]:
-        return surface.strip_beta(np.minimum(2 * centre - beta, surface.upper), beta)
-
-    return _integrate(strip, mirror)
+    return float(_cumulative(*_falling(surface, centre), np.array([-u], dtype=float))[0])
 
 
-def _breaks(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> NDArray[np.float64]:
-    """Panel edges in [a, b]: kinks, mirrored kinks, the clip point, and a smooth-panel width limit."""
+Strip = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+def _rising(surface: Differentiable, centre: float) -> tuple[Strip, NDArray[np.float64]]:
+    def strip(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
+        return surface.strip_alpha(alpha, np.maximum(2 * centre - alpha, surface.lower))
+
+    return strip, _panels(surface, centre, centre, surface.upper, 2 * centre - surface.lower)
+
+
+def _falling(surface: Differentiable, centre: float) -> tuple[Strip, NDArray[np.float64]]:
+    """In the variable −β, so that a fall runs upwards like a rise."""
+
+    def strip(minus_beta: NDArray[np.float64]) -> NDArray[np.float64]:
+        return surface.strip_beta(np.minimum(2 * centre + minus_beta, surface.upper), -minus_beta)
+
+    panels = _panels(surface, centre, surface.lower, centre, 2 * centre - surface.upper)
+    return strip, -panels[::-1]
+
+
+def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> NDArray[np.float64]:
+    """Panel edges over [a, b]: kinks, mirrored kinks, the clip point, and a smooth-panel width limit.
+
+    They do not depend on how far the input goes, so an output does not depend on what else is asked.
+    """
     width = (surface.upper - surface.lower) / 32
     even = np.linspace(a, b, max(2, int(np.ceil((b - a) / width)) + 1))
     edges = np.concatenate([even, surface.kinks, 2 * centre - surface.kinks, [clip]])
     return np.unique(edges[(edges >= a) & (edges <= b)])
 
 
-def _integrate(f, edges: NDArray[np.float64]) -> float:
-    """Gauss–Legendre over panels; exact to rounding for the surfaces of §5.4 at these widths."""
-    if edges.size < 2:
-        return 0.0
-    half = np.diff(edges)[:, None] / 2
-    middle = ((edges[1:] + edges[:-1]) / 2)[:, None]
-    return float(np.sum(f(middle + half * _NODES) * _WEIGHTS * half))
+def _cumulative(strip: Strip, edges: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
+    """∫ from edges[0] to each u (n,): whole panels by their sums, the last one by its own Gauss–Legendre.
+
+    Exact to rounding for the surfaces of §5.4 at these widths.
+    """
+    whole = _gauss(strip, edges[:-1], edges[1:])
+    before = np.concatenate([[0.0], np.cumsum(whole)])
+    panel = np.clip(np.searchsorted(edges, u, side="left") - 1, 0, max(edges.size - 2, 0))
+    blocks = np.array_split(np.arange(u.size), u.size // _BLOCK + 1)
+    return np.concatenate([before[panel[k]] + _gauss(strip, edges[panel[k]], u[k]) for k in blocks])
+
+
+def _gauss(strip: Strip, a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    half = (b - a)[:, None] / 2
+    return np.sum(strip((a + b)[:, None] / 2 + half * _NODES) * _WEIGHTS * half, axis=1)

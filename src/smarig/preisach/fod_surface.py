@@ -9,13 +9,15 @@ x₅α² + x₆α + x₇, or exponential x₅e^(−x₆α) + x₇. Knows no data
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import UsageError
-from smarig.preisach.everett import fall_integral, rise_integral
+from smarig.preisach.everett import diagonal_integral, fall_integral, rise_integral
+from smarig.preisach.kernel import Between, Keyed, itself, themselves
 
 Form = Literal["constant", "parabolic", "exponential"]
 Array = NDArray[np.float64]
@@ -129,7 +131,12 @@ class FodSurface:
         """g(β) = ∂y/∂β(β, β): density of the degenerate relays on α = β, output per kelvin."""
         return self.strip_beta(beta, beta)
 
-    # --- what the operator asks (scalar, in the tick) --------------------------------------------------
+    # --- what the operator asks -----------------------------------------------------------------------
+
+    @cached_property
+    def keyed(self) -> Keyed:
+        """For the loop: inputs are their own keys, F in closed form."""
+        return Keyed(_BETWEEN[self.form], (*map(float, self.x), 0.25 * self.amplitude), itself, themselves)
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β), scalar.
@@ -139,28 +146,20 @@ class FodSurface:
         >>> abs(s.everett(90.0, -20.0) - float(s.y(90.0, 90.0) - s.y(90.0, -20.0))) < 1e-13
         True
         """
-        x = self.x
-        x4 = x[2]
-        if self.form == "constant":
-            f = x[3]
-        elif self.form == "parabolic":
-            f = (x[3] * alpha + x[4]) * alpha + x[5]
-        else:
-            f = x[3] * math.exp(-x[4] * alpha) + x[5]
-        rise = math.tanh(0.5 * x4 * (alpha + f)) - math.tanh(0.5 * x4 * (beta + f))
-        return self._quarter_amplitude() * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+        k = self.keyed
+        return k.between(k.params, alpha, beta)
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """F(α, β), arrays."""
+        """F(α, β), arrays: the same products as ``everett``."""
         a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
-        return self.y(a, a) - self.y(a, b)
+        x2, x3, half = self.x[0], self.x[1], 0.5 * self.x[2]
+        f, _ = self.shift(a)
+        rise = np.tanh(half * (a + f)) - np.tanh(half * (b + f))
+        return 0.25 * self.amplitude * (1.0 + np.tanh(0.5 * x2 * (a + x3))) * rise
 
-    def _quarter_amplitude(self) -> float:
-        cached = self.__dict__.get("_c4")
-        if cached is None:
-            cached = 0.25 * self.amplitude
-            object.__setattr__(self, "_c4", cached)
-        return cached
+    def from_diagonal(self, centre: float, u: Array) -> Array:
+        """Output change (signed) from B_ℓ to each input: see ``everett.diagonal_integral``."""
+        return diagonal_integral(self, centre, u)
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """Output change rising from B_ℓ: see ``everett.rise_integral``."""
@@ -169,3 +168,31 @@ class FodSurface:
     def fall_from_diagonal(self, centre: float, u: float) -> float:
         """Output change falling from B_ℓ: see ``everett.fall_integral``."""
         return fall_integral(self, centre, u)
+
+
+# --- F(α, β) on plain numbers, one function for each form, because numba compiles functions ---------------
+
+
+def _constant(x: tuple[float, ...], alpha: float, beta: float) -> float:
+    f, half = x[3], 0.5 * x[2]
+    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
+    return x[4] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+
+def _parabolic(x: tuple[float, ...], alpha: float, beta: float) -> float:
+    f, half = (x[3] * alpha + x[4]) * alpha + x[5], 0.5 * x[2]
+    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
+    return x[6] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+
+def _exponential(x: tuple[float, ...], alpha: float, beta: float) -> float:
+    f, half = x[3] * math.exp(-x[4] * alpha) + x[5], 0.5 * x[2]
+    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
+    return x[6] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+
+_BETWEEN: dict[Form, Between] = {
+    "constant": _constant,
+    "parabolic": _parabolic,
+    "exponential": _exponential,
+}

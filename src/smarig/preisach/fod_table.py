@@ -6,14 +6,18 @@ differentiation: this is the interpolation the thesis mentions and does not use.
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.preisach.everett import fall_integral, rise_integral
+from smarig.preisach.everett import diagonal_integral, fall_integral, rise_integral
+from smarig.preisach.kernel import Keyed, Search
 
 Array = NDArray[np.float64]
+Cells = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,16 +31,12 @@ class FodTable:
     nodes: Array
     values: Array
     unit: str = ""
-    _grid: list[float] = field(init=False, repr=False, compare=False)
-    _rows: list[list[float]] = field(init=False, repr=False, compare=False)
-    _drops: list[list[float]] = field(init=False, repr=False, compare=False)
+    _filled: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         _check(self.nodes, self.values)
-        object.__setattr__(self, "_grid", self.nodes.tolist())
-        object.__setattr__(self, "_rows", self.values.tolist())
-        drops = np.diag(self.values)[:, None] - self.values  # F at the nodes
-        object.__setattr__(self, "_drops", drops.tolist())
+        # Above the diagonal nothing is ever used but as a factor of zero: a number there keeps NaN out.
+        object.__setattr__(self, "_filled", np.where(np.tri(self.nodes.size, dtype=bool), self.values, 0.0))
 
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, y: ArrayLike, unit: str = "") -> "FodTable":
@@ -53,95 +53,99 @@ class FodTable:
             raise DataError("FOD table axes differ: α and β must share one partition.")
         return cls(b, _merged(values), unit)
 
+    @cached_property
+    def _inner(self) -> Array:
+        return self.nodes[1:-1]
+
     @property
     def lower(self) -> float:
         """Negative saturation u₋."""
-        return self._grid[0]
+        return float(self.nodes[0])
 
     @property
     def upper(self) -> float:
         """Positive saturation u₊."""
-        return self._grid[-1]
+        return float(self.nodes[-1])
 
     @property
     def y_lower(self) -> float:
         """Output at negative saturation."""
-        return self._rows[0][0]
+        return float(self.values[0, 0])
 
     @property
     def kinks(self) -> Array:
         """Where derivatives jump: the partition."""
         return self.nodes
 
-    def y(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """y(α, β), vectorised."""
-        return np.vectorize(self._value, otypes=[float])(alpha, beta)
+    @cached_property
+    def keyed(self) -> Keyed:
+        """For the loop: an input's key is its cell's number plus its place in the cell, 0 … n − 1."""
+        drops = np.zeros((self.nodes.size + 1,) * 2)  # F at the nodes, and a last cell no one is inside of
+        drops[:-1, :-1] = np.diag(self._filled)[:, None] - self._filled
+        nodes = self.nodes.tolist()
+        return Keyed(_between, (nodes, nodes[1:-1], drops.ravel().tolist(), len(drops)), _place, self._places)
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β): bilinear in its own nodes, linear on the diagonal cells."""
-        i, s = self._cell(alpha)
-        j, t = self._cell(beta)
-        low, high = self._drops[i], self._drops[i + 1]
-        if j >= i:
-            return (s - t) * high[i]
-        near = low[j] + t * (low[j + 1] - low[j])
-        far = high[j] + t * (high[j + 1] - high[j])
-        return near + s * (far - near)
+        k, low, high = self.keyed, self.lower, self.upper
+        a, _ = k.place(k.params, min(max(alpha, low), high))
+        b, _ = k.place(k.params, min(max(beta, low), high))
+        return _between(k.params, a, b)
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """F(α, β), arrays."""
-        a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
-        drops, last = np.asarray(self._drops), self.nodes.size - 2
-        i = np.clip(np.searchsorted(self.nodes, a, side="right") - 1, 0, last)
-        j = np.clip(np.searchsorted(self.nodes, b, side="right") - 1, 0, last)
-        width = np.diff(self.nodes)
-        s, t = (a - self.nodes[i]) / width[i], (b - self.nodes[j]) / width[j]
+        i, s, j, t = self._cells(alpha, beta)
+        drops = np.diag(self._filled)[:, None] - self._filled
         near = drops[i, j] + t * (drops[i, j + 1] - drops[i, j])
         far = drops[i + 1, j] + t * (drops[i + 1, j + 1] - drops[i + 1, j])
         return np.where(j >= i, (s - t) * drops[i + 1, i], near + s * (far - near))
 
-    def _cell(self, u: float) -> tuple[int, float]:
-        grid = self._grid
-        k = bisect_right(grid, u, 1, len(grid) - 1) - 1
-        return k, (u - grid[k]) / (grid[k + 1] - grid[k])
-
-    def _value(self, alpha: float, beta: float) -> float:
-        i, s = self._cell(alpha)
-        j, t = self._cell(beta)
-        low, high = self._rows[i], self._rows[i + 1]
-        if j >= i:  # the diagonal cell: linear on the triangle (i,i), (i+1,i), (i+1,i+1)
-            return low[i] + s * (high[i] - low[i]) + (t if j == i else s) * (high[i + 1] - high[i])
-        near = low[j] + t * (low[j + 1] - low[j])
-        far = high[j] + t * (high[j + 1] - high[j])
-        return near + s * (far - near)
+    def y(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """y(α, β), vectorised."""
+        i, s, j, t = self._cells(alpha, beta)
+        rows = self._filled
+        near = rows[i, j] + t * (rows[i, j + 1] - rows[i, j])
+        far = rows[i + 1, j] + t * (rows[i + 1, j + 1] - rows[i + 1, j])
+        # the diagonal cell: linear on the triangle (i,i), (i+1,i), (i+1,i+1)
+        rise, fall = rows[i + 1, i] - rows[i, i], rows[i + 1, i + 1] - rows[i + 1, i]
+        on_diagonal = rows[i, i] + s * rise + np.where(j == i, t, s) * fall
+        return np.where(j >= i, on_diagonal, near + s * (far - near))
 
     def strip_alpha(self, alpha: Array, beta: Array) -> Array:
         """∂F/∂α, constant in α inside a cell."""
-        return np.vectorize(self._strip_alpha, otypes=[float])(alpha, beta)
+        i, _, j, t = self._cells(alpha, beta)
+        rows, width = self._filled, np.diff(self.nodes)[i]
+        diagonal = rows[i + 1, i + 1] - rows[i, i]
+        slope = (rows[i + 1, j] - rows[i, j]) * (1 - t) + (rows[i + 1, j + 1] - rows[i, j + 1]) * t
+        return (diagonal - np.where(j >= i, rows[i + 1, i] - rows[i, i], slope)) / width
 
     def strip_beta(self, alpha: Array, beta: Array) -> Array:
         """∂y/∂β, constant in β inside a cell."""
-        return np.vectorize(self._strip_beta, otypes=[float])(alpha, beta)
+        i, s, j, _ = self._cells(alpha, beta)
+        j = np.minimum(j, i)
+        rows, width = self._filled, np.diff(self.nodes)[j]
+        far, near = rows[i + 1, j + 1] - rows[i + 1, j], rows[i, j + 1] - rows[i, j]
+        return np.where(j == i, far, (1 - s) * near + s * far) / width
 
-    def _strip_alpha(self, alpha: float, beta: float) -> float:
-        i, _ = self._cell(alpha)
-        j, t = self._cell(beta)
-        width = self._grid[i + 1] - self._grid[i]
-        low, high = self._rows[i], self._rows[i + 1]
-        diagonal = high[i + 1] - low[i]
-        if j >= i:
-            return (diagonal - (high[i] - low[i])) / width
-        slope = (high[j] - low[j]) * (1 - t) + (high[j + 1] - low[j + 1]) * t
-        return (diagonal - slope) / width
+    def _cells(self, alpha: ArrayLike, beta: ArrayLike) -> tuple[Cells, Array, Cells, Array]:
+        """Cell and place in it, 0 … 1, of α and of β (broadcast); inputs beyond saturation are saturated."""
+        a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
+        return *self._cell(a, np.searchsorted), *self._cell(b, np.searchsorted)
 
-    def _strip_beta(self, alpha: float, beta: float) -> float:
-        i, s = self._cell(alpha)
-        j, _ = self._cell(beta)
-        j = min(j, i)
-        width = self._grid[j + 1] - self._grid[j]
-        low, high = self._rows[i], self._rows[i + 1]
-        far = high[j + 1] - high[j]
-        return far / width if j == i else ((1 - s) * (low[j + 1] - low[j]) + s * far) / width
+    def _cell(self, u: Array, search: Search) -> tuple[Cells, Array]:
+        nodes = self.nodes
+        k = search(self._inner, u, "right")
+        return k, (np.clip(u, nodes[0], nodes[-1]) - nodes[k]) / (nodes[k + 1] - nodes[k])
+
+    def _places(self, u: Array, search: Search) -> tuple[Array, Array]:
+        """``_place`` for arrays (n,)."""
+        k, part = self._cell(u, search)
+        place = k + part
+        return place, place
+
+    def from_diagonal(self, centre: float, u: Array) -> Array:
+        """Output change (signed) from B_ℓ to each input, exact per crossed cell."""
+        return diagonal_integral(self, centre, u)
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """Output change rising from B_ℓ, exact per crossed cell."""
@@ -150,6 +154,26 @@ class FodTable:
     def fall_from_diagonal(self, centre: float, u: float) -> float:
         """Output change falling from B_ℓ, exact per crossed cell."""
         return fall_integral(self, centre, u)
+
+
+def _place(params: Any, u: float) -> tuple[float, float]:
+    nodes, inner, _, _ = params
+    k = bisect_right(inner, u)
+    place = k + (u - nodes[k]) / (nodes[k + 1] - nodes[k])
+    return place, place
+
+
+def _between(params: Any, a: float, b: float) -> float:
+    _, _, drops, width = params
+    i, j = int(a), int(b)
+    s, t = a - i, b - j
+    high = (i + 1) * width
+    if j >= i:
+        return (s - t) * drops[high + i]
+    k, m = i * width + j, high + j
+    near = drops[k] + t * (drops[k + 1] - drops[k])
+    far = drops[m] + t * (drops[m + 1] - drops[m])
+    return near + s * (far - near)
 
 
 def _check(nodes: Array, values: Array) -> None:

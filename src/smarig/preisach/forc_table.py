@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.preisach.everett import fall_integral, rise_integral
+from smarig.preisach.everett import diagonal_integral, fall_integral, rise_integral
 from smarig.preisach.forc_curve import Curve, completed, saturation
 from smarig.preisach.forc_strips import Strips
 
@@ -121,6 +121,10 @@ class ForcTable:
     def strip_beta(self, alpha: Array, beta: Array) -> Array:
         """∂y/∂β: the strip a falling input sweeps per unit."""
         return self._strips.parts(alpha, beta).d_beta
+
+    def from_diagonal(self, centre: float, u: Array) -> Array:
+        """Output change (signed) from B_ℓ to each input: see ``everett.diagonal_integral``."""
+        return diagonal_integral(self, centre, u)
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """Output change rising from B_ℓ: see ``everett.rise_integral``."""

@@ -5,11 +5,13 @@ FOD curves of the mirrored hysteresis. Reflection keeps the measure: F(α, β) =
 """
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.preisach.everett import Everett
+from smarig.errors import UsageError
+from smarig.preisach.everett import Differentiable, Everett, from_diagonal
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,34 @@ class Mirrored:
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
         """F(α, β), arrays."""
         return self.image.swept(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
+
+    @property
+    def steps(self) -> NDArray[np.float64]:
+        """Where F jumps, if it does: the image's thresholds, reflected."""
+        return -np.asarray(getattr(self.image, "steps", ()))[::-1]
+
+    @property
+    def kinks(self) -> NDArray[np.float64]:
+        """Where slopes jump: the image's kinks, reflected."""
+        return -np.asarray(getattr(self.image, "kinks", ()))[::-1]
+
+    def strip_alpha(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+        """∂F/∂α: what a fall sweeps in the mirror. Only where the image has slopes."""
+        return self._slopes.strip_beta(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
+
+    def strip_beta(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
+        """∂y/∂β: what a rise sweeps in the mirror. Only where the image has slopes."""
+        return self._slopes.strip_alpha(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
+
+    @property
+    def _slopes(self) -> Differentiable:
+        if not hasattr(self.image, "strip_alpha"):
+            raise UsageError(f"{type(self.image).__name__} has no slopes, nor has its mirror image.")
+        return cast(Differentiable, self.image)
+
+    def from_diagonal(self, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Output change (signed) from B_ℓ to each input: the mirror's from B_−ℓ, reflected."""
+        return -from_diagonal(self.image, -centre, -u)
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """A rise here is a fall in the mirror."""

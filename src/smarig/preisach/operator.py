@@ -6,43 +6,37 @@ costs one evaluation of the Everett function F, a wipe-out is a pop (§3.3.1). A
 
     rising from a minimum m:  y = y(m) + F(u, m)        falling from a maximum M:  y = y(M) − F(M, u)
 
-Inputs beyond the saturation range [u₋, u₊] are saturated. Knows no time and no physics.
+The loop itself is ``kernel.py``; here are its beginnings and ends. Inputs beyond the saturation range
+[u₋, u₊] are saturated. Knows no time and no physics.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError, UsageError
-from smarig.preisach.everett import Everett
+from smarig.preisach import compiled as fast
+from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.fod_table import FodTable
+from smarig.preisach.inverse import Ways
+from smarig.preisach.kernel import Stack, Way, follow, keyed, plain
 from smarig.preisach.relay_measure import RelayMeasure
+from smarig.preisach.state import State as State
 
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """The memory: remembered extrema, oldest first, with the output at each, and the present point.
-
-    ``extrema[0]`` is the base: u₋ for a history that began in negative saturation, or the centre ℓ of
-    the diagonal boundary B_ℓ = {α = 2ℓ − β} (``diagonal`` true; ℓ = 0 is the anhysteretic state B*).
-    """
-
-    extrema: tuple[float, ...]
-    outputs: tuple[float, ...]
-    u: float
-    y: float
-    diagonal: bool = False
-
-
+Array = NDArray[np.float64]
 Initial = Literal["negative", "positive", "anhysteretic"] | State
 
 
 class Preisach:
     """Preisach operator y = Γ[u] for a FOD surface, a FOD table or a measure of relays.
+
+    ``compiled``: None compiles the loop with numba (extra ``fast``) where it is installed and the input is
+    long enough to be worth it; True always, False never. The loop is the same.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> wire = Preisach.from_surface(surface("one_c"))
@@ -51,9 +45,17 @@ class Preisach:
     True
     """
 
-    def __init__(self, hysteresis: Everett, initial: Initial = "negative") -> None:
+    u: float
+    y: float
+
+    def __init__(
+        self, hysteresis: Everett, initial: Initial = "negative", *, compiled: bool | None = None
+    ) -> None:
         self.hysteresis = hysteresis
-        self._F = hysteresis.everett
+        self._keyed = keyed(hysteresis)
+        self._params, self._run = self._keyed.params, plain(self._keyed.between)
+        self._compiled = compiled
+        self._lower, self._upper = hysteresis.lower, hysteresis.upper
         self.reset(initial)
 
     @classmethod
@@ -76,18 +78,27 @@ class Preisach:
     @property
     def state(self) -> State:
         """A frozen copy of the memory."""
-        return State(tuple(self._u), tuple(self._y), self.u, self.y, self._diagonal)
+        s = self._stack
+        oldest = 2 if self._diagonal else 1
+        base, y_base = ((s.centre,), (s.Y[0],)) if self._diagonal else ((), ())
+        extrema, outputs = s.U[oldest : s.top + 1], s.Y[oldest : s.top + 1]
+        return State((*base, *extrema), (*y_base, *outputs), self.u, self.y, self._diagonal)
+
+    @property
+    def _diagonal(self) -> bool:
+        return not math.isnan(self._stack.centre)
 
     def reset(self, initial: Initial = "negative") -> float:
-        """Go to a state: "negative" or "positive" saturation, "anhysteretic" (B*), or a State. Returns y."""
-        h = self.hysteresis
+        """Go to a state: "negative" or "positive" saturation, "anhysteretic" (B*), or a State. Returns y.
+
+        DataError when a State is not nested or lies outside this hysteresis's range.
+        """
         if isinstance(initial, State):
-            self._u, self._y = list(initial.extrema), list(initial.outputs)
-            self.u, self.y, self._diagonal = initial.u, initial.y, initial.diagonal
+            self._restore(initial)
         elif initial == "anhysteretic":
             self.go_to_diagonal(0.0)
         elif initial in ("negative", "positive"):
-            self._saturate(h.lower if initial == "negative" else h.upper)
+            self._saturate(self._lower if initial == "negative" else self._upper)
         else:
             raise UsageError(f"Initial state '{initial}' is not negative, positive, anhysteretic or a State.")
         return self.y
@@ -95,128 +106,180 @@ class Preisach:
     def go_to_diagonal(self, centre: float) -> float:
         """Go to B_ℓ = {α = 2ℓ − β} (§8.3), ℓ = centre clipped to the range; returns ψ(ℓ) = r(B_ℓ)."""
         h = self.hysteresis
-        centre = min(max(centre, h.lower), h.upper)
+        centre = float(min(max(centre, self._lower), self._upper))
         # F alone does not reach B_ℓ, so ψ is built from below: what is on in B_ℓ is what a fall to u₋
         # would switch off.
-        y = h.y_lower + h.fall_from_diagonal(centre, h.lower)
-        self._u, self._y, self.u, self.y, self._diagonal = [centre], [y], centre, y, True
+        y = h.y_lower + h.fall_from_diagonal(centre, self._lower)
+        self._remember(State((centre,), (y,), centre, y, True))
         return y
 
     def _saturate(self, u: float) -> float:
-        h = self.hysteresis
-        self._u, self._y, self._diagonal = [h.lower], [h.y_lower], False
-        self.u = u
-        self.y = h.y_lower if u <= h.lower else h.y_lower + self._F(u, h.lower)
-        return self.y
+        h, k = self.hysteresis, self._keyed
+        y = h.y_lower
+        if u > self._lower:
+            (a, _), (_, b) = k.place(k.params, u), k.place(k.params, self._lower)
+            y += k.between(k.params, a, b)
+        self._remember(State((self._lower,), (h.y_lower,), u, y))
+        return y
+
+    def _restore(self, state: State) -> None:
+        """A state given from outside, checked."""
+        state.check()
+        inside = all(self._lower <= u <= self._upper for u in (*state.extrema, state.u))
+        if not inside or (state.extrema[0] != self._lower and not state.diagonal):
+            raise DataError(
+                f"This Preisach state spans {min(*state.extrema, state.u):g} to "
+                f"{max(*state.extrema, state.u):g} and does not belong to a hysteresis over "
+                f"[{self._lower:g}, {self._upper:g}]."
+            )
+        self._remember(state.reduced())
+
+    def _remember(self, state: State) -> None:
+        self._stack = Stack.holding(state, self._place)
+        self._stand(state.u, state.y)
+
+    def _stand(self, u: float, y: float) -> None:
+        self.u, self.y = u, y
+        self._a, self._b = self._place(u)
+
+    def _place(self, u: float) -> tuple[Any, Any]:
+        """Keys of an input; the mirror image of an extremum may lie outside the range."""
+        return self._keyed.place(self._keyed.params, min(max(u, self._lower), self._upper))
 
     # --- motion ----------------------------------------------------------------------------------
 
     def step(self, u: float) -> float:
         """Move monotonically from the present input to u; returns the output there."""
-        if u > self.u:
-            return self._rise(u)
-        if u < self.u:
-            return self._fall(u)
-        if u != u:
-            raise DataError("The Preisach operator was given NaN as its input.")
+        if not self._lower < u < self._upper:
+            if u != u:
+                raise DataError("The Preisach operator was given NaN as its input.")
+            u = self._lower if u <= self._lower else self._upper
+            return self.y if u == self.u else self._saturate(u)
+        a, b = self._keyed.place(self._params, u)
+        self._stack.top, self.y = self._moved(u, a, b)
+        self.u, self._a, self._b = u, a, b
         return self.y
 
-    def _rise(self, u: float) -> float:
-        if u >= self.hysteresis.upper:
-            return self._saturate(self.hysteresis.upper)
-        us, ys = self._u, self._y
-        if self.u < us[-1]:
-            us.append(self.u)
-            ys.append(self.y)
-        while len(us) > 2 and u >= us[-2]:
-            del us[-2:], ys[-2:]
-        if self._diagonal:
-            if len(us) == 2 and u >= 2 * us[0] - us[1]:
-                del us[1:], ys[1:]
-            if len(us) == 1:
-                self.u = u
-                self.y = ys[0] + self._from_diagonal(u)
-                return self.y
-        self.u = u
-        self.y = ys[-1] + self._F(u, us[-1])
-        return self.y
-
-    def _fall(self, u: float) -> float:
-        if u <= self.hysteresis.lower:
-            return self._saturate(self.hysteresis.lower)
-        us, ys = self._u, self._y
-        if self.u > us[-1]:
-            us.append(self.u)
-            ys.append(self.y)
-        while len(us) > 2 and u <= us[-2]:
-            del us[-2:], ys[-2:]
-        if self._diagonal:
-            if len(us) == 2 and u <= 2 * us[0] - us[1]:
-                del us[1:], ys[1:]
-            if len(us) == 1:
-                self.u = u
-                self.y = ys[0] + self._from_diagonal(u)
-                return self.y
-        self.u = u
-        self.y = ys[-1] - self._F(us[-1], u)
-        return self.y
-
-    def _from_diagonal(self, u: float) -> float:
-        centre = self._u[0]
-        if u >= centre:
-            return self.hysteresis.rise_from_diagonal(centre, u)
-        return -self.hysteresis.fall_from_diagonal(centre, u)
-
-    def simulate(self, u: Sequence[float] | ArrayLike, initial: Initial = "negative") -> NDArray[np.float64]:
-        """Outputs for inputs u, shape (n,), from an initial state; moves are monotone between samples."""
-        inputs = np.asarray(u, dtype=float)
-        if inputs.ndim != 1:
-            raise UsageError(f"simulate takes a one-dimensional input, got shape {inputs.shape}.")
-        self.reset(initial)
-        step = self.step
-        return np.fromiter((step(v) for v in inputs.tolist()), dtype=float, count=inputs.size)
+    def _moved(self, u: float, a: Any, b: Any) -> tuple[int, float]:
+        """The stack's new top and the output after a move to u, with keys a and b, inside the range."""
+        s, y, released = self._stack, [self.y, self.y], None
+        if s.top + 2 > len(s.U):
+            s.reserve(64)
+        if s.centre == s.centre and not min(s.U[0], s.U[1]) < u < max(s.U[0], s.U[1]):
+            released = (0.0, s.Y[0] + float(from_diagonal(self.hysteresis, s.centre, [u])[0]))
+        us, as_, bs = (self.u, u), (self._a, a), (self._b, b)
+        top = self._run(self._params, us, as_, bs, y, released, s.centre, s.U, s.K, s.Y, s.top)
+        return top, y[1]
 
     def peek(self, u: float) -> float:
         """Output that step(u) would give; the memory stays as it is."""
-        here = self.state
-        try:
-            return self.step(u)
-        finally:
-            self.reset(here)
+        u = min(max(u, self._lower), self._upper)
+        if u != u or u in (self._lower, self._upper):
+            saved = self._stack, self.u, self.y
+            y = self.step(u)
+            self._stack = saved[0]
+            self._stand(*saved[1:])
+            return y
+        s = self._stack
+        below = s.U[0], s.U[1]  # all a move overwrites; what it pops is still there
+        _, y = self._moved(u, *self._place(u))
+        s.U[0], s.U[1] = below
+        return y
+
+    def simulate(self, u: Sequence[float] | ArrayLike, initial: Initial = "negative") -> Array:
+        """Outputs for inputs u, shape (n,), from an initial state; moves are monotone between samples."""
+        inputs = checked(u)
+        self.reset(initial)
+        return self._follow(inputs)
+
+    def follow(self, u: Sequence[float] | ArrayLike) -> Array:
+        """Outputs for inputs u, shape (n,), from the present state on: many steps in one call."""
+        return self._follow(checked(u))
+
+    def _follow(self, inputs: Array) -> Array:
+        y = np.empty(inputs.size)
+        done = self._leave_diagonal(inputs, y) if self._diagonal else 0
+        self._drive(inputs[done:], y[done:])
+        return y
+
+    def _leave_diagonal(self, inputs: Array, y: Array) -> int:
+        """Follow the inputs through the first that saturates, where a diagonal state ends; returns how many."""
+        saturated = np.flatnonzero((inputs <= self._lower) | (inputs >= self._upper))[:1]
+        end = int(saturated[0]) if saturated.size else inputs.size
+        self._drive(inputs[:end], y[:end], self._released(inputs[:end]))
+        if end < inputs.size:
+            y[end] = self._saturate(self._lower if inputs[end] <= self._lower else self._upper)
+        return end + 1
+
+    def _released(self, inputs: Array) -> Array:
+        """Outputs by one move from B_ℓ to each input further from ℓ than all before it; NaN elsewhere."""
+        s = self._stack
+        away = np.abs(np.concatenate([[s.U[0]], inputs]) - s.centre)
+        furthest = np.maximum.accumulate(away)
+        # by a rounding more than the loop will ask for: it alone decides, by mirror images
+        wanted = np.flatnonzero(away[1:] >= furthest[:-1] - 1e-12 * (self._upper - self._lower))
+        outputs = np.full(inputs.size, np.nan)
+        outputs[wanted] = s.Y[0] + from_diagonal(self.hysteresis, s.centre, inputs[wanted])
+        return outputs
+
+    def _drive(self, inputs: Array, y: Array, released: Array | None = None) -> None:
+        if inputs.size:
+            way = Way(self.u, self.y, inputs, self._lower, self._upper, released)
+            loop = fast.follow if fast.worth(self._keyed, inputs.size, self._compiled) else follow
+            loop(self._keyed, self._stack, way, y)
+            self._stand(min(max(float(inputs[-1]), self._lower), self._upper), float(y[-1]))
+
+    # --- inverse ---------------------------------------------------------------------------------
 
     def inverse(self, y_target: float, state: State | None = None) -> float:
         """Input u that reaches y_target from the state (default: the present one) by one monotone move.
 
-        By bisection, so it needs output monotone in input (strip sums ≥ 0, theory.md §1). Raises
-        DataError when the target lies outside what saturation gives. Leaves the operator's memory as it was.
+        The least move that does: see ``inverse.py``. Leaves the operator's memory as it was.
         """
-        here = self.state
+        if state is None:
+            return self._ways.reaching(self._stack, self.u, self.y, y_target)
+        here = self._stack, self.u, self.y
         try:
-            start = state or here
-            self.reset(start)
-            h = self.hysteresis
-            end = h.upper if y_target > start.y else h.lower
-            reach = self.peek(end)
-            rounding = 1e-12 * abs(self._F(h.upper, h.lower))  # saturation itself must count as reachable
-            if not min(start.y, reach) - rounding <= y_target <= max(start.y, reach) + rounding:
-                raise DataError(f"Output {y_target:g} cannot be reached: the range ends at {reach:g}.")
-            near, far = start.u, end
-            for _ in range(200):
-                middle = 0.5 * (near + far)
-                if middle in (near, far):
-                    break
-                if (self.peek(middle) < y_target) == (y_target > start.y):
-                    near = middle
-                else:
-                    far = middle
-            return far if y_target != start.y else start.u
+            self.reset(state)
+            return self._ways.reaching(self._stack, self.u, self.y, y_target)
         finally:
-            self.reset(here)
+            self._stack = here[0]
+            self._stand(*here[1:])
+
+    def inverse_trajectory(self, y: Sequence[float] | ArrayLike) -> Array:
+        """Inputs (n,) that bring the output to each y in turn, one least monotone move each.
+
+        The memory moves along, as with ``follow``. DataError, naming the sample, when an output cannot be
+        reached; the memory is then that before the sample.
+        """
+        targets = np.asarray(y, dtype=float)
+        u = np.empty(targets.size)
+        for k, target in enumerate(targets.ravel().tolist()):
+            try:
+                u[k] = self.inverse(target)
+            except DataError as error:
+                raise DataError(f"Sample {k}: {error}") from None
+            self.step(u[k].item())
+        return u
+
+    @cached_property
+    def _ways(self) -> Ways:
+        return Ways(self.hysteresis)
 
     def __repr__(self) -> str:
         h = self.hysteresis
-        depth = len(self._u) - 1
         return (
             f"Preisach({type(h).__name__}, range [{h.lower:g}, {h.upper:g}], "
-            f"u={self.u:g}, y={self.y:g}, {depth} remembered extrema)"
+            f"u={self.u:g}, y={self.y:g}, {self._stack.top - 1} remembered extrema)"
         )
+
+
+def checked(u: Sequence[float] | ArrayLike) -> Array:
+    """Inputs (n,) as floats; UsageError for another shape, DataError for NaN."""
+    inputs = np.asarray(u, dtype=float)
+    if inputs.ndim != 1:
+        raise UsageError(f"The Preisach operator takes a one-dimensional input, got shape {inputs.shape}.")
+    if inputs.size and np.isnan(inputs.min()):  # a minimum with NaN is NaN, and needs no memory
+        where = int(np.argmax(np.isnan(inputs)))
+        raise DataError(f"The Preisach operator was given NaN as its input, at sample {where}.")
+    return inputs

@@ -5,12 +5,15 @@ state B_ℓ relays with α + β < 2ℓ are +1, and so are those with α ≤ ℓ;
 """
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
+from smarig.preisach.kernel import Keyed, Search
 
 Array = NDArray[np.float64]
 
@@ -22,9 +25,9 @@ class RelayMeasure:
     alpha: Array
     beta: Array
     mass: Array
-    _alphas: list[float]
-    _betas: list[float]
-    _sums: list[list[float]]
+    _alphas: Array = field(repr=False)
+    _betas: Array = field(repr=False)
+    _sums: Array = field(repr=False)
 
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, mass: ArrayLike) -> "RelayMeasure":
@@ -41,38 +44,81 @@ class RelayMeasure:
         grid = np.zeros((alphas.size + 1, betas.size + 1))
         np.add.at(grid, (rows + 1, columns), 2 * m)
         sums = np.cumsum(np.cumsum(grid, axis=0)[:, ::-1], axis=1)[:, ::-1]
-        return cls(a, b, m, alphas.tolist(), betas.tolist(), sums.tolist())
+        return cls(a, b, m, alphas, betas, np.ascontiguousarray(sums))
 
     @property
     def lower(self) -> float:
         """Negative saturation: the smallest β."""
-        return self._betas[0]
+        return float(self._betas[0])
 
     @property
     def upper(self) -> float:
         """Positive saturation: the largest α."""
-        return self._alphas[-1]
+        return float(self._alphas[-1])
 
     @property
     def y_lower(self) -> float:
         """All relays at −1."""
         return -float(self.mass.sum())
 
+    @property
+    def steps(self) -> Array:
+        """Inputs at which F jumps, and between which it is constant: the thresholds."""
+        return np.union1d(self._alphas, self._betas)
+
+    @cached_property
+    def keyed(self) -> Keyed:
+        """For the loop: an input's keys are its row of prefix sums, as an offset, and its column."""
+        alphas, betas = self._alphas.tolist(), self._betas.tolist()
+        params = (alphas, betas, self._sums.ravel().tolist(), self._sums.shape[1])
+        return Keyed(_between, params, _place, self._places)
+
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β): twice the mass of the relays a rise from β to α switches."""
-        return self._sums[bisect_right(self._alphas, alpha)][bisect_left(self._betas, beta)]
+        alphas, betas, sums, width = self.keyed.params
+        return sums[bisect_right(alphas, alpha) * width + bisect_left(betas, beta)]
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """F(α, β), arrays."""
         rows = np.searchsorted(self._alphas, alpha, side="right")
-        return np.asarray(self._sums)[rows, np.searchsorted(self._betas, beta, side="left")]
+        return self._sums[rows, np.searchsorted(self._betas, beta, side="left")]
+
+    def _places(self, u: Array, search: Search) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """``_place`` for arrays (n,)."""
+        return search(self._alphas, u, "right") * self._sums.shape[1], search(self._betas, u, "left")
+
+    def from_diagonal(self, centre: float, u: Array) -> Array:
+        """Output change (signed) from B_ℓ to each input (n,): twice the mass that switches."""
+        return np.where(u >= centre, self._risen(centre, u), -self._fallen(centre, u))
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
         """Twice the mass switched on by a rise from ℓ to u."""
-        off = (self.alpha > centre) & (self.alpha + self.beta >= 2 * centre)
-        return 2 * float(self.mass[off & (self.alpha <= u)].sum())
+        return float(self._risen(centre, np.array(u)))
 
     def fall_from_diagonal(self, centre: float, u: float) -> float:
         """Twice the mass switched off by a fall from ℓ to u."""
+        return float(self._fallen(centre, np.array(u)))
+
+    def _risen(self, centre: float, u: Array) -> Array:
+        off = (self.alpha > centre) & (self.alpha + self.beta >= 2 * centre)
+        return _up_to(self.alpha[off], self.mass[off], u)
+
+    def _fallen(self, centre: float, u: Array) -> Array:
         on = (self.alpha <= centre) | (self.alpha + self.beta < 2 * centre)
-        return 2 * float(self.mass[on & (self.beta >= u)].sum())
+        return _up_to(-self.beta[on], self.mass[on], -u)
+
+
+def _up_to(thresholds: Array, mass: Array, u: Array) -> Array:
+    """Twice the mass at thresholds ≤ u, for each u."""
+    order = np.argsort(thresholds, kind="stable")
+    sums = np.concatenate([[0.0], np.cumsum(2 * mass[order])])
+    return sums[np.searchsorted(thresholds[order], u, side="right")]
+
+
+def _place(params: Any, u: float) -> tuple[int, int]:
+    alphas, betas, _, width = params
+    return bisect_right(alphas, u) * width, bisect_left(betas, u)
+
+
+def _between(params: Any, a: int, b: int) -> float:
+    return params[2][a + b]

@@ -14,12 +14,17 @@ from smarig.catalogue import find, suggestion
 from smarig.command import Protocol
 from smarig.errors import UsageError
 from smarig.protocols._setup import Setup
+from smarig.protocols.adaptive_fod import Chooser
 
 PACKAGE = "smarig.protocols"
 
 
-def build(name: str, setup: Setup, settings: Mapping[str, Any] | None = None) -> Protocol:
+def build(
+    name: str, setup: Setup, settings: Mapping[str, Any] | None = None, chooser: Chooser | None = None
+) -> Protocol:
     """A protocol by name with settings (strings as typed by a user, or values); dots reach into groups.
+
+    ``chooser`` is handed to the protocols that take one.
 
     >>> setup = Setup.of("one_wire_twin")
     >>> protocol = build("validation", setup, {"points": "5", "settle.window_s": "10"})
@@ -28,8 +33,9 @@ def build(name: str, setup: Setup, settings: Mapping[str, Any] | None = None) ->
     """
     function = find(PACKAGE, name)
     hints = get_type_hints(function)
-    known = [p.name for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY]
-    given = {}
+    parameters = inspect.signature(function).parameters
+    known = [p.name for p in parameters.values() if p.kind is p.KEYWORD_ONLY]
+    given: dict[str, Any] = {"chooser": chooser} if "chooser" in parameters else {}
     for key, value in _grouped(settings or {}).items():
         if key not in known:
             raise UsageError(f"Protocol '{name}' has no setting '{key}'{suggestion(key, known)}.")

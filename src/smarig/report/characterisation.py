@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from smarig.identification.choose import POSITIVE
+from smarig.identification.curve_report import NO_CURVES
 from smarig.record import Run
 from smarig.report.conditions import label_of, protocol_of
 from smarig.report.decimate import POINTS
@@ -13,8 +15,9 @@ from smarig.report.figures_hysteresis import hysteresis
 from smarig.report.figures_representation import representation_figure
 from smarig.report.figures_surface import surface_figure
 from smarig.report.figures_time import initialisation, time_series
+from smarig.report.figures_tradeoff import tradeoff_figure
 from smarig.report.figures_validation import validation_figure
-from smarig.report.headline import headline
+from smarig.report.headline import headline, recommendation
 from smarig.report.html import Html, bullets, notice, paragraph, tag
 from smarig.report.identified import report_of
 from smarig.report.page import Section, page
@@ -47,6 +50,7 @@ def characterisation_page(evidence: Evidence) -> str:
 
 def _summary(e: Evidence) -> Parts:
     yield headline(e)
+    yield recommendation(e)
 
 
 def _rig(e: Evidence) -> Parts:
@@ -111,17 +115,28 @@ def _curves(e: Evidence) -> Parts:
     if e.best is None or run is None:
         yield paragraph("No model was identified.")
         return
-    yield curves_figure(e.best, run)
-    own = parameters_figure(e.best, run)
-    if own:
-        yield own
+    yield from _first_order(e, run)
     if len(run.settled) >= 2:
         yield replay_figure(e.identifications, run)
     yield surface_figure(e.identifications, e.chosen, run)
-    yield errors_table(e.identifications, e.verifications, e.chosen)
+    yield errors_table(e.identifications, e.verifications, e.chosen, e.choice)
     first = sorted(e.identifications, key=lambda name: name != e.chosen)
-    fitted = [parameters_table(e.identifications[name]) for name in first if e.identifications[name].fit]
+    fitted = [parameters_table(e.identifications[name]) for name in first if name != "table"]
     yield tag("div", *fitted, class_="columns")
+
+
+def _first_order(e: Evidence, run: Run) -> Parts:
+    """The curves with the chosen model's, and with the positive model's: that one has intervals."""
+    if e.best is None or not e.best.data.curves:
+        yield paragraph(NO_CURVES)
+        return
+    yield curves_figure(e.best, run)
+    positive = e.identifications.get(POSITIVE)
+    if positive is not None and positive is not e.best and positive.data.curves:
+        yield curves_figure(positive, run)
+    own = parameters_figure(e.best, run)
+    if own:
+        yield own
 
 
 def _density(e: Evidence) -> Parts:
@@ -130,6 +145,8 @@ def _density(e: Evidence) -> Parts:
         return
     yield classes_table(e.identifications, run)
     yield meaning_of_class(e)
+    if e.choice is not None:
+        yield tradeoff_figure(e.choice, e.identifications, e.verifications, run)
     yield maps_figure(e.identifications, run)
     figure = density_figure(e.identifications, e.chosen, run)
     if figure:

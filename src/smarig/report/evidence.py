@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarig.identification.calibrate import Calibration
+from smarig.identification.choose import Choice
 from smarig.identification.identify import Identification
 from smarig.identification.representation import Representation
 from smarig.identification.verify import Verification
@@ -15,7 +16,8 @@ class Evidence:
     """Runs by name in the order they were made, and what was concluded from them.
 
     ``identifications`` and ``verifications`` (on held-out runs) are by surface name, ``chosen`` is the one
-    the model file holds. ``discoveries`` and ``warnings`` are plain sentences; ``seconds`` is computing time.
+    the model file holds, ``choice`` how the kinds predict held-out curves (None: too few to hold any out).
+    ``discoveries`` and ``warnings`` are plain sentences; ``seconds`` is computing time.
     """
 
     title: str
@@ -29,6 +31,7 @@ class Evidence:
     command: str
     seconds: float
     calibration: Calibration | None = None
+    choice: Choice | None = None
 
     @property
     def best(self) -> Identification | None:

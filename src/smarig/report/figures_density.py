@@ -24,6 +24,9 @@ def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
             "Outlined and tinted: where μ < 0, however little; cross: the minimum. "
             + "; ".join(_least(name, one, run) for name, one in found.items())
             + ". A table's μ is the mass of each cell over its area: noise of the readings is in it.",
+            "The positive measure's cells are never negative, and vary smoothly where the data is silent."
+            if "positive" in found
+            else "",
             place(run),
         ],
         label_of(run),

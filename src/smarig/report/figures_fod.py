@@ -5,20 +5,31 @@ from collections.abc import Mapping
 import numpy as np
 
 from smarig.identification.curve_fit import fit_curves
+from smarig.identification.history import named_start
 from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import count_size, input_title, label_of, output_title, place
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.figures_representation import band, count_lines, count_words
-from smarig.report.identified import Curve, measured_curves, model_curves, replayed, residuals, turning
+from smarig.report.identified import (
+    Curve,
+    interval,
+    measured_curves,
+    model_curves,
+    replayed,
+    residuals,
+    turning,
+)
 from smarig.report.numbers import number
 from smarig.report.style import GREY, INK, SEQUENCE, SURFACES, colours
 
 _MOST_CURVES = 30  # more are drawn every so many, and the caption says so
+_BANDS = "bands: 90 % intervals of a new reading, wide where the data is silent; "
 _REACH = {
     "constant": "f constant",
     "parabolic": "f parabolic",
     "exponential": "f exponential",
+    "positive": "μ ≥ 0",
     "table": "table",
 }
 
@@ -30,11 +41,13 @@ def curves_figure(found: Identification, run: Run) -> Figure:
     shown = {curve.reversal: shade for curve, shade in zip(model, colours(len(model)))}
     shown = {reversal: shown[reversal] for reversal in list(shown)[::every]}
     data: list[Trace] = []
-    for curve in model:
-        if curve.reversal in shown:
-            data.append(
-                line(curve.u, curve.y, "model", shown[curve.reversal], hoverinfo="skip", showlegend=False)
-            )
+    drawn = [curve for curve in model if curve.reversal in shown]
+    bands = [_interval_band(found, curve, shown[curve.reversal]) for curve in drawn]
+    data += [each for each in bands if each is not None]
+    for curve in drawn:
+        data.append(
+            line(curve.u, curve.y, "model", shown[curve.reversal], hoverinfo="skip", showlegend=False)
+        )
     for curve in measured:
         if curve.reversal in shown:
             data.append(_points(curve, shown[curve.reversal], run))
@@ -59,15 +72,32 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
         [
             f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; "
-            f"colour: the reversal input {turn}.{some} Second panel: model minus measured at all "
-            f"{len(found.data)} points of {found.data.curves} curves, "
-            f"rms {found.model.fit['rms']:.3g} {found.model.unit}{_noise_words(found)}."
+            f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: model minus "
+            f"measured at all {len(found.data)} points of {found.data.curves} curves, "
+            f"rms {_rms(found):.3g} {found.model.unit}{_noise_words(found)}."
             f"{count_words(size, _residual_reach(found), run.unit)}",
             place(run),
         ],
         label_of(run),
         460,
     )
+
+
+def _interval_band(found: Identification, curve: Curve, colour: str) -> Trace | None:
+    """The 90 % interval of new readings along a model curve, in the curve's colour; None without intervals."""
+    ends = interval(found, curve)
+    if ends is None:
+        return None
+    low, high = ends
+    edge, back = np.concatenate([low, high[::-1]]), np.concatenate([curve.u, curve.u[::-1]])
+    fill = colour.replace("rgb(", "rgba(").replace(")", ",.2)")
+    style = {"fill": "toself", "fillcolor": fill, "hoverinfo": "skip", "showlegend": False}
+    return line(back, edge, "90 % interval", colour, width=0, **style)
+
+
+def _rms(found: Identification) -> float:
+    """Of the points on the curves: a positive measure is fitted to others besides."""
+    return float(np.sqrt(np.mean(residuals(found)[2] ** 2)))
 
 
 def _points(curve: Curve, colour: str, run: Run) -> Trace:
@@ -107,7 +137,7 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
     inputs, outputs = run.points()
     panels = []
     for name, one in found.items():
-        u, y = replayed(one, inputs)
+        u, y = replayed(one, inputs, initial=named_start(run) or "negative")
         data = [
             line(inputs, outputs, "measured, joined", GREY, dash="dash", width=1),
             dots(inputs, outputs, "measured", INK, size=4, showlegend=False),

@@ -39,7 +39,8 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         [Panel([points, *surfaces], layout, 520)],
         f"FOD surface y(α, β), {chosen}.",
         [
-            f"Output after the input turns at {turn} and comes to {here}; black: the {len(d)} measured points. "
+            f"Output after the input turns at {turn} and comes to {here}; "
+            f"{f'black: the {len(d)} points measured on such curves' if d.curves else 'no such curve was measured'}. "
             "Buttons show the other surfaces; drag to turn.",
             place(run),
         ],

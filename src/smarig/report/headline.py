@@ -1,11 +1,14 @@
-"""The five numbers that matter of a characterisation, each with what it means."""
+"""The five numbers that matter of a characterisation, each with what it means; and which model to build on."""
+
+import shlex
 
 import numpy as np
 
+from smarig.identification.choose import AS_GOOD, POSITIVE
 from smarig.report.conditions import count_size, duration_s, marks
 from smarig.report.evidence import Evidence
 from smarig.report.figures_density import density_unit
-from smarig.report.html import Html, cards, joined
+from smarig.report.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.identified import report_of
 from smarig.report.numbers import duration, number
 from smarig.report.tables_model import M_P, M_PC, pooled_rms
@@ -65,5 +68,79 @@ def _duration(e: Evidence) -> _Card:
 def _points(e: Evidence) -> _Card:
     late = sum(marks(run).timed_out for run in e.runs.values())
     n = sum(len(run.settled) for run in e.runs.values())
-    used = f"{len(e.best.data)} FOD points on {e.best.data.curves} curves; " if e.best else ""
-    return "Settled points", str(n - late), f"{used}{late or 'no'} hold{'' if late == 1 else 's'} timed out"
+    return (
+        "Settled points",
+        str(n - late),
+        f"{_used(e)}{late or 'no'} hold{'' if late == 1 else 's'} timed out",
+    )
+
+
+def _used(e: Evidence) -> str:
+    if e.best is None:
+        return ""
+    data = e.best.data
+    if e.best.positive is not None:
+        return f"{e.best.model.fit['points']} of known memory used; "
+    return f"{len(data)} FOD points on {data.curves} curves; "
+
+
+# --- the model the stability results apply to -----------------------------------------------------------
+
+
+def recommendation(e: Evidence) -> Html:
+    """Which model is in M_P, and whether it predicts as well as the chosen one; nothing without a model."""
+    if e.best is None:
+        return Html("")
+    if report_of(e.best).M_P:
+        apply = ": the stability results of chapter 8 apply to it."
+        return notice("good", paragraph(f"The {e.chosen} model is in ", M_P, apply))
+    words = [f"The {e.chosen} model is not in ", M_P]
+    if POSITIVE not in e.identifications:
+        return notice(
+            "warning", paragraph(*words, ": the stability results of chapter 8 do not apply to it.")
+        )
+    words += [". The positive model is, by construction, so the stability results of chapter 8 apply to it. "]
+    names = " ".join(shlex.quote(p.run) for p in e.best.model.provenance)
+    command = tag("code", f"smarig identify {names} --surface positive -o positive.model.json")
+    return notice(
+        "good", paragraph(*words, *_verdict(e, e.best.model.unit)), paragraph("To use it: ", command)
+    )
+
+
+def _verdict(e: Evidence, unit: str) -> list[str | Html]:
+    """Does the positive model predict as well as the chosen one? Empty where nothing was held out."""
+    compared = _compared(e)
+    if not compared:
+        return []
+    as_well = all(positive <= AS_GOOD * chosen for _, positive, chosen in compared)
+    errors = "; ".join(
+        f"{where} {positive:.3g} against {chosen:.3g} {unit} rms" for where, positive, chosen in compared
+    )
+    verdict = "It predicts as well" if as_well else "It predicts less well"
+    return [tag("b", verdict), f": {errors}. {'' if as_well else _rivals(e, unit)}"]
+
+
+def _compared(e: Evidence) -> list[tuple[str, float, float]]:
+    """(on what, rms of the positive model, rms of the chosen one)."""
+    found = []
+    rms = e.choice.held_out_rms if e.choice else {}
+    if POSITIVE in rms and e.chosen in rms:
+        found.append(("on held-out curves", rms[POSITIVE], rms[e.chosen]))
+    judged = [pooled_rms(e.verifications.get(name)) for name in (POSITIVE, e.chosen)]
+    if judged[0] is not None and judged[1] is not None:
+        found.append(("on the held-out run", judged[0], judged[1]))
+    return found
+
+
+def _rivals(e: Evidence, unit: str) -> str:
+    """How the other models in M_P do on the held-out run, where there are any."""
+    others = {
+        name: pooled_rms(e.verifications.get(name))
+        for name, one in e.identifications.items()
+        if name != POSITIVE and report_of(one).M_P
+    }
+    known = {name: rms for name, rms in others.items() if rms is not None}
+    if not known:
+        return ""
+    name = min(known, key=lambda k: known[k])
+    return f"The best other model with μ ≥ 0, {name}, has {known[name]:.3g} {unit} there."

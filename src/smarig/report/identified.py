@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.errors import DataError
 from smarig.identification.density import DensityReport, density_report
+from smarig.identification.history import Start
 from smarig.identification.identify import Identification
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.fod_table import FodTable
@@ -32,14 +33,25 @@ class Curve:
 
 
 def image(found: Identification) -> FodSurface | FodTable | ForcTable:
-    """What was fitted: the hysteresis, or its mirror image."""
+    """The hysteresis as its first-order curves were taken: itself for descending ones, else its mirror image."""
     hysteresis = found.model.hysteresis
+    if found.data.mirrored and isinstance(hysteresis, FodTable):
+        return reflected(hysteresis)
     fitted = hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
     if not isinstance(fitted, FodSurface | FodTable | ForcTable):
         raise DataError(
             f"A {type(fitted).__name__} has no first-order curves to draw; identify a surface or a table."
         )
     return fitted
+
+
+def reflected(table: FodTable) -> FodTable:
+    """The mirror image (u, y) → (−u, −y) of a table, exact: its cells are those of the table, reflected."""
+    turned, nodes = Mirrored(table), -table.nodes[::-1]
+    rising = turned.y_lower + turned.swept(nodes, np.full(nodes.size, nodes[0]))
+    a, b = np.meshgrid(nodes, nodes, indexing="ij")
+    values = np.where(b <= a, rising[:, None] - turned.swept(np.maximum(a, b), np.minimum(a, b)), np.nan)
+    return FodTable(nodes, values, table.unit)
 
 
 def sign(found: Identification) -> float:
@@ -69,18 +81,34 @@ def model_curves(found: Identification, points: int = 60) -> list[Curve]:
     return sorted(curves, key=lambda c: c.reversal)
 
 
+def interval(found: Identification, curve: Curve, level: float = 0.9) -> tuple[Array, Array] | None:
+    """(low, high) of new readings on a model curve; None where the fit gives none.
+
+    A positive measure gives them for curves of the kind it was fitted to. Its curves never fall as the input
+    rises, so an interval reaches no lower than one at a lower input, and no higher than one at a higher.
+    """
+    if found.positive is None or found.model.mirrored != found.data.mirrored:
+        return None
+    s, order = sign(found), np.argsort(curve.u * sign(found))
+    low, high = found.positive.interval(s * curve.reversal, s * curve.u[order], level)
+    low, high = np.maximum.accumulate(low), np.minimum.accumulate(high[::-1])[::-1]
+    back = np.argsort(order)
+    return (low[back], high[back]) if s > 0 else (-high[back], -low[back])
+
+
 def residuals(found: Identification) -> tuple[Array, Array, Array]:
     """Reversal input, input and model minus measured, (k,) each, over the points of the curves."""
     d, s = found.data, sign(found)
     return s * d.alpha, s * d.beta, s * (np.asarray(image(found).y(d.alpha, d.beta)) - d.y)
 
 
-def replayed(found: Identification, inputs: Array, between: int = 12) -> tuple[Array, Array]:
-    """The model along the identification input, densely (§5.5); starts in negative saturation."""
+def replayed(
+    found: Identification, inputs: Array, between: int = 12, initial: Start = "negative"
+) -> tuple[Array, Array]:
+    """The model along the identification input, densely (§5.5), from an initial state."""
     dense = np.concatenate([np.linspace(a, b, between + 1)[1:] for a, b in zip(inputs, inputs[1:])])
     u = np.concatenate([inputs[:1], dense])
-    operator = Preisach(found.model.hysteresis, "negative")
-    operator.step(found.model.hysteresis.lower)
+    operator = Preisach(found.model.hysteresis, initial)
     return u, np.array([operator.step(float(v)) for v in u])
 
 

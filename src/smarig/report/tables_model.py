@@ -5,7 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from smarig.identification.calibrate import Calibration
+from smarig.identification.choose import Choice
 from smarig.identification.identify import Identification
+from smarig.identification.positive.fit import PositiveFit
 from smarig.identification.verify import Verification
 from smarig.record import Run
 from smarig.report.figures_density import density_unit
@@ -17,15 +19,19 @@ M_P, M_PC = Html("M<sub>P</sub>"), Html("M<sub>PC</sub>")
 
 
 def errors_table(
-    found: Mapping[str, Identification], held_out: Mapping[str, Verification], chosen: str
+    found: Mapping[str, Identification],
+    held_out: Mapping[str, Verification],
+    chosen: str,
+    choice: Choice | None = None,
 ) -> Html:
-    """Errors over the identification points (as Table 5.1) and on held-out data, by surface."""
+    """Errors over the identification points (as Table 5.1) and on held-out data, and negative mass, by surface."""
     rows = []
     for name, one in found.items():
         fit = one.model.fit
         judged = pooled_rms(held_out.get(name))
         row = [f"{fit[key]:.4g}" for key in ("rms", "norm2", "weighted_norm2")]
-        row += [f"{judged:.3g}" if judged is not None else "—", f"{fit['points']} on {fit['curves']} curves"]
+        row += [f"{judged:.3g}" if judged is not None else "—", *_on_curves(name, choice)]
+        row.append(f"{fit['points']} on {fit['curves']} curves")
         rows.append((tag("b", f"{name} (chosen)") if name == chosen else name, *row))
     unit = next(iter(found.values())).model.unit
     return table(
@@ -34,13 +40,27 @@ def errors_table(
             f"rms ({unit})",
             f"‖e‖₂ ({unit})",
             f"weighted ‖e‖₂ ({unit})",
-            f"held-out rms ({unit})",
+            f"held-out run, rms ({unit})",
+            f"held-out curves, rms ({unit})",
+            "negative part of μ",
             "points",
         ),
         rows,
         "Errors of each surface over the identification points, in the manner of Table 5.1 (2-norms over the points; "
-        "major loop weighted twice), and on the held-out run. A table goes through its points, so only held-out data "
-        "judges it.",
+        "major loop weighted twice), on the held-out run, and on curves held out of the fit"
+        + (f" ({choice.curves} curves; 90 % intervals by resampling them). " if choice else ". ")
+        + "A table goes through its points, so only held-out data judges it. Negative part: ∬μ⁻/∬|μ|.",
+    )
+
+
+def _on_curves(name: str, choice: Choice | None) -> tuple[str, str]:
+    """rms on held-out curves with its interval, and the negative part of μ."""
+    if choice is None or name not in choice.held_out_rms:
+        return "—", "—"
+    low, high = choice.held_out_interval[name]
+    return (
+        f"{choice.held_out_rms[name]:.3g} ({low:.3g}…{high:.3g})",
+        f"{100 * choice.negative_share[name]:.2f} %",
     )
 
 
@@ -53,7 +73,9 @@ def pooled_rms(verification: Verification | None) -> float | None:
 
 
 def parameters_table(found: Identification) -> Html:
-    """Fitted parameters with 95 % intervals; nothing for tables."""
+    """Fitted parameters with 95 % intervals; what is known of a positive measure; a sentence for tables."""
+    if found.positive is not None:
+        return _measure_table(found.positive, found)
     if found.fit is None:
         return paragraph(
             f"The {found.surface} model has no fitted parameters: it interpolates the measured points."
@@ -71,6 +93,31 @@ def parameters_table(found: Identification) -> Html:
         rows,
         f"The {found.surface} surface (5.5), {found.fit.points} points on {found.fit.curves} curves. Intervals assume "
         f"equal independent noise at every point (residual σ {found.fit.sigma:.3g} {found.model.unit}).{converged}",
+    )
+
+
+def _measure_table(fit: PositiveFit, found: Identification) -> Html:
+    """A positive measure in numbers: smoothness, what the data fixes, what non-negativity costs."""
+    unit, seen = found.model.unit, fit.held_out
+    by = "by held-out curves" if fit.by_smoothing else "not chosen by the data: too few curves"
+    rows = [
+        ("Smoothing λ", number(fit.smoothing), by),
+        ("Effective parameters", f"{fit.freedom:.0f}", f"residual σ {fit.sigma:.3g} {unit}"),
+        ("Cells", str(fit.cells), f"{fit.at_zero} held at zero by μ ≥ 0"),
+        ("Directions fixed by data", str(fit.rank), f"smoothness alone: {fit.null_space}"),
+        (
+            "Reversible share",
+            f"{100 * fit.reversible_share:.1f} %",
+            "of the output range, on α = β",
+        ),
+        (f"Held-out rms ({unit})", number(seen.rms), f"{number(seen.signed_rms)} with masses of any sign"),
+        ("Stretch of intervals", number(seen.stretch), "90 % of held-out points in 90 % intervals"),
+    ]
+    mirror = " Mirror symmetry was asked for." if fit.symmetric else ""
+    return table(
+        ("Positive measure", "Value", "Meaning"),
+        rows,
+        f"The positive measure (§5.6): {fit.points} points, {fit.curves} monotone branches.{mirror}",
     )
 
 
@@ -95,7 +142,8 @@ def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
     rows = []
     for name, one in found.items():
         d = report_of(one)
-        share = f"{100 * d.reversible_share:.1f} %" if np.isfinite(d.reversible_share) else "—"
+        part = one.positive.reversible_share if one.positive else d.reversible_share
+        share = f"{100 * part:.1f} %" if np.isfinite(part) else "—"
         cells = f"; {d.negative_cells} of {d.cells} cells negative" if d.cells else ""
         at = f"({number(d.mu_min_at[0])}, {number(d.mu_min_at[1])})"
         rows.append(

@@ -13,6 +13,7 @@ from smarig.errors import LimitExceeded, UsageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
+from smarig.protocols.adaptive_fod import Chooser
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.control import Control
@@ -64,9 +65,16 @@ class _Peaks:
 
 
 def preview(
-    protocol: str, rig: RigFile, settings: Mapping[str, Any] | None = None, control: Control | None = None
+    protocol: str,
+    rig: RigFile,
+    settings: Mapping[str, Any] | None = None,
+    control: Control | None = None,
+    chooser: Chooser | None = None,
 ) -> Preview:
-    """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits."""
+    """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits.
+
+    ``chooser`` is for protocols that take one.
+    """
     actuator = Actuator.named(rig.actuator)
     twin = Twin(rig, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
@@ -74,7 +82,7 @@ def preview(
         Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)], control
     )
     try:
-        runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings))
+        runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings, chooser))
     except LimitExceeded as refused:
         raise UsageError(
             f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"

@@ -18,6 +18,7 @@ from smarig.errors import Interrupted, SmarigError, StorageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
+from smarig.protocols.adaptive_fod import Chooser
 from smarig.record import Recorder, Run, load_run
 from smarig.rig.guard import Guard
 from smarig.rig.pace import Paced
@@ -82,13 +83,14 @@ class Session:
         force: bool = False,
         notes: str = "",
         expected: Preview | None = None,
+        chooser: Chooser | None = None,
     ) -> Path:
         """Run one protocol into one run file; returns its path. Raises what ended it, after closing it.
 
-        ``expected``: its preview, if that has been made already.
+        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one.
         """
-        generator = build(protocol, self.setup, settings)
-        cost = expected or preview(protocol, self.file, settings, self.control)
+        generator = build(protocol, self.setup, settings, chooser)
+        cost = expected or preview(protocol, self.file, settings, self.control, chooser)
         _check_free_space(out, cost.bytes)
         recorder = Recorder(out, self._describe(protocol, settings, notes), force=force)
         runner = Runner(
@@ -175,11 +177,13 @@ def run(
     seed: int = 0,
     force: bool = False,
     wire: str = "",
+    chooser: Chooser | None = None,
     **settings: Any,
 ) -> Run:
     """Run a protocol on a rig, record it, and return the run: a notebook's way in.
 
-    ``settings`` are the protocol's own (``smarig list protocols --settings``).
+    ``settings`` are the protocol's own (``smarig list protocols --settings``); ``chooser`` is for protocols
+    that take one (``smarig.identification.adaptive.informed``).
     """
     with Session(rig, seed=seed, wire=wire) as session:
-        return load_run(session.run(protocol, settings, Path(out), force=force))
+        return load_run(session.run(protocol, settings, Path(out), force=force, chooser=chooser))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from smarig.errors import UsageError
 from smarig.exchange.draft import Draft
 from smarig.exchange.heated import heated
 from smarig.exchange.mapped_csv import read_mapped_csv
@@ -14,5 +15,8 @@ def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Dr
     """Text table with a header row, or anything a mapping file describes."""
     if mapping is None:
         return read_own_csv(path, RigFacts.named(rig) if rig else None)
-    draft = read_mapped_csv(path, load_mapping(mapping))
+    described = load_mapping(mapping)
+    if described.mat is not None:
+        raise UsageError(f"Mapping {described.name} describes MATLAB files; use --format mat.")
+    draft = read_mapped_csv(path, described)
     return heated(draft, RigFacts.named(rig)) if rig else draft

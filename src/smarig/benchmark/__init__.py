@@ -1,0 +1,1 @@
+"""Measured ratios and recoveries, one module per question: ``run(quick) -> dict``."""

@@ -1,0 +1,195 @@
+"""The inside of a MATLAB 5 file: which variables it holds, and the numeric ones as matrices.
+
+Reads what ``save -v6`` and ``-v7`` write: a header of 128 bytes, then one element a variable, deflated or
+not (MathWorks, "MAT-File Format", Level 5). Every size is checked against the bytes that are there, and no
+file grows beyond ``MAX_BYTES`` in memory. Refuses other versions, texts, cells, structures, objects and
+complex numbers; knows no mapping.
+"""
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError, UsageError
+
+MAX_BYTES = 500_000_000
+_HEADER_BYTES = 128
+_ORDER = {b"IM": "<", b"MI": ">"}
+_INT8, _INT32, _MATRIX, _COMPRESSED = 1, 5, 14, 15  # kinds of elements: mi…
+_NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+_NUMERIC = {6: "double", 7: "single", 8: "int8", 9: "uint8", 10: "int16", 11: "uint16"}
+_NUMERIC |= {12: "int32", 13: "uint32", 14: "int64", 15: "uint64"}
+_OTHER = {1: "cell", 2: "struct", 3: "object", 4: "char", 5: "sparse", 16: "function", 17: "opaque"}
+_COMPLEX, _LOGICAL = 0x800, 0x200
+_DAMAGE = (struct.error, zlib.error, ValueError, KeyError)  # what nonsense in the bytes leads to
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable as it stands in the file: size, MATLAB class, and the bytes of its elements."""
+
+    shape: tuple[int, ...]
+    kind: str
+    order: str
+    elements: memoryview
+
+
+@dataclass(frozen=True)
+class MatFile:
+    """A MATLAB 5 file's variables by name."""
+
+    path: Path
+    variables: dict[str, Variable]
+
+    def matrix(self, name: str) -> NDArray[np.float64]:
+        """A variable (m, n) of real numbers, NaN among them; DataError if it is anything else."""
+        variable = self.variables[name]
+        where = f"{self.path}: variable '{name}'"
+        if variable.kind not in _NUMERIC.values():
+            raise DataError(f"{where} is of MATLAB class {variable.kind}; a matrix of numbers was expected.")
+        if len(variable.shape) != 2 or 0 in variable.shape:
+            size = size_text(variable.shape)
+            raise DataError(f"{where} is {size}; a matrix with rows and columns was expected.")
+        if 8 * math.prod(variable.shape) > MAX_BYTES:
+            raise _too_large(self.path)
+        try:
+            values = _values(variable)
+        except _DAMAGE:
+            raise _damaged(self.path) from None
+        if np.isinf(values).any():
+            row, column = (int(k) + 1 for k in np.argwhere(np.isinf(values))[0])
+            raise DataError(f"{where} is infinite in row {row}, column {column}.")
+        return values
+
+
+def open_mat(path: Path) -> MatFile:
+    """A file's variables; UsageError if there is no such file, DataError if it is no sound MATLAB 5 file."""
+    data = _bytes(path)
+    variables: dict[str, Variable] = {}
+    try:
+        order = _ORDER[data[_HEADER_BYTES - 2 : _HEADER_BYTES]]
+        for element in _inflated(path, data, order):
+            name, variable = _variable(element, order)
+            if name in variables:
+                raise DataError(f"{path} holds the variable '{name}' more than once; save it anew.")
+            if name:  # what has no name is MATLAB's own bookkeeping
+                variables[name] = variable
+    except _DAMAGE:
+        raise _damaged(path) from None
+    if not variables:
+        raise DataError(f"{path} is a MATLAB file without any variable.")
+    return MatFile(path, variables)
+
+
+def size_text(shape: tuple[int, ...]) -> str:
+    """A matrix's size for a sentence.
+
+    >>> size_text((129, 4))
+    '129 × 4'
+    """
+    return " × ".join(map(str, shape))
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise _too_large(path)
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise UsageError(f"There is no file {path}.") from None
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
+    if data.startswith(b"MATLAB 7.3") or b"\x89HDF\r\n\x1a\n" in data[:1024]:
+        raise DataError(
+            f"{path} is a MATLAB 7.3 (HDF5) file, which smarig does not read; "
+            f"save it in MATLAB with save(…, '-v7'), in Octave with save -v7."
+        )
+    if not data.startswith(b"MATLAB 5.0"):
+        raise DataError(f"{path} is not a MATLAB 5 file (what save -v6 or -v7 writes).")
+    return data
+
+
+def _inflated(path: Path, data: bytes, order: str) -> Iterator[memoryview]:
+    """The variables' elements, inflated where they are deflated, each without its tag."""
+    rest, room = memoryview(data)[_HEADER_BYTES:], MAX_BYTES
+    while rest:
+        kind, payload, after = _element(rest, order)
+        if kind == _COMPRESSED:
+            inflate = zlib.decompressobj()
+            packed = inflate.decompress(payload, room)
+            if len(packed) == room:
+                raise _too_large(path)
+            room -= len(packed)
+            kind, payload, _ = _element(memoryview(packed), order)
+            if not inflate.eof:
+                raise ValueError("cut off")
+            after = rest[8 + _size(rest, order) :]  # deflated elements are not padded
+        if kind != _MATRIX:
+            raise ValueError("not a variable")
+        yield payload
+        rest = after
+
+
+def _size(view: memoryview, order: str) -> int:
+    return struct.unpack_from(order + "I", view, 4)[0]
+
+
+def _element(view: memoryview, order: str) -> tuple[int, memoryview, memoryview]:
+    """Kind and payload of the first element, and what comes after it; ValueError where it is cut off.
+
+    An element of at most four bytes stands inside its own tag, its size above its kind.
+    """
+    (kind,) = struct.unpack_from(order + "I", view)
+    if kind >> 16:
+        start, size, kind, following = 4, kind >> 16, kind & 0xFFFF, 8
+        if size > 4:
+            raise ValueError("too large for its tag")
+    else:
+        start, size = 8, _size(view, order)
+        following = start + -(-size // 8) * 8
+    if start + size > len(view):
+        raise ValueError("cut off")
+    return kind, view[start : start + size], view[following:]
+
+
+def _variable(element: memoryview, order: str) -> tuple[str, Variable]:
+    """Name and description: flags, size and name come first; objects of newer MATLABs have no size."""
+    _, flags, rest = _element(element, order)
+    (word,) = struct.unpack_from(order + "I", flags)
+    code = word & 0xFF
+    kind = _NUMERIC[code] if code in _NUMERIC else _OTHER[code]
+    if word & _LOGICAL:
+        kind = "logical"
+    if word & _COMPLEX:
+        kind = f"complex {kind}"
+    what, size, rest = _element(rest, order)
+    if what == _INT8:
+        return bytes(size).decode("ascii"), Variable((), kind, order, rest)
+    if what != _INT32:
+        raise ValueError("no size")
+    shape = struct.unpack(f"{order}{len(size) // 4}i", size)
+    what, name, rest = _element(rest, order)
+    if what != _INT8 or min(shape, default=-1) < 0:
+        raise ValueError("no name, or less than nothing")
+    return bytes(name).decode("ascii"), Variable(shape, kind, order, rest)
+
+
+def _values(variable: Variable) -> NDArray[np.float64]:
+    """The numbers, column by column in the file; MATLAB keeps whole numbers in the least type that fits."""
+    kind, payload, _ = _element(variable.elements, variable.order)
+    numbers = np.frombuffer(payload, dtype=variable.order + _NUMBERS[kind])
+    return numbers.astype(np.float64).reshape(variable.shape, order="F")
+
+
+def _too_large(path: Path) -> DataError:
+    return DataError(f"{path} holds more than {MAX_BYTES / 1e6:.0f} MB of numbers; cut it into pieces.")
+
+
+def _damaged(path: Path) -> DataError:
+    return DataError(f"{path} is damaged or cut off: its MATLAB variables cannot be read; copy it anew.")

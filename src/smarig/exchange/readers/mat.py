@@ -1,0 +1,30 @@
+"""MATLAB 5 files through a mapping file that names their variables."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+from smarig.errors import UsageError
+from smarig.exchange.draft import Draft
+from smarig.exchange.heated import heated
+from smarig.exchange.mapped_csv import mapped_draft
+from smarig.exchange.mapping import load_mapping
+from smarig.exchange.mat_table import belonging, read_mat_table
+from smarig.exchange.rig_facts import RigFacts
+
+
+def mat(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Draft:
+    """MATLAB 5 variables (save -v6, -v7), named and explained by a mapping file with a [mat] table."""
+    if mapping is None:
+        raise UsageError(
+            f"{path} does not say what its variables mean; name them with a mapping file (--map)."
+        )
+    described = load_mapping(mapping)
+    if described.mat is None:
+        raise UsageError(f"Mapping {described.name} has no [mat] table: it describes text, use --format csv.")
+    draft = mapped_draft(path, read_mat_table(path, described, described.mat), described)
+    others = [file for file in belonging(path, described.mat.files) if file != path]
+    if others:
+        sums = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in others}
+        draft = replace(draft, meta=draft.meta | {"companions": sums})
+    return heated(draft, RigFacts.named(rig)) if rig else draft

@@ -1,0 +1,71 @@
+"""The informed chooser: where would the next minutes at the rig teach most of the Preisach measure?
+
+Fits ``positive`` to everything seen, believes the surface to be as wrong as that leaves open, and plans a few
+holds ahead. Holds that did not settle shape the memory and are not believed. A function of what was seen
+and nothing else: the same results lead to the same choice. Refuses to know rigs.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.command import Settled
+from smarig.identification.adaptive.belief import Belief, amplitude, believed, noise_of
+from smarig.identification.adaptive.look_ahead import best_plan
+from smarig.identification.adaptive.path import Path, along, corners, duration_s, rows
+from smarig.identification.positive import Observations, fit_positive
+from smarig.identification.positive.observations import COMMON
+from smarig.identification.positive.triangle import Triangle
+from smarig.protocols._setup import Setup
+from smarig.protocols.adaptive_fod import Choice, Seen
+
+Array = NDArray[np.float64]
+INTERVALS = 24  # of the triangle on which is planned
+SMOOTHING = 1e-12
+_FEW = 6  # readings below which nothing is known of where the measure lies
+_REVERSIBLE = 0.05  # part of the output range believed reversible then
+
+
+def informed(setup: Setup, seen: Sequence[Seen], settle: Settled) -> Choice:
+    """The next few holds by expected information per minute, and the rms error predicted now.
+
+    Information is the reduction of the variance of y(α, β), averaged over the triangle (I-optimality).
+    """
+    ends = setup.lower_K, setup.upper_K
+    paths = along(ends[:1], tuple(float(np.clip(s.input_K, *ends)) for s in seen))
+    good = [k for k, s in enumerate(seen) if s.settled and np.isfinite(s.counts)]
+    counts = np.array([seen[k].counts for k in good])
+    if not counts.size or np.ptp(counts) == 0:
+        return Choice(() if counts.size > 2 else ends)  # nothing moves; or nothing settled so far
+    noise = noise_of((seen[k].counts_sd for k in good), (seen[k].n for k in good))
+    belief = _belief([paths[k] for k in good], counts, noise, ends)
+    plan = best_plan(belief, paths[-1], belief.triangle.nodes, partial(duration_s, setup, settle))
+    return Choice(plan.inputs, belief.rms / float(np.ptp(counts)))
+
+
+def _belief(paths: list[Path], counts: Array, noise: float, ends: tuple[float, float]) -> Belief:
+    """What settled counts (m,) after these memories leave open."""
+    saturated = [k for k, path in enumerate(paths) if len(path) == 1]
+    change = counts - (counts[saturated].mean() if saturated else counts.min())
+    if counts.size < _FEW:
+        triangle = Triangle(np.linspace(*ends, INTERVALS + 1))
+        on = triangle.i == triangle.j
+        density = np.where(on, _REVERSIBLE, 2 * (1 - _REVERSIBLE)) * float(np.ptp(counts))
+    else:
+        fit = fit_positive(observations(paths, counts, ends), intervals=INTERVALS, smoothing=SMOOTHING)
+        triangle, density = fit.triangle, amplitude(fit.triangle, fit.masses)
+        noise = max(noise, fit.sigma)  # what cells this wide cannot follow is no information either
+    return believed(triangle, density, rows(triangle, paths), change, noise)
+
+
+def observations(
+    paths: list[Path], outputs: Array, ends: tuple[float, float], unit: str = "counts"
+) -> Observations:
+    """Outputs (m,) after known memories, as ``positive`` takes them; a curve is a monotone branch."""
+    term, sign, alpha, beta = corners(paths)
+    turns = np.diff(np.sign(np.diff([path[-1] for path in paths]))) != 0
+    curve = np.concatenate([[0], np.cumsum(turns), [np.sum(turns)]])[: outputs.size].astype(np.int64)
+    common = np.full(outputs.size, COMMON)
+    return Observations(outputs, curve, common, term, sign, alpha, beta, (), *ends, unit)

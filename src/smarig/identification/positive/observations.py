@@ -1,0 +1,228 @@
+"""What was measured, as sums over the FOD surface: the rows of the ``positive`` identification.
+
+The output after any history is a signed sum of the surface at the corners of the staircase (thesis §3.4):
+
+    y = y(M₁,M₁) + [y(M₁,m₁) − y(M₁,M₁)] + [y(M₂,M₂) − y(M₂,m₁)] + …
+
+and from a diagonal state B_ℓ an integral of its slopes along α + β = 2ℓ (theory.md §1). So any settled point
+with a known memory is one linear equation, whatever protocol it comes from. Knows no cells and no fit.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, hstack
+
+from smarig.errors import DataError
+from smarig.identification.fod_data import FodData
+from smarig.identification.history import History, histories
+from smarig.identification.positive.triangle import Triangle
+from smarig.preisach.operator import State
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+COMMON = -1
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """Outputs y (m,) in ``unit``, each Σ sign · y(α, β) over its terms (t,), plus integrals from B_ℓ.
+
+    ``term`` (t,) names the observation of each term; ``curve`` (m,) numbers the whole curve a point belongs
+    to; ``zero`` (m,) its unknown offset, or ``COMMON`` for the encoder's one zero, which y₋ carries.
+    ``released`` are (observation, ℓ, u, sign): the output change of a move from ℓ to u in state B_ℓ.
+    """
+
+    y: Array
+    curve: Integers
+    zero: Integers
+    term: Integers
+    sign: Array
+    alpha: Array
+    beta: Array
+    released: tuple[tuple[int, float, float, float], ...]
+    lower: float
+    upper: float
+    unit: str = ""
+
+    def __len__(self) -> int:
+        return self.y.size
+
+    @property
+    def offsets(self) -> int:
+        """Number of free offsets besides y₋."""
+        return int(self.zero.max(initial=COMMON)) + 1
+
+    @classmethod
+    def of_points(
+        cls, alpha: Array, beta: Array, y: Array, curve: Integers, ends: tuple[float, float], unit: str = ""
+    ) -> "Observations":
+        """First-order points y(α, β): one term each, whatever curves are missing."""
+        n = np.arange(y.size)
+        common = np.full(y.size, COMMON)
+        return cls(y, curve, common, n, np.ones(y.size), alpha, beta, (), ends[0], ends[1], unit)
+
+    @classmethod
+    def of_fod(cls, data: FodData) -> "Observations":
+        """The points of FOD data; a curve is a peak, as in the choice of a surface."""
+        curve = np.unique(data.alpha, return_inverse=True)[1].astype(np.int64)
+        return cls.of_points(data.alpha, data.beta, data.y, curve, (data.lower, data.upper), data.unit)
+
+    @classmethod
+    def of_runs(cls, runs: Sequence[Run]) -> "Observations":
+        """Every point of runs of any protocol whose memory is known; a curve is a monotone branch."""
+        lower, upper, records = histories(runs)
+        parts = [cls._of_history(record, (lower, upper), runs[0].unit) for record in records]
+        whole = joined(parts)
+        if not len(whole):
+            raise DataError(
+                "No point of the runs has a known memory: begin a run in negative saturation, or let it "
+                "reach saturation once."
+            )
+        return whole
+
+    @classmethod
+    def _of_history(cls, history: History, ends: tuple[float, float], unit: str) -> "Observations":
+        rows = [k for k, state in enumerate(history.states) if state is not None]
+        terms: list[tuple[int, float, float, float]] = []
+        released: list[tuple[int, float, float, float]] = []
+        for row, k in enumerate(rows):
+            corners, diagonal = corners_of(history.states[k], ends[0])  # pyright: ignore[reportArgumentType]
+            terms += [(row, *corner) for corner in corners]
+            released += [(row, *move) for move in diagonal]
+        table = np.array(terms, dtype=float).reshape(len(terms), 4)
+        branch = np.concatenate([[0], np.cumsum(np.diff(np.sign(np.diff(history.inputs))) != 0), [0]])
+        branch = branch[: len(history.inputs)].astype(np.int64)
+        if branch.size > 1:
+            branch[-1] = branch[-2]
+        y = history.outputs[rows]
+        return cls(
+            y,
+            branch[rows],
+            np.full(y.size, COMMON),
+            table[:, 0].astype(np.int64),
+            table[:, 1],
+            table[:, 2],
+            table[:, 3],
+            tuple(released),
+            ends[0],
+            ends[1],
+            unit,
+        )
+
+    def where(self, mask: NDArray[np.bool_]) -> "Observations":
+        """The observations of a mask (m,); curve numbers, offsets and range stay."""
+        place = np.cumsum(mask) - 1
+        terms = mask[self.term]
+        kept = tuple((int(place[k]), *rest) for k, *rest in self.released if mask[k])
+        return replace(
+            self,
+            y=self.y[mask],
+            curve=self.curve[mask],
+            zero=self.zero[mask],
+            term=place[self.term[terms]],
+            sign=self.sign[terms],
+            alpha=self.alpha[terms],
+            beta=self.beta[terms],
+            released=kept,
+        )
+
+    def mirrored(self) -> "Observations":
+        """The same observations of the mirror image (u, y) → (−u, −y) of a hysteresis around zero.
+
+        The point reached from negative saturation over α at β lies, in the mirror, where a fall from positive
+        saturation to −α and a rise to −β leads: −y = y(u₊, −α) + y(−β, −β) − y(−β, −α). Whoever fits both
+        sets gets a symmetric measure, because the least of a convex function is as symmetric as it is.
+        """
+        if self.released:
+            raise DataError("Observations that begin in a diagonal state cannot be mirrored; saturate first.")
+        if abs(self.lower + self.upper) > 1e-6 * (self.upper - self.lower):
+            raise DataError(
+                f"Mirror symmetry needs a range around zero; this one is [{self.lower:g}, {self.upper:g}]."
+            )
+        a, b, top = -self.beta, -self.alpha, np.full(self.alpha.size, self.upper)
+        pieces = [(top, b, 1.0), (a, a, 1.0), (a, b, -1.0)]
+        return replace(
+            self,
+            y=-self.y,
+            term=np.tile(self.term, 3),
+            sign=np.concatenate([self.sign * s for _, _, s in pieces]),
+            alpha=np.concatenate([x for x, _, _ in pieces]),
+            beta=np.concatenate([x for _, x, _ in pieces]),
+        )
+
+    def matrix(self, triangle: Triangle) -> csr_matrix:
+        """Rows over the triangle's unknowns and, after them, the free offsets: (m, unknowns + offsets)."""
+        values = triangle.values(self.alpha, self.beta)
+        gather = csr_matrix(
+            (self.sign, (self.term, np.arange(self.sign.size))), shape=(len(self), self.sign.size)
+        )
+        rows = gather @ values
+        for k, centre, u, sign in self.released:
+            move = _released_row(triangle, centre, u)
+            rows = rows + csr_matrix(([sign], ([k], [0])), shape=(len(self), 1)) @ move
+        free = np.flatnonzero(self.zero != COMMON)
+        ones = csr_matrix((np.ones(free.size), (free, self.zero[free])), shape=(len(self), self.offsets))
+        return csr_matrix(hstack([rows, ones]))
+
+
+def joined(parts: Iterable[Observations]) -> Observations:
+    """Several sets of one range as one; curves and offsets of different sets stay different."""
+    parts = [part for part in parts if len(part)] or list(parts)[:1]
+    row = curve = zero = 0
+    moved = []
+    for part in parts:
+        moved.append(
+            replace(
+                part,
+                curve=part.curve + curve,
+                zero=np.where(part.zero == COMMON, COMMON, part.zero + zero),
+                term=part.term + row,
+                released=tuple((k + row, *rest) for k, *rest in part.released),
+            )
+        )
+        row, curve, zero = row + len(part), curve + int(part.curve.max(initial=-1)) + 1, zero + part.offsets
+    names = ("y", "curve", "zero", "term", "sign", "alpha", "beta")
+    arrays = {name: np.concatenate([getattr(part, name) for part in moved]) for name in names}
+    return replace(parts[0], released=tuple(r for part in moved for r in part.released), **arrays)
+
+
+def corners_of(
+    state: State, lower: float
+) -> tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]:
+    """(sign, α, β) on the FOD surface, and (ℓ, u, sign) from the diagonal, that add up to the output."""
+    path = [*state.extrema, state.u]
+    corners: list[tuple[float, float, float]] = []
+    released: list[tuple[float, float, float]] = []
+    start, first = path[0], 1
+    if state.diagonal:
+        corners.append((1.0, lower, lower))
+        released.append((start, lower, -1.0))  # ψ(ℓ): a fall to u₋ would switch all of it off
+        if len(path) > 1 and path[1] != start:
+            released.append((start, path[1], 1.0))
+        start, first = path[1], 2
+    else:
+        corners.append((1.0, start, start))
+    for before, now in zip(path[first - 1 :], path[first:]):
+        if now > before:
+            corners += [(1.0, now, now), (-1.0, now, before)]
+        elif now < before:
+            corners += [(1.0, before, now), (-1.0, before, before)]
+    return corners, released
+
+
+def _released_row(triangle: Triangle, centre: float, u: float) -> csr_matrix:
+    """Output change of a move from ℓ = centre to u in B_ℓ, exact: Gauss panels between all kinks."""
+    ends = sorted((centre, u))
+    kinks = np.concatenate([triangle.nodes, 2 * centre - triangle.nodes, ends])
+    edges = np.unique(kinks[(kinks >= ends[0]) & (kinks <= ends[1])])
+    half = np.diff(edges)[:, None] / 2
+    at = ((edges[1:] + edges[:-1])[:, None] / 2 + half * _NODES).ravel()
+    weight = (half * _WEIGHTS).ravel() / (triangle.nodes[-1] - triangle.nodes[0])
+    mirror = np.clip(2 * centre - at, triangle.nodes[0], triangle.nodes[-1])
+    slopes = triangle.rising_slope(at, mirror) if u > centre else -triangle.falling_slope(mirror, at)
+    return csr_matrix(weight[None, :]) @ slopes

@@ -1,0 +1,114 @@
+"""The loop of ``kernel.py`` compiled by numba (extra ``fast``): the same source, on arrays instead of lists.
+
+numba is imported when it is first worth it, and each kind of hysteresis is compiled once. Without numba
+everything runs as plain Python. Knows no hysteresis: only the free functions of its ``Keyed``.
+"""
+
+from functools import cache, lru_cache
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import UsageError
+from smarig.preisach.kernel import Array, Between, Keyed, Run, Search, Stack, Way, make
+
+WORTH = 500_000  # samples that take plain Python about as long as compiling takes
+_compiled: set[Between] = set()
+
+
+@cache
+def available() -> bool:
+    """Whether numba is installed."""
+    return find_spec("numba") is not None
+
+
+def worth(keyed: Keyed, n: int, wanted: bool | None) -> bool:
+    """Whether to compile for n samples; UsageError when that is wanted and impossible."""
+    if wanted is False or (wanted is None and not (keyed.compilable and available())):
+        return False
+    if wanted and not keyed.compilable:
+        raise UsageError("This hysteresis has no compiled form; leave out compiled=True.")
+    if wanted and not available():
+        raise UsageError("numba is not installed; install smarig[fast], or leave out compiled=True.")
+    return bool(wanted) or n >= WORTH or keyed.between in _compiled
+
+
+def follow(keyed: Keyed, stack: Stack, way: Way, y: Array) -> None:
+    """``kernel.follow``, compiled: write the outputs (n,) along the way into y."""
+    run, (params, search), last = _loop(keyed.between), _prepared(keyed), way.y
+    _compiled.add(keyed.between)
+    top, U, Y = stack.top, np.array(stack.U), np.array(stack.Y)
+    K = np.array(stack.K, dtype=keyed.places(np.array([way.u]), search)[0].dtype)
+    for where, u, released in way.chunks():
+        missing = top + u.size - U.size
+        if missing > 0:
+            U, K, Y = (np.concatenate([c, np.zeros(missing + c.size, c.dtype)]) for c in (U, K, Y))
+        a, b = keyed.places(u, search)
+        out = np.full(u.size, last)
+        top = run(params, u, a, b, out, released, stack.centre, U, K, Y, top)
+        y[where] = out[1:]
+        last = out[-1]
+    stack.top = int(top)
+    stack.U, stack.K, stack.Y = (c[: top + 1].tolist() for c in (U, K, Y))
+
+
+@cache
+def _loop(between: Between) -> Run:
+    import numba
+
+    return numba.njit(make(numba.njit(between)), nogil=True)
+
+
+@lru_cache(maxsize=8)
+def _prepared(keyed: Keyed) -> tuple[tuple[Any, ...], Search]:
+    """The hysteresis's lists as arrays, and a search that remembers what it prepared for its levels."""
+    buckets: dict[tuple[int, str], tuple] = {}
+
+    def search(levels: Array, u: Array, side: str) -> NDArray[np.intp]:
+        key = id(levels), side  # the levels live as long as the hysteresis, and that as long as ``keyed``
+        if key not in buckets:
+            buckets[key] = _buckets(levels, side)
+        return _ranks()(*buckets[key], u)
+
+    return tuple(np.array(p) if isinstance(p, list) else p for p in keyed.params), search
+
+
+def _buckets(levels: Array, side: str) -> tuple[Array, NDArray[np.int32], float, float, int]:
+    """Levels (padded), the rank at which each bucket begins, buckets' origin and scale, most levels in one."""
+    if side == "right":  # levels ≤ u are those whose lower neighbour is < u
+        levels = np.nextafter(levels, -np.inf)
+    if levels.size == 0:
+        return np.array([np.inf]), np.zeros(1, np.int32), 0.0, 0.0, 1
+    count = min(8 * levels.size, 1 << 16)
+    low, width = float(levels[0]), float(levels[-1] - levels[0])
+    scale = count / width if width > 0 else 0.0
+    # as ``ranks`` has it, so that rounding puts an input and its level into buckets in the right order
+    own = np.minimum(np.maximum((levels - low) * scale, 0.0), count - 1.0).astype(np.int64)
+    begins = np.searchsorted(own, np.arange(count))
+    most = int(np.max(np.bincount(own)))
+    return np.append(levels, np.full(most, np.inf)), begins.astype(np.int32), low, scale, most
+
+
+@cache
+def _ranks() -> Any:
+    """Numbers of levels < u for an array, all inputs at once through each step: no branch to mispredict."""
+    import numba
+
+    def ranks(levels, begins, low, scale, most, u):
+        rank = np.empty(u.size, np.int64)
+        last = begins.size - 1.0
+        for i in range(u.size):
+            rank[i] = begins[int(min(max((u[i] - low) * scale, 0.0), last))]
+        size = most
+        while size > 1:
+            half = size >> 1
+            for i in range(u.size):
+                rank[i] += half if levels[rank[i] + half - 1] < u[i] else 0
+            size -= half
+        for i in range(u.size):
+            rank[i] += 1 if levels[rank[i]] < u[i] else 0
+        return rank
+
+    return numba.njit(ranks, nogil=True)

@@ -1,0 +1,261 @@
+"""The inverse on the stack: the least monotone move that brings the output to a wanted value.
+
+The outputs at the remembered extrema say on which stretch of the way the target lies; there F is solved for
+the input: exactly for relays (the first threshold that brings at least the target) and for tables (in the
+one cell that holds it), to rounding for smooth surfaces.
+
+Needs the output to be monotone along the way: strip sums ∂F/∂α ≥ 0 rising and ∂y/∂β ≥ 0 falling, which is
+weaker than μ ≥ 0 (theory.md §1). Where the output turns back on the way, a DataError says between which
+inputs. Smooth surfaces are looked at in 256 places: a dip narrower than that passes. Knows no control law.
+"""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite, nextafter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.errors import DataError
+from smarig.preisach.everett import Everett, from_diagonal
+from smarig.preisach.kernel import Keyed, Stack, keyed
+
+Array = NDArray[np.float64]
+ROUNDING = 1e-12  # of the output range
+PLACES = 256
+MOST_NODES = 600  # beyond this, monotonicity is looked at along each way instead of once for all
+
+
+class Stretch(NamedTuple):
+    """A part of the way between two inputs with one law of output, for a scalar and for an array."""
+
+    start: float
+    end: float
+    y_end: float
+    output: Callable[[float], float]
+    outputs: Callable[[Array], Array]
+
+
+def root(f: Callable[[float], float], near: float, far: float) -> float:
+    """Zero of a function that is negative at ``near`` and positive at ``far``, or the end at which it is not.
+
+    Regula falsi with Anderson and Björck's weights, which ends at once where f is linear; every fourth step
+    halves, so that no shape of f takes more than some two hundred.
+    """
+    at_near, at_far = f(near), f(far)
+    if at_near >= 0 or at_far <= 0:
+        return near if at_near >= 0 else far
+    width, count, moved = 1e-16 * abs(far - near), 0, ""
+    while abs(far - near) > width:
+        count += 1
+        u = far - at_far * (far - near) / (at_far - at_near) if count % 4 else 0.5 * (near + far)
+        if not min(near, far) < u < max(near, far):
+            u = 0.5 * (near + far)
+            if u in (near, far):
+                break
+        here = f(u)
+        if here == 0.0:
+            return u
+        if here < 0:
+            if moved == "near":
+                at_far *= _weight(here / at_near)
+            near, at_near, moved = u, here, "near"
+        else:
+            if moved == "far":
+                at_near *= _weight(here / at_far)
+            far, at_far, moved = u, here, "far"
+    return far
+
+
+def _weight(left: float) -> float:
+    """How much of the value at the end that stayed twice still counts, by what is left at the other."""
+    return 1.0 - left if left < 1.0 else 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Monotone moves of one hysteresis, and where they end up."""
+
+    hysteresis: Everett
+
+    @cached_property
+    def keyed(self) -> Keyed:
+        """F by keys, as the loop uses it."""
+        return keyed(self.hysteresis)
+
+    @cached_property
+    def rounding(self) -> float:
+        """Outputs closer than this are one."""
+        h = self.hysteresis
+        return ROUNDING * abs(h.everett(h.upper, h.lower))
+
+    @cached_property
+    def steps(self) -> list[float]:
+        """Where the output jumps and between which it stands still; empty for a continuous hysteresis."""
+        return np.asarray(getattr(self.hysteresis, "steps", ())).tolist()
+
+    @cached_property
+    def slack(self) -> float:
+        """How far short of a target still counts as there: jumps bring sums in another order, or nothing."""
+        return self.rounding if self.steps else 0.0
+
+    @cached_property
+    def kinks(self) -> list[float]:
+        """Where slopes jump; for relays where outputs do."""
+        return self.steps or np.asarray(getattr(self.hysteresis, "kinks", ())).tolist()
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Inputs at which monotonicity is looked at."""
+        even = np.linspace(self.hysteresis.lower, self.hysteresis.upper, PLACES + 1)
+        return np.array(self.steps) if self.steps else np.union1d(even, self.kinks)
+
+    @cached_property
+    def monotone(self) -> bool:
+        """Whether no move whatever turns the output back: F rises with α and falls with β at all nodes."""
+        u = self.nodes
+        if u.size > MOST_NODES:
+            return False
+        values = np.where(u[:, None] >= u, self.hysteresis.swept(u[:, None], u), 0.0)
+        low = -self.rounding
+        rises = np.where(u[1:, None] > u, np.diff(values, axis=0), 0.0)
+        falls = np.where(u[:, None] > u[:-1], -np.diff(values, axis=1), 0.0)
+        return bool(np.all(rises >= low) and np.all(falls >= low))
+
+    def reaching(self, stack: Stack, u: float, y: float, target: float) -> float:
+        """Input of the least move from (u, y) that brings the output to the target; DataError when none does."""
+        if abs(target - y) <= self.slack:
+            return u
+        if not isfinite(target):
+            raise DataError(f"Output {target:g} cannot be reached: it is no number.")
+        up = target > y
+        end = y
+        for stretch in self._stretches(stack, u, y, up):
+            ends = self._ends(stretch, target, up)
+            if ends is not None:
+                return ends[1] if self.steps else root(self._beyond(stretch, target, up), *ends)
+            end, u = stretch.y_end, stretch.end
+        if abs(target - end) <= self.rounding:
+            return u
+        raise DataError(f"Output {target:g} cannot be reached: the range ends at {end:g}.")
+
+    # --- the way ---------------------------------------------------------------------------------
+
+    def _stretches(self, s: Stack, u: float, y: float, up: bool) -> Iterator[Stretch]:
+        """From the present input to saturation; each ends where a remembered extremum is passed and wiped out."""
+        h, diagonal = self.hysteresis, s.centre == s.centre
+        end = h.upper if up else h.lower
+        k = s.top
+        if u != s.U[k] and (u < s.U[k]) == up:  # the move turns: its branch hangs on the present point
+            edge = min(max(s.U[k], h.lower), h.upper)
+            yield self._branch(u, y, u, edge, s.Y[k] if k > 1 or not diagonal else None, up)
+            u = edge
+            k -= 1
+        while k > 2 or (k == 2 and not diagonal):
+            yield self._branch(s.U[k], s.Y[k], u, s.U[k - 1], s.Y[k - 1], up)
+            u = s.U[k - 1]
+            k -= 2
+        if not diagonal:
+            if k == 1:
+                yield self._branch(s.U[1], s.Y[1], u, end, None, up)
+            return
+        if k == 2:
+            edge = min(max(s.U[1], h.lower), h.upper)
+            yield self._branch(s.U[2], s.Y[2], u, edge, None, up)
+            u = edge
+        yield self._released(s, u, end)
+
+    def _branch(
+        self, u0: float, y0: float, start: float, end: float, y_end: float | None, up: bool
+    ) -> Stretch:
+        k, swept = self.keyed, self.hysteresis.swept
+        between, place, params = k.between, k.place, k.params
+        own = place(params, u0)[1 if up else 0]
+        if up:
+            stretch = Stretch(
+                start,
+                end,
+                0.0,
+                lambda u: y0 + between(params, place(params, u)[0], own),
+                lambda u: y0 + swept(u, u0),
+            )
+        else:
+            stretch = Stretch(
+                start,
+                end,
+                0.0,
+                lambda u: y0 - between(params, own, place(params, u)[1]),
+                lambda u: y0 - swept(u0, u),
+            )
+        return stretch._replace(y_end=stretch.output(end) if y_end is None else y_end)
+
+    def _released(self, s: Stack, start: float, end: float) -> Stretch:
+        def outputs(u: ArrayLike) -> Array:
+            return s.Y[0] + from_diagonal(self.hysteresis, s.centre, u)
+
+        def output(u: float) -> float:
+            return float(outputs([u])[0])
+
+        return Stretch(start, end, output(end), output, outputs)
+
+    # --- within one stretch ------------------------------------------------------------------------
+
+    def _beyond(self, way: Stretch, target: float, up: bool) -> Callable[[float], float]:
+        sign, tiny = (1.0 if up else -1.0), 1e-3 * self.rounding
+
+        def beyond(u: float) -> float:
+            far = sign * (way.output(u) - target)
+            return 0.0 if -tiny < far < tiny else far  # to rounding is there: no search for the last bit
+
+        return beyond
+
+    def _ends(self, way: Stretch, target: float, up: bool) -> tuple[float, float] | None:
+        """Neighbouring kinks (else nodes) the target lies between; None when this stretch does not reach it."""
+        if not self.monotone:
+            return self._first_crossing(way, target, up)
+        if (target - way.y_end if up else way.y_end - target) > self.slack:
+            return None
+        beyond, inside = self._beyond(way, target, up), self._passed(way, self.kinks)
+        low, high = 0, len(inside)
+        while low < high:
+            middle = (low + high) // 2
+            if beyond(inside[middle]) >= -self.slack:
+                high = middle
+            else:
+                low = middle + 1
+        near = inside[low - 1] if low > 0 else way.start
+        return near, inside[low] if low < len(inside) else way.end
+
+    def _passed(self, way: Stretch, places: list[float]) -> list[float]:
+        """Those of the places (rising) that lie strictly between the ends, in the order they are passed.
+
+        Relays: a move away from a threshold it stood on switches, however short it is; so its first place
+        is the very next number.
+        """
+        if way.end > way.start:
+            inside = places[bisect_right(places, way.start) : bisect_left(places, way.end)]
+        else:
+            inside = places[bisect_right(places, way.end) : bisect_left(places, way.start)][::-1]
+        if self.steps and way.start != way.end:
+            inside.insert(0, nextafter(way.start, way.end))
+        return inside
+
+    def _first_crossing(self, way: Stretch, target: float, up: bool) -> tuple[float, float] | None:
+        """Neighbouring nodes around the first place that brings the target; DataError when the output turns first."""
+        u = np.array([way.start, *self._passed(way, self.nodes.tolist()), way.end])
+        gone = (way.outputs(u) - target) * (1.0 if up else -1.0)
+        there = np.flatnonzero(gone[1:] >= -self.slack)
+        last = int(there[0]) if there.size else u.size - 2
+        back = np.flatnonzero(np.diff(gone[: last + 2]) < -self.rounding)
+        if back.size:
+            more = np.flatnonzero(np.diff(gone[back[0] :]) >= 0)
+            until = u[back[0] + more[0]] if more.size else u[-1]
+            raise DataError(
+                f"The output is not monotone on the way to {target:g}: while the input "
+                f"{'rises' if up else 'falls'} from {u[back[0]]:g} to {until:g} it turns back, "
+                "so there is no inverse there."
+            )
+        return (float(u[last]), float(u[last + 1])) if there.size else None

@@ -1,0 +1,189 @@
+"""The one loop of the Preisach operator: a whole array of inputs along the stack of remembered extrema.
+
+The same source runs as plain Python on lists and, compiled by ``compiled.py``, on arrays; a single step is
+the same loop with one input. A hysteresis hands itself over ``Keyed``: where an input lies (its keys, as α
+and as β, found once) and the Everett function between two keys. Knows no integral, no file and no class.
+
+The stack: ``U[1] … U[top]`` are remembered extrema, maxima and minima in turn, ``K`` their keys (as α for
+a maximum, as β for a minimum) and ``Y`` the outputs at them. The present branch ends, and what it closes is
+wiped out, where it passes ``U[top − 1]``; so the element below the oldest extremum says where even that is
+left behind:
+
+* from saturation ``U[0] = +∞`` and ``U[1] = u₋``: only u₋ itself forgets everything;
+* from a diagonal state B_ℓ ``U[0]`` is the furthest input so far and ``U[1] = 2ℓ − U[0]`` its mirror image:
+  an input beyond either leaves B_ℓ anew, with the output handed in as ``released``.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.state import State
+
+Array = NDArray[np.float64]
+Between = Callable[[Any, Any, Any], float]
+Run = Callable[..., int]
+Search = Callable[[Array, Array, Any], NDArray[np.intp]]
+CHUNK = 1 << 14
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Keyed:
+    """A hysteresis as the loop sees it; ``between`` and ``place`` are free functions that numba can compile.
+
+    ``between(params, a, b)`` is F(α, β) for keys; ``place(params, u)`` gives an input's keys as α and as β,
+    ``places(u, search)`` the same for an array, ``search`` being np.searchsorted or a faster one. ``params``
+    holds lists and numbers; inputs lie in [u₋, u₊].
+    """
+
+    between: Between
+    params: Any
+    place: Callable[[Any, float], tuple[Any, Any]]
+    places: Callable[[Array, Search], tuple[NDArray, NDArray]]
+    compilable: bool = True
+
+
+def itself(params: Any, u: float) -> tuple[float, float]:  # noqa: ARG001
+    """Keys of a hysteresis whose Everett function takes the inputs themselves."""
+    return u, u
+
+
+def themselves(u: Array, search: Search) -> tuple[Array, Array]:  # noqa: ARG001
+    """``itself`` for arrays."""
+    return u, u
+
+
+def _called(everett: Callable[[float, float], float], alpha: float, beta: float) -> float:
+    return everett(alpha, beta)
+
+
+def keyed(hysteresis: Everett) -> Keyed:
+    """The hysteresis's own ``keyed``, or its method ``everett`` called sample by sample."""
+    own = getattr(hysteresis, "keyed", None)
+    return own if isinstance(own, Keyed) else Keyed(_called, hysteresis.everett, itself, themselves, False)
+
+
+def make(between: Between) -> Run:
+    """The loop around one Everett function.
+
+    ``run(params, u, a, b, y, released, centre, U, K, Y, top)`` follows the inputs ``u[1:]`` with keys ``a``
+    and ``b`` from the present point (u[0], y[0]), writes the outputs into ``y`` and returns the new ``top``.
+    ``U``, ``K``, ``Y`` must have room for one more extremum per input. ``centre`` is ℓ, or NaN when the
+    memory holds no diagonal; then ``released`` is not read.
+    """
+
+    def run(params, u, a, b, y, released, centre, U, K, Y, top):
+        now, out = u[0], y[0]
+        for i in range(1, len(u)):
+            v = u[i]
+            if v > now:
+                if now < U[top]:  # it was falling: the present point is a minimum
+                    top += 1
+                    U[top], K[top], Y[top] = now, b[i - 1], out
+                while v >= U[top - 1]:
+                    if top < 3:
+                        top, U[0], U[1], out = 1, v, 2 * centre - v, released[i]
+                        break
+                    top -= 2
+                else:
+                    out = Y[top] + between(params, a[i], K[top])
+            elif v < now:
+                if now > U[top]:  # it was rising: the present point is a maximum
+                    top += 1
+                    U[top], K[top], Y[top] = now, a[i - 1], out
+                while v <= U[top - 1]:
+                    if top > 2:
+                        top -= 2
+                    elif centre == centre:
+                        top, U[0], U[1], out = 1, v, 2 * centre - v, released[i]
+                        break
+                    else:  # negative saturation
+                        top, out = 1, Y[1]
+                        break
+                else:
+                    out = Y[top] - between(params, K[top], b[i])
+            y[i] = out
+            now = v
+        return top
+
+    return run
+
+
+plain = cache(make)  # one closure for each Everett function
+
+
+class Stack:
+    """``U``, ``K``, ``Y`` and ``top`` of the module's docstring, as lists; ``centre`` is ℓ or NaN."""
+
+    __slots__ = ("K", "U", "Y", "centre", "top")
+
+    def __init__(
+        self, below: float, extrema: Sequence[float], keys: Sequence, outputs: Sequence, centre: float
+    ) -> None:
+        self.U, self.K, self.Y = [below, *extrema], [keys[0], *keys], [outputs[0], *outputs]
+        self.top, self.centre = len(extrema), centre
+
+    @classmethod
+    def holding(cls, state: State, place: Callable[[float], tuple[Any, Any]]) -> "Stack":
+        """The memory of a state, whose present point is not the last extremum as well; ``place`` gives keys."""
+        extrema, below, centre = [*state.extrema], inf, nan
+        if state.diagonal:
+            below, centre = (*extrema, state.u)[1], extrema[0]
+            extrema[0] = 2 * centre - below
+        first_is_minimum = below > extrema[0]
+        keys = [place(u)[(i % 2 == 0) == first_is_minimum] for i, u in enumerate(extrema)]
+        return cls(below, extrema, keys, state.outputs, centre)
+
+    def reserve(self, more: int) -> None:
+        """Room for this many more extrema."""
+        missing = self.top + 1 + more - len(self.U)
+        if missing > 0:
+            for column in (self.U, self.K, self.Y):
+                column.extend(column[:1] * missing)
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """What is to be followed: the present point, inputs (n,), the saturations that clip them; ``released`` (n,)."""
+
+    u: float
+    y: float
+    inputs: Array
+    lower: float
+    upper: float
+    released: Array | None = None
+
+    def chunks(self) -> Iterator[tuple[slice, Array, Array]]:
+        """Where in ``inputs``; the clipped inputs there, after the one before them; ``released`` likewise."""
+        before = self.u
+        for begin in range(0, self.inputs.size, CHUNK):
+            where = slice(begin, begin + CHUNK)
+            part = np.concatenate([[before], self.inputs[where]])
+            np.clip(part, self.lower, self.upper, out=part)
+            given = part if self.released is None else np.concatenate([[0.0], self.released[where]])
+            yield where, part, given
+            before = part[-1]
+
+
+def follow(keyed: Keyed, stack: Stack, way: Way, y: Array) -> None:
+    """Write the outputs (n,) along the way into y; plain Python.
+
+    In chunks, so that Python's numbers never take more memory than a few megabytes.
+    """
+    run, last = plain(keyed.between), way.y
+    for where, part, given in way.chunks():
+        u = part.tolist()
+        a, b = (u if key is part else key.tolist() for key in keyed.places(part, np.searchsorted))
+        released = u if given is part else given.tolist()
+        out = [last, *u[1:]]
+        stack.reserve(len(u))
+        memory = stack.centre, stack.U, stack.K, stack.Y, stack.top
+        stack.top = run(keyed.params, u, a, b, out, released, *memory)
+        y[where] = out[1:]
+        last = out[-1]

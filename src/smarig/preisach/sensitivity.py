@@ -1,0 +1,60 @@
+"""How the present output follows from what is remembered: its slope to the input and to every extremum.
+
+    y = y₀ + Σ_k ± F(corner k),   corner k between extremum k − 1 and extremum k (the last: the present input)
+
+so each extremum moves two corners: the strip it swept when it was reached, and the strip the next move
+swept back from it (∂F/∂α and ∂y/∂β of the hysteresis). Noise in past inputs propagates through the memory
+by these slopes. Knows no noise.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import UsageError
+from smarig.preisach.everett import Differentiable
+from smarig.preisach.state import State
+
+Array = NDArray[np.float64]
+
+
+def sensitivity(hysteresis: Differentiable, state: State) -> Array:
+    """∂y/∂(each of ``state.extrema``) and, last, ∂y/∂u of the present input; shape (len(extrema) + 1,).
+
+    The base is held: its slope is 0, for saturation forgets where beyond u₋ the input was and the centre ℓ
+    of B_ℓ is no input. ∂y/∂u is that of going on in the direction of the last move. On a kink the slopes are
+    one-sided. UsageError for relays, which have none.
+
+    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> from smarig.preisach.operator import Preisach
+    >>> wire = Preisach.from_surface(surface("one_c"))
+    >>> y = wire.simulate([90.0, 40.0])
+    >>> sensitivity(wire.hysteresis, wire.state).round(4).tolist()     # base, the maximum 90, now
+    [0.0, 0.0504, 0.165]
+    """
+    if np.size(getattr(hysteresis, "steps", ())) or not hasattr(hysteresis, "strip_alpha"):
+        raise UsageError(
+            f"{type(hysteresis).__name__} has no slopes: sensitivities need a surface or a table."
+        )
+    path = np.array([*state.extrema, state.u])
+    slope = np.zeros(path.size)
+    first = 1
+    if state.diagonal:
+        slope[1] += _leaving(hysteresis, path[0], path[1])
+        first = 2
+    before, after = path[first - 1 : -1], path[first:]
+    rises = after > before
+    alpha, beta = np.maximum(before, after), np.minimum(before, after)
+    by_alpha = np.asarray(hysteresis.strip_alpha(alpha, beta))
+    by_beta = np.asarray(hysteresis.strip_beta(alpha, beta))
+    slope[first:] += np.where(rises, by_alpha, by_beta)
+    slope[first - 1 : -1] -= np.where(rises, by_beta, by_alpha)
+    slope[0] = 0.0
+    return slope
+
+
+def _leaving(hysteresis: Differentiable, centre: float, u: float) -> float:
+    """Slope of the output along the first move away from B_ℓ, whose strip ends at the mirror image of u."""
+    here, image = np.array([u]), np.array([2 * centre - u])
+    if u >= centre:
+        return float(hysteresis.strip_alpha(here, np.maximum(image, hysteresis.lower))[0])
+    return float(hysteresis.strip_beta(np.minimum(image, hysteresis.upper), here)[0])

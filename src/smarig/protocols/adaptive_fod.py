@@ -1,0 +1,134 @@
+"""Identification data where it tells most: the next inputs are chosen from what was seen so far (§3.4, §9.2).
+
+The protocol knows ranges, time and when to stop. What is worth measuring is a chooser's business: whoever
+runs the protocol hands it one. Refuses to know models and fits.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol as Interface
+
+from smarig.command import Hold, Mark, Protocol, Settled, StepResult, Verdict
+from smarig.errors import UsageError
+from smarig.protocols._setup import Setup
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A finished hold: the input asked for and the mean counts of its window.
+
+    ``settled`` is False for a hold that timed out: the wire was there, but its reading is not the settled one.
+    """
+
+    input_K: float
+    counts: float
+    counts_sd: float
+    n: int
+    settled: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Inputs to hold next, one after the other; none when there is nothing left to ask.
+
+    ``predicted_share`` is the predicted rms error of y(α, β) over the triangle, as a share of the output
+    range, with what is known now; NaN where a chooser cannot say.
+    """
+
+    inputs_K: tuple[float, ...]
+    predicted_share: float = math.nan
+
+
+class Chooser(Interface):
+    """What to hold next, from everything seen so far: a function, so state goes in and comes out."""
+
+    def __call__(self, setup: Setup, seen: Sequence[Seen], settle: Settled) -> Choice:
+        """``seen`` begins with a hold in negative saturation."""
+        ...
+
+
+def adaptive_fod(
+    setup: Setup,
+    chooser: Chooser | None = None,
+    *,
+    target_share: float = 0.003,
+    longest_h: float = 2.0,
+    settle: Settled | None = None,
+) -> Protocol:
+    """FOD data with its inputs chosen on the way, until the predicted error is small enough.
+
+    Both saturations first, then whatever the chooser asks for. Ends when the predicted rms error of y(α, β)
+    is below ``target_share`` of the output range, after ``longest_h`` of rig time, or when the chooser
+    has no more to ask. A hold that does not settle is marked and the run goes on. Without a chooser of its
+    own (``smarig run`` hands one over) it halves the gaps of a partition.
+    """
+    if not 0 < target_share < 1:
+        raise UsageError(
+            f"target_share is a share of the output range between 0 and 1, not {target_share:g}."
+        )
+    if not 0 < longest_h <= 1000:
+        raise UsageError(f"longest_h must lie between 0 and 1000 hours, got {longest_h:g}.")
+    return _adaptive(setup, chooser or halving, target_share, 3600 * longest_h, settle or Settled())
+
+
+def halving(setup: Setup, seen: Sequence[Seen], settle: Settled) -> Choice:  # noqa: ARG001 - a Chooser
+    """The chooser that looks at nothing: FOD curves over even partitions of 4, 8 and 16 segments in turn."""
+    asked = 2  # both saturations
+    for segments in (4, 8, 16):
+        levels = [setup.at(k / segments) for k in range(segments + 1)]
+        for k in range(1, segments + 1):
+            if asked >= len(seen):
+                return Choice((levels[k], *reversed(levels[:k])))
+            asked += k + 1
+    return Choice(())
+
+
+def _adaptive(
+    setup: Setup, chooser: Chooser, target_share: float, longest_s: float, settle: Settled
+) -> Protocol:
+    yield Mark("adaptive first-order descending", {"chooser": getattr(chooser, "__name__", repr(chooser))})
+    seen: list[Seen] = []
+    start_s = math.nan
+    choice = Choice((setup.lower_K, setup.upper_K))
+    while choice.inputs_K:
+        for input_K in choice.inputs_K:
+            _check(setup, input_K)
+            result = yield Hold(
+                setup.current_for(input_K), settle, target=input_K, branch=_branch(seen, input_K)
+            )
+            seen.append(_seen(input_K, result))
+            start_s = result.t_start_s if math.isnan(start_s) else start_s
+            if result.t_end_s - start_s >= longest_s:
+                yield Mark("time is up", {"holds": len(seen), "longest_h": longest_s / 3600})
+                return
+        choice = chooser(setup, tuple(seen), settle)
+        share = choice.predicted_share
+        told = {"holds": len(seen), "inputs_K": list(choice.inputs_K)}
+        yield Mark("chosen", told if math.isnan(share) else told | {"predicted_share": share})
+        if share <= target_share:
+            yield Mark("target reached", {"holds": len(seen), "predicted_share": share})
+            return
+
+
+def _branch(seen: Sequence[Seen], input_K: float) -> str:
+    """Where a hold leads from the one before it: the record's word for its step."""
+    if len(seen) < 2:
+        return "saturate"
+    return "rise" if input_K > seen[-1].input_K else "fall"
+
+
+def _check(setup: Setup, input_K: float) -> None:
+    if not setup.lower_K - 1e-6 <= input_K <= setup.upper_K + 1e-6:
+        raise UsageError(
+            f"The chooser of adaptive_fod asked for {input_K:g} K, outside the rig's range "
+            f"{setup.lower_K:g}…{setup.upper_K:g} K above ambient."
+        )
+
+
+def _seen(input_K: float, result: StepResult | None) -> Seen:
+    if not isinstance(result, StepResult):
+        raise UsageError(
+            "adaptive_fod chooses from results: it can be run on a rig or a twin, not be listed."
+        )
+    return Seen(input_K, result.counts, result.counts_sd, result.n, result.verdict is Verdict.SETTLED)
