@@ -218,12 +218,10 @@ def test_random_truths_are_positive_measures_over_the_rigs_ranges_and_all_differ
     assert len({round(float(np.nanmean(t.values)), 6) for t in truths}) == 5
 
 
-def test_an_error_is_reached_when_it_is_not_exceeded_again():
+def test_an_error_is_reached_once_or_for_good():
     trace = Trace((0.1, 0.2, 0.3, 0.4), (0.5, 0.1, 0.3, 0.2))
-    assert trace.reached_h(0.6) == 0.1
-    assert trace.reached_h(0.35) == 0.2
-    assert trace.reached_h(0.25) == 0.4
-    assert trace.reached_h(0.15) is None
+    assert [trace.stays_h(rms) for rms in (0.6, 0.35, 0.25, 0.15)] == [0.1, 0.2, 0.4, None]
+    assert [trace.first_h(rms) for rms in (0.6, 0.35, 0.15, 0.05)] == [0.1, 0.2, 0.2, None]
 
 
 # --- the chooser ----------------------------------------------------------------------------------------------

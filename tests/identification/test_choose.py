@@ -18,8 +18,9 @@ from smarig.identification.choose import (
     rms_interval,
     thinning,
 )
-from smarig.identification.fod_data import fod_data
+from smarig.identification.fod_data import FodData, fod_data
 from smarig.identification.positive import Observations, fit_positive
+from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.fod_table import FodTable
 from smarig.preisach.gorbet_1997 import NAMES, surface
 from smarig.preisach.operator import Preisach
@@ -209,3 +210,20 @@ def test_thinning_keeps_about_as_many_as_asked_evenly_and_the_ends_of_long_curve
             assert {begin, begin + n - 1} <= set(kept.tolist())
     if stride == 1:
         assert kept.size == curve.size
+
+
+def test_curves_of_one_point_in_thousands_do_not_decide_anything():
+    """Thinning may drop a very short curve from the fit; it is still judged, and no score is empty."""
+    u = np.linspace(0.0, 1.0, 60)
+    rows = [(k, u[k], u[j]) for k in range(2, 60) for j in range(k + 1)] + [
+        (60, 0.011, 0.011),
+        (61, 0.012, 0.012),
+    ]
+    curve, alpha, beta = (np.array(column) for column in zip(*rows))
+    surface = FodSurface("constant", (8.0, -0.4, 12.0, -0.3), 0.0, 1.0, 0.0, 1.0)
+    y = surface.y(alpha, beta)
+    n = np.arange(y.size)
+    data = FodData(alpha, beta, y, curve.astype(np.int64), alpha == beta, 0 * n, n, "mm", 0.0, 1.0, False)
+    choice = choose(data)
+    assert np.isfinite(list(choice.held_out_rms.values())).all()
+    assert choice.kind in ("constant", "exponential")

@@ -80,7 +80,10 @@ def _of_cells(table: Everett) -> DensityReport:
     inputs = nodes.tolist()
     F = np.array([[table.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
     mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
-    rounding = 1e-12 * float(np.nanmax(np.abs(F)))
+    y_lower = abs(
+        float(getattr(table, "y_lower", 0.0))
+    )  # a table keeps outputs: a large zero rounds its masses
+    rounding = 1e-12 * float(np.nanmax(np.abs(F))) + 8 * float(np.finfo(float).eps) * y_lower
     mass = np.where(np.abs(mass) <= rounding, 0.0, mass)
     off_diagonal = np.tri(n - 1, k=-1, dtype=bool)
     width = np.diff(nodes)

@@ -108,9 +108,16 @@ class Identification:
     def __repr__(self) -> str:
         d, fit = self.density, self.model.fit
         where = f"on {self.data.curves} curves" if self.data.curves else "without first-order curves"
+        held_out = ""
+        if self.positive is not None and self.positive.held_out.curves:
+            p = self.positive
+            held_out = (
+                f", {p.held_out.rms:.3g} on held-out curves, "
+                f"{p.null_space} of {p.cells} cells left to smoothness"
+            )
         return (
             f"Identification({self.surface} from {fit['points']} points {where}: "
-            f"rms {fit['rms']:.3g} {self.model.unit}; {d!r}; {len(self.warnings)} warning(s))"
+            f"rms {fit['rms']:.3g} {self.model.unit}{held_out}; {d!r}; {len(self.warnings)} warning(s))"
         )
 
 

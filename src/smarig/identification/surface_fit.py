@@ -150,6 +150,11 @@ def fit_surface(
         )
     starts = [start.values] if start is not None and start.names == problem.names else _starts(problem)
     trials = [_refined(problem, p) for p in starts]
+    if not trials:
+        raise DataError(
+            f"No {form} surface resembles the data: its output does not rise with its input; turn its sign, "
+            "or check what was given as input."
+        )
     best = min(trials, key=lambda trial: trial.cost)
     return _described(problem, best.x, weights, best.status > 0, len(trials))
 
@@ -160,6 +165,8 @@ def _starts(problem: _Problem) -> list[Array]:
     if problem.form != "constant":
         simple = _Problem("constant", data, problem.ends, root_weights)
         trials = [_refined(simple, p) for p in _starts(simple)]
+        if not trials:
+            return []
         around = tuple(min(trials, key=lambda trial: trial.cost).x[:4].tolist())
     guesses = ranked_starts(problem.form, data, root_weights, around)
     # Neighbours in rank are often neighbours in space: every third keeps the starts apart.

@@ -10,7 +10,8 @@ and piecewise models.
 """
 
 from collections.abc import Callable
-from typing import Protocol
+from functools import lru_cache
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -89,39 +90,54 @@ def diagonal_integral(surface: Differentiable, centre: float, u: NDArray[np.floa
     """``from_diagonal`` by quadrature: rises and falls (n,), each exact to rounding whatever the others are."""
     change = np.empty(u.shape)
     up = u >= centre
-    change[up] = _cumulative(*_rising(surface, centre), u[up])
-    change[~up] = -_cumulative(*_falling(surface, centre), -u[~up])
+    change[up] = _cumulative(_rising(surface, centre), u[up])
+    change[~up] = -_cumulative(_falling(surface, centre), -u[~up])
     return change
 
 
 def rise_integral(surface: Differentiable, centre: float, u: float) -> float:
     """∫_ℓ^u ∂_αF(α, max(2ℓ − α, u₋)) dα: output change rising from B_ℓ."""
-    return float(_cumulative(*_rising(surface, centre), np.array([u], dtype=float))[0])
+    return float(_cumulative(_rising(surface, centre), np.array([u], dtype=float))[0])
 
 
 def fall_integral(surface: Differentiable, centre: float, u: float) -> float:
     """∫_u^ℓ ∂_βy(min(2ℓ − β, u₊), β) dβ: output change falling from B_ℓ (theory.md §1, ψ)."""
-    return float(_cumulative(*_falling(surface, centre), np.array([-u], dtype=float))[0])
+    return float(_cumulative(_falling(surface, centre), np.array([-u], dtype=float))[0])
 
 
 Strip = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
-def _rising(surface: Differentiable, centre: float) -> tuple[Strip, NDArray[np.float64]]:
+class _Way(NamedTuple):
+    """A strip, the panel edges (n + 1,) along it, and its integral up to each edge (n + 1,)."""
+
+    strip: Strip
+    edges: NDArray[np.float64]
+    before: NDArray[np.float64]
+
+
+@lru_cache(maxsize=8)  # a twin asks for the same diagonal state at every tick of its initialisation
+def _rising(surface: Differentiable, centre: float) -> _Way:
     def strip(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
         return surface.strip_alpha(alpha, np.maximum(2 * centre - alpha, surface.lower))
 
-    return strip, _panels(surface, centre, centre, surface.upper, 2 * centre - surface.lower)
+    return _way(strip, _panels(surface, centre, centre, surface.upper, 2 * centre - surface.lower))
 
 
-def _falling(surface: Differentiable, centre: float) -> tuple[Strip, NDArray[np.float64]]:
+@lru_cache(maxsize=8)
+def _falling(surface: Differentiable, centre: float) -> _Way:
     """In the variable −β, so that a fall runs upwards like a rise."""
 
     def strip(minus_beta: NDArray[np.float64]) -> NDArray[np.float64]:
         return surface.strip_beta(np.minimum(2 * centre + minus_beta, surface.upper), -minus_beta)
 
     panels = _panels(surface, centre, surface.lower, centre, 2 * centre - surface.upper)
-    return strip, -panels[::-1]
+    return _way(strip, -panels[::-1])
+
+
+def _way(strip: Strip, edges: NDArray[np.float64]) -> _Way:
+    whole = _gauss(strip, edges[:-1], edges[1:])
+    return _Way(strip, edges, np.concatenate([[0.0], np.cumsum(whole)]))
 
 
 def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> NDArray[np.float64]:
@@ -135,13 +151,12 @@ def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: fl
     return np.unique(edges[(edges >= a) & (edges <= b)])
 
 
-def _cumulative(strip: Strip, edges: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cumulative(way: _Way, u: NDArray[np.float64]) -> NDArray[np.float64]:
     """∫ from edges[0] to each u (n,): whole panels by their sums, the last one by its own Gauss–Legendre.
 
     Exact to rounding for the surfaces of §5.4 at these widths.
     """
-    whole = _gauss(strip, edges[:-1], edges[1:])
-    before = np.concatenate([[0.0], np.cumsum(whole)])
+    strip, edges, before = way
     panel = np.clip(np.searchsorted(edges, u, side="left") - 1, 0, max(edges.size - 2, 0))
     blocks = np.array_split(np.arange(u.size), u.size // _BLOCK + 1)
     return np.concatenate([before[panel[k]] + _gauss(strip, edges[panel[k]], u[k]) for k in blocks])

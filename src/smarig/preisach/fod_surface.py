@@ -61,6 +61,9 @@ class FodSurface:
         if len(self.x) != len(FORMS[self.form]):
             names = ", ".join(FORMS[self.form])
             raise UsageError(f"A {self.form} surface has parameters {names}; got {len(self.x)}.")
+        numbers = (*self.x, self.lower, self.upper, self.y_lower, self.y_upper)
+        if not np.isfinite(numbers).all():
+            raise UsageError(f"A {self.form} surface has a parameter that is not a finite number: {numbers}.")
         if not self.upper > self.lower:
             raise UsageError(f"Surface range is empty: lower {self.lower} ≥ upper {self.upper}.")
 

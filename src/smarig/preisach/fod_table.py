@@ -43,6 +43,8 @@ class FodTable:
         """From y[i, j] at (α_i, β_j); both axes must be the same partition or α its upper part."""
         a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
         values = np.asarray(y, dtype=float)
+        if a.ndim != 1 or b.ndim != 1 or min(a.size, b.size) < 2:
+            raise DataError("FOD table: each axis must be one row of at least two inputs.")
         if values.shape != (a.size, b.size):
             raise DataError(
                 f"FOD table has shape {values.shape}, expected ({a.size}, {b.size}) for its axes."
@@ -177,7 +179,7 @@ def _between(params: Any, a: float, b: float) -> float:
 
 
 def _check(nodes: Array, values: Array) -> None:
-    if nodes.size < 2 or np.any(np.diff(nodes) <= 0):
+    if nodes.ndim != 1 or nodes.size < 2 or not np.isfinite(nodes).all() or np.any(np.diff(nodes) <= 0):
         raise DataError("FOD table: the partition must be at least two strictly increasing inputs.")
     missing = np.argwhere(~np.isfinite(values) & np.tri(nodes.size, dtype=bool))
     if missing.size:

@@ -276,7 +276,10 @@ class Preisach:
 
 def checked(u: Sequence[float] | ArrayLike) -> Array:
     """Inputs (n,) as floats; UsageError for another shape, DataError for NaN."""
-    inputs = np.asarray(u, dtype=float)
+    try:
+        inputs = np.asarray(u, dtype=float)
+    except (TypeError, ValueError):
+        raise UsageError("The Preisach operator takes numbers as its input, in one row.") from None
     if inputs.ndim != 1:
         raise UsageError(f"The Preisach operator takes a one-dimensional input, got shape {inputs.shape}.")
     if inputs.size and np.isnan(inputs.min()):  # a minimum with NaN is NaN, and needs no memory

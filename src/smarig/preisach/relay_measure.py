@@ -16,6 +16,7 @@ from smarig.errors import DataError
 from smarig.preisach.kernel import Keyed, Search
 
 Array = NDArray[np.float64]
+_BEYOND = 1e100
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,8 @@ class RelayMeasure:
             raise DataError(f"Relay arrays differ in length or are empty: {a.size}, {b.size}, {m.size}.")
         if not (np.isfinite(a).all() and np.isfinite(b).all() and np.isfinite(m).all()):
             raise DataError("A relay has a threshold or a mass that is not finite.")
+        if max(np.abs(a).max(), np.abs(b).max(), np.abs(m).max()) > _BEYOND:
+            raise DataError(f"A relay has a threshold or a mass beyond all measure (over {_BEYOND:g}).")
         if np.any(a < b):
             raise DataError("A relay has α < β: it must switch up above where it switches down.")
         alphas, rows = np.unique(a, return_inverse=True)

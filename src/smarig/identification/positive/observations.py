@@ -25,6 +25,7 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 COMMON = -1
+SWING = 0.01  # of the range: smaller reversals do not begin a new curve
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
@@ -95,10 +96,7 @@ class Observations:
             terms += [(row, *corner) for corner in corners]
             released += [(row, *move) for move in diagonal]
         table = np.array(terms, dtype=float).reshape(len(terms), 4)
-        branch = np.concatenate([[0], np.cumsum(np.diff(np.sign(np.diff(history.inputs))) != 0), [0]])
-        branch = branch[: len(history.inputs)].astype(np.int64)
-        if branch.size > 1:
-            branch[-1] = branch[-2]
+        branch = branches(history.inputs, SWING * (ends[1] - ends[0]))
         y = history.outputs[rows]
         return cls(
             y,
@@ -168,6 +166,30 @@ class Observations:
         free = np.flatnonzero(self.zero != COMMON)
         ones = csr_matrix((np.ones(free.size), (free, self.zero[free])), shape=(len(self), self.offsets))
         return csr_matrix(hstack([rows, ones]))
+
+
+def branches(u: Array, swing: float) -> Integers:
+    """The number of the monotone branch each input (k,) lies on; reversals smaller than ``swing`` are noise.
+
+    >>> branches(np.array([0.0, 5.0, 9.0, 8.9, 10.0, 4.0, 6.0]), 1.0).tolist()
+    [0, 0, 0, 0, 0, 1, 2]
+    """
+    number = np.zeros(u.size, dtype=np.int64)
+    turn, count, rising = 0, 0, None
+    low = high = float(u[0]) if u.size else 0.0
+    for k, v in enumerate(u.tolist()):
+        low, high = min(low, v), max(high, v)
+        back = (high - v) if rising else (v - low)
+        if rising is None:
+            rising = (v - low > high - v) if high - low >= swing else None
+        elif back >= swing:  # everything since the extremum belongs to the new branch
+            rising, count = not rising, count + 1
+            number[turn + 1 : k] = count
+            low = high = v
+        if v == (high if rising else low):
+            turn = k
+        number[k] = count
+    return number
 
 
 def joined(parts: Iterable[Observations]) -> Observations:

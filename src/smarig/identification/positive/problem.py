@@ -5,7 +5,7 @@
 Outputs are scaled by their range, so that λ means the same for millimetres and for magnetic moments. Knows no runs.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,7 @@ class Problem:
     rows: csr_matrix
     y: Array
     offsets: int
+    _normals: dict[bytes, tuple[csr_matrix, Array]] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
     def of(cls, triangle: Triangle, observations: Observations, scale: float, zero: float) -> "Problem":
@@ -48,12 +49,21 @@ class Problem:
         return Newton(pattern, _padded(self.triangle.masses, 0, self.offsets), 1 + self.offsets)
 
     def _system(self, smoothing: float, mask: Mask | None) -> tuple[csr_matrix, Array]:
-        rows, y = (self.rows, self.y) if mask is None else (self.rows[mask], self.y[mask])
-        normal = csr_matrix(rows.T @ rows) / y.size
+        normal, g = self._normal(mask)
         H = normal + smoothing * self._roughness
-        g = rows.T @ y / y.size
-        ridge = _RIDGE * float(H.diagonal().max()) * eye_array(g.size)
-        return csr_matrix(H + ridge), g
+        return csr_matrix(H + _RIDGE * float(H.diagonal().max()) * self._eye), g
+
+    def _normal(self, mask: Mask | None) -> tuple[csr_matrix, Array]:
+        """XᵀX/m and Xᵀy/m, kept: the same folds come back for every λ."""
+        key = b"" if mask is None else mask.tobytes()
+        if key not in self._normals:
+            rows, y = (self.rows, self.y) if mask is None else (self.rows[mask], self.y[mask])
+            self._normals[key] = csr_matrix(rows.T @ rows) / y.size, rows.T @ y / y.size
+        return self._normals[key]
+
+    @cached_property
+    def _eye(self) -> csr_matrix:
+        return csr_matrix(eye_array(self.triangle.unknowns + self.offsets))
 
     def solved(self, smoothing: float, mask: Mask | None = None, accuracy: float = 1e-9) -> Solution:
         """The non-negative fit to all rows, or to those of a mask."""

@@ -69,6 +69,7 @@ def certify(hysteresis: Everett) -> Certificate:
     >>> certify(surface("one_e")).dissipative, certify(surface("one_p")).dissipative
     (True, False)
     """
+    hysteresis = getattr(hysteresis, "hysteresis", hysteresis)  # an operator stands for what it runs on
     if isinstance(hysteresis, Mirrored):
         image = certify(hysteresis.image)
         high, low = image.at

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from smarig.errors import UsageError
+from smarig.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.extended.staircase import drive
 from smarig.preisach.fod_table import FodTable
@@ -116,6 +116,8 @@ class MovingPreisach:
     def _effective(self, u: float) -> float:
         """The w of one monotone move that solves w − k Γ(w) = u; the end of the range beyond saturation."""
         memory, k, h = self._memory, self.feedback, self.hysteresis
+        if u != u:
+            raise DataError("The moving Preisach operator was given NaN as its input.")
 
         def excess(w: float) -> float:
             return w - k * memory.peek(w) - u

@@ -105,7 +105,7 @@ def properties(hysteresis: Everett) -> Properties:
     >>> p.classes.M_P, p.monotone.holds, p.fod_crossing
     (True, True, None)
     """
-    h = hysteresis
+    h = getattr(hysteresis, "hysteresis", hysteresis)  # an operator stands for what it runs on
     plane = Plane.of(h)
     return Properties(
         kind=plane.kind,
