@@ -1,6 +1,10 @@
 """What every chapter shares: a private lock folder, deterministic properties, the folder of others' data."""
 
 import os
+
+os.environ.setdefault(
+    "OMP_NUM_THREADS", "1"
+)  # before numpy: one worker, one thread, or they fight for the cores
 from pathlib import Path
 
 import pytest

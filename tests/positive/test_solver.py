@@ -34,7 +34,7 @@ def test_it_agrees_with_an_active_set_method(seed, n, border):
     theirs, _ = nnls(stacked, np.concatenate([b, np.zeros(n)]))
     assert np.abs(ours.x - theirs).max() < 1e-7
     assert 0 < np.sum(theirs == 0) < n, "some constraints must hold, and some must not"
-    assert Newton(csr_matrix(A.T @ A), D, border)._banded == bool(border)
+    assert Newton(csr_matrix(A.T @ A), D, border).banded == bool(border)
 
 
 def test_the_conditions_of_optimality_hold_with_constraints_on_differences():

@@ -48,20 +48,20 @@ class Newton:
         rows, columns = both.nonzero()
         low = (rows >= columns) & (rows < self._inner)
         self._width = int((rows - columns)[low].max(initial=0)) + 1
-        self._banded = self._width < self._inner / 4
+        self.banded = self._width < self._inner / 4
         self._slot = self._layout(D)
 
     def _place(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
         """Where an entry of the lower triangle is kept: in the band, or below it in the border's rows."""
         inner = self._inner
-        if not self._banded:
+        if not self.banded:
             return rows * self._n + columns
         band = (rows - columns) * inner + columns
         return np.where(rows < inner, band, self._width * inner + (rows - inner) * self._n + columns)
 
     @property
     def _size(self) -> int:
-        if not self._banded:
+        if not self.banded:
             return self._n * self._n
         return self._width * self._inner + (self._n - self._inner) * self._n
 
@@ -94,7 +94,7 @@ class Newton:
     def factor(self, kept: Array, w: Array) -> Solve:
         """The solver of (H + Dᵀ diag(w) D) x = b, for one b (n,) or several (n, m); LinAlgError if singular."""
         entries = kept + self._slot @ w
-        if not self._banded:
+        if not self.banded:
             lower = entries.reshape(self._n, self._n)
             dense = cho_factor(lower, lower=True, check_finite=False)
             return lambda b: cho_solve(dense, b, check_finite=False)
