@@ -117,7 +117,7 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
     return table(
         ("Positive measure", "Value", "Meaning"),
         rows,
-        f"The positive measure (§5.6): {fit.points} points, {fit.curves} monotone branches.{mirror}",
+        f"The positive measure (§5.6): {fit.points} points, {fit.curves} curves.{mirror}",
     )
 
 

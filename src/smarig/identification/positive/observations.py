@@ -25,7 +25,7 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 COMMON = -1
-SWING = 0.01  # of the range: smaller reversals do not begin a new curve
+SWING = 0.01  # of the range: smaller reversals do not end a branch
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
@@ -75,7 +75,7 @@ class Observations:
 
     @classmethod
     def of_runs(cls, runs: Sequence[Run]) -> "Observations":
-        """Every point of runs of any protocol whose memory is known; a curve is a monotone branch."""
+        """Every point of runs of any protocol whose memory is known; a curve is an excursion, out and back."""
         lower, upper, records = histories(runs)
         parts = [cls._of_history(record, (lower, upper), runs[0].unit) for record in records]
         whole = joined(parts)
@@ -96,11 +96,11 @@ class Observations:
             terms += [(row, *corner) for corner in corners]
             released += [(row, *move) for move in diagonal]
         table = np.array(terms, dtype=float).reshape(len(terms), 4)
-        branch = branches(history.inputs, SWING * (ends[1] - ends[0]))
+        curve = excursions(history.inputs, SWING * (ends[1] - ends[0]))
         y = history.outputs[rows]
         return cls(
             y,
-            branch[rows],
+            curve[rows],
             np.full(y.size, COMMON),
             table[:, 0].astype(np.int64),
             table[:, 1],
@@ -166,6 +166,27 @@ class Observations:
         free = np.flatnonzero(self.zero != COMMON)
         ones = csr_matrix((np.ones(free.size), (free, self.zero[free])), shape=(len(self), self.offsets))
         return csr_matrix(hstack([rows, ones]))
+
+
+def excursions(u: Array, swing: float) -> Integers:
+    """The number of the excursion each input (k,) lies on: out to a turning point and back again.
+
+    They begin at the turning points that vary less: an excursion of first-order descending curves is a peak
+    with the descent from it, and of curves from positive saturation a valley with the rise. A peak held out
+    alone would be given away by its own descent.
+
+    >>> excursions(np.array([0.0, 5.0, 0.0, 7.0, 3.0, 0.0, 9.0, 3.0]), 1.0).tolist()
+    [0, 0, 0, 1, 1, 1, 2, 2]
+    >>> excursions(np.array([9.0, 5.0, 9.0, 3.0, 5.0, 9.0, 0.0, 3.0]), 1.0).tolist()
+    [0, 0, 0, 1, 1, 1, 2, 2]
+    """
+    branch = branches(u, swing)
+    ends = np.flatnonzero(np.diff(branch))
+    if ends.size < 2:
+        return np.zeros_like(branch)
+    turns = u[np.concatenate([[0], ends])]
+    first, second = np.ptp(turns[::2]), np.ptp(turns[1::2])
+    return branch // 2 if first <= second else (branch + 1) // 2
 
 
 def branches(u: Array, swing: float) -> Integers:
