@@ -65,13 +65,9 @@ def test_the_operator_is_its_boundary_integral(name: str, anhysteretic: bool):
 class Nothing:
     """An effect that hooks every stage and changes nothing."""
 
-    def hooks(self):
+    def hooks(self, setup):
         """Identity at every stage."""
         return dict.fromkeys(Stage, lambda value, now: value)
-
-    def hysteresis(self, base):
-        """The base itself."""
-        return base
 
 
 @pytest.mark.parametrize("rig", ["gorbet_one_wire", "gorbet_two_wire"])

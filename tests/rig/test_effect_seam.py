@@ -14,11 +14,8 @@ class Planted:
     def __init__(self, stage, hook):
         self._hooks = {stage: hook}
 
-    def hooks(self):
+    def hooks(self, setup):
         return self._hooks
-
-    def hysteresis(self, base):
-        return base
 
 
 def positions(effects):

@@ -26,7 +26,8 @@ class Heating:
     def __init__(self, actuator: Actuator, dt_s: float) -> None:
         self.two_wire = actuator.two_wire
         self.gain_K_per_A2 = actuator.gain_K_per_A2
-        self.decay = math.exp(-dt_s / actuator.tau_s)
+        self.tau_s = actuator.tau_s
+        self.tick(dt_s)
         self.wire_K = [0.0, 0.0]
 
     def step(self, current_A: float) -> float:
@@ -38,9 +39,16 @@ class Heating:
         source = self.gain_K_per_A2 * current_A * current_A
         return -source if current_A < 0 and self.two_wire else source
 
-    def relax(self, source_K: float) -> float:
-        """One tick towards a steady temperature, signed: whose sign says which wire is heated."""
-        wires, decay = self.wire_K, self.decay
+    def tick(self, dt_s: float) -> None:
+        """Set the length of a tick."""
+        self.dt_s, self.decay = dt_s, math.exp(-dt_s / self.tau_s)
+
+    def relax(self, source_K: float, lag: float = 1.0) -> float:
+        """One tick towards a steady temperature, signed: whose sign says which wire is heated.
+
+        ``lag`` times the wire's time constant.
+        """
+        wires, decay = self.wire_K, self.decay if lag == 1.0 else math.exp(-self.dt_s / (self.tau_s * lag))
         if not self.two_wire:
             wires[0] = source_K + (wires[0] - source_K) * decay
             return wires[0]

@@ -6,7 +6,7 @@ One step is one tick at constant current. Knows no instruments, no noise of thei
 from collections.abc import Sequence
 
 from smarig.model.actuator import Actuator
-from smarig.model.effect import Effect, Hook, Moment, Stage, chain
+from smarig.model.effect import Effect, Hook, Moment, Setup, Stage, chains
 from smarig.model.heating import Heating
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
@@ -31,16 +31,14 @@ class Plant:
         dt_s: float,
         effects: Sequence[Effect] = (),
     ) -> None:
-        for effect in effects:
-            hysteresis = effect.hysteresis(hysteresis)
         self.actuator = actuator
         self.heating = Heating(actuator, dt_s)
         self.operator = Preisach(hysteresis, initial)
         span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
         self._y_lower, self._per_span = hysteresis.y_lower, 1.0 / span if span else 0.0
-        self._chains = {stage: chain(effects, stage) for stage in Stage}
+        self._chains = chains(effects, Setup(actuator, hysteresis, initial))
         self._plain = not any(self._chains.values())
-        self.now = Moment(dt_s=dt_s, output=self.operator.y)
+        self.now = Moment(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
         self.position = self.operator.y
 
     def step(self, current_A: float, disturbance_K: float = 0.0) -> float:
@@ -48,25 +46,42 @@ class Plant:
         if self._plain:
             self.position = self.operator.step(self.heating.step(current_A) + disturbance_K)
             return self.position
-        return self._step_with_effects(current_A, disturbance_K)
+        self.now.tick += 1
+        return self._with_effects(current_A, disturbance_K, self.now.tick * self.heating.dt_s)
 
-    def _step_with_effects(self, current_A: float, disturbance_K: float) -> float:
-        now = self.now
-        now.tick += 1
-        now.t_s = now.tick * now.dt_s
+    def advance(self, current_A: float, dt_s: float, disturbance_K: float = 0.0) -> float:
+        """As ``step``, for a time of any length."""
+        self.heating.tick(dt_s)
+        if self._plain:
+            return self.step(current_A, disturbance_K)
+        self.now.dt_s = dt_s
+        return self._with_effects(current_A, disturbance_K, self.now.t_s + dt_s)
+
+    def _with_effects(self, current_A: float, disturbance_K: float, t_s: float) -> float:
+        now, at, heating = self.now, self._chains, self.heating
+        now.t_s, now.command_A = t_s, current_A
+        now.ambient_K = _through(at[Stage.AMBIENT], 0.0, now)
+        now.current_A = _through(at[Stage.CURRENT], current_A, now)
+        now.resistance = _through(at[Stage.RESISTANCE], 1.0, now)
+        now.source_K = _through(at[Stage.SOURCE], heating.source(now.current_A) * now.resistance, now)
+        lag = _through(at[Stage.LAG], 1.0, now)
+        room_K = 0.0 if heating.two_wire else now.ambient_K  # common to both wires: T₁ − T₂ does not see it
+        now.input_K = heating.relax(now.source_K, lag) + room_K + disturbance_K
+        now.felt_K = _through(at[Stage.INPUT], now.input_K, now)
+        before, now.output = now.output, self.operator.step(now.felt_K)
         now.austenite = self.austenite
-        now.current_A = _through(self._chains[Stage.CURRENT], current_A, now)
-        source = _through(self._chains[Stage.SOURCE], self.heating.source(now.current_A), now)
-        now.input_K = self.heating.relax(source) + disturbance_K
-        felt = _through(self._chains[Stage.INPUT], now.input_K, now)
-        now.output = self.operator.step(felt)
-        mapped = _through(self._chains[Stage.OUTPUT], now.output, now)
-        self.position = _through(self._chains[Stage.ADDITIVE], mapped, now)
+        now.travel += abs(now.output - before) * self._per_span
+        mapped = _through(at[Stage.OUTPUT], now.output, now)
+        self.position = _through(at[Stage.ADDITIVE], mapped, now)
         return self.position
 
     def sensed(self, counts: float) -> float:
         """Counts as the sensor sees them, before quantisation."""
         return counts if self._plain else _through(self._chains[Stage.SENSOR], counts, self.now)
+
+    def current(self, command_A: float) -> float:
+        """The current that flowed in the last step."""
+        return command_A if self._plain else self.now.current_A
 
     @property
     def austenite(self) -> float:

@@ -125,6 +125,7 @@ class Twin:
         if self._sd_counts:
             counts += self._sd_counts * self._noise[_COUNTS].at(tick)
         whole = math.floor(counts + 0.5) - self._zero_counts
+        current = self.plant.current(current)
         measured = current + self._sd_A * self._noise[_CURRENT].at(tick) if self._sd_A else current
         voltage = current * self._resistance_ohm(current)
         if self._sd_V:
@@ -138,7 +139,7 @@ class Twin:
             NAN,
             whole,
             whole * self.position_per_count,
-            self.file.ambient_degC,
+            self.file.ambient_degC + self.plant.now.ambient_K,
             quality,
         )
 
@@ -147,4 +148,5 @@ class Twin:
 
     def _resistance_ohm(self, current_A: float) -> float:
         austenite = self.plant.austenite
-        return self.actuator.resistance_at_ohm(1 - austenite if current_A < 0 else austenite)
+        factor = self.plant.now.resistance
+        return factor * self.actuator.resistance_at_ohm(1 - austenite if current_A < 0 else austenite)

@@ -1,0 +1,45 @@
+"""The middle of the minor loops creeps after the state: repeated loops do not close.
+
+    dz = |dξ|/l (ξ − z),    T_felt = T + Λ (z − z₀)         z₀ the state the run began in
+
+z follows the output over l strokes of travel; return-point memory is lost in proportion.
+"""
+
+from collections.abc import Mapping
+from math import exp
+
+from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
+
+
+def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
+    shift, strokes = p["shift_K"], p["strokes"]
+    start = follower = travel = None
+
+    def felt(u: float, now: Moment) -> float:
+        nonlocal start, follower, travel
+        if start is None or follower is None or travel is None:
+            start = follower = now.austenite
+            travel = now.travel
+        follower = now.austenite + (follower - now.austenite) * exp((travel - now.travel) / strokes)
+        travel = now.travel
+        return u + shift * (follower - start)
+
+    return {Stage.INPUT: felt}
+
+
+accommodation = Kind(
+    name="accommodation",
+    summary="The middle of the minor loops creeps after the state: repeated loops do not close.",
+    number="E15",
+    enters="input map with a memory of its own",
+    looks_like="repeats of a minor loop approach their limit geometrically; wiping-out misses",
+    confused_with=("settling", "walking", "temperature_memory"),
+    separated_by="a rest between repeats: settling heals with time, accommodation does not",
+    parameters=(
+        Parameter(
+            "shift_K", "K", -8.0, 8.0, 3.0, "0.3–5 K, engineering estimate; mixing models after Della Torre"
+        ),
+        Parameter("strokes", "stroke", 0.1, 5.0, 0.8, "0.2–2 strokes, engineering estimate"),
+    ),
+    act=_act,
+)

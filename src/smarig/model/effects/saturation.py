@@ -1,0 +1,30 @@
+"""The amplifier cannot deliver the largest currents asked for.
+
+i = sign(i_c) min(|i_c|, i_max),    i_max = (1 − c) × the current that saturates the hysteresis
+"""
+
+from collections.abc import Mapping
+
+from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
+
+
+def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
+    most = (1 - p["clip_percent"] / 100) * setup.largest_A
+
+    def current(i: float, now: Moment) -> float:  # noqa: ARG001
+        return min(max(i, -most), most)
+
+    return {Stage.CURRENT: current}
+
+
+saturation = Kind(
+    name="saturation",
+    summary="The amplifier cannot deliver the largest currents asked for.",
+    number="E11/E12",
+    enters="input map: current",
+    looks_like="different commands at the top give one position; the measured current stops growing",
+    confused_with=("dead_zone", "resistance_phase"),
+    separated_by="the measured current",
+    parameters=(Parameter("clip_percent", "%", 0.0, 60.0, 20.0, "supply voltage over wire resistance"),),
+    act=_act,
+)

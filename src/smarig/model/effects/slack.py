@@ -1,0 +1,32 @@
+"""The cold wire is slack: below a stroke nothing pulls the pulley.
+
+    y ← max(y, y₋ + s (y₊ − y₋))
+
+The wire goes on transforming under it.
+"""
+
+from collections.abc import Mapping
+
+from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
+
+
+def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
+    floor = setup.y_lower + p["floor_percent"] / 100 * setup.stroke
+
+    def output(y: float, now: Moment) -> float:  # noqa: ARG001
+        return max(y, floor)
+
+    return {Stage.OUTPUT: output}
+
+
+slack = Kind(
+    name="slack",
+    summary="The cold wire is slack: below a stroke nothing pulls the pulley.",
+    number="E24",
+    enters="output map",
+    looks_like="a flat floor at the cold end, always at the same position",
+    confused_with=("dead_zone", "backlash"),
+    separated_by="more pre-load; the voltage, which goes on changing while y stands",
+    parameters=(Parameter("floor_percent", "%", 0.0, 30.0, 4.0, "0–1 mm of a stroke of 12 mm"),),
+    act=_act,
+)

@@ -1,0 +1,39 @@
+"""The wire expands with temperature whatever its phase.
+
+y ← y − e (y₊ − y₋) u/(100 K)        u the wire's temperature above ambient
+"""
+
+from collections.abc import Mapping
+
+from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
+
+
+def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
+    per_K = p["percent_per_100K"] / 1e4 * setup.stroke
+
+    def added(y: float, now: Moment) -> float:
+        return y - per_K * now.input_K
+
+    return {Stage.ADDITIVE: added}
+
+
+thermal_expansion = Kind(
+    name="thermal_expansion",
+    summary="The wire expands with temperature whatever its phase.",
+    number="E23",
+    enters="additive and reversible",
+    looks_like="nothing that reversible relays do not take up",
+    confused_with=("noncongruency", "stress_coupling"),
+    separated_by="steps in saturation, where only expansion is left",
+    parameters=(
+        Parameter(
+            "percent_per_100K",
+            "%/100K",
+            0.0,
+            10.0,
+            2.0,
+            "6.6 (martensite) and 11 (austenite) 1e-6/K against a strain of 4 %",
+        ),
+    ),
+    act=_act,
+)

@@ -1,0 +1,271 @@
+"""What each effect says about physics, against closed forms and against the gauge theorem.
+
+The theorem (steady states, constant room and load): whatever maps the current monotonically to the local
+temperature, adds relays in parallel or scales the output is another classical Preisach operator in current.
+So such an effect keeps return-point memory and congruency exactly, and no refitted density can show it.
+"""
+
+import numpy as np
+import pytest
+
+from effects.driven import WIRES, driven, kind, settled
+from smarig.model.effect import Setup
+from smarig.preisach.operator import Preisach
+
+CLASSICAL = [
+    "wire_lag",
+    "latent_heat",
+    "convection",
+    "end_conduction",
+    "r_phase",
+    "amplifier_gain",
+    "dead_zone",
+    "sensor_lag",
+    "coulomb_friction",
+    "thermal_expansion",
+    "saturation",
+]
+FORGETFUL = {  # strong enough to be seen in a short record
+    "ambient_drift": {"swing_K": 4.0, "period_h": 0.5},
+    "settling": {"share_percent": 8.0, "time_constant_s": 400.0},
+    "accommodation": {},
+    "fatigue": {"cycles": 2.0},
+    "walking": {"percent_per_cycle": 2.0},
+    "slip": {"jump_percent": 5.0, "at_h": 0.14},
+    "creep": {"percent_per_decade": 4.0},
+}
+INCONGRUENT = {"resistance_phase": None, "stress_coupling": None, "noncongruency": None, "eccentricity": 10.0}
+MAJOR = [0.98, 0.05]
+LOOP = [0.6, 0.35]  # a minor loop, between these currents, on both branches
+HIGH, LOW = [*MAJOR, *LOOP * 3], [*MAJOR, 0.98, *reversed(LOOP * 3)]
+PER_COUNT = WIRES["one_wire"][0].position_per_count(2000)
+
+
+def misses(effect):
+    """How far repeats of a minor loop miss, and how much its two congruent copies differ in height (counts)."""
+    rise = settled(HIGH, effect, hold_s=90.0) / PER_COUNT
+    fall = settled(LOW, effect, hold_s=90.0) / PER_COUNT
+    repeat = max(np.ptp(rise[2::2]), np.ptp(rise[3::2]), np.ptp(fall[3::2]), np.ptp(fall[4::2]))
+    heights = abs(rise[6] - rise[5]), abs(fall[7] - fall[6])
+    return repeat, abs(heights[0] - heights[1])
+
+
+@pytest.mark.parametrize("name", CLASSICAL)
+def test_gauge_theorem_the_effect_leaves_a_classical_preisach_operator(name):
+    repeat, height = misses(kind(name)())
+    assert repeat < 0.03
+    assert height < 0.03
+
+
+@pytest.mark.parametrize("name", FORGETFUL)
+def test_it_breaks_return_point_memory(name):
+    repeat, _ = misses(kind(name)(**FORGETFUL[name]))
+    assert repeat > 0.5
+
+
+@pytest.mark.parametrize("name", INCONGRUENT)
+def test_it_keeps_return_point_memory_and_breaks_congruency(name):
+    repeat, height = misses(kind(name)(INCONGRUENT[name]))
+    assert repeat < 0.3
+    assert height > 0.3
+
+
+def test_temperature_memory_breaks_wiping_out():
+    """A full heating erases every earlier one (§3.3.1); an arrest is remembered all the same."""
+    staircase = np.linspace(0.4, 0.9, 26).tolist()
+    before = settled([*MAJOR, *staircase])[2:]
+    arrests = [0.68, 0.05] * 3
+    after = settled([*MAJOR, *arrests, *staircase], kind("temperature_memory")(2.5))[8:]
+    unarrested = settled([*MAJOR, *staircase], kind("temperature_memory")(2.5))[2:]
+    np.testing.assert_allclose(unarrested, before, atol=1e-9)
+    dent = (after - before) / PER_COUNT
+    assert dent.min() < -3
+    assert abs(staircase[int(np.argmin(dent))] - 0.68) < 0.03
+    assert np.abs(dent[-5:]).max() < 0.01
+
+
+def test_walking_adds_its_share_of_the_stroke_each_full_cycle():
+    setup, n = Setup(*WIRES["one_wire"]), 4
+    full = [1.0, 0.0] * n
+    added = settled(full, kind("walking")(0.5)) - settled(full)
+    np.testing.assert_allclose(added[1::2], 0.005 * setup.stroke * np.arange(1, n + 1), rtol=2e-3)
+
+
+def test_slip_is_a_step_at_its_time():
+    added = driven([0.8] * 6, kind("slip")(3.0, at_h=150 / 3600)) - driven([0.8] * 6)
+    t = 0.1 * np.arange(1, added.size + 1)
+    stroke = Setup(*WIRES["one_wire"]).stroke
+    np.testing.assert_allclose(added.ravel(), np.where(t > 150 - 0.05, 0.03 * stroke, 0.0), atol=1e-12)
+
+
+def test_creep_is_the_convolution_with_the_logarithm():
+    currents = [0.9, 0.6, 0.85, 0.4]
+    y = driven(currents, hold_s=300.0).ravel()
+    found = driven(currents, kind("creep")(2.0), hold_s=300.0).ravel() - y
+    dy = np.diff(y, prepend=Preisach(WIRES["one_wire"][1]).y)
+    t = 0.1 * np.arange(1, y.size + 1)
+    at = np.arange(500, y.size, 700)
+    exact = np.array([0.02 * np.sum(dy[: k + 1] * np.log10(1 + t[k] - t[: k + 1])) for k in at])
+    assert np.sqrt(np.mean((found[at] - exact) ** 2)) < 0.06 * np.sqrt(np.mean(exact**2))
+
+
+def test_settling_comes_late_by_its_share_and_its_time():
+    """Far above the transformation nothing moves; within it a hold drifts like the second mass."""
+    f, tau_s = 0.04, 300.0
+    y = driven([0.7], kind("settling")(100 * f, time_constant_s=tau_s), hold_s=1500.0)[0]
+    t = 0.1 * np.arange(1, y.size + 1)
+    source = WIRES["one_wire"][0].input_for(0.7)
+    wire = source * (1 - np.exp(-t / WIRES["one_wire"][0].tau_s))
+    felt = (1 - f) * wire + f * source * (1 - np.exp(-t / tau_s))
+    np.testing.assert_allclose(y, Preisach(WIRES["one_wire"][1]).simulate(felt), atol=1e-9)
+
+
+def test_stress_and_resistance_are_solved_within_the_tick():
+    """A steady state meets its own feedback: y = Γ[T(y)]."""
+    setup = Setup(*WIRES["one_wire"])
+    wire, low, stroke = setup.actuator, setup.y_lower, setup.stroke
+    for name, felt in {
+        "stress_coupling": lambda T, m: T - 8.0 * m,
+        "resistance_phase": lambda T, m: T * (1 - 0.1 * (m - 0.5)),
+    }.items():
+        y = settled([0.62], kind(name)(), hold_s=200.0)[0]
+        T = felt(wire.input_for(0.62), (y - low) / stroke)
+        assert y == pytest.approx(Preisach(setup.hysteresis).simulate([T])[0], abs=1e-6)
+
+
+def test_falling_resistance_widens_the_top_of_the_loop_and_narrows_its_bottom():
+    """The skew of thesis §5.4.1: R_M > R_A under an average R."""
+    currents = np.sqrt(np.linspace(0.0, 1.0, 60))
+    scan = [*currents, *currents[::-1]]
+
+    def width(level, *effects):
+        y = settled(scan, *effects)
+        share = (y - y.min()) / np.ptp(y)
+        up, down = share[:60], share[60:][::-1]
+        return np.interp(level, up, currents**2) - np.interp(level, down, currents**2)
+
+    fall = kind("resistance_phase")(-20.0)
+    assert width(0.9, fall) > 1.03 * width(0.9)
+    assert width(0.15, fall) < 0.97 * width(0.15)
+
+
+def test_convection_keeps_steady_temperatures_of_its_law():
+    n, wire = 0.2, WIRES["one_wire"][0]
+    y = settled([0.5, 0.7, 0.9], kind("convection")(n), hold_s=120.0)
+    reference = wire.file.heating.reference_temperature.value
+    lost = np.array([wire.input_for(i) for i in (0.5, 0.7, 0.9)])
+    felt = reference * (lost / reference) ** (1 / (1 + n))
+    np.testing.assert_allclose(y, Preisach(WIRES["one_wire"][1]).simulate(felt), atol=1e-6)
+
+
+def test_convection_cools_by_its_differential_equation():
+    from scipy.integrate import solve_ivp
+
+    n, wire = 0.3, WIRES["one_wire"][0]
+    reference = wire.file.heating.reference_temperature.value
+    y = driven([0.9, 0.4], kind("convection")(n), hold_s=60.0)[1]
+    source = wire.input_for(0.4)
+
+    def rate(_, u):
+        return (source - u * (u / reference) ** n) / wire.tau_s
+
+    start = reference * (wire.input_for(0.9) / reference) ** (1 / (1 + n))
+    t = 0.1 * np.arange(1, y.size + 1)
+    exact = solve_ivp(rate, (0, 60), [start], t_eval=t, rtol=1e-9, atol=1e-9).y[0]
+    operator = Preisach(WIRES["one_wire"][1])
+    operator.step(start)
+    truth = np.array([operator.step(u) for u in exact])
+    assert np.abs(y - truth).max() < 0.01 * np.ptp(truth)
+
+
+def test_latent_heat_takes_its_joules():
+    """Energy over a heating: power − loss = c ΔT + L Δξ, whatever the path."""
+    setup = Setup(*WIRES["one_wire"])
+    from smarig.model.plant import Plant
+
+    plant = Plant(*WIRES["one_wire"], 0.02, [kind("latent_heat")(20.0)])
+    stored = 0.0
+    for _ in range(3000):
+        before = plant.now.input_K
+        plant.step(0.75)
+        stored += (plant.now.source_K - (before + plant.now.input_K) / 2) * 0.02
+    capacity, wire = setup.actuator.tau_s, setup.actuator.file.wire
+    latent = 1000 * 20.0 / wire.specific_heat.value * plant.austenite
+    assert stored == pytest.approx(capacity * (plant.now.input_K + latent), rel=0.02)
+
+
+def test_backlash_swallows_its_play_after_each_reversal():
+    stroke = Setup(*WIRES["one_wire"]).stroke
+    currents = [0.9, 0.3, 0.8, 0.4]
+    x, y = settled(currents), settled(currents, kind("backlash")(4.0))
+    np.testing.assert_allclose(np.abs(np.diff(x)) - np.abs(np.diff(y)), 0.04 * stroke, rtol=1e-9)
+
+
+def test_slack_is_a_floor_under_which_the_wire_goes_on():
+    setup = Setup(*WIRES["one_wire"])
+    x, y = settled([0.9, 0.2, 0.6, 0.1]), settled([0.9, 0.2, 0.6, 0.1], kind("slack")(10.0))
+    floor = setup.y_lower + 0.1 * setup.stroke
+    assert x.min() < floor
+    np.testing.assert_array_equal(y, np.maximum(x, floor))
+
+
+def test_eccentricity_is_a_wave_over_the_position():
+    x, y = settled([0.9, 0.6, 0.5, 0.3]), settled([0.9, 0.6, 0.5, 0.3], kind("eccentricity")(5.0, phase=0.1))
+    turn = x / 15.0 + 0.2 * np.pi  # the thesis's pulley has a radius of 15 mm
+    np.testing.assert_allclose(y - x, 0.05 * 15.0 * (np.sin(turn) - np.sin(0.2 * np.pi)), atol=1e-12)
+
+
+def test_sensor_lag_is_first_order_after_its_dead_time():
+    x = driven([0.8], hold_s=30.0)[0]
+    late = driven([0.8], kind("sensor_lag")(2.0, dead_time_s=1.0), hold_s=30.0)[0]
+    seen = np.concatenate([np.full(10, x[0]), x[:-10]])
+    expected, value = [], x[0]
+    for v in seen:
+        value = v + (value - v) * np.exp(-0.1 / 2.0)
+        expected.append(value)
+    np.testing.assert_allclose(late, expected, atol=1e-9)
+
+
+def test_cross_talk_needs_two_wires_and_comes_late():
+    wire = WIRES["two_wire"][0]
+    y = driven([0.8], kind("cross_talk")(10.0, time_constant_s=60.0), wire="two_wire", hold_s=400.0)[0]
+    t = 0.1 * np.arange(1, y.size + 1)
+    T = wire.input_for(0.8)
+    felt = T * (1 - np.exp(-t / wire.tau_s)) - 0.1 * T * (1 - np.exp(-t / 60.0))
+    np.testing.assert_allclose(y, Preisach(WIRES["two_wire"][1]).simulate(felt), atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["amplifier_gain", "dead_zone", "saturation"])
+def test_the_measured_current_shows_what_the_amplifier_did(name):
+    from smarig.rig.twin import Twin
+
+    twin = Twin.named("one_wire_twin", noise=False, effects=[kind(name)()])
+    shown = [twin.step(i)[0] for i in (0.0, 0.3, 0.9)]
+    expected = {
+        "amplifier_gain": [0.0, 0.309, 0.927],
+        "dead_zone": [0.0, 0.25, 0.85],
+        "saturation": [0.0, 0.3, 0.8],
+    }[name]
+    assert [s.current_A for s in shown] == pytest.approx(expected, abs=1e-9)
+    assert [s.current_command_A for s in shown] == [0.0, 0.3, 0.9]
+
+
+def test_the_voltage_shows_the_resistance():
+    from smarig.rig.twin import Twin
+
+    shown = []
+    for effects in ([], [kind("resistance_phase")(-20.0)]):
+        twin = Twin.named("one_wire_twin", noise=False, effects=effects)
+        samples = [twin.step(0.9)[0] for _ in range(900)]
+        shown.append((samples[0].voltage_V / 0.9, samples[-1].voltage_V / 0.9))
+    (cold, hot), (cold_with, hot_with) = shown
+    assert cold_with / cold == pytest.approx(1.1, abs=2e-3)
+    assert hot_with / hot == pytest.approx(0.91, abs=2e-2)
+
+
+def test_a_drifting_room_shows_on_the_rooms_thermometer():
+    from smarig.rig.twin import Twin
+
+    twin = Twin.named("one_wire_twin", noise=False, effects=[kind("ambient_drift")(2.0, period_h=0.1)])
+    room = [twin.step(0.0)[0].ambient_degC for _ in range(900)]
+    assert room[-1] - 22.0 == pytest.approx(2.0, abs=1e-6)
