@@ -147,6 +147,7 @@ class RigFile(Section):
     lease_s: Number = Field(ge=0.01, le=60)
     temperature_noise_K: Number = Field(ge=0)
     temperature_noise_time_s: Number = Field(gt=0)
+    hidden_effect: bool = False
     limits: LimitsFile
     amplifier: AmplifierFile
     encoder: EncoderFile

@@ -6,6 +6,7 @@ from smarig.catalogue import names, summary
 from smarig.cli._output import emit, json_option
 from smarig.config import listed, load_actuator, load_campaign, load_rig
 from smarig.exchange.mapping import load_mapping
+from smarig.model.planted import kinds
 from smarig.protocols._settings import described
 
 
@@ -30,7 +31,12 @@ def _imports() -> dict[str, str]:
     return {n: load_mapping(n).summary for n in listed("imports")}
 
 
+def _effects() -> dict[str, str]:
+    return {k.name: k.summary for k in kinds()}
+
+
 _KINDS = {
+    "effects": _effects,
     "rigs": _rigs,
     "actuators": _actuators,
     "protocols": _protocols,
@@ -39,12 +45,24 @@ _KINDS = {
 }
 
 
+def _settings(group: str, name: str) -> list[str]:
+    if group == "effects":
+        kind = next(k for k in kinds() if k.name == name)
+        return [
+            f"{p.name} = {p.typical:g} {p.unit} ({p.lower:g} to {p.upper:g}; {p.source})"
+            for p in kind.parameters
+        ]
+    return [f"{key} = {default}" for key, default in described(name)] if group == "protocols" else []
+
+
 @click.command("list", epilog="\b\nExample:\n  smarig list protocols")
 @click.argument("kind", type=click.Choice([*_KINDS, "all"]), default="all")
-@click.option("--settings", is_flag=True, help="Also the settings of each protocol, with defaults.")
+@click.option(
+    "--settings", is_flag=True, help="Also the settings of protocols and the parameters of effects."
+)
 @json_option
 def command(kind: str, settings: bool) -> None:
-    """What there is: rigs, actuators, protocols, campaigns, import mappings."""
+    """What there is: rigs, actuators, protocols, campaigns, import mappings, effects."""
     found: dict[str, dict] = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
     lines = []
     for group, entries in found.items():
@@ -52,8 +70,8 @@ def command(kind: str, settings: bool) -> None:
         width = max(map(len, entries), default=0)
         for name, text in entries.items():
             lines.append(f"  {name:<{width}}  {text}")
-            if settings and group == "protocols":
-                lines += [f"  {'':<{width}}    {key} = {default}" for key, default in described(name)]
+            if settings:
+                lines += [f"  {'':<{width}}    {line}" for line in _settings(group, name)]
     if settings:
         found["settings"] = {n: dict(described(n)) for n in found.get("protocols", {})}
     emit(found, "\n".join(lines))

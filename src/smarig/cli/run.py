@@ -10,8 +10,10 @@ from smarig.cli._progress import ProgressLine
 from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG
 from smarig.config import CampaignFile, CampaignStep, listed, load_campaign, load_rig
 from smarig.errors import UsageError
+from smarig.model.planted import from_pairs
 from smarig.protocols._settings import parse_pairs
 from smarig.record import Run, load_run
+from smarig.rig.twin import TwinSettings
 from smarig.runner.preview import preview
 from smarig.runner.session import Session
 from smarig.sample import Quality
@@ -20,6 +22,7 @@ EPILOG = """\b
 Examples:
   smarig run first_order_descending --rig one_wire_twin -o fod.run.sqlite --seed 1
   smarig run characterise --rig two_wire_twin -o runs/ --dry-run
+  smarig run congruency --rig one_wire_twin -o c.run.sqlite --effect settling=3 --effect creep
   smarig run validation --rig one_wire_twin -o v.run.sqlite --set points=20 --set settle.band_counts=2
 """
 
@@ -30,6 +33,13 @@ Examples:
 @click.option("-o", "--out", type=ANY_PATH, help="Run file; for a campaign a folder.")
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
+)
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="NAME[.PARAMETER]=VALUE",
+    help="Twin: plant an effect (see 'smarig list effects'); repeatable.",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the twin's noise.")
 @click.option(
@@ -46,6 +56,7 @@ def command(
     rig: str,
     out: Path | None,
     pairs: tuple[str, ...],
+    effects: tuple[str, ...],
     seed: int,
     speed: float | None,
     wire: str,
@@ -57,6 +68,7 @@ def command(
     """Run a protocol or a campaign on a rig and record it."""
     from smarig.identification.adaptive import informed
 
+    planted = from_pairs(effects)
     plan = _plan(experiment, parse_pairs(pairs))
     steps = plan.step
     file = load_rig(rig)
@@ -72,7 +84,8 @@ def command(
     for target in targets:
         if target.exists() and not force:
             raise UsageError(f"{target} exists; give another name or --force to replace it.")
-    with Session(rig, seed=seed, speed=speed, wire=wire) as session:
+    twin = TwinSettings(seed=seed, effects=planted)
+    with Session(rig, twin=twin, speed=speed, wire=wire) as session:
         for step, target, cost in zip(steps, targets, costs, strict=True):
             with ProgressLine(cost, quiet) as progress:
                 session.run(

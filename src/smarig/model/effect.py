@@ -99,7 +99,10 @@ class Effect(Protocol):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: unit, bounds, what is typical (used to plant it), where that comes from."""
+    """A parameter of an effect: unit, bounds, what is typical (used to plant it), where that comes from.
+
+    ``tries`` are values worth trying where data must tell; ``of_record``: as shares of a record's length.
+    """
 
     name: str
     unit: str
@@ -107,7 +110,8 @@ class Parameter:
     upper: float
     typical: float
     source: str
-    default: float = 0.0
+    tries: tuple[float, ...] = ()
+    of_record: bool = False
 
     def checked(self, value: float, effect: str) -> float:
         """The value as a number within its bounds; UsageError otherwise."""

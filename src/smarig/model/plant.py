@@ -84,6 +84,11 @@ class Plant:
         return command_A if self._plain else self.now.current_A
 
     @property
+    def felt_K(self) -> float:
+        """The temperature the hysteresis felt last."""
+        return self.operator.u
+
+    @property
     def austenite(self) -> float:
         """Austenite fraction ξ of wire 1, taken from the output: 0 at y₋, 1 at y₊."""
         return (self.operator.y - self._y_lower) * self._per_span

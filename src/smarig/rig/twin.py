@@ -13,6 +13,7 @@ from smarig.errors import LeaseExpired, UsageError
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect
 from smarig.model.plant import Plant
+from smarig.model.planted import mystery
 from smarig.preisach.everett import Everett
 from smarig.preisach.gorbet_1997 import surface
 from smarig.preisach.operator import Initial
@@ -51,12 +52,13 @@ class Twin:
         self.output_A = 0.0
         self.tripped = ""
         hysteresis = actuator.file.hysteresis
+        hidden = mystery(s.seed, actuator.file.arrangement) if rig.hidden_effect else ()
         self.plant = Plant(
             actuator,
             s.hysteresis or surface(hysteresis.surface),
             s.initial or hysteresis.initial,
             rig.period_s,
-            s.effects,
+            (*hidden, *s.effects),
         )
         self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
         self._noise = [Noise(s.seed, channel) for channel in range(4)]

@@ -126,6 +126,7 @@ class Session:
             "actuator": self.actuator.name,
             "source": "simulation" if self.twin.settings.hysteresis else "twin",
             "seed": self.seed,
+            "effects": [repr(e) for e in self.twin.settings.effects],
             "start_epoch": self._epoch,
             "period_s": self.file.period_s,
             "input": {

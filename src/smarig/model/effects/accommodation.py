@@ -39,7 +39,9 @@ accommodation = Kind(
         Parameter(
             "shift_K", "K", -8.0, 8.0, 3.0, "0.3–5 K, engineering estimate; mixing models after Della Torre"
         ),
-        Parameter("strokes", "stroke", 0.1, 5.0, 0.8, "0.2–2 strokes, engineering estimate"),
+        Parameter(
+            "strokes", "stroke", 0.1, 5.0, 0.8, "0.2–2 strokes, engineering estimate", tries=(0.3, 0.8, 2.0)
+        ),
     ),
     act=_act,
 )

@@ -30,8 +30,17 @@ ambient_drift = Kind(
     separated_by="a thermometer in the box, or a pause of an hour: the room goes on, cycles do not",
     parameters=(
         Parameter("swing_K", "K", -5.0, 5.0, 1.5, "unregulated rooms move by 0.2–3 K in hours"),
-        Parameter("period_h", "h", 0.1, 48.0, 12.0, "air conditioning 10–30 min, the day 24 h"),
-        Parameter("phase", "turn", 0.0, 1.0, 0.0, "where in its period the run begins"),
+        Parameter(
+            "period_h",
+            "h",
+            0.1,
+            48.0,
+            12.0,
+            "air conditioning 10–30 min, the day 24 h",
+            tries=(0.3, 0.7, 2.0),
+            of_record=True,
+        ),
+        Parameter("phase", "turn", 0.0, 1.0, 0.0, "where in its period the run begins", tries=(0.0, 0.25)),
     ),
     act=_act,
 )

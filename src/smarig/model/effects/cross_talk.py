@@ -33,7 +33,15 @@ cross_talk = Kind(
     separated_by="heat one wire with the other unhooked",
     parameters=(
         Parameter("share_percent", "%", 0.0, 15.0, 5.0, "1–10 %, engineering estimate"),
-        Parameter("time_constant_s", "s", 2.0, 1000.0, 60.0, "plume seconds, enclosure minutes"),
+        Parameter(
+            "time_constant_s",
+            "s",
+            2.0,
+            1000.0,
+            60.0,
+            "plume seconds, enclosure minutes",
+            tries=(20.0, 60.0, 300.0),
+        ),
     ),
     act=_act,
     arrangement="two_wire",

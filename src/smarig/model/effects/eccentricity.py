@@ -30,7 +30,7 @@ eccentricity = Kind(
     separated_by="turn the pulley by half a turn: the wave turns with it",
     parameters=(
         Parameter("share_percent", "%", -10.0, 10.0, 2.0, "0.1–2 % of the radius"),
-        Parameter("phase", "turn", 0.0, 1.0, 0.25, "where the pulley stands when y = 0"),
+        Parameter("phase", "turn", 0.0, 1.0, 0.25, "where the pulley stands when y = 0", tries=(0.0, 0.25)),
     ),
     act=_act,
 )

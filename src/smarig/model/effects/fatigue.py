@@ -28,7 +28,7 @@ fatigue = Kind(
     separated_by="a pause: cycles stop, the room does not",
     parameters=(
         Parameter("shift_K", "K", -8.0, 8.0, 3.0, "untrained wire: kelvins in the first tens of cycles"),
-        Parameter("cycles", "cycle", 0.5, 500.0, 8.0, "engineering estimate"),
+        Parameter("cycles", "cycle", 0.5, 500.0, 8.0, "engineering estimate", tries=(2.0, 8.0, 40.0)),
     ),
     act=_act,
 )

@@ -46,7 +46,9 @@ latent_heat = Kind(
             20.0,
             "24.2 J/g (Flexinol 1140); 12.2 heating, 4.1 cooling measured in a spring",
         ),
-        Parameter("cooling_ratio", "1", 0.0, 5.0, 1.0, "heat given back over heat taken up, 0.3–1"),
+        Parameter(
+            "cooling_ratio", "1", 0.0, 5.0, 1.0, "heat given back over heat taken up, 0.3–1", tries=(0.3, 1.0)
+        ),
         Parameter("specific_heat_change_percent", "%", -60.0, 60.0, 0.0, "0.47–0.84 J/(g K) reported"),
     ),
     act=_act,

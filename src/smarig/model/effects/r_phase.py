@@ -37,7 +37,7 @@ r_phase = Kind(
     separated_by="the hump of the voltage on cooling; two loads",
     parameters=(
         Parameter("share_percent", "%", 0.0, 30.0, 12.0, "strain 0.3–1 % of 4 %"),
-        Parameter("at", "range", 0.0, 1.0, 0.3, "where in the input range"),
+        Parameter("at", "range", 0.0, 1.0, 0.3, "where in the input range", tries=(0.15, 0.3, 0.5)),
         Parameter("width_K", "K", 0.5, 10.0, 2.0, "1–5 K, engineering estimate"),
     ),
     act=_act,

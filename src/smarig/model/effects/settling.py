@@ -33,7 +33,15 @@ settling = Kind(
     separated_by="the same curve with holds ten times as long; power steps outside the transformation",
     parameters=(
         Parameter("share_percent", "%", 0.0, 10.0, 2.0, "0.3–6 % of the heating, engineering estimate"),
-        Parameter("time_constant_s", "s", 50.0, 3000.0, 600.0, "100–2000 s, engineering estimate"),
+        Parameter(
+            "time_constant_s",
+            "s",
+            50.0,
+            3000.0,
+            600.0,
+            "100–2000 s, engineering estimate",
+            tries=(150.0, 500.0, 1800.0),
+        ),
     ),
     act=_act,
 )

@@ -29,7 +29,16 @@ slip = Kind(
     separated_by="the index pulse, or a reading in saturation before and after",
     parameters=(
         Parameter("jump_percent", "%", -30.0, 30.0, 2.0, "1–50 counts of a stroke of 255"),
-        Parameter("at_h", "h", 0.0, 1000.0, 1.0, "when"),
+        Parameter(
+            "at_h",
+            "h",
+            0.0,
+            1000.0,
+            1.0,
+            "when",
+            tries=tuple((k + 0.5) / 24 for k in range(24)),
+            of_record=True,
+        ),
     ),
     act=_act,
 )

@@ -55,7 +55,7 @@ temperature_memory = Kind(
             1.5,
             "differential scanning calorimetry of TiNi: a stop near the arrest",
         ),
-        Parameter("width_K", "K", 1.0, 15.0, 4.0, "1–5 K, engineering estimate"),
+        Parameter("width_K", "K", 1.0, 15.0, 4.0, "1–5 K, engineering estimate", tries=(2.0, 4.0, 9.0)),
     ),
     act=_act,
 )

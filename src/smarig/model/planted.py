@@ -1,0 +1,65 @@
+"""Effects by name: from a command line, from a model file, from a seed.
+
+Knows the catalogue in ``model/effects`` by its file names only.
+"""
+
+import random
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from smarig.catalogue import find, names
+from smarig.errors import DataError, UsageError
+from smarig.model.effect import Kind, Planted
+
+PACKAGE = "smarig.model.effects"
+EMPTY = 0.15  # share of mystery rigs that hide nothing
+
+
+def kinds(arrangement: str = "") -> tuple[Kind, ...]:
+    """All kinds of effects, or those that exist on a rig of one arrangement, by name."""
+    every = (find(PACKAGE, name) for name in names(PACKAGE))
+    return tuple(k for k in every if not arrangement or k.arrangement in ("", arrangement))
+
+
+def from_pairs(pairs: Iterable[str]) -> tuple[Planted, ...]:
+    """Effects from texts ``name``, ``name=strength`` or ``name.parameter=value``.
+
+    >>> from_pairs(["settling=3", "settling.time_constant_s=900", "creep"])
+    (settling(share_percent=3, time_constant_s=900), creep(percent_per_decade=1))
+    """
+    values: dict[str, dict[str, float]] = {}
+    for pair in pairs:
+        key, equals, text = pair.partition("=")
+        name, _, parameter = key.strip().partition(".")
+        kind: Kind = find(PACKAGE, name)
+        mine = values.setdefault(name, {})
+        if not equals and not parameter:
+            continue
+        try:
+            number = float(text)
+        except ValueError:
+            raise UsageError(f"'{pair}' is not NAME=NUMBER or NAME.PARAMETER=NUMBER.") from None
+        mine[parameter or kind.primary.name] = number
+    return tuple(find(PACKAGE, name)(**mine) for name, mine in values.items())
+
+
+def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Planted, ...]:
+    """Effects of a model file, {"name", "parameters"} each; DataError when they are not."""
+    try:
+        return tuple(find(PACKAGE, str(r["name"]))(**dict(r["parameters"])) for r in records)
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"an effect is not {{name, parameters}}: {error}") from None
+    except UsageError as error:
+        raise DataError(str(error).rstrip(".")) from None
+
+
+def mystery(seed: int, arrangement: str) -> tuple[Planted, ...]:
+    """The hidden effect of a seed: one of the catalogue, at 0.6 to 1.8 times its typical strength, or none."""
+    draw = random.Random(f"mystery {arrangement} {seed}")  # the same in every version of every library
+    if draw.random() < EMPTY:
+        return ()
+    kind = draw.choice(kinds(arrangement))
+    strength = kind.primary.typical * draw.uniform(0.6, 1.8)
+    if kind.primary.lower < 0 and draw.random() < 0.5:
+        strength = -strength
+    return (kind(min(max(strength, kind.primary.lower), kind.primary.upper)),)
