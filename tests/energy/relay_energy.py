@@ -1,8 +1,8 @@
 """Energies relay by relay, as Table 7.1 reads: an independent reference for ``smarig.preisach.energy``.
 
-Every relay does its own switching work, −1 → +1 at α and +1 → −1 at β. No boundary, no moments, no code
-shared with the package. ``Game`` is the whole state graph of a few relays on a few levels: which energies
-can be taken out by any input at all.
+The relays of ``relay_reference``, each doing its own switching work, −1 → +1 at α and +1 → −1 at β. No
+boundary, no moments, no code shared with the package. ``Game`` is the whole state graph of a few relays on
+a few levels: which energies can be taken out by any input at all.
 """
 
 from collections.abc import Iterable
@@ -11,16 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
+from preisach import relay_reference
+
 
 @dataclass
-class Relays:
-    """Relays (n,) with output change ν = 2 mass on switching up; ``on`` or not; the input now; work so far."""
+class Relays(relay_reference.Relays):
+    """Relays that count the work done on them so far, and how often each has switched."""
 
-    alpha: np.ndarray
-    beta: np.ndarray
-    nu: np.ndarray
-    on: np.ndarray
-    u: float
     supplied: float = 0.0
     switched: np.ndarray | None = None
 
@@ -32,13 +29,12 @@ class Relays:
 
     def go(self, u: float) -> None:
         """Move monotonically to u, paying for every switch."""
-        up = (u > self.u) & ~self.on & (self.alpha <= u)
-        down = (u < self.u) & self.on & (self.beta >= u)
+        before = self.on.copy()
+        super().go(u)
+        up, down = self.on & ~before, before & ~self.on
         self.supplied += float((self.nu * self.alpha)[up].sum() - (self.nu * self.beta)[down].sum())
-        self.on = (self.on | up) & ~down
         if self.switched is not None:
             self.switched = self.switched + up + down
-        self.u = u
 
     def along(self, inputs: Iterable[float]) -> "Relays":
         """Go through all inputs."""

@@ -27,13 +27,14 @@ from smarig.preisach.energy import (
     recoverable_energy,
     work,
 )
-from smarig.preisach.energy.density_bounds import density_bounds, shift_bounds
+from smarig.preisach.energy.density_bounds import density_bounds
 from smarig.preisach.energy.storage_function import recoverable_energy_is_storage
 from smarig.preisach.energy.strip_moments import Cells
 from smarig.preisach.energy.surface_bounds import area_bound, negative_small_loop
 from smarig.preisach.energy.table_bounds import Cell
 from smarig.preisach.fod_table import FodTable
 from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.preisach.interval import Interval, shift
 from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.preisach.relay_measure import RelayMeasure
@@ -183,12 +184,12 @@ def test_density_bounds_hold_the_printed_density(name):
     s, printed, rng = surface(name), Printed(name), np.random.default_rng(6)
     a = np.sort(rng.uniform(s.lower, s.upper, (500, 2)), axis=1)
     b = np.sort(rng.uniform(s.lower, a[:, :1], (500, 2)), axis=1)
-    low, high = density_bounds(s, a[:, 0], a[:, 1], b[:, 0], b[:, 1])
+    bounds = density_bounds(s, a[:, 0], a[:, 1], b[:, 0], b[:, 1])
     inside = np.array([printed.y_alpha_beta(a @ [1 - t, t], b @ [1 - v, v]) for t, v in rng.random((40, 2))])
-    assert np.all(inside >= low - 1e-12)
-    assert np.all(inside <= high + 1e-12)
+    assert np.all(inside >= bounds.low - 1e-12)
+    assert np.all(inside <= bounds.high + 1e-12)
     point = density_bounds(s, a[:, 0], a[:, 0], b[:, 0], b[:, 0])
-    assert np.allclose(point, printed.y_alpha_beta(a[:, 0], b[:, 0]), rtol=1e-7, atol=1e-13)
+    assert np.allclose([point.low, point.high], printed.y_alpha_beta(a[:, 0], b[:, 0]), rtol=1e-7, atol=1e-13)
 
 
 def test_a_negative_diagonal_is_never_missed():
@@ -244,6 +245,48 @@ def test_a_kind_that_cannot_be_decided_is_refused():
         certify(odd)
     with pytest.raises(UsageError, match="storage function of a FodTable is not decided"):
         recoverable_energy_is_storage(table(0))
+
+
+@pytest.mark.parametrize(
+    "loop", [(10.0, 50.0), (np.nan, 1.0), (1.0, np.nan), (np.inf, 0.0), (185.001, 0.0), (0.0, -400.0)]
+)
+def test_a_loop_outside_the_triangle_has_no_area(loop):
+    with pytest.raises(UsageError, match="A loop needs -185 ≤ m ≤ M ≤ 185, got m = "):
+        loop_area(surface("two_e"), *loop)
+    with pytest.raises(UsageError, match="A loop needs .* got m = 0.0 and M = 200.0"):
+        loop_area(surface("two_e"), [100.0, 200.0], 0.0)
+
+
+def test_what_is_no_loop_is_refused():
+    for ends in (("high", 0.0), ([1.0, 2.0, 3.0], [0.0, 1.0])):
+        with pytest.raises(UsageError, match="ends of loops must be numbers"):
+            loop_area(surface("two_e"), *ends)
+    for loop in ((10.0, 50.0), (50.0, 50.0), (np.nan, 1.0)):
+        with pytest.raises(UsageError, match=r"A loop \(M, m\) needs M > m"):
+            confirm(surface("two_p"), loop)
+    with pytest.raises(UsageError, match=r"A loop is two numbers \(M, m\), got 5"):
+        confirm(surface("two_p"), 5)
+
+
+@pytest.mark.parametrize("levels", [0, 1, -1, 1.5, np.nan, "many", None, 10**9], ids=str)
+def test_levels_that_are_no_number_of_levels_are_refused(levels):
+    with pytest.raises(UsageError, match="number of levels must be a whole number from 2 to 2000"):
+        available_storage(surface("two_e"), levels=levels)
+
+
+@pytest.mark.parametrize("cells", [0, 1.5, "many"], ids=str)
+def test_cells_that_are_no_number_of_cells_are_refused(cells):
+    with pytest.raises(UsageError, match="number of cells must be a whole number"):
+        recoverable_energy_is_storage(surface("two_e"), cells)
+
+
+def test_a_certificate_names_its_units_where_they_are_known():
+    assert "↔ 185 K gives back 1.248 deg·K in" in certificate("two_p").text
+    assert "at least 0 mm·K)" in certificate("one_e").text
+    undecided = replace(certificate("one_e"), dissipative=None, lower_bound=-2.0, area=-1.0)
+    assert undecided.text == "Undecided: loop areas lie above -2 mm·K, none seen is below -1 mm·K."
+    unknown = certify(replace(surface("two_p"), unit=""))
+    assert unknown.text == certificate("two_p").text.replace(" deg·K", "").replace(" K", "")
 
 
 # --- confirmation by the forward model ----------------------------------------------------------------
@@ -384,7 +427,7 @@ def test_strip_bounds_know_the_longer_lever_of_a_negative_cell():
 def test_the_shift_of_a_parabola_is_bounded_over_its_vertex():
     s = surface("two_p")
     a0, a1 = np.array([100.0, 140.0]), np.array([180.0, 150.0])
-    f, slope = shift_bounds(s, a0, a1)
+    f, slope = shift(s, Interval(a0, a1))
     inside, rates = s.shift(np.linspace(a0, a1, 101))
     assert np.all((inside >= f.low - 1e-12) & (inside <= f.high + 1e-12))
     assert np.all((rates >= slope.low - 1e-12) & (rates <= slope.high + 1e-12))

@@ -8,7 +8,7 @@ import pytest
 from smarig.exchange.channel_faults import channel_findings, clipped, quantum
 from smarig.exchange.clock import time_findings
 from smarig.exchange.findings import repeated_rows, saturation, twin_columns
-from smarig.exchange.loop_faults import Loop, loop_findings, turning_points
+from smarig.exchange.loop_faults import Loop, branch_ends, loop_findings
 
 N = 400
 LINE = np.arange(2, N + 2)
@@ -131,10 +131,10 @@ def test_time_gaps_are_found():
     assert "30.1 s after line 201" in time_findings(t_s, LINE, "refuse")[0]
 
 
-def test_turning_points_ignore_what_is_smaller_than_the_threshold():
+def test_branch_ends_ignore_what_is_smaller_than_the_threshold():
     rng = np.random.default_rng(5)
     u = np.concatenate([np.linspace(0, 10, 200), np.linspace(10, 2, 200), np.linspace(2, 9, 200)])
-    turns = turning_points(u + rng.normal(0, 0.1, u.size), 2.0)
+    turns = branch_ends(u + rng.normal(0, 0.1, u.size), 2.0)
     assert len(turns) == 4
     np.testing.assert_allclose(turns, [0, 200, 400, 599], atol=10)
 

@@ -1,5 +1,7 @@
 """What each extension of §3.5 keeps and what it gives up, and that each is plain Preisach at zero strength."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -259,15 +261,52 @@ def test_mistakes_are_answered_in_one_sentence():
         AccommodatingPreisach(WIRE, 1.5, 1.0)
     with pytest.raises(UsageError, match="positive"):
         AccommodatingPreisach(WIRE, 0.5, 0.0)
+    with pytest.raises(UsageError, match="strokes .* must be positive; this hysteresis has 0"):
+        AccommodatingPreisach(replace(WIRE, y_upper=WIRE.y_lower), 0.5, 1.0)
+    with pytest.raises(UsageError, match="this hysteresis has -12.54"):
+        AccommodatingPreisach(replace(WIRE, y_upper=-12.54), 0.5, 1.0)
     with pytest.raises(UsageError, match="saturation"):
         NonlinearPreisach(
             surface("two_e"), Excess.from_nodes([-185.0, 185.0], np.zeros((2,) * 3)), "anhysteretic"
         )
-    with pytest.raises(UsageError, match="at least one extremum"):
-        RestrictedPreisach(WIRE, 0)
+    for order in (0, -1, 1.5, np.nan, np.inf, "two"):
+        with pytest.raises(UsageError, match="at least one extremum, a whole number"):
+            RestrictedPreisach(WIRE, order)
     with pytest.raises(DataError, match="ranges over"):
         NonlinearPreisach(WIRE, Excess.from_nodes([0.0, 100.0], np.zeros((2,) * 3)))
     hole = np.zeros((4, 4, 4))
     hole[3, 1, 2] = np.nan
     with pytest.raises(DataError, match="α = 3, β = 1, u = 2"):
         Excess.from_nodes(range(4), hole)
+
+
+@pytest.mark.parametrize(
+    "nodes", [[0.0, np.nan], [0.0, np.inf], [1.0, 1.0], [0.0], ["low", "high"], None], ids=str
+)
+def test_inputs_that_are_no_partition_are_refused(nodes):
+    with pytest.raises(DataError, match="A reversible part needs"):
+        Reversible(nodes, [0.0, 1.0])
+    for make in (Excess, Excess.from_nodes):
+        with pytest.raises(DataError, match="An excess "):
+            make(nodes, np.zeros((2, 2, 2)))
+
+
+def test_an_excess_needs_numbers():
+    for values in ("none", np.full((3, 3, 3), np.nan), np.zeros((2, 2, 2))):
+        with pytest.raises(DataError, match="An excess "):
+            Excess([0.0, 1.0, 2.0], values)
+
+
+def test_lists_of_numbers_do_as_well_as_arrays():
+    part, nodes = Reversible([0.0, 2.0], [0.0, 1.0]), NODES.tolist()
+    assert float(part.at(1.0)) == 0.5
+    excess = some_excess(1.0)
+    same = Excess(nodes, excess.values.tolist())
+    assert same.at(130.0, 40.0, 70.0) == excess.at(130.0, 40.0, 70.0) != 0
+
+
+@pytest.mark.parametrize("name", STRONG)
+@pytest.mark.parametrize("wrong", ["1.0", None], ids=str)
+def test_a_step_to_no_number_is_refused(name, wrong):
+    with pytest.raises(UsageError, match="takes a number as its input"):
+        STRONG[name].step(wrong)

@@ -131,7 +131,10 @@ def test_what_was_measured_is_known_to_its_noise_and_the_rest_is_not():
 
 def test_the_gain_of_a_plan_is_what_conditioning_on_all_its_holds_takes_off_the_mean_variance():
     belief, paths = a_belief([174.1, 116.0, 58.0, 0.0])
-    dear_to_rise = lambda a, b: 60.0 if b > a else 5.0  # noqa: E731 - so that a plan goes on once it is up
+
+    def dear_to_rise(a, b):  # so that a plan goes on once it is up
+        return 60.0 if b > a else 5.0
+
     plan = best_plan(belief, paths[-1], belief.triangle.nodes, dear_to_rise)
     x = rows(belief.triangle, along(paths[-1], plan.inputs)).toarray()
     seen = x @ belief.covariance @ x.T + belief.noise**2 * np.eye(len(x))

@@ -220,12 +220,23 @@ def test_curves_too_close_together_to_tell_a_derivative_give_no_wild_number():
     assert np.nanmax(found.se) < 30 * np.nanmedian(found.se)
 
 
-def test_a_place_far_outside_the_points_gets_no_number():
+def test_a_place_far_from_the_points_gets_no_number():
     a, b = triangle(30)
+    near = np.hypot(a - 0.75, b - 0.3) > 0.2  # a hole that the window does not bridge
+    a, b = a[near], b[near]
     y = a * b + 0.01 * np.random.default_rng(0).standard_normal(a.size)
-    found = forc_density(a, b, y, smoothing=5.0, at=([0.5, 1.12, 9.0], [0.2, 0.5, 0.0]))
+    found = forc_density(a, b, y, smoothing=5.0, at=([0.4, 0.75, 0.76], [0.2, 0.3, 0.31]))
     assert np.isfinite(found.mu).tolist() == [True, False, False]
     assert found.ill_conditioned == 2
+
+
+@pytest.mark.parametrize("place", [(1.12, 0.5), (1e12, 1e12), (0.5, -1e9), (0.2, 0.4)])
+@pytest.mark.parametrize("options", [{"smoothing": 4.0}, {"nearest": 20}, {}], ids=str)
+def test_a_place_outside_the_triangle_is_refused(place, options):
+    a, b = triangle(12)
+    at = [0.5, place[0]], [0.2, place[1]]
+    with pytest.raises(DataError, match="1 of 2 places lie outside the triangle of the points"):
+        forc_density(a, b, a * b, at=at, **options)
 
 
 def test_places_asked_for_get_what_the_points_there_get():
@@ -263,7 +274,12 @@ def test_mistakes_get_one_sentence():
         ({"smoothing": -1.0}, "positive number of grid steps"),
         ({"nearest": 5}, "between 12 and the number of points 78, got 5"),
         ({"degree": 7}, "2, 3 or 4"),
-        ({"smoothing": 4, "steps": (0.1, 0.0)}, "must be positive, got"),
+        ({"smoothing": 4, "steps": (0.1, 0.0)}, "must be two positive numbers, got"),
+        ({"smoothing": 4, "steps": 1}, "must be two positive numbers, got 1"),
+        ({"smoothing": 4, "steps": (0.1, 0.1, 0.1)}, "must be two positive numbers, got"),
+        ({"smoothing": 4, "window": "variforc", "steps": 1}, "must be two positive numbers, got 1"),
+        ({"smoothing": "wide"}, "positive number of grid steps, got 'wide'"),
+        ({"nearest": 20.5}, "nearest must be a whole number"),
     ]:
         with pytest.raises(UsageError, match=sentence):
             forc_density(a, b, y, **options)
@@ -280,6 +296,11 @@ def test_mistakes_get_one_sentence():
         forc_density(a, b, y, smoothing=0.5)
     with pytest.raises(DataError, match="two lists of numbers"):
         forc_density(a, b, y, smoothing=4.0, at=([np.nan], [0.0]))
+    for at in (5, (["a"], ["b"]), ([0.5], [0.2], [0.1])):
+        with pytest.raises(DataError, match="two lists of numbers"):
+            forc_density(a, b, y, smoothing=4.0, at=at)
+    with pytest.raises(DataError, match="three lists of numbers"):
+        forc_density("points", b, y)
 
 
 # --- the published generator ---------------------------------------------------------------------------------

@@ -277,6 +277,20 @@ def test_an_output_that_falls_as_the_input_rises_is_refused_with_what_to_do():
         identify(made_run(inputs, -outputs), "positive")
 
 
+@pytest.mark.parametrize("mean", [0.0, 5.0])
+def test_an_output_that_is_noise_is_not_said_to_have_the_wrong_sign(mean):
+    inputs = fod_inputs(PARTITION["one"])
+    with pytest.raises(DataError, match="nor its negative: it does not move with the input") as refused:
+        identify(made_run(inputs, np.random.default_rng(0).normal(mean, 1.0, len(inputs))), "positive")
+    assert "sign" not in str(refused.value)
+
+
+def test_an_input_that_never_moves_is_named():
+    noise = np.random.default_rng(0).normal(size=40)
+    with pytest.raises(DataError, match="The input is 50 at every point"):
+        identify(made_run([50.0] * 40, noise), "positive")
+
+
 def test_steps_that_did_not_settle_are_counted_among_all_points():
     run = fod_run("one_e")
     late = tuple(

@@ -85,6 +85,7 @@ def test_nothing_is_overwritten_unasked(tmp_path, model):
         (lambda d: d["hysteresis"]["x"].update(x3="steep"), "x3 is 'steep', expected a number"),
         (lambda d: d["hysteresis"].pop("upper"), "'upper' is missing"),
         (lambda d: d["hysteresis"].update(upper=-1.0), "range is empty"),
+        (lambda d: d["hysteresis"]["x"].update(x4=0.0), "give no output range"),
         (lambda d: d["hysteresis"].update(colour="red"), "damaged"),
         (lambda d: d.update(covariance=[[1.0]]), "covariance"),
     ],

@@ -44,9 +44,14 @@ def test_slopes_are_those_of_the_values(seed):
     i = rng.integers(1, middles.size, 20)
     alpha, beta = middles[i], middles[rng.integers(0, i)]
     h = 1e-4 * span
-    y = lambda a, b: triangle.values(a, b) @ theta  # noqa: E731
+
+    def y(a, b):
+        return triangle.values(a, b) @ theta
+
+    def F(a):
+        return y(a, a) - y(a, beta)
+
     falling = (y(alpha, beta + h) - y(alpha, beta - h)) / (2 * h) * span
-    F = lambda a: y(a, a) - y(a, beta)  # noqa: E731
     rising = (F(alpha + h) - F(alpha - h)) / (2 * h) * span
     assert np.allclose(triangle.falling_slope(alpha, beta) @ theta, falling, atol=1e-7)
     assert np.allclose(triangle.rising_slope(alpha, beta) @ theta, rising, atol=1e-7)

@@ -1,6 +1,6 @@
 """Relay by relay: the Preisach operator as its definition (3.1) reads, and the thesis's surface as printed.
 
-An independent reference for ``smarig.model``: it shares no code with it, keeps no stack and takes no
+An independent reference for ``smarig.preisach``: it shares no code with it, keeps no stack and takes no
 short cut. The plane is cut into cells along a set of levels; an input that only visits levels switches
 whole cells, so a cell is one relay that carries the cell's share of the measure ν of theory §1: cells
 on the diagonal α = β carry the reversible part with it. Cells cut by α + β = 2ℓ are two relays.
@@ -111,13 +111,17 @@ class Relays:
         """Outputs y = y₋ + Σ ν over relays that are on, one relay at a time, no memory but theirs."""
         outputs = []
         for u in inputs:
-            if u > self.u:
-                self.on[self.alpha <= u] = True
-            if u < self.u:
-                self.on[self.beta >= u] = False
-            self.u = u
+            self.go(u)
             outputs.append(y_lower + self.nu[self.on].sum())
         return np.array(outputs)
+
+    def go(self, u: float) -> None:
+        """Move monotonically to u."""
+        if u > self.u:
+            self.on[self.alpha <= u] = True
+        if u < self.u:
+            self.on[self.beta >= u] = False
+        self.u = u
 
 
 def cells(levels: np.ndarray, y: Curve, centre: float | None, half: Curve | None = None) -> Relays:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from smarig.errors import DataError
+from smarig.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_table import FodTable
 from smarig.preisach.gorbet_1997 import surface
@@ -148,6 +148,23 @@ def test_an_unreachable_sample_is_named_and_what_came_before_stays():
     with pytest.raises(DataError, match=r"Sample 2: Output 30 cannot be reached: the range ends at 18\.1"):
         op.inverse_trajectory([0.0, -5.0, 30.0, 0.0])
     assert op.y == pytest.approx(-5.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("excess", [1e-6, 1e-9, 2e-11])
+def test_a_refusal_prints_a_target_that_differs_from_the_end(excess: float):
+    h = surface("one_e")
+    with pytest.raises(DataError, match="cannot be reached") as refused:
+        Preisach(h).inverse(h.y_upper + excess)
+    words = str(refused.value).rstrip(".").split()
+    assert float(words[1]) - float(words[-1]) == pytest.approx(excess, rel=1e-2)
+
+
+@pytest.mark.parametrize("y", [[[1.0, 2.0]], 1.0, np.ones((2, 1))], ids=str)
+def test_a_trajectory_is_one_row_of_outputs(y):
+    with pytest.raises(UsageError, match="The inverse takes a one-dimensional output, got shape"):
+        Preisach(surface("two_e")).inverse_trajectory(y)
+    with pytest.raises(UsageError, match="The inverse takes numbers as its output"):
+        Preisach(surface("two_e")).inverse_trajectory(["high"])
 
 
 @pytest.mark.parametrize("target", [float("nan"), float("inf"), -float("inf")])

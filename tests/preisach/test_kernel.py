@@ -314,8 +314,12 @@ def test_a_state_that_is_none_is_refused(change: dict, sentence: str):
         State.from_json(json.dumps(data))
 
 
-@pytest.mark.parametrize("text", ["", "[1, 2]", '{"extrema": [0.0]}', "nonsense", "null"])
-def test_a_text_that_is_no_state_is_refused(text: str):
+@pytest.mark.parametrize(
+    "text",
+    ["", "[1, 2]", '{"extrema": [0.0]}', "nonsense", "null", "[" * 100_000, None, 5],
+    ids=lambda x: str(x)[:9],
+)
+def test_a_text_that_is_no_state_is_refused(text):
     with pytest.raises(DataError, match="This is no Preisach state"):
         State.from_json(text)
 

@@ -315,6 +315,37 @@ def test_nan_is_refused_and_leaves_the_memory(name: str, initial, history):
     assert op.state == before
 
 
+NO_NUMBERS = ["1.0", None, [1.0], 1j, np.array([1.0, 2.0])]
+
+
+@pytest.mark.parametrize("start", ["negative", "anhysteretic"])
+@pytest.mark.parametrize("wrong", NO_NUMBERS, ids=str)
+def test_what_is_no_number_is_refused_and_leaves_the_memory(wrong, start):
+    op = after("surface", start, [100.0, -50.0])
+    before = op.state
+    for move in (op.step, op.peek, op.go_to_diagonal):
+        with pytest.raises(UsageError, match="takes a number as its input, got "):
+            move(wrong)
+    with pytest.raises(UsageError, match="takes a number as its output, got "):
+        op.inverse(wrong)
+    assert op.state == before
+
+
+def test_no_diagonal_state_is_centred_on_nan():
+    op = after("surface", "negative", [100.0, -50.0])
+    before = op.state
+    with pytest.raises(DataError, match="was given NaN as its input"):
+        op.go_to_diagonal(float("nan"))
+    assert op.state == before
+
+
+@pytest.mark.parametrize("wrong", ["surface", None, [1.0, 2.0]], ids=str)
+def test_an_operator_needs_a_hysteresis(wrong):
+    for build in (Preisach, Preisach.from_surface):
+        with pytest.raises(UsageError, match="needs a hysteresis .*, got "):
+            build(wrong)
+
+
 def test_words_and_tables_of_inputs_are_refused():
     op = Preisach(surface("two_e"))
     with pytest.raises(
@@ -330,6 +361,8 @@ def test_words_and_tables_of_inputs_are_refused():
     [
         (lambda: Preisach.from_measure([1.0], [2.0], [1.0]), "A relay has α < β"),
         (lambda: Preisach.from_measure([1.0, 2.0], [0.0], [1.0]), "differ in length or are empty: 2, 1, 1"),
+        (lambda: Preisach.from_measure(["a"], [2.0], [1.0]), "needs numbers: thresholds α, β and masses"),
+        (lambda: Preisach.from_table([0, 1], [0, 1], "y"), "inputs α, β and outputs y must be numbers"),
         (lambda: Preisach.from_measure([], [], []), "differ in length or are empty: 0, 0, 0"),
         (lambda: Preisach.from_table([0, 1], [0, 1], np.zeros((2, 3))), r"shape \(2, 3\), expected \(2, 2\)"),
         (lambda: Preisach.from_table([0, 2], [0, 1], np.zeros((2, 2))), "α and β must share one partition"),

@@ -6,9 +6,11 @@ from scipy.integrate import quad
 
 from preisach.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
 from smarig.errors import UsageError
+from smarig.preisach.energy import available_storage, certify
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.gorbet_1997 import NAMES, PARTITIONS, surface
 from smarig.preisach.operator import Preisach
+from smarig.preisach.properties import properties
 
 
 def grid(name: str, n: int = 371) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -201,12 +203,29 @@ def test_one_wire_anhysteretic_state_is_negative_saturation(name: str):
         ({"form": "cubic"}, "Surface form 'cubic' is not one of constant, parabolic, exponential."),
         ({"x": (1.0, 2.0)}, r"A constant surface has parameters x2, x3, x4, x5; got 2."),
         ({"upper": 0.0}, r"Surface range is empty: lower 0.0 ≥ upper 0.0."),
+        ({"x": ("steep", 1.0, 1.0, 1.0)}, r"A constant surface has a parameter that is not a finite number"),
+        ({"x": (None, 1.0, 1.0, 1.0)}, r"A constant surface has a parameter that is not a finite number"),
     ],
 )
 def test_a_surface_that_is_none_is_refused(change: dict, sentence: str):
     good = {"form": "constant", "x": (0.05, -47.0, 0.1, -24.0), "lower": 0.0, "upper": 174.1, "y_lower": 0.0}
     with pytest.raises(UsageError, match=sentence.replace("(", r"\(")):
         FodSurface(**{**good, "y_upper": 12.5, **change})
+
+
+@pytest.mark.parametrize("x", [(0.0,) * 4, (0.05, -47.0, 0.0, -24.0), (0.05, -47.0, 0.1, -1e5)])
+@pytest.mark.parametrize("use", [Preisach, properties, certify, available_storage])
+def test_a_shape_without_height_has_no_amplitude(x, use):
+    with pytest.raises(UsageError, match=r"has no amplitude: its shape s\(u₊, u₊\) is zero"):
+        use(FodSurface("constant", x, 0.0, 100.0, 0.0, 10.0))
+
+
+def test_an_output_that_never_moves_is_a_hysteresis_all_the_same():
+    still = FodSurface("constant", (0.05, -47.0, 0.1, -24.0), 0.0, 100.0, 3.0, 3.0)
+    assert Preisach(still).simulate([50.0, 20.0, 70.0]).tolist() == [3.0, 3.0, 3.0]
+    assert Preisach(still).inverse(3.0) == 0.0
+    assert properties(still).classes.positive
+    assert certify(still).dissipative
 
 
 def test_an_unknown_surface_is_refused_with_the_nearest_name():

@@ -16,12 +16,12 @@ from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.forc_curve import Curve
 from smarig.preisach.forc_table import ForcTable
 from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.preisach.interval import Interval
 from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.preisach.properties import enclosure, properties, strips
 from smarig.preisach.properties.classes import classes
 from smarig.preisach.properties.continuity import lipschitz, modulus
-from smarig.preisach.properties.enclosure import Interval
 from smarig.preisach.properties.extreme import least
 from smarig.preisach.properties.monotone import crossing_ascending, crossing_descending, monotone
 from smarig.preisach.properties.plane import Plane
@@ -257,7 +257,8 @@ def test_properties_in_one_answer():
     text = repr(p)
     assert "M_PC yes, M_P no" in text
     assert "-0.000251 at (185, 3.659)" in text
-    assert "output follows input no, up to 0.562 against it" in text
+    assert "output follows input no, up to 0.562 deg against it" in text
+    assert "output -16.5234 … 18.1055 deg" in text
 
 
 def test_properties_as_json():

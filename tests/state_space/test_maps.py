@@ -12,6 +12,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from smarig.errors import UsageError
+from smarig.preisach import state_space
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
 from smarig.preisach.state_space.boundary import Boundary, diagonal
 from smarig.preisach.state_space.driving import Input
 from smarig.preisach.state_space.maps import F, F_right, G, G_inverse, H, H_left, partition_weights
@@ -321,3 +324,16 @@ def test_lemma_6_2_property_3_planted_a_boundary_that_forgot_a_corner():
     u = Input(range(8), (0, 9, -8, 7, -6, 5, 4, 4.5))
     with pytest.raises(AssertionError):
         check_6_7(lambda u, tau, bound: G(F_first(u, tau, bound)), u, 6 / 7)
+
+
+def test_the_package_offers_the_maps_by_name():
+    """``__all__`` is the public chapter 6: each name resolves, and the way u → s → B → y runs on them alone."""
+    assert all(hasattr(state_space, name) for name in state_space.__all__)
+    u = state_space.Input((0, 1, 2), (0, 60, -20))
+    drawn = state_space.G(state_space.F(u, 2.0, bound=185.0))
+    assert drawn == state_space.H_left(u, 2.0, bound=185.0)
+    wire = Preisach(surface("two_c"), "anhysteretic")
+    wire.simulate([60.0, -20.0], "anhysteretic")
+    assert state_space.boundary_of(wire.state, wire.hysteresis) == drawn
+    assert state_space.read_out(drawn, wire.hysteresis) == pytest.approx(wire.y, abs=1e-9)
+    assert state_space.distance(drawn, state_space.anhysteretic(185.0)) > 0

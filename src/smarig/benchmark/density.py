@@ -6,6 +6,7 @@ the smoothing factor that is best against the truth: its best case. Knows no dat
 """
 
 from collections.abc import Callable
+from importlib import import_module
 from importlib.metadata import version
 from time import process_time
 from typing import Any
@@ -138,7 +139,7 @@ def _positive() -> Estimator | None:
 def _pmagpy() -> tuple[str, Callable[[int], Estimator]] | None:
     """PmagPy's version and its LOESS by smoothing factor; None where it is not installed."""
     try:
-        from pmagpy.forc import loess_rho_from_grid_fast  # pyright: ignore[reportMissingImports]
+        loess = import_module("pmagpy.forc").loess_rho_from_grid_fast
     except ImportError:
         return None
 
@@ -150,7 +151,7 @@ def _pmagpy() -> tuple[str, Callable[[int], Estimator]] | None:
             moment = np.full((NODES, NODES), np.nan)
             moment[row, column] = -y
             span = factor * (field[1] - field[0]) * (1 - 1e-9)  # it rounds up to whole steps
-            return loess_rho_from_grid_fast(field, field, moment, span, span)[row, column]
+            return loess(field, field, moment, span, span)[row, column]
 
         return estimate
 

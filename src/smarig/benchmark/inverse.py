@@ -52,7 +52,8 @@ def _by_peek(h: Everett, targets: Array) -> Array:
         if target != operator.y:
             end = h.upper if up else h.lower
             width = 1e-14 * h.upper
-            u = float(brentq(lambda v, y=target: operator.peek(v) - y, operator.u, end, xtol=width))  # pyright: ignore[reportArgumentType]
+            root: Any = brentq(lambda v, y=target: operator.peek(v) - y, operator.u, end, xtol=width)
+            u = float(root)
         operator.step(u)
         found.append(u)
     return np.array(found)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.exchange.channel_faults import quantum
+from smarig.preisach.turning_points import turning_points
 
 Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: what counts as a branch of its own
@@ -45,7 +46,7 @@ def loop_findings(loop: Loop, *, designed: bool = False) -> list[str]:
     known = loop.finite()
     if known.u.size < 10 or np.ptp(known.u) == 0 or np.ptp(known.y) == 0:
         return []
-    turns = turning_points(known.u, _REVERSAL * float(np.ptp(known.u)))
+    turns = branch_ends(known.u, _REVERSAL * float(np.ptp(known.u)))
     if designed:
         return _sense(known, turns)
     found = _jumps(known) + _contrary(known, turns) + _open(known, turns)
@@ -54,25 +55,16 @@ def loop_findings(loop: Loop, *, designed: bool = False) -> list[str]:
     return found + sense + _centre(known)
 
 
-def turning_points(u: Array, threshold: float) -> list[int]:
-    """Indices of first sample, reversals of more than ``threshold``, and last sample of ``u`` (n,).
+def branch_ends(u: Array, threshold: float) -> list[int]:
+    """``turning_points`` of ``u`` (n,), but the first branch begins with the record, small moves before it included.
 
-    >>> turning_points(np.array([0, 1, 0.9, 3, 2, 0.5]), 1.0)
-    [0, 3, 5]
+    >>> branch_ends(np.array([0, -0.1, 1, 0.9, 3, 2, 0.5]), 1.0)
+    [0, 4, 6]
     """
-    turns, extreme, rising = [0], 0, None
-    for k, value in enumerate(u.tolist()):
-        moved = value - u[extreme]
-        if rising is None:
-            if abs(value - u[0]) > threshold:
-                rising, extreme = value > u[0], k
-        elif moved != 0 and (moved > 0) == rising:
-            extreme = k
-        elif abs(moved) > threshold:
-            turns.append(extreme)
-            rising, extreme = not rising, k
-    last = u.size - 1
-    return [*turns, last] if turns[-1] != last else turns
+    turns = turning_points(u, threshold)
+    while len(turns) > 2 and abs(u[turns[1]] - u[0]) <= threshold:
+        del turns[1]
+    return turns
 
 
 def _jumps(loop: Loop) -> list[str]:

@@ -7,6 +7,7 @@ drift and no plot; does not extrapolate: where the points do not determine a fit
 """
 
 from dataclasses import dataclass, field, replace
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,8 @@ def forc_density(
     s in (α ∓ β)/2). ``steps`` are the grid steps (Δα, Δβ), by default the medians in the data. Magnetic
     curves are handed over mirrored; ``fod_density`` takes them as they are.
 
-    Raises UsageError for options that contradict, DataError for points that cannot be fitted.
+    Raises UsageError for options that contradict, DataError for points that cannot be fitted and for places
+    outside the triangle that the points span.
 
     >>> grid = np.linspace(0.0, 1.0, 21)
     >>> a, b = (m[np.tri(21, dtype=bool)] for m in np.meshgrid(grid, grid, indexing="ij"))
@@ -81,9 +83,8 @@ def forc_density(
     """
     a, b, values = _points(alpha, beta, y)
     _check_options(smoothing, nearest, degree, window, values.size)
-    scale = np.array(steps or grid_steps(a, b), dtype=float)
-    if not np.all((scale > 0) & np.isfinite(scale)):
-        raise UsageError(f"The grid steps (Δα, Δβ) must be positive, got {scale.tolist()}.")
+    where = (a, b) if at is None else _inside(_places(at), a, b)
+    scale = _scale(grid_steps(a, b) if steps is None else steps)
     if WINDOWS[window].one_step:
         scale[:] = scale.mean()
     points, values = np.column_stack([a, b]) / scale, values - values.mean()
@@ -99,7 +100,6 @@ def forc_density(
     stride = 1 if at is None else -(-values.size // _JUDGED)
     own = fits(points[::stride])
     noise, dof = _noise(values[::stride], own)
-    where = (a, b) if at is None else _places(at)
     asked = own if at is None else fits(np.column_stack(where) / scale)
     mu, se, missing = _trusted(asked, own, noise, 0.5 / float(scale.prod()))
     return Density(
@@ -115,7 +115,10 @@ def fod_density(data: FodData, *, at: tuple[ArrayLike, ArrayLike] | None = None,
     """
     if not data.mirrored:
         return forc_density(data.alpha, data.beta, data.y, at=at, **options)
-    inside = None if at is None else (-np.asarray(at[1], dtype=float), -np.asarray(at[0], dtype=float))
+    inside = None
+    if at is not None:
+        own_alpha, own_beta = _places(at)
+        inside = -own_beta, -own_alpha
     image = forc_density(data.alpha, data.beta, data.y, at=inside, **options)
     return replace(image, alpha=-image.beta, beta=-image.alpha, steps=image.steps[::-1])
 
@@ -132,7 +135,8 @@ def grid_steps(alpha: Array, beta: Array) -> tuple[float, float]:
     if alphas.size < 2 or np.ptp(beta) == 0:
         raise DataError("The points lie on a single curve or at a single β: a density needs several of both.")
     if along.size < alpha.size / 2:
-        return tuple(float(np.ptp(x)) / np.sqrt(2 * x.size) for x in (alpha, beta))  # pyright: ignore
+        per_side = float(np.sqrt(2 * alpha.size))
+        return float(np.ptp(alpha)) / per_side, float(np.ptp(beta)) / per_side
     return float(np.median(np.diff(alphas))), float(np.median(along))
 
 
@@ -157,7 +161,10 @@ def _trusted(asked: LocalFits, own: LocalFits, noise: float, unit: float) -> tup
 
 
 def _points(alpha: ArrayLike, beta: ArrayLike, y: ArrayLike) -> tuple[Array, Array, Array]:
-    a, b, values = (np.asarray(x, dtype=float) for x in (alpha, beta, y))
+    try:
+        a, b, values = (np.asarray(x, dtype=float) for x in (alpha, beta, y))
+    except (TypeError, ValueError):
+        raise DataError("α, β and y must be three lists of numbers.") from None
     if a.ndim != 1 or not a.shape == b.shape == values.shape:
         raise DataError(
             f"α, β and y must be three lists of one length, got shapes {a.shape}, {b.shape} and {values.shape}."
@@ -176,10 +183,39 @@ def _points(alpha: ArrayLike, beta: ArrayLike, y: ArrayLike) -> tuple[Array, Arr
 
 
 def _places(at: tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
-    a, b = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in at))
+    wrong = DataError("The places asked for must be two lists of numbers, α and β, of one length.")
+    try:
+        a, b = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in at))
+    except (TypeError, ValueError):
+        raise wrong from None
     if a.ndim != 1 or not np.all(np.isfinite(a + b)):
-        raise DataError("The places asked for must be two lists of numbers, α and β, of one length.")
+        raise wrong
     return a.copy(), b.copy()
+
+
+def _inside(places: tuple[Array, Array], alpha: Array, beta: Array) -> tuple[Array, Array]:
+    """The places; DataError for one outside the triangle of the points, where nothing could be known."""
+    low, high = beta.min(), alpha.max()
+    slack = 1e-9 * (high - low)
+    a, b = places
+    outside = int(np.sum((b < low - slack) | (b > a + slack) | (a > high + slack)))
+    if outside:
+        raise DataError(
+            f"{outside} of {a.size} places lie outside the triangle of the points (least β ≤ β ≤ α ≤ largest α): "
+            "a density is not extrapolated."
+        )
+    return places
+
+
+def _scale(steps: tuple[float, float]) -> Array:
+    """(Δα, Δβ) as an array; UsageError unless they are two positive numbers."""
+    try:
+        scale = np.array(steps, dtype=float)
+    except (TypeError, ValueError):
+        scale = np.empty(0)
+    if scale.shape != (2,) or not np.all((scale > 0) & np.isfinite(scale)):
+        raise UsageError(f"The grid steps (Δα, Δβ) must be two positive numbers, got {steps!r:.60}.")
+    return scale
 
 
 def _check_options(
@@ -191,11 +227,14 @@ def _check_options(
         raise UsageError("Give a smoothing factor or a number of nearest points, not both.")
     if window != "loess" and smoothing is None:
         raise UsageError(f"Window '{window}' needs a smoothing factor: give smoothing=….")
-    if smoothing is not None and not 0 < smoothing < np.inf:
-        raise UsageError(f"The smoothing factor must be a positive number of grid steps, got {smoothing:g}.")
-    if nearest is not None and not _FEWEST <= nearest <= points:
+    if smoothing is not None and not (isinstance(smoothing, Real) and 0 < smoothing < np.inf):
         raise UsageError(
-            f"nearest must lie between {_FEWEST} and the number of points {points}, got {nearest}."
+            f"The smoothing factor must be a positive number of grid steps, got {smoothing!r:.40}."
+        )
+    if nearest is not None and not (isinstance(nearest, Integral) and _FEWEST <= nearest <= points):
+        raise UsageError(
+            f"nearest must be a whole number between {_FEWEST} and the number of points {points}, "
+            f"got {nearest!r:.40}."
         )
     if degree is not None and degree not in (2, 3, 4):
         raise UsageError(f"The polynomial's degree must be 2, 3 or 4, got {degree}.")

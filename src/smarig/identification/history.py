@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from smarig.errors import DataError
 from smarig.preisach.operator import Preisach, State
+from smarig.preisach.relay_measure import RelayMeasure
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -25,31 +26,6 @@ LONGEST_GAP_S = 2.0
 _MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
 
 
-@dataclass(frozen=True, slots=True)
-class Memory:
-    """A range [u₋, u₊] of relays without any output, for following the extrema alone."""
-
-    lower: float
-    upper: float
-    y_lower: float = 0.0
-
-    def everett(self, alpha: float, beta: float) -> float:  # noqa: ARG002
-        """Zero: only the extrema matter here."""
-        return 0.0
-
-    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """Zero."""
-        return np.zeros(np.broadcast_shapes(np.shape(alpha), np.shape(beta)))
-
-    def rise_from_diagonal(self, centre: float, u: float) -> float:  # noqa: ARG002
-        """Zero."""
-        return 0.0
-
-    def fall_from_diagonal(self, centre: float, u: float) -> float:  # noqa: ARG002
-        """Zero."""
-        return 0.0
-
-
 def follow(
     inputs: Iterable[float], lower: float, upper: float, start: Start | State | None
 ) -> list[State | None]:
@@ -57,7 +33,7 @@ def follow(
 
     An unknown start becomes known at the first input that saturates: at ``lower`` or ``upper``.
     """
-    operator = Preisach(Memory(lower, upper), start or "anhysteretic")
+    operator = Preisach(RelayMeasure.silent(lower, upper), start or "anhysteretic")
     known = start is not None
     states: list[State | None] = []
     for u in inputs:
@@ -103,7 +79,7 @@ def histories(runs: Sequence[Run], *, mirrored: bool = False) -> tuple[float, fl
             start = _saturated(run, sign, lower, upper)
         u = inputs[at : at + y.size]
         at += y.size
-        first = Preisach(Memory(lower, upper), start).state if start is not None else None
+        first = Preisach(RelayMeasure.silent(lower, upper), start).state if start is not None else None
         done.append(History(u, sign * y, first, tuple(follow(u, lower, upper, start)), continued))
     return lower, upper, done
 

@@ -61,7 +61,8 @@ def _load_surface(data: dict[str, Any]) -> FodSurface:
     numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
     surface = FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
     with np.errstate(all="ignore"):
-        if not np.isfinite(surface.amplitude):
+        height = surface.shape(surface.upper, surface.upper)
+        if height == 0 or not np.isfinite(surface.amplitude):
             raise DataError("the surface's parameters give no output range")
     return surface
 

@@ -6,7 +6,7 @@ nothing on validation runs.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
@@ -260,12 +260,12 @@ def _positive(
         observations = Observations.of_runs(runs)
         observations = observations.where(thinning(observations.curve, MOST_OBSERVATIONS))
     _usable(observations.y, observations.alpha, data.unit)
+    inputs = np.concatenate([run.points()[0] for run in runs])
+    if np.ptp(inputs) == 0:
+        raise DataError(f"The input is {inputs[0]:g} at every point: nothing drives the output.")
     fit = fit_positive(observations, symmetric=symmetric)
-    if fit.rms > _NOTHING * np.std(observations.y):
-        raise DataError(
-            "No positive measure follows this output: where it falls while the input rises, turn its sign (a "
-            "negative scale in the mapping of an import) and identify again."
-        )
+    if not _follows(fit, observations):
+        raise DataError(_why_nothing_follows(observations, symmetric))
     figures = positive_figures(fit, observations, data, weights, select)
     return _Found(
         image=fit.table,
@@ -274,6 +274,24 @@ def _positive(
         density=density_report(fit.table),
         warnings=positive_warnings(fit),
         positive=fit,
+    )
+
+
+def _follows(fit: PositiveFit, observations: Observations) -> bool:
+    return fit.rms <= _NOTHING * float(np.std(observations.y))
+
+
+def _why_nothing_follows(observations: Observations, symmetric: bool) -> str:
+    """An output of the wrong sign, or one that has nothing to do with the input: a fit of its negative tells."""
+    turned = replace(observations, y=-observations.y)
+    if _follows(fit_positive(turned, symmetric=symmetric), turned):
+        return (
+            "No positive measure follows this output, one follows its negative: it falls while the input rises, so "
+            "turn its sign (a negative scale in the mapping of an import) and identify again."
+        )
+    return (
+        "No positive measure follows this output, nor its negative: it does not move with the input; check what "
+        "was recorded as input and as output."
     )
 
 

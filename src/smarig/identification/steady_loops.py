@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.preisach.turning_points import turning_points
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -90,7 +91,7 @@ def steady_loops(run: Run, *, smallest: float = 0.2) -> list[Loop]:
     """
     loops: list[Loop] = []
     for number, u, y in _parts(run):
-        turns = _turning_points(u, smallest * float(np.ptp(u))) if u.size > 2 else []
+        turns = turning_points(u, smallest * float(np.ptp(u))) if u.size > 2 else []
         swings = _closed_swings(u, turns) or _begun_half_way(u, turns)
         for swing in swings:
             own = number if number is not None and len(swings) == 1 else len(loops)
@@ -147,25 +148,6 @@ def _begun_half_way(u: Array, turns: list[int]) -> list[_Swing]:
         return []
     back = np.concatenate([np.arange(b, last + 1), np.arange(a + 1)])
     return [_Swing(np.arange(a, b + 1), back, (last, first))]
-
-
-def _turning_points(u: Array, threshold: float) -> list[int]:
-    """First reading, every reversal of more than ``threshold``, last reading.
-
-    >>> _turning_points(np.array([0.0, 3.0, 2.9, 4.0, 1.0, 2.0]), 1.5)
-    [0, 3, 5]
-    """
-    turns, low, high, sense = [0], 0, 0, 0
-    for k, value in enumerate(u.tolist()):
-        low, high = (k if value < u[low] else low), (k if value > u[high] else high)
-        if sense >= 0 and value < u[high] - threshold:
-            turns += [high] if high > turns[-1] else []
-            sense, low = -1, k
-        elif sense <= 0 and value > u[low] + threshold:
-            turns += [low] if low > turns[-1] else []
-            sense, high = 1, k
-    last = u.size - 1
-    return [*turns, last] if turns[-1] != last else turns
 
 
 def _loop(number: int, u: Array, y: Array, swing: _Swing) -> Loop:

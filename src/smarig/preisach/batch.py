@@ -19,6 +19,7 @@ from smarig.errors import UsageError
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.kernel import Stack, plain
 from smarig.preisach.operator import Initial, Preisach, checked
+from smarig.preisach.relay_measure import RelayMeasure
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -90,7 +91,7 @@ class Trace:
 
 def trace(inputs: ArrayLike, lower: float, upper: float, initial: Initial = "negative") -> Trace:
     """Follow the memory of a hysteresis over [lower, upper] along inputs (n,) from an initial state."""
-    state = Preisach(_Silent(lower, upper), initial, compiled=False).state
+    state = Preisach(RelayMeasure.silent(lower, upper), initial, compiled=False).state
     u = np.clip(checked(inputs), lower, upper)
     chain = [lower, *state.extrema[1:], state.u]
     present, path = len(chain) - 1, np.concatenate([chain, u])
@@ -161,24 +162,3 @@ def simulate_many(
             traces[ends] = trace(u, *ends, initial)
         outputs[k] = traces[ends].outputs(h)
     return outputs
-
-
-@dataclass(frozen=True)
-class _Silent:
-    """A hysteresis without output, for its memory alone."""
-
-    lower: float
-    upper: float
-    y_lower: float = 0.0
-
-    def everett(self, alpha: float, beta: float) -> float:  # noqa: ARG002
-        return 0.0
-
-    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        return np.zeros(np.broadcast_shapes(np.shape(alpha), np.shape(beta)))
-
-    def rise_from_diagonal(self, centre: float, u: float) -> float:  # noqa: ARG002
-        return 0.0
-
-    def fall_from_diagonal(self, centre: float, u: float) -> float:  # noqa: ARG002
-        return 0.0

@@ -5,7 +5,7 @@
 F is the output change of a monotone sweep between β and α (thesis §3.4, theory.md §1): the measure ν
 of the triangle with corner (α, β), reversible part included. Surfaces, tables and relay measures
 provide it; the operator never integrates μ. The diagonal states B_ℓ = {α = 2ℓ − β} (Def. 3.1, §8.3)
-have a boundary of slope −1, along which F must be integrated: ``diagonal_integral`` does that for smooth
+have a boundary of slope −1, along which F must be integrated: ``DiagonalIntegrals`` does that for smooth
 and piecewise models.
 """
 
@@ -86,23 +86,24 @@ def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> NDArray[n
     return np.array([rise(centre, v) if v >= centre else -fall(centre, v) for v in inputs.tolist()])
 
 
-def diagonal_integral(surface: Differentiable, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``from_diagonal`` by quadrature: rises and falls (n,), each exact to rounding whatever the others are."""
-    change = np.empty(u.shape)
-    up = u >= centre
-    change[up] = _cumulative(_rising(surface, centre), u[up])
-    change[~up] = -_cumulative(_falling(surface, centre), -u[~up])
-    return change
+class DiagonalIntegrals:
+    """Moves from B_ℓ by quadrature, for a ``Differentiable`` to inherit: exact to rounding, kink by kink."""
 
+    def from_diagonal(self: Differentiable, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Output change (signed) to each input (n,): rises and falls, each whatever the others are."""
+        change = np.empty(u.shape)
+        up = u >= centre
+        change[up] = _cumulative(_rising(self, centre), u[up])
+        change[~up] = -_cumulative(_falling(self, centre), -u[~up])
+        return change
 
-def rise_integral(surface: Differentiable, centre: float, u: float) -> float:
-    """∫_ℓ^u ∂_αF(α, max(2ℓ − α, u₋)) dα: output change rising from B_ℓ."""
-    return float(_cumulative(_rising(surface, centre), np.array([u], dtype=float))[0])
+    def rise_from_diagonal(self: Differentiable, centre: float, u: float) -> float:
+        """∫_ℓ^u ∂_αF(α, max(2ℓ − α, u₋)) dα: output change rising from B_ℓ."""
+        return float(_cumulative(_rising(self, centre), np.array([u], dtype=float))[0])
 
-
-def fall_integral(surface: Differentiable, centre: float, u: float) -> float:
-    """∫_u^ℓ ∂_βy(min(2ℓ − β, u₊), β) dβ: output change falling from B_ℓ (theory.md §1, ψ)."""
-    return float(_cumulative(_falling(surface, centre), np.array([-u], dtype=float))[0])
+    def fall_from_diagonal(self: Differentiable, centre: float, u: float) -> float:
+        """∫_u^ℓ ∂_βy(min(2ℓ − β, u₊), β) dβ: output change falling from B_ℓ (theory.md §1, ψ)."""
+        return float(_cumulative(_falling(self, centre), np.array([-u], dtype=float))[0])
 
 
 Strip = Callable[[NDArray[np.float64]], NDArray[np.float64]]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import UsageError
-from smarig.preisach.everett import diagonal_integral, fall_integral, rise_integral
+from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.kernel import Between, Keyed, itself, themselves
 
 Form = Literal["constant", "parabolic", "exponential"]
@@ -34,7 +34,7 @@ def sigmoid(z: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True)
-class FodSurface:
+class FodSurface(DiagonalIntegrals):
     """Analytic FOD surface y(α, β), thesis (5.5).
 
     ``x`` are x₂…x₅ (constant) or x₂…x₇; ``lower``/``upper`` the smallest/largest identification
@@ -62,7 +62,11 @@ class FodSurface:
             names = ", ".join(FORMS[self.form])
             raise UsageError(f"A {self.form} surface has parameters {names}; got {len(self.x)}.")
         numbers = (*self.x, self.lower, self.upper, self.y_lower, self.y_upper)
-        if not np.isfinite(numbers).all():
+        try:
+            finite = bool(np.isfinite(numbers).all())
+        except TypeError:  # words, or nothing
+            finite = False
+        if not finite:
             raise UsageError(f"A {self.form} surface has a parameter that is not a finite number: {numbers}.")
         if not self.upper > self.lower:
             raise UsageError(f"Surface range is empty: lower {self.lower} ≥ upper {self.upper}.")
@@ -87,8 +91,14 @@ class FodSurface:
 
     @property
     def amplitude(self) -> float:
-        """c = (y₊ − y₋)/s(u₊, u₊)."""
-        return (self.y_upper - self.y_lower) / float(self.shape(self.upper, self.upper))
+        """c = (y₊ − y₋)/s(u₊, u₊); UsageError where s vanishes there: nothing to scale to y₊ − y₋."""
+        height = float(self.shape(self.upper, self.upper))
+        if height == 0:  # asked late: a fit may pass through such parameters and turn away from them
+            raise UsageError(
+                f"A {self.form} surface with x = {self.x} has no amplitude: its shape s(u₊, u₊) is zero, so (5.5) "
+                "is not defined."
+            )
+        return (self.y_upper - self.y_lower) / height
 
     def shape(self, alpha: Array | float, beta: Array | float) -> Array:
         """s(α, β), dimensionless."""
@@ -159,18 +169,6 @@ class FodSurface:
         f, _ = self.shift(a)
         rise = np.tanh(half * (a + f)) - np.tanh(half * (b + f))
         return 0.25 * self.amplitude * (1.0 + np.tanh(0.5 * x2 * (a + x3))) * rise
-
-    def from_diagonal(self, centre: float, u: Array) -> Array:
-        """Output change (signed) from B_ℓ to each input: see ``everett.diagonal_integral``."""
-        return diagonal_integral(self, centre, u)
-
-    def rise_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change rising from B_ℓ: see ``everett.rise_integral``."""
-        return rise_integral(self, centre, u)
-
-    def fall_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change falling from B_ℓ: see ``everett.fall_integral``."""
-        return fall_integral(self, centre, u)
 
 
 # --- F(α, β) on plain numbers, one function for each form, because numba compiles functions ---------------

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.preisach.everett import diagonal_integral, fall_integral, rise_integral
+from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.kernel import Keyed, Search
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ Cells = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class FodTable:
+class FodTable(DiagonalIntegrals):
     """y(u_i, u_j) for j ≤ i on one partition u (n,), strictly increasing; NaN above the diagonal.
 
     The row u_0 is negative saturation; the output there is y[0, 0], and a table whose rows end
@@ -41,8 +41,10 @@ class FodTable:
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, y: ArrayLike, unit: str = "") -> "FodTable":
         """From y[i, j] at (α_i, β_j); both axes must be the same partition or α its upper part."""
-        a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
-        values = np.asarray(y, dtype=float)
+        try:
+            a, b, values = (np.asarray(x, dtype=float) for x in (alpha, beta, y))
+        except (TypeError, ValueError):
+            raise DataError("FOD table: inputs α, β and outputs y must be numbers.") from None
         if a.ndim != 1 or b.ndim != 1 or min(a.size, b.size) < 2:
             raise DataError("FOD table: each axis must be one row of at least two inputs.")
         if values.shape != (a.size, b.size):
@@ -144,18 +146,6 @@ class FodTable:
         k, part = self._cell(u, search)
         place = k + part
         return place, place
-
-    def from_diagonal(self, centre: float, u: Array) -> Array:
-        """Output change (signed) from B_ℓ to each input, exact per crossed cell."""
-        return diagonal_integral(self, centre, u)
-
-    def rise_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change rising from B_ℓ, exact per crossed cell."""
-        return rise_integral(self, centre, u)
-
-    def fall_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change falling from B_ℓ, exact per crossed cell."""
-        return fall_integral(self, centre, u)
 
 
 def _place(params: Any, u: float) -> tuple[float, float]:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
-from smarig.preisach.everett import diagonal_integral, fall_integral, rise_integral
+from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.forc_curve import Curve, completed, saturation
 from smarig.preisach.forc_strips import Strips
 
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class ForcTable:
+class ForcTable(DiagonalIntegrals):
     """The hysteresis through first-order curves; satisfies ``Everett`` and ``Differentiable``.
 
     ``curves`` come by rising peak; (``lower``, ``y_lower``) is negative saturation, where all meet.
@@ -121,18 +121,6 @@ class ForcTable:
     def strip_beta(self, alpha: Array, beta: Array) -> Array:
         """∂y/∂β: the strip a falling input sweeps per unit."""
         return self._strips.parts(alpha, beta).d_beta
-
-    def from_diagonal(self, centre: float, u: Array) -> Array:
-        """Output change (signed) from B_ℓ to each input: see ``everett.diagonal_integral``."""
-        return diagonal_integral(self, centre, u)
-
-    def rise_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change rising from B_ℓ: see ``everett.rise_integral``."""
-        return rise_integral(self, centre, u)
-
-    def fall_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change falling from B_ℓ: see ``everett.fall_integral``."""
-        return fall_integral(self, centre, u)
 
     def to_json(self) -> dict[str, Any]:
         """The measured curves as plain lists; ``from_json`` gives the same table back, bit for bit."""

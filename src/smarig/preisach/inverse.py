@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.errors import DataError
+from smarig.errors import DataError, UsageError
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.kernel import Keyed, Stack, keyed
 
@@ -75,6 +75,19 @@ def _weight(left: float) -> float:
     return 1.0 - left if left < 1.0 else 0.5
 
 
+def _finite(target: float) -> bool:
+    try:
+        return isfinite(target)
+    except (TypeError, ValueError, OverflowError):  # a word, an array, an integer beyond all floats
+        raise UsageError(f"The inverse takes a number as its output, got {target!r:.40}.") from None
+
+
+def _told_apart(a: float, b: float) -> tuple[str, str]:
+    """Two different numbers in print, with as many digits (six or more) as it takes to see that they differ."""
+    digits = next((n for n in range(6, 17) if f"{a:.{n}g}" != f"{b:.{n}g}"), 17)
+    return f"{a:.{digits}g}", f"{b:.{digits}g}"
+
+
 @dataclass(frozen=True, eq=False)
 class Ways:
     """Monotone moves of one hysteresis, and where they end up."""
@@ -127,10 +140,10 @@ class Ways:
 
     def reaching(self, stack: Stack, u: float, y: float, target: float) -> float:
         """Input of the least move from (u, y) that brings the output to the target; DataError when none does."""
+        if not _finite(target):
+            raise DataError(f"Output {target:g} cannot be reached: it is no number.")
         if abs(target - y) <= self.slack:
             return u
-        if not isfinite(target):
-            raise DataError(f"Output {target:g} cannot be reached: it is no number.")
         up = target > y
         end = y
         for stretch in self._stretches(stack, u, y, up):
@@ -140,7 +153,8 @@ class Ways:
             end, u = stretch.y_end, stretch.end
         if abs(target - end) <= self.rounding:
             return u
-        raise DataError(f"Output {target:g} cannot be reached: the range ends at {end:g}.")
+        wanted, last = _told_apart(target, end)
+        raise DataError(f"Output {wanted} cannot be reached: the range ends at {last}.")
 
     # --- the way ---------------------------------------------------------------------------------
 

@@ -49,12 +49,12 @@ class Keyed:
     compilable: bool = True
 
 
-def itself(params: Any, u: float) -> tuple[float, float]:  # noqa: ARG001
+def itself(_params: Any, u: float) -> tuple[float, float]:
     """Keys of a hysteresis whose Everett function takes the inputs themselves."""
     return u, u
 
 
-def themselves(u: Array, search: Search) -> tuple[Array, Array]:  # noqa: ARG001
+def themselves(u: Array, _search: Search) -> tuple[Array, Array]:
     """``itself`` for arrays."""
     return u, u
 

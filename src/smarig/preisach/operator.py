@@ -29,6 +29,7 @@ from smarig.preisach.relay_measure import RelayMeasure
 from smarig.preisach.state import State as State
 
 Array = NDArray[np.float64]
+_NAN = "The Preisach operator was given NaN as its input."
 Initial = Literal["negative", "positive", "anhysteretic"] | State
 
 
@@ -51,6 +52,11 @@ class Preisach:
     def __init__(
         self, hysteresis: Everett, initial: Initial = "negative", *, compiled: bool | None = None
     ) -> None:
+        if not hasattr(hysteresis, "everett"):
+            raise UsageError(
+                "A Preisach operator needs a hysteresis (a surface, a table or a measure of relays), "
+                f"got {hysteresis!r:.40}."
+            )
         self.hysteresis = hysteresis
         self._keyed = keyed(hysteresis)
         self._params, self._run = self._keyed.params, plain(self._keyed.between)
@@ -106,7 +112,7 @@ class Preisach:
     def go_to_diagonal(self, centre: float) -> float:
         """Go to B_ℓ = {α = 2ℓ − β} (§8.3), ℓ = centre clipped to the range; returns ψ(ℓ) = r(B_ℓ)."""
         h = self.hysteresis
-        centre = float(min(max(centre, self._lower), self._upper))
+        centre = float(min(max(number(centre), self._lower), self._upper))
         # F alone does not reach B_ℓ, so ψ is built from below: what is on in B_ℓ is what a fall to u₋
         # would switch off.
         y = h.y_lower + h.fall_from_diagonal(centre, self._lower)
@@ -150,9 +156,13 @@ class Preisach:
 
     def step(self, u: float) -> float:
         """Move monotonically from the present input to u; returns the output there."""
-        if not self._lower < u < self._upper:
+        try:
+            inside = self._lower < u < self._upper
+        except (TypeError, ValueError):
+            raise _no_number(u) from None
+        if not inside:
             if u != u:
-                raise DataError("The Preisach operator was given NaN as its input.")
+                raise DataError(_NAN)
             u = self._lower if u <= self._lower else self._upper
             return self.y if u == self.u else self._saturate(u)
         a, b = self._keyed.place(self._params, u)
@@ -173,7 +183,10 @@ class Preisach:
 
     def peek(self, u: float) -> float:
         """Output that step(u) would give; the memory stays as it is."""
-        u = min(max(u, self._lower), self._upper)
+        try:
+            u = min(max(u, self._lower), self._upper)
+        except (TypeError, ValueError):
+            raise _no_number(u) from None
         if u != u or u in (self._lower, self._upper):
             saved = self._stack, self.u, self.y
             y = self.step(u)
@@ -250,11 +263,11 @@ class Preisach:
         """Inputs (n,) that bring the output to each y in turn, one least monotone move each.
 
         The memory moves along, as with ``follow``. DataError, naming the sample, when an output cannot be
-        reached; the memory is then that before the sample.
+        reached; the memory is then that before the sample. UsageError for another shape.
         """
-        targets = np.asarray(y, dtype=float)
+        targets = _row(y, "The inverse", "output")
         u = np.empty(targets.size)
-        for k, target in enumerate(targets.ravel().tolist()):
+        for k, target in enumerate(targets.tolist()):
             try:
                 u[k] = self.inverse(target)
             except DataError as error:
@@ -276,13 +289,33 @@ class Preisach:
 
 def checked(u: Sequence[float] | ArrayLike) -> Array:
     """Inputs (n,) as floats; UsageError for another shape, DataError for NaN."""
-    try:
-        inputs = np.asarray(u, dtype=float)
-    except (TypeError, ValueError):
-        raise UsageError("The Preisach operator takes numbers as its input, in one row.") from None
-    if inputs.ndim != 1:
-        raise UsageError(f"The Preisach operator takes a one-dimensional input, got shape {inputs.shape}.")
+    inputs = _row(u, "The Preisach operator", "input")
     if inputs.size and np.isnan(inputs.min()):  # a minimum with NaN is NaN, and needs no memory
         where = int(np.argmax(np.isnan(inputs)))
         raise DataError(f"The Preisach operator was given NaN as its input, at sample {where}.")
     return inputs
+
+
+def number(u: float) -> float:
+    """One input; UsageError for what is no number, DataError for NaN."""
+    try:
+        nan = math.isnan(u)
+    except (TypeError, ValueError, OverflowError):
+        raise _no_number(u) from None
+    if nan:
+        raise DataError(_NAN)
+    return u
+
+
+def _no_number(u: object) -> UsageError:
+    return UsageError(f"The Preisach operator takes a number as its input, got {u!r:.40}.")
+
+
+def _row(values: Sequence[float] | ArrayLike, what: str, of: str) -> Array:
+    try:
+        row = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise UsageError(f"{what} takes numbers as its {of}, in one row.") from None
+    if row.ndim != 1:
+        raise UsageError(f"{what} takes a one-dimensional {of}, got shape {row.shape}.")
+    return row

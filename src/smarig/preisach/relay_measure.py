@@ -33,7 +33,10 @@ class RelayMeasure:
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, mass: ArrayLike) -> "RelayMeasure":
         """Build the prefix sums; arrays of one shape (n,)."""
-        a, b, m = (np.ravel(np.asarray(x, dtype=float)) for x in (alpha, beta, mass))
+        try:
+            a, b, m = (np.ravel(np.asarray(x, dtype=float)) for x in (alpha, beta, mass))
+        except (TypeError, ValueError):
+            raise DataError("A measure of relays needs numbers: thresholds α, β and masses.") from None
         if not a.size == b.size == m.size > 0:
             raise DataError(f"Relay arrays differ in length or are empty: {a.size}, {b.size}, {m.size}.")
         if not (np.isfinite(a).all() and np.isfinite(b).all() and np.isfinite(m).all()):
@@ -48,6 +51,11 @@ class RelayMeasure:
         np.add.at(grid, (rows + 1, columns), 2 * m)
         sums = np.cumsum(np.cumsum(grid, axis=0)[:, ::-1], axis=1)[:, ::-1]
         return cls(a, b, m, alphas, betas, np.ascontiguousarray(sums))
+
+    @classmethod
+    def silent(cls, lower: float, upper: float) -> "RelayMeasure":
+        """No output at all over [lower, upper], one relay of no mass: for following the memory alone."""
+        return cls.from_arrays([upper], [lower], [0.0])
 
     @property
     def lower(self) -> float:

@@ -39,7 +39,7 @@ class State:
         """The state in a JSON object; DataError when it is none, is not finite or not nested."""
         try:
             data = json.loads(text)
-        except ValueError as error:
+        except (TypeError, ValueError, RecursionError) as error:  # no text, no JSON, nested without end
             raise DataError(f"This is no Preisach state: {error}.") from None
         if not isinstance(data, dict):
             raise DataError("This is no Preisach state: expected a JSON object.")

@@ -43,7 +43,7 @@ class Choice:
 class Chooser(Interface):
     """What to hold next, from everything seen so far: a function, so state goes in and comes out."""
 
-    def __call__(self, setup: Setup, seen: Sequence[Seen], settle: Settled) -> Choice:
+    def __call__(self, setup: Setup, seen: Sequence[Seen], settle: Settled, /) -> Choice:
         """``seen`` begins with a hold in negative saturation."""
         ...
 
@@ -72,7 +72,7 @@ def adaptive_fod(
     return _adaptive(setup, chooser or halving, target_share, 3600 * longest_h, settle or Settled())
 
 
-def halving(setup: Setup, seen: Sequence[Seen], settle: Settled) -> Choice:  # noqa: ARG001 - a Chooser
+def halving(setup: Setup, seen: Sequence[Seen], _settle: Settled) -> Choice:
     """The chooser that looks at nothing: FOD curves over even partitions of 4, 8 and 16 segments in turn."""
     asked = 2  # both saturations
     for segments in (4, 8, 16):

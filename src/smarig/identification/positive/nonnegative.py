@@ -122,17 +122,16 @@ def solve(newton: Newton, H: csr_matrix, g: Array, *, accuracy: float = 1e-9) ->
     DT = csr_matrix(D.T)
     x, (s, z) = np.zeros(g.size), (np.full(D.get_shape()[0], first) for first in _FIRST)
     solver = newton.factor(kept, z / s)
-    step = 0
-    for step in range(1, MOST_STEPS + 1):  # noqa: B007 - reported
+    for step in range(1, MOST_STEPS + 1):
         dual, primal = H @ x - g - DT @ z, D @ x - s
         gap = float(s @ z)
         scale = 1e-3 * abs(float(g @ x)) + 1e-12
         if gap < accuracy * scale and np.abs(primal).max() < accuracy and np.abs(dual).max() < accuracy:
-            break
+            return Solution(x, s, z, solver, step)
         try:
             solver = newton.factor(kept, z / s)
         except LinAlgError:  # as far as rounding lets it go
-            break
+            return Solution(x, s, z, solver, step)
         direction = _direction(solver, D, DT, s, z, dual, primal)
         reach = _longest(s, direction[1]), _longest(z, direction[2])
         after = float((s + reach[0] * direction[1]) @ (z + reach[1] * direction[2]))
@@ -140,7 +139,7 @@ def solve(newton: Newton, H: csr_matrix, g: Array, *, accuracy: float = 1e-9) ->
         dx, ds, dz = _direction(solver, D, DT, s, z, dual, primal, centred)
         length = min(_longest(s, ds), _longest(z, dz))
         x, s, z = x + length * dx, s + length * ds, z + length * dz
-    return Solution(x, s, z, solver, step)
+    return Solution(x, s, z, solver, MOST_STEPS)
 
 
 def _direction(

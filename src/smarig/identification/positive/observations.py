@@ -88,15 +88,16 @@ class Observations:
 
     @classmethod
     def _of_history(cls, history: History, ends: tuple[float, float], unit: str) -> "Observations":
-        rows = [k for k, state in enumerate(history.states) if state is not None]
+        known = {k: state for k, state in enumerate(history.states) if state is not None}
         terms: list[tuple[int, float, float, float]] = []
         released: list[tuple[int, float, float, float]] = []
-        for row, k in enumerate(rows):
-            corners, diagonal = corners_of(history.states[k], ends[0])  # pyright: ignore[reportArgumentType]
+        for row, state in enumerate(known.values()):
+            corners, diagonal = corners_of(state, ends[0])
             terms += [(row, *corner) for corner in corners]
             released += [(row, *move) for move in diagonal]
         table = np.array(terms, dtype=float).reshape(len(terms), 4)
         curve = excursions(history.inputs, SWING * (ends[1] - ends[0]))
+        rows = list(known)
         y = history.outputs[rows]
         return cls(
             y,

@@ -11,10 +11,12 @@ best among inputs that turn on the levels, a lower bound that rises with n.
 
 import math
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.errors import UsageError
 from smarig.preisach.energy.dissipation import state_of
 from smarig.preisach.energy.moments import breaks, moments_on, rounding
 from smarig.preisach.energy.sweep import Memory, work_of
@@ -23,6 +25,7 @@ from smarig.preisach.operator import Initial, State
 from smarig.preisach.relay_measure import RelayMeasure
 
 Array = NDArray[np.float64]
+_MOST_LEVELS = 2000  # n² situations, each some hundred bytes
 
 
 @dataclass(frozen=True)
@@ -42,10 +45,16 @@ def available_storage(
 ) -> AvailableStorage:
     """S_a of a state, by dynamic programming over the inputs that close no loop.
 
+    ``levels`` is the number of even levels, 2 … 2000 (else UsageError); relays have their own.
+
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> available_storage(surface("one_e"), "negative").value      # passive with zero bias
     0.0
     """
+    if not (isinstance(levels, Integral) and 2 <= levels <= _MOST_LEVELS):
+        raise UsageError(
+            f"The number of levels must be a whole number from 2 to {_MOST_LEVELS}, got {levels!r:.40}."
+        )
     state = state_of(hysteresis, initial)
     grid = _levels(hysteresis, state, levels)
     exact = isinstance(hysteresis, RelayMeasure)

@@ -7,13 +7,14 @@ and it needs no sign of μ or g. Proof and figures: docs/dissipativity.md. Table
 decided by an exact minimum, analytic surfaces by a verified lower bound. Refuses to sample and hope.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
 
 from smarig.errors import UsageError
-from smarig.preisach.energy.moments import loop_area, rounding
+from smarig.preisach.energy.moments import area as area_of
+from smarig.preisach.energy.moments import rounding
 from smarig.preisach.energy.surface_bounds import Bound, area_bound, negative_small_loop
 from smarig.preisach.energy.table_bounds import least_area
 from smarig.preisach.everett import Everett
@@ -33,7 +34,8 @@ class Certificate:
     ``dissipative`` is None when the bound was not tight enough to decide. ``area`` is the smallest loop area
     found, at the loop ``at`` = (M, m); every loop's area is at least ``lower_bound`` (equal to ``area`` where
     the minimum is exact). ``area`` is never above 0, the value of the degenerate loop M = m. Areas within
-    ``tolerance`` of zero are rounding. ``evaluations`` counts the loops or cells looked at.
+    ``tolerance`` of zero are rounding. ``evaluations`` counts the loops or cells looked at. ``unit`` is that of
+    the areas and ``input_unit`` that of the loop, empty where the hysteresis does not say.
     """
 
     dissipative: bool | None
@@ -42,6 +44,8 @@ class Certificate:
     lower_bound: float
     evaluations: int
     tolerance: float
+    unit: str = ""
+    input_unit: str = ""
 
     @property
     def text(self) -> str:
@@ -50,16 +54,21 @@ class Certificate:
         if self.dissipative:
             return (
                 "Dissipative: no loop gives energy back in a cycle "
-                f"(every loop area is at least {self.lower_bound:.3g})."
+                f"(every loop area is at least {_with(f'{self.lower_bound:.3g}', self.unit)})."
             )
         if self.dissipative is None:
             return (
-                f"Undecided: loop areas lie above {self.lower_bound:.3g}, none seen is below {self.area:.3g}."
+                f"Undecided: loop areas lie above {_with(f'{self.lower_bound:.3g}', self.unit)}, none seen is below "
+                f"{_with(f'{self.area:.3g}', self.unit)}."
             )
         return (
-            f"Not dissipative with any storage function: the loop {low:.4g} ↔ {high:.4g} gives back "
-            f"{-self.area:.4g} in every cycle."
+            f"Not dissipative with any storage function: the loop {_with(f'{low:.4g} ↔ {high:.4g}', self.input_unit)} "
+            f"gives back {_with(f'{-self.area:.4g}', self.unit)} in every cycle."
         )
+
+
+def _with(number: str, unit: str) -> str:
+    return f"{number} {unit}" if unit else number
 
 
 def certify(hysteresis: Everett) -> Certificate:
@@ -73,21 +82,16 @@ def certify(hysteresis: Everett) -> Certificate:
     if isinstance(hysteresis, Mirrored):
         image = certify(hysteresis.image)
         high, low = image.at
-        return Certificate(
-            image.dissipative,
-            image.area,
-            (-low, -high),
-            image.lower_bound,
-            image.evaluations,
-            image.tolerance,
-        )
+        # magnetic curves come in the mirror: their inputs are no kelvin
+        return replace(image, at=(-low, -high), unit="", input_unit="")
     if isinstance(hysteresis, RelayMeasure):
         return _exact(*_least_of_relays(hysteresis), rounding(hysteresis))
     if isinstance(hysteresis, FodTable):
         cells = (hysteresis.nodes.size - 1) * (hysteresis.nodes.size - 2) // 2
         return _exact(*least_area(hysteresis), cells, rounding(hysteresis))
     if isinstance(hysteresis, FodSurface):
-        return _bounded(hysteresis, rounding(hysteresis))
+        found, unit = _bounded(hysteresis, rounding(hysteresis)), hysteresis.unit
+        return replace(found, unit=f"{unit}·K", input_unit="K") if unit else found
     raise UsageError(
         f"Dissipativity of a {type(hysteresis).__name__} cannot be decided exactly: "
         "give an analytic surface, a table on one partition, or a measure of relays."
@@ -137,12 +141,12 @@ def _polished(surface: FodSurface, bound: Bound) -> tuple[float, tuple[float, fl
         return bound.area, bound.at
     scale = (surface.upper - surface.lower) / 100
     found = minimize(
-        lambda x: float(loop_area(surface, x[0] * scale, x[1] * scale)) / abs(bound.area),
+        lambda x: float(area_of(surface, x[0] * scale, x[1] * scale)) / abs(bound.area),
         np.array(bound.at) / scale,
         bounds=[(surface.lower / scale, surface.upper / scale)] * 2,
         method="L-BFGS-B",
     )
     high, low = (float(v) * scale for v in found.x)
     if low < high and found.fun < -1:
-        return float(loop_area(surface, high, low)), (high, low)
+        return float(area_of(surface, high, low)), (high, low)
     return bound.area, bound.at

@@ -17,6 +17,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from smarig.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.relay_measure import RelayMeasure
@@ -88,12 +89,24 @@ def down(hysteresis: Everett, alpha: ArrayLike, beta: ArrayLike) -> Array:
 def loop_area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
     """A(M, m) = 2∬_{m≤β≤α≤M} μ(α − β) dα dβ: work lost in one cycle m → M → m, ∮ u dy. Broadcasts.
 
-    Output times input units (mm·K, deg·K). Zero for M = m; g does not enter.
+    Output times input units (mm·K, deg·K). Zero for M = m; g does not enter. UsageError unless
+    u₋ ≤ m ≤ M ≤ u₊.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> bool(loop_area(surface("one_e"), 104.5, 59.0) > 0 > loop_area(surface("one_p"), 104.5, 59.0))
     True
     """
+    a, b, _ = _flat(upper, lower)
+    low, high = hysteresis.lower, hysteresis.upper
+    inside = (low <= b) & (b <= a) & (a <= high)  # NaN is nowhere inside
+    if not inside.all():
+        k = int(np.argmin(inside))
+        raise UsageError(f"A loop needs {low:g} ≤ m ≤ M ≤ {high:g}, got m = {b[k]} and M = {a[k]}.")
+    return area(hysteresis, upper, lower)
+
+
+def area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
+    """The formula of ``loop_area`` for any M and m: a search for the least may look beyond the triangle."""
     a, b, shape = _flat(upper, lower)
 
     def rectangle(v: Array, k: NDArray[np.intp]) -> Array:
@@ -137,5 +150,8 @@ def areas_on(hysteresis: Everett, levels: Array) -> Array:
 
 
 def _flat(alpha: ArrayLike, beta: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
-    a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
+    try:
+        a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
+    except (TypeError, ValueError):
+        raise UsageError("The ends of loops must be numbers, in arrays that broadcast.") from None
     return a.ravel(), b.ravel(), a.shape

@@ -10,6 +10,8 @@ Then Q_r is the available storage too (the return to zero takes all of it), and 
 the model is passive with zero bias (Thm 8.1) whatever the sign of μ. Refuses to say no: False is "not proved".
 """
 
+from numbers import Integral
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +34,8 @@ def recoverable_energy_is_storage(hysteresis: Everett, cells: int = 512) -> bool
     """
     if isinstance(hysteresis, RelayMeasure):
         return _relays(hysteresis)
+    if not (isinstance(cells, Integral) and cells >= 1):
+        raise UsageError(f"The number of cells must be a whole number, 1 or more, got {cells!r:.40}.")
     if isinstance(hysteresis, FodSurface):
         return _surface(hysteresis, cells)
     raise UsageError(

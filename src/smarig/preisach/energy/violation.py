@@ -58,7 +58,12 @@ def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "
     >>> confirm(surface("two_p"), (185.0, 84.0)).confirmed
     True
     """
-    high, low = loop
+    try:
+        high, low = map(float, loop)
+    except (TypeError, ValueError):
+        raise UsageError(f"A loop is two numbers (M, m), got {loop!r:.40}.") from None
+    if not low < high:
+        raise UsageError(f"A loop (M, m) needs M > m, got M = {high} and m = {low}.")
     operator = Preisach(hysteresis, initial)
     cuts = breaks(hysteresis)
     start = operator.u

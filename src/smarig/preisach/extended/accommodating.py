@@ -70,6 +70,11 @@ class AccommodatingPreisach:
             raise UsageError(f"The path of accommodation must be positive (strokes of output), got {path:g}.")
         self.hysteresis, self.amount, self.path = hysteresis, float(amount), float(path)
         self._stroke = hysteresis.everett(hysteresis.upper, hysteresis.lower)
+        if not self._stroke > 0:
+            raise UsageError(
+                "Accommodation is counted in strokes y₊ − y₋ of output, which must be positive; this hysteresis has "
+                f"{self._stroke:g}."
+            )
         self._memory = Preisach(hysteresis)
         self.reset(initial)
 
@@ -108,7 +113,7 @@ class AccommodatingPreisach:
 
     def simulate(self, u: ArrayLike, initial: Initial | Drifted = "negative") -> Array:
         """Outputs (n,) for inputs u (n,)."""
-        return drive(self, u, initial)  # pyright: ignore[reportArgumentType]
+        return drive(self, u, initial)
 
     def _mix(self, before: float, after: float) -> None:
         """dq/dp = (m − q)/l over one branch, on which m moves by ±2 per stroke."""

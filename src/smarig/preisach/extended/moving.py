@@ -17,14 +17,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from smarig.errors import DataError, UsageError
+from smarig.errors import UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.extended.staircase import drive
+from smarig.preisach.extended.staircase import ClassicalMemory
 from smarig.preisach.fod_table import FodTable
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.preisach.operator import Initial, number
 from smarig.preisach.relay_measure import RelayMeasure
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ def slopes(hysteresis: Everett) -> Slopes:
     return Slopes(float(every[low]), (a[0], a[1]), float(every[high]), (b[0], b[1]))
 
 
-class MovingPreisach:
+class MovingPreisach(ClassicalMemory):
     """y = Γ[u + k y]; ``feedback`` k in input units per output unit; see the module.
 
     ``hysteresis`` is that of Γ, in terms of w. A state is the memory of Γ: its extrema are values of w.
@@ -90,34 +90,16 @@ class MovingPreisach:
     def __init__(self, hysteresis: Everett, feedback: float, initial: Initial = "negative") -> None:
         if feedback != 0:
             _check(slopes(hysteresis), feedback)
-        self.hysteresis, self.feedback = hysteresis, float(feedback)
-        self._memory = Preisach(hysteresis)
-        self.reset(initial)
-
-    @property
-    def state(self) -> State:
-        """The memory of Γ in terms of w."""
-        return self._memory.state
-
-    def reset(self, initial: Initial = "negative") -> float:
-        """Go to a state of Γ; returns y."""
-        return self._memory.reset(initial)
+        self.feedback = float(feedback)
+        super().__init__(hysteresis, initial)
 
     def step(self, u: float) -> float:
         """Move the input monotonically to u; returns y."""
-        if self.feedback == 0:
-            return self._memory.step(u)
-        return self._memory.step(self._effective(u))
-
-    def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array:
-        """Outputs (n,) for inputs u (n,)."""
-        return drive(self, u, initial)
+        return super().step(u if self.feedback == 0 else self._effective(u))
 
     def _effective(self, u: float) -> float:
         """The w of one monotone move that solves w − k Γ(w) = u; the end of the range beyond saturation."""
-        memory, k, h = self._memory, self.feedback, self.hysteresis
-        if u != u:
-            raise DataError("The moving Preisach operator was given NaN as its input.")
+        memory, k, h, u = self._memory, self.feedback, self.hysteresis, number(u)
 
         def excess(w: float) -> float:
             return w - k * memory.peek(w) - u

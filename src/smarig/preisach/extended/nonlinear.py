@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
 from smarig.preisach.everett import Everett
-from smarig.preisach.extended.staircase import corners, drive
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.preisach.extended.staircase import ClassicalMemory, corners
+from smarig.preisach.operator import Initial
 
 Array = NDArray[np.float64]
 
@@ -36,15 +36,17 @@ class Excess:
     nodes: Array
     values: Array
 
+    def __post_init__(self) -> None:
+        nodes, values = _fitting(self.nodes, self.values)
+        if not np.isfinite(values).all():
+            raise DataError("An excess holds a value that is not finite.")
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "values", values)
+
     @classmethod
     def from_nodes(cls, nodes: ArrayLike, q: ArrayLike) -> "Excess":
         """From q[i, j, k] = Q(u_i, u_j, u_k), read for 0 < j < k < i only; DataError when one is missing."""
-        u, table = np.asarray(nodes, dtype=float), np.asarray(q, dtype=float)
-        if u.ndim != 1 or u.size < 2 or np.any(np.diff(u) <= 0) or table.shape != (u.size,) * 3:
-            raise DataError(
-                f"An excess of shape {table.shape} does not fit a partition of shape {u.shape}: "
-                "give n strictly increasing inputs and an array (n, n, n)."
-            )
+        u, table = _fitting(nodes, q)
         known = np.where(inner(u.size), table, 0.0)
         if not np.isfinite(known).all():
             alpha, beta, at = u[np.argwhere(~np.isfinite(known))[0]]
@@ -65,6 +67,21 @@ class Excess:
         return float(value)
 
 
+def _fitting(nodes: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
+    """A partition (n,) and a tensor (n, n, n) on it, as floats; DataError for anything else."""
+    try:
+        u, table = np.asarray(nodes, dtype=float), np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise DataError("An excess needs numbers as inputs and values.") from None
+    rising = u.ndim == 1 and u.size > 1 and np.isfinite(u).all() and np.all(np.diff(u) > 0)
+    if not rising or table.shape != (u.size,) * 3:
+        raise DataError(
+            f"An excess of shape {table.shape} does not fit a partition of shape {u.shape}: "
+            "give n strictly increasing, finite inputs and an array (n, n, n)."
+        )
+    return u, table
+
+
 def inner(n: int) -> NDArray[np.bool_]:
     """Where a second-order curve is news: index triples (α, β, u) with 0 < j < k < i, shape (n, n, n)."""
     i, j, k = np.indices((n, n, n))
@@ -77,12 +94,13 @@ def _antisymmetric(q: Array) -> Array:
     return even - even.transpose(0, 2, 1)
 
 
-class NonlinearPreisach:
+class NonlinearPreisach(ClassicalMemory):
     """Γ of the first-order curves plus the excess of the second-order ones; see the module.
 
     Output in the hysteresis's unit. The memory is the classical one. Histories must begin in saturation.
 
     >>> from smarig.preisach.gorbet_1997 import surface
+    >>> from smarig.preisach.operator import Preisach
     >>> none = Excess.from_nodes([0.0, 50.0, 100.0, 174.1], np.zeros((4, 4, 4)))
     >>> u = [120.0, 40.0, 90.0, 60.0, 110.0]
     >>> plain = Preisach.from_surface(surface("one_e")).simulate(u)
@@ -97,28 +115,11 @@ class NonlinearPreisach:
                 f"The excess is known on [{first:g}, {last:g}] only; the hysteresis ranges over "
                 f"[{hysteresis.lower:g}, {hysteresis.upper:g}]."
             )
-        self.hysteresis, self.excess = hysteresis, excess
-        self._memory = Preisach(hysteresis)
-        self.reset(initial)
-
-    @property
-    def state(self) -> State:
-        """The classical memory, with the classical outputs in it."""
-        return self._memory.state
-
-    def reset(self, initial: Initial = "negative") -> float:
-        """Go to saturation or to a state; returns y."""
-        return self._read_out(self._memory.reset(initial))
-
-    def step(self, u: float) -> float:
-        """Move monotonically to u; returns y. Cost grows with the depth of the memory."""
-        return self._read_out(self._memory.step(u))
-
-    def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array:
-        """Outputs (n,) for inputs u (n,)."""
-        return drive(self, u, initial)
+        self.excess = excess
+        super().__init__(hysteresis, initial)
 
     def _read_out(self, y: float) -> float:
+        """Cost grows with the depth of the memory."""
         state, sign = self._memory.state, 1.0
         for alpha, beta in corners(state):
             y += sign * self.excess.at(alpha, beta, state.u)

@@ -13,14 +13,15 @@ classical model, bit for bit. Knows no data.
 """
 
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.errors import DataError, UsageError
+from smarig.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.extended.staircase import drive
-from smarig.preisach.operator import Initial, State
+from smarig.preisach.operator import Initial, State, number
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
@@ -50,8 +51,11 @@ class RestrictedPreisach:
     def __init__(
         self, hysteresis: Everett, order: int | None, initial: Initial | Recent = "negative"
     ) -> None:
-        if order is not None and order < 1:
-            raise UsageError(f"A restricted model remembers at least one extremum, got order {order}.")
+        if order is not None and not (isinstance(order, Integral) and order >= 1):
+            raise UsageError(
+                "A restricted model remembers at least one extremum, a whole number of them or None for all; "
+                f"got order {order!r:.40}."
+            )
         self.hysteresis, self.order = hysteresis, order
         h = hysteresis
         self._ends = (h.lower, h.y_lower), (h.upper, h.y_lower + h.everett(h.upper, h.lower))
@@ -78,8 +82,7 @@ class RestrictedPreisach:
 
     def step(self, u: float) -> float:
         """Move monotonically to u; returns y."""
-        if u != u:
-            raise DataError("The restricted Preisach model was given NaN as its input.")
+        u = number(u)
         if not self.hysteresis.lower < u < self.hysteresis.upper:
             self._saturate(u >= self.hysteresis.upper)
         elif u != self.u:
@@ -88,7 +91,7 @@ class RestrictedPreisach:
 
     def simulate(self, u: ArrayLike, initial: Initial | Recent = "negative") -> Array:
         """Outputs (n,) for inputs u (n,)."""
-        return drive(self, u, initial)  # pyright: ignore[reportArgumentType]
+        return drive(self, u, initial)
 
     def _saturate(self, upper: bool) -> None:
         """At an end of the range nothing is remembered, and nothing needs to be."""

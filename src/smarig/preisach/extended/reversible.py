@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import DataError
 from smarig.preisach.everett import Everett
-from smarig.preisach.extended.staircase import drive
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.preisach.extended.staircase import ClassicalMemory
+from smarig.preisach.operator import Initial
 
 Array = NDArray[np.float64]
 
@@ -28,17 +28,23 @@ class Reversible:
     values: Array
 
     def __post_init__(self) -> None:
-        if self.nodes.ndim != 1 or self.nodes.shape != self.values.shape or self.nodes.size == 0:
+        try:
+            nodes, values = np.asarray(self.nodes, dtype=float), np.asarray(self.values, dtype=float)
+        except (TypeError, ValueError):
+            raise DataError("A reversible part needs numbers as inputs and values.") from None
+        if nodes.ndim != 1 or nodes.shape != values.shape or nodes.size == 0:
             raise DataError("A reversible part needs as many values as inputs, and at least one.")
-        if np.any(np.diff(self.nodes) <= 0) or not np.isfinite(self.values).all():
-            raise DataError("A reversible part needs strictly increasing inputs and finite values.")
+        if np.any(np.diff(nodes) <= 0) or not (np.isfinite(nodes).all() and np.isfinite(values).all()):
+            raise DataError("A reversible part needs strictly increasing, finite inputs and finite values.")
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "values", values)
 
     def at(self, u: ArrayLike) -> Array:
         """r(u), broadcasts."""
         return np.interp(np.asarray(u, dtype=float), self.nodes, self.values)
 
 
-class ReversiblePreisach:
+class ReversiblePreisach(ClassicalMemory):
     """Γ[u] + r(u); see the module.
 
     >>> from smarig.preisach.gorbet_1997 import surface
@@ -48,24 +54,12 @@ class ReversiblePreisach:
     """
 
     def __init__(self, hysteresis: Everett, part: Reversible, initial: Initial = "negative") -> None:
-        self.hysteresis, self.part = hysteresis, part
-        self._memory = Preisach(hysteresis)
-        self.reset(initial)
-
-    @property
-    def state(self) -> State:
-        """The classical memory."""
-        return self._memory.state
-
-    def reset(self, initial: Initial = "negative") -> float:
-        """Go to a state; returns y."""
-        y = self._memory.reset(initial)
-        return y + float(self.part.at(self._memory.u))
+        self.part = part
+        super().__init__(hysteresis, initial)
 
     def step(self, u: float) -> float:
         """Move monotonically to u; returns y. Γ saturates, r does not."""
         return self._memory.step(u) + float(self.part.at(u))
 
-    def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array:
-        """Outputs (n,) for inputs u (n,)."""
-        return drive(self, u, initial)
+    def _read_out(self, y: float) -> float:
+        return y + float(self.part.at(self._memory.u))

@@ -1,30 +1,64 @@
-"""What the extensions of §3.5 share: the corners of the Preisach staircase, and one way to drive a model.
+"""What the extensions of §3.5 share: the classical memory with its corners, and one way to drive a model.
 
 Knows no output law.
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.errors import UsageError
-from smarig.preisach.operator import Initial, State
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach, State, checked
+
+Array = NDArray[np.float64]
 
 
 class Stepped(Protocol):
-    """What every operator here can do; ``reset`` and ``step`` return the output."""
+    """What every operator here can do, each from states of its own; ``reset`` and ``step`` return the output."""
 
-    def reset(self, initial: Initial = "negative") -> float: ...
+    def reset(self, initial: Any) -> float: ...
     def step(self, u: float) -> float: ...
 
 
-def drive(model: Stepped, u: Sequence[float] | ArrayLike, initial: Initial) -> NDArray[np.float64]:
+class ClassicalMemory:
+    """An extension that remembers what Γ does, the Preisach operator of ``hysteresis``, and reads it otherwise.
+
+    As it stands it is Γ itself: an extension gives its own ``_read_out`` or ``step``.
+    """
+
+    def __init__(self, hysteresis: Everett, initial: Initial = "negative") -> None:
+        self.hysteresis = hysteresis
+        self._memory = Preisach(hysteresis)
+        self.reset(initial)
+
+    @property
+    def state(self) -> State:
+        """The memory of Γ, with the outputs of Γ in it."""
+        return self._memory.state
+
+    def reset(self, initial: Initial = "negative") -> float:
+        """Go to saturation or to a state of Γ; returns y."""
+        return self._read_out(self._memory.reset(initial))
+
+    def step(self, u: float) -> float:
+        """Move monotonically to u; returns y."""
+        return self._read_out(self._memory.step(u))
+
+    def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array:
+        """Outputs (n,) for inputs u (n,)."""
+        return drive(self, u, initial)
+
+    def _read_out(self, y: float) -> float:
+        """The output, when that of Γ is y."""
+        return y
+
+
+def drive(model: Stepped, u: Sequence[float] | ArrayLike, initial: Any) -> Array:
     """Outputs (n,) for inputs u (n,), moves monotone between samples, from an initial state."""
-    inputs = np.asarray(u, dtype=float)
-    if inputs.ndim != 1:
-        raise UsageError(f"simulate takes a one-dimensional input, got shape {inputs.shape}.")
+    inputs = checked(u)
     model.reset(initial)
     return np.fromiter((model.step(v) for v in inputs.tolist()), dtype=float, count=inputs.size)
 

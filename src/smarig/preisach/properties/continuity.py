@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.interval import Interval
 from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.properties import enclosure
 from smarig.preisach.properties.classes import classes
-from smarig.preisach.properties.enclosure import Interval
 from smarig.preisach.properties.plane import Plane, masses
 from smarig.preisach.properties.sweeps import Reach, largest_change
 from smarig.preisach.properties.variation import variation_masses

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from smarig.preisach.everett import Everett
+from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.properties.classes import Classes, classes
 from smarig.preisach.properties.continuity import lipschitz, modulus
 from smarig.preisach.properties.extreme import Extreme
@@ -52,7 +53,8 @@ class Properties:
 
     ``kind``: surface (bounds proved), table or relays (exact), sampled (nothing proved between samples).
     ``lipschitz`` is C of Lemma 4.2 with g: every change is at most C times its ``xi``. ``changes`` are
-    taken at 1/16, 1/8, 1/4, 1/2 and the whole of the input range.
+    taken at 1/16, 1/8, 1/4, 1/2 and the whole of the input range. ``unit`` is that of outputs, empty where
+    the hysteresis does not say.
     """
 
     kind: Kind
@@ -66,6 +68,7 @@ class Properties:
     foa_crossing: Crossing | None
     lipschitz: float
     changes: tuple[Change, ...]
+    unit: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """Plain values by field name, with the classes' verdicts; None for NaN and for infinity."""
@@ -77,15 +80,17 @@ class Properties:
 
     def __repr__(self) -> str:
         c, m = self.classes, self.monotone
-        per = ("per relay", "per relay", "per threshold") if c.atoms else ("per K²", "per K", "per K")
+        unit = f"{self.unit} " if self.unit else ""
+        of = ("relay", "relay", "threshold") if c.atoms else ("K²", "K", "K")
+        per = [f"{unit}per {what}" for what in of]
         lines = [
             f"Properties of {_KINDS[self.kind]} on [{self.lower:g}, {self.upper:g}], "
-            f"output {self.y_lower:g} … {self.y_upper:g}",
+            f"output {self.y_lower:g} … {self.y_upper:g} {unit}".rstrip(),
             f"  classes   M_PC {_yes(c.M_PC)}, M_P {_yes(c.M_P)}, ν ≥ 0 {_yes(c.positive)}",
             f"  μ         least {_at(c.mu_min)}, largest {_at(c.mu_max)} {per[0]}",
             f"  g         least {_at(c.g_min)}, largest {_at(c.g_max)} {per[1]}; {c.reversible_share:.1%} of the range",
             f"  slopes    rising ≥ {_at(m.rising)}, falling ≥ {_at(m.falling)} {per[2]}: output follows input "
-            + (_yes(m.holds) if m.holds else f"no, up to {m.setback:.3g} against it"),
+            + (_yes(m.holds) if m.holds else f"no, up to {m.setback:.3g} {unit}against it"),
             f"  crossing  FOD {_crossing(self.fod_crossing)}; FOA {_crossing(self.foa_crossing)}",
             f"  C         {self.lipschitz:.4g} (|Δy| ≤ C |Δu|)",
             "  ξ         K(ξ)      2∬|μ|+∫|g|  largest change      modulus of continuity",
@@ -119,6 +124,7 @@ def properties(hysteresis: Everett) -> Properties:
         foa_crossing=crossing_ascending(h),
         lipschitz=lipschitz(h),
         changes=tuple(_change(h, share * plane.span) for share in SHARES),
+        unit=getattr(h.image if isinstance(h, Mirrored) else h, "unit", ""),
     )
 
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.fod_table import FodTable
+from smarig.preisach.interval import Interval
 from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.properties import enclosure
-from smarig.preisach.properties.enclosure import Interval
 from smarig.preisach.properties.plane import Plane, masses, table_of
 from smarig.preisach.relay_measure import RelayMeasure
 

@@ -8,3 +8,39 @@
 as a construction, ``operator_state`` speaks to ``smarig.preisach.operator``. ``Preisach`` is what runs in a
 loop; this package is what can be proved, drawn and measured about it.
 """
+
+from smarig.preisach.state_space.boundary import Boundary, anhysteretic, diagonal
+from smarig.preisach.state_space.driving import Input
+from smarig.preisach.state_space.maps import F, F_right, G, G_inverse, H, H_left
+from smarig.preisach.state_space.memory_sequence import MemorySequence
+from smarig.preisach.state_space.metric import distance, rotated_distance
+from smarig.preisach.state_space.operator_state import boundary_of, state_of
+from smarig.preisach.state_space.reachability import reach, staircase
+from smarig.preisach.state_space.read_out import read_out
+from smarig.preisach.state_space.rotation import Rotated, rotated
+from smarig.preisach.state_space.transition import sweep, transition
+
+__all__ = [
+    "Boundary",
+    "F",
+    "F_right",
+    "G",
+    "G_inverse",
+    "H",
+    "H_left",
+    "Input",
+    "MemorySequence",
+    "Rotated",
+    "anhysteretic",
+    "boundary_of",
+    "diagonal",
+    "distance",
+    "reach",
+    "read_out",
+    "rotated",
+    "rotated_distance",
+    "staircase",
+    "state_of",
+    "sweep",
+    "transition",
+]

@@ -1,0 +1,27 @@
+"""Where an input turns back, noise aside. Knows inputs only: no memory, no output."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def turning_points(u: NDArray[np.float64], threshold: float) -> list[int]:
+    """Indices of the first reading of u (n,), every reversal of more than ``threshold``, and the last reading.
+
+    A small move before the first branch is a turning point as well: the branch begins where it turned.
+
+    >>> turning_points(np.array([0.0, 3.0, 2.9, 4.0, 1.0, 2.0]), 1.5)
+    [0, 3, 5]
+    >>> turning_points(np.array([0.0, -0.1, 3.0]), 1.5)
+    [0, 1, 2]
+    """
+    turns, low, high, sense = [0], 0, 0, 0
+    for k, value in enumerate(u.tolist()):
+        low, high = (k if value < u[low] else low), (k if value > u[high] else high)
+        if sense >= 0 and value < u[high] - threshold:
+            turns += [high] if high > turns[-1] else []
+            sense, low = -1, k
+        elif sense <= 0 and value > u[low] + threshold:
+            turns += [low] if low > turns[-1] else []
+            sense, high = 1, k
+    last = u.size - 1
+    return [*turns, last] if turns[-1] != last else turns
