@@ -1,0 +1,174 @@
+"""Current staircases as a lab would ask for them: settled holds at targets, in runs of one sitting.
+
+Targets are commanded steady temperatures (R/hA) i², signed for two wires. Knows nothing of what is hidden.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.benchmark.boxes.relays import Hysteresis
+from smarig.benchmark.boxes.wire import Wire
+
+_TURNS = (0.9, 0.2, 0.72, 0.35, 0.58)
+_FEWEST, _MOST = 250, 420  # holds
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A constant current until the wire is steady, then ``extra_s``, then the window."""
+
+    target_K: float
+    branch: str
+    extra_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """One run: its name, whether it is kept from the learner, its holds."""
+
+    name: str
+    held_out: bool
+    holds: tuple[Hold, ...]
+
+
+@dataclass(frozen=True)
+class _Range:
+    """Saturations of the lab, and where it saw the wire move at all."""
+
+    lower: float
+    upper: float
+    first: float
+    last: float
+
+    def at(self, share: float) -> float:
+        """A target at a share of where the wire moves."""
+        return float(round(self.first + share * (self.last - self.first), 3))
+
+
+def drawn_plan(rng: np.random.Generator, wire: Wire, hysteresis: Hysteresis) -> tuple[RunPlan, ...]:
+    """All runs of a box, in the order of time: 250 to 420 holds."""
+    where = _seen(rng, wire, hysteresis)
+    curves, n = _levels(rng, where, int(rng.integers(8, 12))), int(rng.integers(3, 5))
+    train = [
+        RunPlan("fod", False, (*_saturate(where), *_rise(where, 10), *_curves(curves))),
+        RunPlan("congruency", False, tuple(_congruency(rng, where, n))),
+        RunPlan("wiping_out", False, tuple(_wiping_out(where, n))),
+    ]
+    if rng.random() < 0.3:
+        train.append(RunPlan("repeat", False, tuple(_repeat(rng, where, curves, wire))))
+    others = _levels(rng, where, int(rng.integers(6, 9)))
+    held_out = [RunPlan("curves", True, (*_saturate(where), *_curves(others)))]
+    points = int(rng.integers(40, 100))
+    so_far = sum(len(run.holds) for run in (*train, *held_out)) + 3
+    points = min(max(points, _FEWEST - so_far), _MOST - so_far)
+    held_out.append(RunPlan("validation", True, (*_saturate(where), *_walk(rng, where, points))))
+    rng.shuffle(held_out)  # pyright: ignore[reportArgumentType]
+    last = held_out[-1]
+    end = (Hold(where.upper, "saturate"), Hold(where.lower, "saturate"))
+    plan = (*train, *held_out[:-1], RunPlan(last.name, True, (*last.holds, *end)))
+    return _longer(rng, plan) if rng.random() < 0.3 else plan
+
+
+def hours(plan: tuple[RunPlan, ...], wire: Wire) -> float:
+    """About how long a plan takes."""
+    holds = [hold for run in plan for hold in run.holds]
+    return sum(25 + 8 * wire.tau_s + hold.extra_s for hold in holds) / 3600
+
+
+def _seen(rng: np.random.Generator, wire: Wire, hysteresis: Hysteresis) -> _Range:
+    first, last = np.quantile(hysteresis.beta, 0.01), np.quantile(hysteresis.alpha, 0.99)
+    lower = -wire.reference_K if wire.two_wire else 0.0
+    first = max(first - rng.uniform(0, 8), lower + 2)
+    return _Range(
+        lower, wire.reference_K, float(first), float(min(last + rng.uniform(0, 8), 0.97 * wire.reference_K))
+    )
+
+
+def _levels(rng: np.random.Generator, where: _Range, segments: int) -> list[float]:
+    """A partition: saturations, and levels in between, evenly spaced but for a draw."""
+    inner = (np.arange(segments - 1) + rng.uniform(0.2, 0.8, segments - 1)) / (segments - 1)
+    return [where.lower, *(where.at(s) for s in inner), where.upper]
+
+
+def _saturate(where: _Range) -> list[Hold]:
+    return [Hold(where.lower, "saturate")]
+
+
+def _line(start: float, stop: float, n: int, branch: str) -> list[Hold]:
+    return [Hold(float(round(u, 3)), branch) for u in np.linspace(start, stop, n + 1)[1:]]
+
+
+def _rise(where: _Range, n: int) -> list[Hold]:
+    """The ascending saturation, and back."""
+    steps = [Hold(where.at(k / (n - 1)), "major up") for k in range(n)]
+    return [*steps, Hold(where.upper, "major up"), Hold(where.lower, "saturate")]
+
+
+def _curves(levels: list[float]) -> list[Hold]:
+    """First-order descending curves over a partition."""
+    holds: list[Hold] = []
+    for k in range(1, len(levels)):
+        holds.append(Hold(levels[k], f"rise {k}"))
+        holds += [Hold(level, f"fod {k}") for level in reversed(levels[:k])]
+    return holds
+
+
+def _wiping_out(where: _Range, n: int) -> Iterable[Hold]:
+    """Two identical nested inputs; the second must retrace the first."""
+    turns, start = [where.at(share) for share in _TURNS], where.lower
+    yield from _saturate(where)
+    for segment in ("A", "B"):
+        yield from _line(start, turns[0], n, f"{segment} peak")
+        for k in range(1, len(turns)):
+            yield from _line(turns[k - 1], turns[k], n, f"{segment} {k}")
+        start = turns[-1]
+    yield from _saturate(where)
+
+
+def _congruency(rng: np.random.Generator, where: _Range, n: int) -> Iterable[Hold]:
+    """Loops between the same limits from both branches, three times each."""
+    middle, half = rng.uniform(0.45, 0.6), rng.uniform(0.12, 0.22)
+    bottom, top = where.at(middle - half), where.at(middle + half)
+    yield from _saturate(where)
+    yield from _line(where.at(0.0), top, n, "rise")
+    for k in range(1, 4):
+        yield from _line(top, bottom, n, f"A{k} down")
+        yield from _line(bottom, top, n, f"A{k} up")
+    yield Hold(where.upper, "peak")
+    yield from _line(where.at(1.0), bottom, n, "fall")
+    for k in range(1, 4):
+        yield from _line(bottom, top, n, f"B{k} up")
+        yield from _line(top, bottom, n, f"B{k} down")
+    yield from _saturate(where)
+
+
+def _repeat(rng: np.random.Generator, where: _Range, levels: list[float], wire: Wire) -> Iterable[Hold]:
+    """A pause, then one descending curve once more."""
+    k = int(rng.integers(len(levels) // 2, len(levels)))
+    rest_K = 0.0 if wire.two_wire else where.lower
+    yield Hold(rest_K, "pause", float(round(60 * rng.uniform(20, 60), 1)))
+    yield from _saturate(where)
+    yield Hold(levels[k], f"rise {k}")
+    for level in reversed(levels[:k]):
+        yield Hold(level, f"fod {k}")
+
+
+def _walk(rng: np.random.Generator, where: _Range, points: int) -> Iterable[Hold]:
+    """A random walk, turned back at the ends of where the wire moves."""
+    share = rng.uniform(0.3, 0.9)
+    for _ in range(points):
+        share = abs(share + rng.normal(0, 0.3)) % 2
+        share = 2 - share if share > 1 else share
+        yield Hold(where.at(share), "validation")
+
+
+def _longer(rng: np.random.Generator, plan: tuple[RunPlan, ...]) -> tuple[RunPlan, ...]:
+    """Some holds last longer than others."""
+    waits = (0.0, 0.0, 0.0, 30.0, 120.0, 300.0)
+
+    def waited(hold: Hold) -> Hold:
+        return Hold(hold.target_K, hold.branch, hold.extra_s + float(rng.choice(waits)))
+
+    return tuple(RunPlan(run.name, run.held_out, tuple(waited(h) for h in run.holds)) for run in plan)

@@ -1,0 +1,158 @@
+"""One sitting at a wire: holds carried out on a grid of time that is fine after each change of current.
+
+A first pass decides how long each hold lasts; further passes (without noise, without effects) repeat its grid.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.benchmark.boxes.outputs import Trajectory
+from smarig.benchmark.boxes.plant import Plant
+from smarig.benchmark.boxes.protocol import Hold
+from smarig.benchmark.boxes.relays import Array
+from smarig.benchmark.boxes.wire import Wire
+
+PERIOD_S = 0.1
+_GROWTH, _COARSEST = 1.12, 20  # ticks
+WINDOW, _WINDOW_TICKS = 25, 10  # samples of a second
+_STEADY_K, _TIMEOUT_S = 0.01, 600.0
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Times (n,) as ticks from the start, their hold, whether they are in its window; ``late`` per hold."""
+
+    tick: NDArray[np.intp]
+    hold: NDArray[np.intp]
+    window: NDArray[np.bool_]
+    late: tuple[bool, ...]
+
+    @property
+    def t_s(self) -> Array:
+        """Times."""
+        return np.asarray(self.tick * PERIOD_S, dtype=float)
+
+    @property
+    def dt_s(self) -> Array:
+        """Time since the one before."""
+        return np.diff(self.tick, prepend=0) * PERIOD_S
+
+    def settled(self, y: Array) -> Array:
+        """Means over the windows, one a hold."""
+        hold = self.hold[self.window]
+        return np.bincount(hold, y[self.window]) / np.bincount(hold)
+
+
+@dataclass(frozen=True)
+class Draughts:
+    """Temperature noise of the wire: standard deviation and correlation time (Ornstein–Uhlenbeck)."""
+
+    sd_K: float
+    time_s: float
+
+    def source(self, rng: np.random.Generator) -> Callable[[float], float]:
+        """A function of the time since the last call."""
+        state, kicks = 0.0, iter(())
+
+        def blow(dt_s: float) -> float:
+            nonlocal state, kicks
+            kick = next(kicks, None)
+            if kick is None:
+                kicks = iter(rng.standard_normal(4096).tolist())
+                kick = next(kicks)
+            decay = math.exp(-dt_s / self.time_s)
+            state = decay * state + self.sd_K * math.sqrt(1 - decay * decay) * kick
+            return state
+
+        return blow if self.sd_K else _calm
+
+
+def _calm(dt_s: float) -> float:  # noqa: ARG001
+    return 0.0
+
+
+class _Log:
+    """What a plant does, step by step."""
+
+    def __init__(self) -> None:
+        self.rows: list[tuple[float, ...]] = []
+
+    def add(self, plant: Plant) -> None:
+        """The state at the end of a step."""
+        now = plant.now
+        self.rows.append(
+            (
+                now.share,
+                plant.input_K,
+                plant.felt_K,
+                now.travel,
+                plant.current_A,
+                plant.resistance,
+                plant.room_K,
+            )
+        )
+
+    def trajectory(self, grid: Grid) -> Trajectory:
+        """All of it, as columns."""
+        return Trajectory(grid.t_s, grid.hold, *np.array(self.rows).T)
+
+
+def first_pass(
+    plant: Plant, wire: Wire, holds: Sequence[Hold], blow: Callable[[float], float]
+) -> tuple[Grid, Trajectory]:
+    """Carry out the holds, each until the wire is within 0.01 K of steady (or 600 s), and its window."""
+    log, ticks, numbers, windows, late = _Log(), [], [], [], []
+    tick = 0
+    for k, hold in enumerate(holds):
+        command_A = wire.command(hold.target_K)
+        begin, step, arrived = tick, 1.0, False
+        while not arrived and (tick - begin) * PERIOD_S < _TIMEOUT_S:
+            tick += int(step)
+            _go(plant, log, command_A, int(step), blow)
+            ticks.append(tick)
+            step = min(step * _GROWTH, _COARSEST)
+            arrived = plant.to_go_K < _STEADY_K
+        waits = [_COARSEST] * round(hold.extra_s / PERIOD_S / _COARSEST)
+        for more in (*waits, *[_WINDOW_TICKS] * WINDOW):
+            tick += more
+            _go(plant, log, command_A, more, blow)
+            ticks.append(tick)
+        late.append(not arrived)
+        windows += [False] * (len(ticks) - len(windows) - WINDOW) + [True] * WINDOW
+        numbers += [k] * (len(ticks) - len(numbers))
+    grid = Grid(np.array(ticks), np.array(numbers), np.array(windows), tuple(late))
+    return grid, log.trajectory(grid)
+
+
+def again(plant: Plant, wire: Wire, holds: Sequence[Hold], grid: Grid) -> Trajectory:
+    """The same times and currents, in still air."""
+    log = _Log()
+    commands = [wire.command(hold.target_K) for hold in holds]
+    for k, dt_s in zip(grid.hold.tolist(), grid.dt_s.tolist()):
+        plant.step(commands[k], dt_s, 0.0)
+        log.add(plant)
+    return log.trajectory(grid)
+
+
+def _go(plant: Plant, log: _Log, command_A: float, ticks: int, blow: Callable[[float], float]) -> None:
+    dt_s = ticks * PERIOD_S
+    plant.step(command_A, dt_s, blow(dt_s))
+    log.add(plant)
+
+
+def believed_input(wire: Wire, holds: Sequence[Hold], grid: Grid) -> Array:
+    """The heating model's temperature along the commands, by the constants the lab believes in: closed form."""
+    starts = np.flatnonzero(np.diff(grid.hold, prepend=-1))
+    stops = np.append(starts[1:], grid.hold.size)
+    input_K, first, second, before = np.empty(grid.hold.size), 0.0, 0.0, 0.0
+    for a, b, hold in zip(starts.tolist(), stops.tolist(), holds):
+        decay = np.exp(-(grid.t_s[a:b] - before) / wire.tau_s)
+        to_first, to_second = max(hold.target_K, 0.0), max(-hold.target_K, 0.0)
+        one, two = to_first + (first - to_first) * decay, to_second + (second - to_second) * decay
+        input_K[a:b] = one - two
+        first, second, before = float(one[-1]), float(two[-1]), float(grid.t_s[b - 1])
+    return input_K

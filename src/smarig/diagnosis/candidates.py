@@ -1,0 +1,171 @@
+"""What might be wrong: every effect of the catalogue, and every plain "it depends on …", as traces in this very story.
+
+A named candidate's traces are what its effect, planted weakly, would have changed in each reading; one trace for
+each combination of its other parameters. A generic candidate is a smooth function of one variable, added to
+position or felt as temperature. All compete by the same measure. Knows no data and takes no decision.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.refit import Refit
+from smarig.diagnosis.retelling import Retelling, Subject, retold
+from smarig.diagnosis.story import Story
+from smarig.model.effect import Kind, Parameter, Planted
+
+Array = NDArray[np.float64]
+WEAK = 0.25  # of the typical strength: where a trace is still in proportion
+SEEN = 4.0  # standard deviations that the largest strength must stand out by
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Whitened traces (N, v) of one explanation.
+
+    ``kind`` with ``planted`` (v) for a named one: each trace by itself, ``signed`` when strength may be negative.
+    ``depends_on`` for a generic one: the traces together, an orthonormal basis. ``size`` (v,): whitened length per
+    unit of strength.
+    """
+
+    name: str
+    traces: Array
+    kind: Kind | None = None
+    planted: tuple[Planted, ...] = ()
+    depends_on: str = ""
+    size: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def generic(self) -> bool:
+        """Whether it names a variable instead of a cause."""
+        return self.kind is None
+
+    @property
+    def signed(self) -> bool:
+        """Whether the strength may be negative."""
+        return self.kind is not None and self.kind.primary.lower < 0
+
+    def explained(self, data: Array) -> Array:
+        """Share of the squares of whitened data (N,) or (N, m) that the candidate takes up, best variant, (m,)."""
+        y = data[:, None] if data.ndim == 1 else data
+        total = np.sum(y**2, axis=0)
+        if not self.traces.shape[1]:
+            return np.zeros(y.shape[1])
+        along = self.traces.T @ y
+        if self.generic:
+            return np.sum(along**2, axis=0) / total
+        if not self.signed:
+            along = np.maximum(along, 0.0)
+        return np.max(along**2, axis=0) / total
+
+    def best(self, data: Array) -> tuple[Planted, float]:
+        """The variant that takes up most of whitened data (N,), at the strength that does."""
+        along = self.traces.T @ data
+        worth = np.abs(along) if self.signed else along
+        k = int(np.argmax(worth))
+        kind, planted = self.kind, self.planted[k]
+        assert kind is not None  # noqa: S101 - only named candidates have variants
+        primary = kind.primary
+        strength = float(np.sign(planted.strength) * along[k] / self.size[k])
+        values = {**planted.values, primary.name: min(max(strength, primary.lower), primary.upper)}
+        return kind(**values), float(worth[k])
+
+    def gain(self, data: Array) -> Array:
+        """½ N log(1/(1 − share)): the log likelihood ratio with the noise's size refitted, (m,)."""
+        return -0.5 * data.shape[0] * np.log1p(-np.minimum(self.explained(data), 1 - 1e-12))
+
+
+def named(story: Story, subject: Subject, base: Retelling, kinds: Sequence[Kind]) -> Iterator[Candidate]:
+    """A candidate for each kind, with raw traces: what it would have changed, planted weakly."""
+    zero = base.stacked(story)
+    for kind in kinds:
+        planted = tuple(_variants(kind, story))
+        traces = np.column_stack([retold(story, subject, [p]).stacked(story) - zero for p in planted])
+        yield Candidate(kind.name, traces, kind, planted)
+
+
+def whitened(candidate: Candidate, refitted: Refit) -> Candidate:
+    """Traces of unit length where nothing else explains them; those that cannot be seen here are left out.
+
+    A trace is seen when the largest strength its bounds allow would stand out of the noise.
+    """
+    white = refitted.whitened(candidate.traces)
+    if candidate.kind is None:
+        q, r = np.linalg.qr(white)
+        size = np.abs(np.diag(r))
+        return replace(candidate, traces=q[:, size > 1e-6 * max(size.max(), 1e-300)])
+    size = np.sqrt(np.sum(white**2, axis=0))
+    largest = max(candidate.kind.primary.upper, -candidate.kind.primary.lower)
+    strength = np.array([abs(p.strength) for p in candidate.planted])
+    seen = size * largest / strength > SEEN
+    kept = tuple(p for p, s in zip(candidate.planted, seen) if s)
+    return replace(
+        candidate, traces=white[:, seen] / size[seen], planted=kept, size=size[seen] / strength[seen]
+    )
+
+
+def _variants(kind: Kind, story: Story) -> Iterator[Planted]:
+    hours = float(story.drive.end_s[-1]) / 3600
+    others = kind.parameters[1:]
+    strength = WEAK * kind.primary.typical
+    for values in product(*[_tries(p, hours) for p in others]):
+        yield kind(strength, **{p.name: v for p, v in zip(others, values)})
+
+
+def _tries(parameter: Parameter, hours: float) -> tuple[float, ...]:
+    unit = hours if parameter.of_record else 1.0
+    tries = parameter.tries or (parameter.typical,)
+    return tuple(float(np.clip(t * unit, parameter.lower, parameter.upper)) for t in tries)
+
+
+def generic(story: Story, base: Retelling, slope: Array) -> Iterator[Candidate]:
+    """ "It depends on z", for each z the story knows: added or felt, five smooth functions each; raw traces."""
+    total = sum(len(r) for r in story.kinds)
+    for name, z in _variables(story, base).items():
+        basis = _smooth(z)
+        if not basis.shape[1]:
+            continue
+        both = np.column_stack([basis, basis * slope[: z.size, None]])
+        traces = np.zeros((total, both.shape[1]))
+        traces[: z.size] = both
+        yield Candidate(f"?{name}", traces, depends_on=name)
+
+
+def _variables(story: Story, base: Retelling) -> dict[str, Array]:
+    """Variables (n,) at settled and moving positions."""
+    step = np.concatenate([r.step for r in story.kinds if r.kind in ("settled", "moving")])
+    t = np.concatenate([r.t_s for r in story.kinds if r.kind in ("settled", "moving")])
+    target = story.target_K
+    before = np.concatenate([[target[0]], target[:-1]])
+    level = np.concatenate([base.values[k] for k in ("settled", "moving") if k in base.values])
+    travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
+    turned = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(np.sign(np.diff(target)), prepend=1)) > 0)])
+    elapsed = t - np.array([s.t_start_s for r in story.runs for s in r.settled])[step] + _origin(story)
+    return {
+        "time": t,
+        "cycle": travel[step],
+        "level": level,
+        "step": (target - before)[step],
+        "hold": np.log(np.maximum(story.hold_s, 1.0))[step],
+        "rate": np.exp(-np.maximum(elapsed, 0.0) / 10.0) * np.sign(target - before)[step],
+        "history": before[step],
+        "reversals": turned[: target.size][step],
+    }
+
+
+def _origin(story: Story) -> float:
+    run = story.runs[0]
+    return float(run["t_s"][0]) - float(run.meta.get("period_s") or 0.1)
+
+
+def _smooth(z: Array, functions: int = 5) -> Array:
+    """Cosines over the ranks of z, (n, up to 5): smooth in z wherever its values lie."""
+    values, where = np.unique(np.round(z, 9), return_inverse=True)
+    if values.size < 2:
+        return np.empty((z.size, 0))
+    place = (np.arange(values.size) + 0.5) / values.size
+    waves = np.arange(1, min(functions, values.size - 1) + 1)
+    return np.cos(np.pi * place[:, None] * waves[None, :])[where]

@@ -1,0 +1,216 @@
+"""Everything refitted at once: what data leave unexplained whatever density the hysteresis has.
+
+    y = Γ[u] + e,    Γ of any smooth density (``free_density``),    e ~ N(0, Σ)     ⇒     y ~ N(0, C)
+
+How smooth, and how large the noise, are those of largest likelihood. An effect's trace t then explains
+½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone could. Knows no effects.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cholesky, solve_triangular
+from scipy.optimize import minimize
+
+from smarig.diagnosis.free_density import free_density
+from smarig.diagnosis.noise import propagated, remembered
+from smarig.diagnosis.retelling import COUPLED, Retelling, Subject
+from smarig.diagnosis.story import Readings, Story
+from smarig.preisach.operator import Preisach
+
+Array = NDArray[np.float64]
+ANY = 30.0  # sd of a zero, in ranges of the output: whatever it likes
+CORRELATIONS_S = (30.0, 120.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Standard deviations: ``white`` (n,) of each coupled reading by itself, temperature (K), settled positions."""
+
+    white: Array
+    temperature_K: float
+    correlation_s: float
+    settled: float
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """The stacked readings of a story, whitened: ``factor`` (N, N) is the Cholesky factor of C.
+
+    ``scale`` (N,) divides each reading; ``data`` (N,) are the readings so divided, whitened; ``fitted`` (coupled,)
+    what the refitted density says there beyond what the subject's does, in their unit.
+    """
+
+    factor: Array
+    scale: Array
+    data: Array
+    noise: Noise
+    fitted: Array
+    log_evidence: float
+    coupled: int
+
+    def centred(self, rest: Array, story: Story) -> Array:
+        """Whitened (N,) readings minus predictions, the free constants of blocks apart taken out as in ``data``."""
+        at = 0
+        rest = rest.copy()
+        for r in story.kinds:
+            if r.kind not in COUPLED and r.kind != "current":
+                rest[at : at + len(r)] -= rest[at : at + len(r)].mean()
+            at += len(r)
+        return self.whitened(rest)
+
+    def whitened(self, traces: Array) -> Array:
+        """L⁻¹ of traces in the readings' units, (N,) or (N, m)."""
+        scaled = traces / (self.scale if traces.ndim == 1 else self.scale[:, None])
+        return solve_triangular(self.factor, scaled, lower=True, check_finite=False)
+
+
+def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Refit:
+    """Likelihood-best smoothness and noise for a story as retold, and its readings whitened by them.
+
+    ``traces`` (N, m), of all that may be wrong, are left out of the likelihood (as if each had an unknown
+    strength), so that no hidden effect passes for noise.
+    """
+    coupled = [r for r in story.kinds if r.kind in COUPLED]
+    apart = [r for r in story.kinds if r.kind not in COUPLED]
+    y = np.concatenate([r.value - told.values[r.kind] for r in coupled])
+    span, n = subject.stroke, y.size
+    white, free, scale, reach = _units(story, told, subject, coupled, span)
+    h = subject.hysteresis
+    path = Preisach(h, subject.initial).simulate(told.felt_K)
+    prior = free_density(told, h, path, told.output)
+    J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
+    whole = y + told.follows * (
+        told.output - h.y_lower
+    )  # what any hysteresis must give, not only a change of this one
+    aside = _leading(traces[:n] / scale[:, None])
+    fixed = free + _BIG**2 * aside @ aside.T
+    best = None
+    for correlation in CORRELATIONS_S:
+        memory = propagated(J, times, correlation) / span**2
+        found = _likeliest(whole / scale, prior, memory, fixed, white, reach)
+        if best is None or found[0] < best[0]:
+            best = (*found, correlation, memory)
+    assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
+    cost, (v, s0, s_T), correlation, memory = best
+    noise_part = _noise(memory, s0, s_T, white, reach)
+    C = reach[:, None] * (v * prior) * reach + free + noise_part
+    blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
+    factor, scales, data = _stacked(blocks)
+    whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
+    weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans="T", check_finite=False)
+    fitted = y - scale * (noise_part @ weights)
+    sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
+    noise = Noise(sd, s_T, correlation, span * s0)
+    return Refit(factor, scales, whitened, noise, fitted, -cost, n)
+
+
+_BIG = 30.0  # sd of the strength of a trace that is left out, in ranges
+
+
+LEADING = 25  # directions of what may be wrong that noise is not judged by
+
+
+def _leading(traces: Array) -> Array:
+    """An orthonormal basis (n, r) of the directions most traces share."""
+    size = np.sqrt(np.sum(traces**2, axis=0))
+    u = np.linalg.svd(traces[:, size > 0] / size[size > 0], full_matrices=False)[0]
+    return u[:, : min(LEADING, traces.shape[0] // 6)]
+
+
+def _units(
+    story: Story, told: Retelling, subject: Subject, coupled: list[Readings], span: float
+) -> tuple[Array, Array, Array, Array]:
+    """Per coupled reading: own white noise (scaled), covariance of free zeros, scale, slope to y (scaled)."""
+    raw = _raw_noise(story, subject)
+    white, scale, zero = [], [], []
+    for k, r in enumerate(coupled):
+        y = r.value - told.values[r.kind]
+        own = {"settled": 0.0, "moving": raw}.get(r.kind)
+        noise = max(_local_noise(y), _FINEST["resistance"]) if own is None else own
+        scale.append(np.full(len(r), noise if own is None else span))
+        white.append(np.full(len(r), 1.0 if own is None else noise / span))
+        zero.append(np.full(len(r), k if own is None else 0))
+    own_zero, scales = np.concatenate(zero), np.concatenate(scale)
+    same = own_zero[:, None] == own_zero[None, :]
+    size = np.where(own_zero == 0, ANY, _ANY_ZERO)
+    slope = told.follows * span / scales
+    return np.concatenate(white), np.where(same, np.outer(size, size), 0.0), scales, slope
+
+
+def _noise(memory: Array, s0: float, s_T: float, white: Array, slope: Array) -> Array:
+    """Σ, scaled: s₀ is in every position, a reading's own noise beside it."""
+    C = slope[:, None] * (s_T**2 * memory) * slope
+    C[np.diag_indices_from(C)] += white**2 + np.where(white < 1.0, s0**2, 0.0)
+    return C
+
+
+def _likeliest(
+    y: Array, prior: Array, memory: Array, fixed: Array, white: Array, slope: Array
+) -> tuple[float, tuple[float, ...]]:
+    """(−log likelihood, (v, s₀, s_T)) at its least."""
+
+    def cost(x: Array) -> float:
+        v, s0, s_T = 10.0 ** np.clip(x, _LEAST, _MOST)
+        C = slope[:, None] * (v * prior) * slope + fixed + _noise(memory, s0, s_T, white, slope)
+        try:
+            L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
+        except LinAlgError:
+            return 1e12
+        z = solve_triangular(L, y, lower=True, check_finite=False)
+        return float(0.5 * z @ z + np.log(np.diag(L)).sum())
+
+    found = minimize(
+        cost,
+        _START,
+        method="Nelder-Mead",
+        options={"xatol": 0.05, "fatol": 0.1, "maxfev": 160, "initial_simplex": _SIMPLEX},
+    )
+    return float(found.fun), tuple(10.0 ** np.clip(found.x, _LEAST, _MOST))
+
+
+_START = np.array([3.0, -3.7, -1.3])  # log₁₀ of v, s₀ (ranges), s_T (K)
+_LEAST, _MOST = np.array([-3.0, -5.5, -4.0]), np.array([9.0, 0.0, 1.0])
+_SIMPLEX = _START + np.vstack([np.zeros(3), np.diag([1.0, 0.7, 0.7])])
+
+
+def _raw_noise(story: Story, subject: Subject) -> float:
+    """Sd of a single position reading, from the scatter within settled windows; half a count at least."""
+    spread = []
+    for run in story.runs:
+        for step in run.settled[:: max(1, len(run.settled) // 40)]:
+            rows = np.flatnonzero(run["step"] == step.index)[-max(step.n, 1) :]
+            if rows.size > 20:
+                spread.append(float(np.var(np.diff(run["position"][rows])) / 2))
+    return float(np.sqrt(max(np.median(spread) if spread else 0.0, (0.5 * subject.per_count) ** 2, 1e-12)))
+
+
+_FINEST = {"resistance": 2e-3, "current": 2e-4, "room": 0.02}  # ohm, A, K: no instrument is better
+_ANY_ZERO = 1e3  # sd of a block's own zero, in noises: sure to be absorbed, and no trouble for rounding
+
+
+def _apart(readings: Readings, told: Retelling) -> tuple[Array, Array, Array]:
+    """A block of its own: a free constant (not for currents), white noise judged by what a smooth curve leaves."""
+    y = readings.value - told.values[readings.kind]
+    noise = max(_local_noise(y), _FINEST[readings.kind])
+    zero = 0.0 if readings.kind == "current" else _ANY_ZERO**2
+    y = y if readings.kind == "current" else y - y.mean()
+    return np.full((y.size, y.size), zero) + np.eye(y.size), np.full(y.size, noise), y
+
+
+def _local_noise(y: Array) -> float:
+    """Sd of white noise from second differences of neighbours, robustly."""
+    bends = y[:-2] - 2 * y[1:-1] + y[2:]
+    return max(
+        float(np.median(np.abs(bends))) / 0.6745 / np.sqrt(6.0), 1e-9 * max(float(np.abs(y).max()), 1e-9)
+    )
+
+
+def _stacked(blocks: list[tuple[Array, Array, Array]]) -> tuple[Array, Array, Array]:
+    size = sum(y.size for _, _, y in blocks)
+    factor, at = np.zeros((size, size)), 0
+    for C, _, y in blocks:
+        factor[at : at + y.size, at : at + y.size] = cholesky(C, lower=True, check_finite=False)
+        at += y.size
+    return factor, np.concatenate([s for _, s, _ in blocks]), np.concatenate([y for _, _, y in blocks])

@@ -1,0 +1,156 @@
+"""What a model would have shown along a story, with and without effects: the plant retold on the critic's own ticks.
+
+Every effect acts in the very plant the twin runs, so there is one place where an effect is written. The ticks are
+fine after each change of the current and coarse later (``story.Drive``); ``numerics`` says what that costs.
+Knows no data: predictions come from commands alone, so measured positions cannot explain themselves.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.story import Story
+from smarig.model.actuator import Actuator
+from smarig.model.effect import Effect
+from smarig.model.plant import Plant
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, State
+
+Array = NDArray[np.float64]
+
+COUPLED = ("settled", "moving", "resistance")  # kinds of readings that follow the operator's output
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is believed of the wire: constants, hysteresis, the state the story begins in, known effects."""
+
+    actuator: Actuator
+    hysteresis: Everett
+    initial: Initial
+    effects: tuple[Effect, ...] = ()
+    per_count: float = 0.0
+
+    @property
+    def stroke(self) -> float:
+        """Output between both saturations."""
+        h = self.hysteresis
+        return h.everett(h.upper, h.lower) or 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Retelling:
+    """Predictions by kind of reading, (n,) each; ``t_s`` and ``felt_K`` (m,) the path of what the hysteresis felt.
+
+    ``states``, ``output`` and ``marks`` (n,) are the operator's memory, its output and the tick at each reading
+    that depends on them (settled and moving positions, resistances); position minus output is what effects after
+    the operator have added. ``follows`` (n,) is the reading's slope to the output: 1, or ∂R/∂y.
+    """
+
+    values: dict[str, Array]
+    t_s: Array
+    felt_K: Array
+    states: tuple[State, ...]
+    output: Array
+    marks: Array
+    follows: Array
+
+    def stacked(self, story: Story) -> Array:
+        """All predictions in the order of the story's readings, (N,)."""
+        return np.concatenate([self.values[r.kind] for r in story.kinds])
+
+
+def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Retelling:
+    """The story as the subject would have lived it, with further effects."""
+    plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, (*subject.effects, *effects))
+    wanted = np.unique(np.round(np.concatenate([r.t_s for r in story.kinds]), 6))
+    t, current = story.drive.ticks(wanted)
+    marks = np.isin(t, wanted, assume_unique=False)
+    told = _Told(subject)
+    felt = np.empty(t.size)
+    before = 0.0
+    for k, (now, i, mark) in enumerate(zip(t.tolist(), current.tolist(), marks.tolist())):
+        plant.advance(i, now - before)
+        before = now
+        felt[k] = plant.felt_K
+        told.sensed(plant)
+        if mark:
+            told.read(now, plant, i)
+    return told.finished(story, t, felt, np.flatnonzero(marks))
+
+
+class _Told:
+    """Collects what the plant showed at the times of readings."""
+
+    def __init__(self, subject: Subject) -> None:
+        self.wire, self.per_count = subject.actuator, subject.per_count or 1.0
+        self.times: list[float] = []
+        self.stroke = subject.stroke
+        self.rows: list[tuple[float, ...]] = []
+        self.states: list[State] = []
+        self.counts = 0.0
+
+    def sensed(self, plant: Plant) -> None:
+        """The sensor sees every tick, because it may have a memory."""
+        self.counts = plant.sensed(plant.position / self.per_count)
+
+    def read(self, now: float, plant: Plant, command_A: float) -> None:
+        """One row of everything there is to read."""
+        mirrored = command_A < 0 and self.wire.two_wire
+        austenite = 1 - plant.austenite if mirrored else plant.austenite
+        resistance = self.wire.resistance_at_ohm(austenite) * plant.now.resistance
+        self.times.append(now)
+        self.rows.append(
+            (
+                self.counts * self.per_count,
+                plant.operator.y,
+                resistance,
+                plant.current(command_A) - command_A,
+                command_A,
+                plant.now.ambient_K,
+            )
+        )
+        self.states.append(plant.operator.state)
+
+    def finished(self, story: Story, t: Array, felt: Array, marks: Array) -> Retelling:
+        """Rows sorted to the readings they belong to."""
+        table = np.array(self.rows)
+        column = {"settled": 0, "moving": 0, "resistance": 2, "current": 3, "room": 5}
+        at = {r.kind: np.searchsorted(self.times, np.round(r.t_s, 6)) for r in story.kinds}
+        rows = np.concatenate([at[k] for k in COUPLED if k in at])
+        slope = np.concatenate([self._slope(k, table[at[k], 4]) for k in COUPLED if k in at])
+        return Retelling(
+            {kind: table[rows, column[kind]] for kind, rows in at.items()},
+            t,
+            felt,
+            tuple(self.states[k] for k in rows),
+            table[rows, 1],
+            marks[rows],
+            slope,
+        )
+
+    def _slope(self, kind: str, command_A: Array) -> Array:
+        """∂(reading)/∂(operator's output): a resistance follows the austenite of the wire that carries the current."""
+        if kind != "resistance":
+            return np.ones(command_A.size)
+        per_stroke = self.wire.resistance_at_ohm(1.0) - self.wire.resistance_at_ohm(0.0)
+        sign = np.where((command_A < 0) & self.wire.two_wire, -1.0, 1.0)
+        return sign * per_stroke / self.stroke
+
+
+def numerics(story: Story, subject: Subject) -> float:
+    """Largest difference of settled positions between the critic's ticks and ones a quarter as long, output units."""
+    coarse, fine = (np.array([]), np.array([]))
+    coarse = retold(story, subject).values["settled"]
+    t, current = story.drive.ticks(np.round(story.settled.t_s, 6))
+    plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, subject.effects)
+    seen, before = {}, 0.0
+    for now, i in zip(t.tolist(), current.tolist()):
+        for _ in range(4):
+            plant.advance(i, (now - before) / 4)
+        before = now
+        seen[now] = plant.position
+    fine = np.array([seen[v] for v in np.round(story.settled.t_s, 6).tolist()])
+    return float(np.abs(coarse - fine).max())

@@ -1,0 +1,248 @@
+"""What was done and what was measured: runs of one wire as one story on one clock.
+
+Commands become stretches of constant current; readings become observations of a few kinds (settled and moving
+positions, resistance, current, room). Knows no model: nothing here depends on what is believed of the wire.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.errors import DataError
+from smarig.record import Run, Step
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+FIRST_S, GROWTH, LONGEST_S = 0.1, 1.25, 5.0  # time steps after a change of the current
+MOVING = (0.3, 0.8, 1.5, 2.5, 4.0)  # time constants after a step, where a moving position is read
+DENSE = 12  # samples in a hold that make it a transient
+LEAST_A = 0.15  # a smaller current tells no resistance
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Observations of one kind: values (n,), the time of each on the story's clock, and its settled step.
+
+    ``step`` (n,) counts the settled points of the story; ``noise`` is the sd of one reading, None if unknown.
+    """
+
+    kind: str
+    value: Array
+    t_s: Array
+    step: Integers
+    unit: str
+    noise: float | None = None
+
+    def __len__(self) -> int:
+        return self.value.size
+
+    def where(self, keep: NDArray[np.bool_]) -> "Readings":
+        """Some of them."""
+        return Readings(self.kind, self.value[keep], self.t_s[keep], self.step[keep], self.unit, self.noise)
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Constant currents: ``current_A`` (m,) each until ``end_s`` (m,), from 0 s."""
+
+    end_s: Array
+    current_A: Array
+
+    def ticks(self, at_s: Array) -> tuple[Array, Array]:
+        """Times (k,) and currents (k,): fine after each change, coarse later, every ``at_s`` among them."""
+        begin = np.concatenate([[0.0], self.end_s[:-1]])
+        grid = [np.concatenate([_growing(a, b), [b]]) for a, b in zip(begin, self.end_s)]
+        wanted = at_s[(at_s > 0) & (at_s <= self.end_s[-1])]
+        t = np.unique(np.round(np.concatenate([*grid, wanted]), 6))
+        which = np.clip(np.searchsorted(self.end_s, t - 1e-7), 0, self.end_s.size - 1)
+        return t, self.current_A[which]
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """Everything that was done to the wire and read from it, in time order.
+
+    ``settled`` are positions of finished steps; ``target_K`` (k,), ``hold_s`` (k,), ``run`` (k,) describe those
+    steps; ``block`` (k,) numbers the excursions that are held out together. ``others`` are readings of other kinds.
+    """
+
+    drive: Drive
+    settled: Readings
+    others: tuple[Readings, ...]
+    target_K: Array
+    hold_s: Array
+    run: Integers
+    block: Integers
+    runs: tuple[Run, ...]
+
+    @property
+    def unit(self) -> str:
+        """Unit of position."""
+        return self.settled.unit
+
+    @property
+    def kinds(self) -> tuple[Readings, ...]:
+        """All readings, settled positions first."""
+        return (self.settled, *self.others)
+
+    @property
+    def input_K(self) -> Array:
+        """Targets with an unknown one replaced by the nearest known."""
+        return self.target_K
+
+
+def told(runs: Sequence[Run], tau_s: float) -> Story:
+    """Runs of one sitting, in time order, as one story. DataError when they hold no settled steps.
+
+    ``tau_s``: the wire's time constant, which says when a position is moving and worth reading.
+    """
+    order = sorted(runs, key=lambda r: float(r["t_s"][0]) if len(r) and r.has("t_s") else 0.0)
+    if not any(run.settled for run in order):
+        raise DataError("The runs hold no settled steps; a diagnosis needs some.")
+    for run in order:
+        if not (run.has("t_s") and (run.has("current_command_A") or run.has("current_A"))):
+            raise DataError(
+                f"{run.path} has no clock or no current: a diagnosis of such runs needs its input as the drive."
+            )
+    start = float(order[0]["t_s"][0]) - float(order[0].meta.get("period_s") or 0.1)
+    parts = [_Part(run, k, start, tau_s) for k, run in enumerate(order)]
+    steps = np.concatenate([np.full(len(p.steps), p.number) for p in parts]).astype(np.int64)
+    first = np.cumsum([0, *[len(p.steps) for p in parts]])[:-1]
+    settled = _joined([p.settled(int(n)) for p, n in zip(parts, first)])
+    target = np.array([s.target for p in parts for s in p.steps], dtype=float)
+    return Story(
+        drive=_joined_drive([p.drive for p in parts]),
+        settled=settled,
+        others=tuple(_others(parts, first)),
+        target_K=target,
+        hold_s=np.array([(s.t_end_s or s.t_start_s) - s.t_start_s for p in parts for s in p.steps]),
+        run=steps,
+        block=_blocks(target, steps),
+        runs=tuple(order),
+    )
+
+
+def _growing(begin: float, end: float) -> Array:
+    """Times after ``begin`` at growing distances, up to ``end``."""
+    length = end - begin
+    steps = FIRST_S * GROWTH ** np.arange(64)
+    t = np.cumsum(np.minimum(steps, LONGEST_S))
+    if t[-1] < length:
+        t = np.concatenate([t, np.arange(t[-1] + LONGEST_S, length, LONGEST_S)])
+    return begin + t[t < length - 0.5 * FIRST_S]
+
+
+def _blocks(target: Array, run: Integers) -> Integers:
+    """Excursions out and back, numbered through all runs: a block ends where the direction turns upwards."""
+    number = np.zeros(target.size, dtype=np.int64)
+    count, falling = 0, False
+    for k in range(1, target.size):
+        change = target[k] - target[k - 1]
+        if run[k] != run[k - 1] or (falling and change > 0):
+            count, falling = count + 1, False
+        falling = falling or change < 0
+        number[k] = count
+    return number
+
+
+class _Part:
+    """One run on the story's clock."""
+
+    def __init__(self, run: Run, number: int, start_s: float, tau_s: float) -> None:
+        self.run, self.number, self.tau_s = run, number, tau_s
+        self.t = run["t_s"] - start_s
+        self.start_s = start_s
+        name = "current_command_A" if run.has("current_command_A") else "current_A"
+        self.command = np.nan_to_num(run[name])
+        self.steps: tuple[Step, ...] = run.settled
+        self.rows = self._rows()
+        self.late = self._late()
+
+    @property
+    def drive(self) -> Drive:
+        changes = np.flatnonzero(np.diff(self.command)) if self.t.size else np.empty(0, dtype=np.int64)
+        last = np.append(changes, self.t.size - 1)
+        return Drive(self.t[last], self.command[last])
+
+    def _rows(self) -> list[slice]:
+        begin = np.searchsorted(self.t, [s.t_start_s - self.start_s + 1e-6 for s in self.steps])
+        end = np.searchsorted(self.t, [(s.t_end_s or s.t_start_s) - self.start_s + 1e-6 for s in self.steps])
+        return [slice(int(a), int(b)) for a, b in zip(begin, end)]
+
+    def _window(self, step: Step, rows: slice) -> slice:
+        """The rows over which a settled position is the mean."""
+        dense = rows.stop - rows.start >= step.n > 1
+        return (
+            slice(rows.stop - step.n, rows.stop)
+            if dense
+            else slice(max(rows.stop - 1, rows.start), rows.stop)
+        )
+
+    def _late(self) -> Array:
+        """The middle of each settled window."""
+        period = float(self.run.meta.get("period_s") or 0.1)
+        end = np.array([s.t_end_s or s.t_start_s for s in self.steps], dtype=float)
+        begin = np.array([s.t_start_s for s in self.steps], dtype=float)
+        half = 0.5 * period * np.array([max(s.n - 1, 0) for s in self.steps])
+        return np.maximum(end - half, begin + period) - self.start_s
+
+    def settled(self, first: int) -> Readings:
+        """Positions of the steps."""
+        value = np.array([s.position for s in self.steps], dtype=float)
+        return Readings("settled", value, self.late, np.arange(value.size) + first, self.run.unit)
+
+    def moving(self, first: int) -> Iterator[tuple[float, float, int]]:
+        """(position, time, step) a few time constants after each step, where samples are dense."""
+        y = self.run["position"]
+        for k, rows in enumerate(self.rows):
+            if rows.stop - rows.start < DENSE:
+                continue
+            t = self.t[rows]
+            for wait in MOVING:
+                at = int(np.searchsorted(t, t[0] + wait * self.tau_s))
+                if at < t.size and np.isfinite(y[rows][at]):
+                    yield float(y[rows][at]), float(t[at]), first + k
+
+    def means(self, values: Array, first: int) -> Iterator[tuple[float, float, int]]:
+        """(mean over the settled window, time, step) of another channel."""
+        for k, (step, rows) in enumerate(zip(self.steps, self.rows)):
+            window = values[self._window(step, rows)]
+            window = window[np.isfinite(window)]
+            if window.size:
+                yield float(window.mean()), float(self.late[k]), first + k
+
+    @property
+    def resistance(self) -> Array:
+        """V/I of each sample, NaN where the current is too small to tell."""
+        run = self.run
+        current = run["current_A"] if run.has("current_A") else self.command
+        enough = np.abs(current) > LEAST_A
+        return np.where(enough, run["voltage_V"] / np.where(enough, current, 1.0), np.nan)
+
+
+def _others(parts: Sequence[_Part], first: Integers) -> Iterator[Readings]:
+    channels = (
+        ("moving", parts[0].run.unit, lambda p, n: p.moving(n)),
+        ("resistance", "ohm", lambda p, n: p.means(p.resistance, n)),
+        ("current", "A", lambda p, n: p.means(p.run["current_A"] - p.command, n)),
+        ("room", "K", lambda p, n: p.means(p.run["ambient_degC"], n)),
+    )
+    for kind, unit, read in channels:
+        rows = [row for part, n in zip(parts, first) for row in read(part, int(n))]
+        if len(rows) >= DENSE:
+            value, t, step = (np.array(c) for c in zip(*rows))
+            yield Readings(kind, value, t, step.astype(np.int64), unit)
+
+
+def _joined(parts: Sequence[Readings]) -> Readings:
+    first = parts[0]
+    arrays = [np.concatenate([getattr(p, name) for p in parts]) for name in ("value", "t_s", "step")]
+    return Readings(first.kind, arrays[0], arrays[1], arrays[2].astype(np.int64), first.unit)
+
+
+def _joined_drive(parts: Sequence[Drive]) -> Drive:
+    end = np.concatenate([p.end_s for p in parts])
+    keep = np.concatenate([[True], np.diff(end) > 1e-9])
+    return Drive(end[keep], np.concatenate([p.current_A for p in parts])[keep])
