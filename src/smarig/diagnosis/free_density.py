@@ -1,6 +1,7 @@
 """Any smooth density at all: the covariance of outputs when nothing is known of μ but that it is smooth.
 
-    y = X w,    w ~ N(0, v (R + A)⁻¹),    R = ∬ (second derivatives of the density)²,    A = ∬ density²
+    y = X w + S e,    w ~ N(0, v (R + A)⁻¹),    R = ∬ (second derivatives of the density)²,    A = ∬ density²
+                      e ~ N(0, g ν)             ν the mass of a cell as believed: grains, each cell for itself
 
 X are the rows of the FOD surface at the corners of each memory, on a triangle of cells; R and A are taken on a scale
 on which the output moves evenly, so a steep transformation may be as structured as a flat tail. Knows no data but
@@ -10,8 +11,8 @@ where the memories lie and where the output moves.
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
-from scipy.linalg import cholesky, solve_triangular
-from scipy.sparse import csr_matrix
+from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.sparse import csr_matrix, triu
 
 from smarig.diagnosis.retelling import Retelling
 from smarig.identification.positive.observations import COMMON, Observations, corners_of
@@ -20,14 +21,15 @@ from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.everett import Everett
 
 Array = NDArray[np.float64]
-INTERVALS = 64
+INTERVALS = 128  # enough for every measured level to be a node
 EVEN = 0.5  # share of the scale that is plain input
 KNOTS = 11
+FAINT = 0.01  # of the mean mass: grains where the model has nothing
 _RIDGE = 1e-14  # of the precision's mean, against rounding
 
 
-def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> Array:
-    """Covariance (n, n) for v = 1 of the outputs at n memories, without a common zero.
+def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> tuple[Array, Array]:
+    """Covariances (n, n) of the outputs at n memories, without a common zero: smooth for v = 1, grains for g = 1.
 
     ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
     """
@@ -35,14 +37,42 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     rows = _rows(told, lower, upper, y)
     nodes = adapted(rows, INTERVALS)
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
-    X = rows.matrix(triangle)[:, : triangle.unknowns - 1]  # without y₋, the common zero
+    X = csr_matrix(rows.matrix(triangle)[:, : triangle.unknowns - 1])  # without y₋, the common zero
     density = csr_matrix(triangle.masses.multiply(1 / triangle.areas[:, None]))
     square = density.T @ csr_matrix(density.multiply(triangle.areas[:, None]))
-    precision = (triangle.roughness + square).toarray()[:-1, :-1]
-    precision[np.diag_indices_from(precision)] += _RIDGE * float(np.trace(precision)) / len(precision)
-    root = cholesky(precision, lower=True, check_finite=False)
-    half = solve_triangular(root, X.toarray().T, lower=True, check_finite=False)
-    return half.T @ half  # a square, so that rounding leaves it one
+    smooth = _covariance(csr_matrix((triangle.roughness + square)[:-1, :-1]), X)
+    signs = _switched(triangle, X) * np.sqrt(_believed(triangle, hysteresis))
+    return smooth, signs @ signs.T
+
+
+def _covariance(precision: csr_matrix, X: csr_matrix) -> Array:
+    """X P⁻¹ Xᵀ for a precision whose neighbours are near in number."""
+    upper = triu(precision).tocoo()
+    banded = np.zeros((int((upper.col - upper.row).max()) + 1, precision.shape[0]))
+    banded[upper.col - upper.row, upper.row] = upper.data  # lower form: P is symmetric
+    banded[0] += _RIDGE * float(banded[0].mean())
+    root = cholesky_banded(banded, lower=True, check_finite=False, overwrite_ab=True)
+    covariance = X @ cho_solve_banded((root, True), X.toarray().T, check_finite=False)
+    return (covariance + covariance.T) / 2
+
+
+def _switched(triangle: Triangle, X: csr_matrix) -> Array:
+    """Which share of each cell is switched on at each memory, (n, cells)."""
+    n = triangle.nodes.size - 1
+    grid = np.zeros((X.shape[0], n, n))
+    grid[:, triangle.i, triangle.j] = X.toarray()
+    above = np.cumsum(np.cumsum(grid[:, ::-1, ::-1], axis=1), axis=2)[:, ::-1, ::-1]
+    return above[:, triangle.i, triangle.j]
+
+
+def _believed(triangle: Triangle, hysteresis: Everett) -> Array:
+    """The mass of each cell as the model has it, in strokes (cells,), none quite empty."""
+    a, b = np.meshgrid(triangle.nodes, triangle.nodes, indexing="ij")
+    E = np.array([[hysteresis.everett(x, min(y, x)) for x, y in zip(p, q)] for p, q in zip(a, b)])
+    i, j = triangle.i, triangle.j
+    upper, right = E[i + 1, j], E[i, j]
+    mass = np.abs(upper - right - np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)]))
+    return (mass + FAINT * mass.mean()) / (mass.sum() or 1.0)
 
 
 def _rows(told: Retelling, lower: float, upper: float, y: Array) -> Observations:

@@ -79,7 +79,7 @@ def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Ref
     white, free, scale, reach = _units(story, told, subject, coupled, span)
     h = subject.hysteresis
     path = Preisach(h, subject.initial).simulate(told.felt_K)
-    prior = free_density(told, h, path, told.output)
+    priors = free_density(told, h, path, told.output)
     J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
     whole = y + told.follows * (
         told.output - h.y_lower
@@ -89,13 +89,13 @@ def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Ref
     best = None
     for correlation in CORRELATIONS_S:
         memory = propagated(J, times, correlation) / span**2
-        found = _likeliest(whole / scale, prior, memory, fixed, white, reach)
+        found = _likeliest(whole / scale, priors, memory, fixed, white, reach)
         if best is None or found[0] < best[0]:
             best = (*found, correlation, memory)
     assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
-    cost, (v, s0, s_T), correlation, memory = best
+    cost, (v, s0, s_T, g), correlation, memory = best
     noise_part = _noise(memory, s0, s_T, white, reach)
-    C = reach[:, None] * (v * prior) * reach + free + noise_part
+    C = reach[:, None] * (v * priors[0] + g * priors[1]) * reach + free + noise_part
     blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
     factor, scales, data = _stacked(blocks)
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
@@ -147,13 +147,14 @@ def _noise(memory: Array, s0: float, s_T: float, white: Array, slope: Array) -> 
 
 
 def _likeliest(
-    y: Array, prior: Array, memory: Array, fixed: Array, white: Array, slope: Array
+    y: Array, priors: tuple[Array, Array], memory: Array, fixed: Array, white: Array, slope: Array
 ) -> tuple[float, tuple[float, ...]]:
-    """(−log likelihood, (v, s₀, s_T)) at its least."""
+    """(−log likelihood, (v, s₀, s_T, g)) at its least."""
 
     def cost(x: Array) -> float:
-        v, s0, s_T = 10.0 ** np.clip(x, _LEAST, _MOST)
-        C = slope[:, None] * (v * prior) * slope + fixed + _noise(memory, s0, s_T, white, slope)
+        v, s0, s_T, g = 10.0 ** np.clip(x, _LEAST, _MOST)
+        C = slope[:, None] * (v * priors[0] + g * priors[1]) * slope + fixed
+        C += _noise(memory, s0, s_T, white, slope)
         try:
             L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
         except LinAlgError:
@@ -165,14 +166,14 @@ def _likeliest(
         cost,
         _START,
         method="Nelder-Mead",
-        options={"xatol": 0.05, "fatol": 0.1, "maxfev": 160, "initial_simplex": _SIMPLEX},
+        options={"xatol": 0.05, "fatol": 0.1, "maxfev": 220, "initial_simplex": _SIMPLEX},
     )
     return float(found.fun), tuple(10.0 ** np.clip(found.x, _LEAST, _MOST))
 
 
-_START = np.array([3.0, -3.7, -1.3])  # log₁₀ of v, s₀ (ranges), s_T (K)
-_LEAST, _MOST = np.array([-3.0, -5.5, -4.0]), np.array([9.0, 0.0, 1.0])
-_SIMPLEX = _START + np.vstack([np.zeros(3), np.diag([1.0, 0.7, 0.7])])
+_START = np.array([3.0, -3.7, -1.3, -5.0])  # log₁₀ of v, s₀ (ranges), s_T (K), g (ranges²)
+_LEAST, _MOST = np.array([-3.0, -5.5, -4.0, -9.0]), np.array([9.0, 0.0, 1.0, 0.0])
+_SIMPLEX = _START + np.vstack([np.zeros(4), np.diag([1.0, 0.7, 0.7, 1.0])])
 
 
 def _raw_noise(story: Story, subject: Subject) -> float:
