@@ -8,9 +8,11 @@ So such an effect keeps return-point memory and congruency exactly, and no refit
 import numpy as np
 import pytest
 
-from effects.driven import WIRES, driven, kind, settled
+from effects.driven import CATALOGUE, WIRES, driven, kind, settled
 from smarig.model.effect import Setup
+from smarig.model.plant import Plant
 from smarig.preisach.operator import Preisach
+from smarig.preisach.relay_measure import RelayMeasure
 
 CLASSICAL = [
     "wire_lag",
@@ -178,20 +180,137 @@ def test_convection_cools_by_its_differential_equation():
     assert np.abs(y - truth).max() < 0.01 * np.ptp(truth)
 
 
-def test_latent_heat_takes_its_joules():
-    """Energy over a heating: power − loss = c ΔT + L Δξ, whatever the path."""
-    setup = Setup(*WIRES["one_wire"])
-    from smarig.model.plant import Plant
+@pytest.mark.parametrize("name", ["convection", "cross_talk"])
+def test_convection_cools_each_of_two_wires_by_itself(name):
+    """The current turns from wire 1 to wire 2 and back: each wire has a heat loss of its own."""
+    from scipy.integrate import solve_ivp
 
-    plant = Plant(*WIRES["one_wire"], 0.02, [kind("latent_heat")(20.0)])
-    stored = 0.0
-    for _ in range(3000):
-        before = plant.now.input_K
+    n, (wire, hysteresis, initial) = 0.3, WIRES["two_wire"]
+    share = 0.1 if name == "cross_talk" else 0.0
+    effects = [kind("convection")(n), *([kind("cross_talk")(10.0, time_constant_s=20.0)] if share else [])]
+    reference = wire.file.heating.reference_temperature.value
+    currents = [0.95, -0.8, 0.6]
+    y = driven(currents, *effects, wire="two_wire", hold_s=15.0)
+
+    def rates(_, T, lost, felt):
+        loss = T[:2] * (np.maximum(np.abs(T[:2]), 1e-9) / reference) ** n
+        return [*(lost - loss) / wire.tau_s, (felt - T[2]) / 20.0]
+
+    state, t, inputs = [0.0, 0.0, 0.0], 0.1 * np.arange(1, y.shape[1] + 1), []
+    for i in currents:
+        lost = np.array([max(wire.input_for(i), 0.0), max(-wire.input_for(i), 0.0)])
+        felt = float(np.sign(i)) * reference * (lost.max() / reference) ** (1 / (1 + n))
+        T = solve_ivp(rates, (0, 15.0), state, args=(lost, felt), t_eval=t, rtol=1e-9, atol=1e-9).y
+        state = T[:, -1]
+        inputs.append(T[0] - T[1] - share * T[2])
+    operator = Preisach(hysteresis, initial)
+    truth = np.array([operator.step(u) for u in np.concatenate(inputs)])
+    assert np.abs(y.ravel() - truth).max() < 0.01 * np.ptp(truth)
+
+
+def _grains(n):
+    """The surface's relays in so many grains of equal mass and a width of their own."""
+    rng = np.random.default_rng(5)
+    middle, half = rng.normal(80.0, 8.0, n), rng.uniform(8.0, 12.0, n)
+    return RelayMeasure.from_arrays(middle + half, middle - half, np.full(n, 6.0 / n))
+
+
+@pytest.mark.parametrize("dt_s", [0.02, 0.1])
+@pytest.mark.parametrize(("grains", "within"), [(0, 0.02), (600, 0.02), (60, 0.05)])
+def test_latent_heat_takes_its_joules(dt_s, grains, within):
+    """Energy over heating and cooling: power − loss = c ΔT + L Δξ, whatever the path and the grains.
+
+    A coarse grain takes half a kelvin at once, which the wire does not show: it halts until all is paid.
+    """
+    wire, surface, initial = WIRES["one_wire"]
+    plant = Plant(wire, _grains(grains) if grains else surface, initial, dt_s, [kind("latent_heat")(20.0)])
+    latent_K, now = 1000 * 20.0 / wire.file.wire.specific_heat.value, plant.now
+    for i in (0.8, 0.3):
+        begin_K, begin, stored_K = now.input_K, plant.austenite, 0.0
+        for _ in range(round(60.0 / dt_s)):
+            before = now.input_K
+            plant.step(i)
+            stored_K += (now.source_K - (before + now.input_K) / 2) * dt_s / wire.tau_s
+        taken_K = latent_K * (plant.austenite - begin)
+        assert abs(taken_K) > 10
+        assert stored_K == pytest.approx(now.input_K - begin_K + taken_K, abs=within * abs(taken_K))
+
+
+def _growing(hold_s):
+    """Ends of ticks that grow from 0.1 to 5 s, as the critic's do."""
+    t, step = [0.1], 0.1
+    while t[-1] < hold_s:
+        step = min(1.25 * step, 5.0)
+        t.append(min(t[-1] + step, hold_s))
+    return np.array(t)
+
+
+@pytest.mark.parametrize(
+    ("grains", "short", "growing"), [(0, 0.005, 0.16), (600, 0.02, 0.16), (60, 0.06, 0.25)]
+)
+def test_latent_heat_does_not_mind_how_long_a_tick_is(grains, short, growing):
+    """Relays switch one by one: in a short tick none or one does, in a long one many."""
+
+    def told(t, *effects):
+        """Positions at the ends of ticks (s), both ways through the loop."""
+        plant = Plant(*WIRES["one_wire"], 0.1, effects)
+        if grains:
+            plant = Plant(WIRES["one_wire"][0], _grains(grains), "negative", 0.1, effects)
+        return np.array([[plant.advance(i, dt) for dt in np.diff(t, prepend=0.0)] for i in (0.75, 0.4)])
+
+    def apart(t, *effects):
+        """Root mean square between these ticks and ones of 10 ms."""
+        fine = 0.01 * np.arange(1, 6001)
+        at = np.searchsorted(fine, t - 1e-6)
+        return np.sqrt(np.mean((told(t, *effects) - told(fine, *effects)[:, at]) ** 2))
+
+    latent = kind("latent_heat")(20.0)
+    even = 0.1 * np.arange(1, 601)
+    size = np.sqrt(np.mean((told(even, latent) - told(even)) ** 2))
+    assert apart(even, latent) < short * size
+    assert apart(_growing(60.0), latent) < growing * size
+
+
+def test_latent_heat_is_none_where_friction_holds_the_wire():
+    """The wire cools within the play: what is felt stands, so nothing transforms and nothing is given back."""
+    wire = WIRES["one_wire"][0]
+    effects = [kind("latent_heat")(40.0), kind("coulomb_friction")(8.0)]
+    plant = Plant(*WIRES["one_wire"], 0.1, effects)
+    for _ in range(1500):
         plant.step(0.75)
-        stored += (plant.now.source_K - (before + plant.now.input_K) / 2) * 0.02
-    capacity, wire = setup.actuator.tau_s, setup.actuator.file.wire
-    latent = 1000 * 20.0 / wire.specific_heat.value * plant.austenite
-    assert stored == pytest.approx(capacity * (plant.now.input_K + latent), rel=0.02)
+    top_K, source_K = plant.now.input_K, wire.input_for(0.75) - 14.0
+    T = []
+    for _ in range(400):
+        plant.step(wire.current_for(source_K))
+        T.append(plant.now.input_K)
+    t = 0.1 * np.arange(1, 401)
+    bare = source_K + (top_K - source_K) * np.exp(-t / wire.tau_s)
+    assert np.abs(np.array(T) - bare).max() < 0.02 * 14.0
+
+
+@pytest.mark.parametrize("rig", ["one_wire", "two_wire"])
+@pytest.mark.parametrize("name", ["slack", "noncongruency", "eccentricity", "r_phase"])
+def test_creep_has_no_part_in_where_the_output_begins(rig, name):
+    """What maps the output was there before: a wire that never moved does not creep."""
+    wire, hysteresis, _ = WIRES[rig]
+    initial = "anhysteretic" if rig == "two_wire" else "negative"
+    plants = [
+        Plant(wire, hysteresis, initial, 0.1, e) for e in ([kind(name)()], [kind(name)(), kind("creep")(5.0)])
+    ]
+    for _ in range(600):
+        mapped, crept = (plant.step(0.0) for plant in plants)
+        assert crept == pytest.approx(mapped, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_a_plant_stands_at_first_where_it_stays_without_current(name):
+    """An encoder zeroed before the first tick does not see the maps of the output as a move."""
+    for rig in ("one_wire", "two_wire"):
+        wire, hysteresis, _ = WIRES[rig]
+        initial = "anhysteretic" if rig == "two_wire" else "negative"
+        plant = Plant(wire, hysteresis, initial, 0.1, [kind(name)()])
+        begin = plant.position
+        assert plant.step(0.0) == pytest.approx(begin, abs=1e-3 * Setup(wire, hysteresis, initial).stroke)
 
 
 def test_backlash_swallows_its_play_after_each_reversal():
@@ -219,11 +338,12 @@ def test_sensor_lag_is_first_order_after_its_dead_time():
     x = driven([0.8], hold_s=30.0)[0]
     late = driven([0.8], kind("sensor_lag")(2.0, dead_time_s=1.0), hold_s=30.0)[0]
     seen = np.concatenate([np.full(10, x[0]), x[:-10]])
+    fine = np.interp(np.arange(0.5, 100 * seen.size) / 100, np.arange(seen.size + 1), [x[0], *seen])
     expected, value = [], x[0]
-    for v in seen:
-        value = v + (value - v) * np.exp(-0.1 / 2.0)
+    for v in fine:  # a straight line from tick to tick, in steps of 1 ms
+        value = v + (value - v) * np.exp(-0.001 / 2.0)
         expected.append(value)
-    np.testing.assert_allclose(late, expected, atol=1e-9)
+    np.testing.assert_allclose(late, expected[99::100], atol=1e-6)
 
 
 def test_cross_talk_needs_two_wires_and_comes_late():

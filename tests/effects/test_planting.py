@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from smarig.cli import main
+from smarig.cli import run
 from smarig.errors import DataError, UsageError
 from smarig.model.planted import from_json, from_pairs, kinds, mystery
 from smarig.record import load_run
@@ -62,7 +62,7 @@ def test_a_seed_hides_one_effect_or_none_and_every_effect_has_seeds():
     assert {d[0].kind.name for d in drawn if d} == {k.name for k in kinds("one_wire")}
     for hidden in drawn:
         for e in hidden:
-            share = abs(e.strength) / e.kind.primary.typical
+            share = abs(e.strength / e.kind.primary.typical)
             assert 0.6 <= share <= 1.8
 
 
@@ -75,21 +75,19 @@ def test_the_mystery_rig_behaves_like_its_hidden_effect_and_does_not_tell(tmp_pa
     drive = [0.8] * 200 + [0.3] * 200
     assert [hides.step(i)[0].counts for i in drive] == [openly.step(i)[0].counts for i in drive]
     out = tmp_path / "m.run.sqlite"
-    assert (
-        main(["run", "wiping_out", "--rig", "mystery", "--seed", str(seed), "-o", str(out), "--quiet"]) == 0
-    )
-    run = load_run(out)
-    assert run.meta["effects"] == []
-    assert "backlash" not in json.dumps(run.meta)
+    assert run(["run", "wiping_out", "--rig", "mystery", "--seed", str(seed), "-o", str(out), "--quiet"]) == 0
+    meta = load_run(out).meta
+    assert meta["effects"] == []
+    assert "backlash" not in json.dumps(meta)
 
 
 def test_run_plants_effects_on_a_twin_and_records_them(tmp_path):
     out = tmp_path / "c.run.sqlite"
     line = ["run", "wiping_out", "--rig", "one_wire_twin", "-o", str(out), "--quiet"]
-    assert main([*line, "--effect", "walking=0.5", "--effect", "settling"]) == 0
+    assert run([*line, "--effect", "walking=0.5", "--effect", "settling"]) == 0
     assert load_run(out).meta["effects"] == [
         "walking(percent_per_cycle=0.5)",
         "settling(share_percent=2, time_constant_s=600)",
     ]
-    assert main([*line, "--force", "--effect", "walkin=0.5"]) == 2
+    assert run([*line, "--force", "--effect", "walkin=0.5"]) == 2
     assert load_run(out).meta["effects"]  # what was there stays

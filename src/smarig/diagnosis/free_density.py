@@ -8,6 +8,8 @@ on which the output moves evenly, so a steep transformation may be as structured
 where the memories lie and where the output moves.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
@@ -16,12 +18,13 @@ from scipy.sparse import csr_matrix, triu
 
 from smarig.diagnosis.retelling import Retelling
 from smarig.identification.positive.observations import COMMON, Observations, corners_of
-from smarig.identification.positive.partition import adapted
+from smarig.identification.positive.partition import SAME, adapted
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.everett import Everett
+from smarig.preisach.operator import State
 
 Array = NDArray[np.float64]
-INTERVALS = 128  # enough for every measured level to be a node
+FEWEST, MOST = 96, 160  # intervals of the partition: enough for every measured level to be a node
 EVEN = 0.5  # share of the scale that is plain input
 KNOTS = 11
 FAINT = 0.01  # of the mean mass: grains where the model has nothing
@@ -34,8 +37,8 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
     """
     lower, upper = hysteresis.lower, hysteresis.upper
-    rows = _rows(told, lower, upper, y)
-    nodes = adapted(rows, INTERVALS)
+    rows = observed(told.states, lower, upper, y)
+    nodes = adapted(rows, _enough(rows, upper - lower))
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
     X = csr_matrix(rows.matrix(triangle)[:, : triangle.unknowns - 1])  # without y₋, the common zero
     density = csr_matrix(triangle.masses.multiply(1 / triangle.areas[:, None]))
@@ -54,6 +57,12 @@ def _covariance(precision: csr_matrix, X: csr_matrix) -> Array:
     root = cholesky_banded(banded, lower=True, check_finite=False, overwrite_ab=True)
     covariance = X @ cho_solve_banded((root, True), X.toarray().T, check_finite=False)
     return (covariance + covariance.T) / 2
+
+
+def _enough(rows: Observations, span: float) -> int:
+    """Intervals for which ``adapted`` keeps the levels of the data."""
+    levels = np.unique(np.round(np.concatenate([rows.alpha, rows.beta]) / (SAME * span)))
+    return int(np.clip(2 * levels.size + 6, FEWEST, MOST))
 
 
 def _switched(triangle: Triangle, X: csr_matrix) -> Array:
@@ -75,22 +84,20 @@ def _believed(triangle: Triangle, hysteresis: Everett) -> Array:
     return (mass + FAINT * mass.mean()) / (mass.sum() or 1.0)
 
 
-def _rows(told: Retelling, lower: float, upper: float, y: Array) -> Observations:
-    """The memories as sums over the FOD surface; curves do not matter here."""
+def observed(states: Sequence[State], lower: float, upper: float, y: Array) -> Observations:
+    """Outputs y (n,) at memories as sums over the FOD surface; curves are not told apart."""
     terms: list[tuple[int, float, float, float]] = []
     released: list[tuple[int, float, float, float]] = []
-    for k, state in enumerate(told.states):
+    for k, state in enumerate(states):
         corners, diagonal = corners_of(state, lower)
         terms += [(k, *corner) for corner in corners]
         released += [(k, *move) for move in diagonal]
     table = np.array(terms, dtype=float).reshape(len(terms), 4)
-    names = table[:, 0].astype(np.int64)
-    common = np.full(y.size, COMMON)
     return Observations(
         y,
         np.zeros(y.size, dtype=np.int64),
-        common,
-        names,
+        np.full(y.size, COMMON),
+        table[:, 0].astype(np.int64),
         table[:, 1],
         table[:, 2],
         table[:, 3],

@@ -21,25 +21,23 @@ def nulls(told: Retelling, subject: Subject, refitted: Refit, count: int, seed: 
     noise = refitted.noise
     felt, t, at = told.felt_K, told.t_s, told.marks
     operator = Preisach(subject.hysteresis, subject.initial)
-    decay = np.exp(-np.diff(t, prepend=t[:1]) / noise.correlation_s)
-    spread = np.sqrt(1 - decay**2)
+    noises = _remembered_noise(t, noise.correlation_s, count, rng)
     size, n = refitted.scale.size, at.size
     y = np.empty((size, count))
     still = operator.simulate(felt, subject.initial)[at]
     for k in range(count):
-        kicks = rng.standard_normal(t.size) * spread
-        kicks[0] = rng.standard_normal()
-        drift = noise.temperature_K * _filtered(decay, kicks)
-        moved = operator.simulate(felt + drift, subject.initial)[at] - still
+        moved = operator.simulate(felt + noise.temperature_K * noises[k], subject.initial)[at] - still
         y[:n, k] = refitted.fitted + told.follows * moved + rng.standard_normal(n) * noise.white
         y[n:, k] = rng.standard_normal(size - n) * refitted.scale[n:]
     scaled = y / refitted.scale[:, None]
     return solve_triangular(refitted.factor, scaled, lower=True, check_finite=False)
 
 
-def _filtered(decay: Array, kicks: Array) -> Array:
-    value, out = 0.0, np.empty(kicks.size)
-    for k, (d, x) in enumerate(zip(decay.tolist(), kicks.tolist())):
-        value = value * d + x
-        out[k] = value
-    return out
+def _remembered_noise(t_s: Array, correlation_s: float, count: int, rng: np.random.Generator) -> Array:
+    """Ornstein–Uhlenbeck noise of unit variance at times (m,), (count, m)."""
+    decay = np.exp(-np.diff(t_s, prepend=t_s[:1]) / correlation_s)
+    kicks = rng.standard_normal((t_s.size, count)) * np.sqrt(1 - decay**2)[:, None]
+    value = rng.standard_normal(count)
+    for k, d in enumerate(decay.tolist()):
+        value = kicks[k] = value * d + kicks[k]
+    return kicks.T.copy()

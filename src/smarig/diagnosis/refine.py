@@ -1,13 +1,13 @@
-"""An explanation at its best: all parameters of an effect fitted to everything at once, by Gauss–Newton.
+"""An explanation at its best: all parameters of its effects fitted to everything at once, by Levenberg–Marquardt.
 
     minimise ‖L⁻¹ (y − f(θ))‖² over θ within its bounds;  f(θ): the story retold, density deviations are free in C
 
-so nothing is linear in the strength here, and the interval of θ carries what the density could do instead. Knows one
-effect at a time, on top of those already accepted.
+so nothing is linear in the strength here, and the interval of θ carries what the density could do instead. Knows
+neither which effects are worth it nor what is decided.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,105 +15,114 @@ from numpy.typing import NDArray
 from smarig.diagnosis.refit import Refit
 from smarig.diagnosis.retelling import Subject, retold
 from smarig.diagnosis.story import Story
-from smarig.model.effect import Kind, Planted
+from smarig.model.effect import Parameter, Planted
 
 Array = NDArray[np.float64]
-ROUNDS = 8
+ROUNDS = 10
 _STEP = 0.02  # of a parameter's typical size, for slopes
-_DONE = 0.02  # nats
-NORMAL_95 = 1.96
+_DONE = 0.2  # nats
+_STUBBORN = 1.0  # damping beyond which nothing helps any more
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """An effect with its values, 95 % intervals, gain in nats over the base, and the whitened rest (N,)."""
+    """Effects with their values, beside the density they were fitted with; standard deviations by (effect, parameter).
 
-    planted: Planted
-    intervals: dict[str, tuple[float, float]]
-    gain: float
+    ``rest`` (N,) is what is left, whitened.
+    """
+
+    effects: tuple[Planted, ...]
+    spread: dict[tuple[str, str], float]
     rest: Array
+    subject: Subject
 
     @property
-    def name(self) -> str:
-        """Of the effect."""
-        return self.planted.kind.name
+    def misfit(self) -> float:
+        """χ²: what is left, in units of the noise."""
+        return float(self.rest @ self.rest)
+
+    @property
+    def extended(self) -> Subject:
+        """The wire with these effects."""
+        return replace(self.subject, effects=self.effects)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the effects, in order."""
+        return tuple(sorted(p.kind.name for p in self.effects))
 
 
-def refined(start: Planted, story: Story, subject: Subject, refitted: Refit) -> Refined:
-    """The effect at the parameters of least squares, from a start; bounds hold."""
-    kind = start.kind
+def refined(start: Sequence[Planted], story: Story, subject: Subject, refitted: Refit) -> Refined:
+    """Effects at the parameters of least squares, from a start; bounds hold."""
+    fit = _Fit(tuple(start))
     data = np.concatenate([r.value for r in story.kinds])
-    moved = _fitted_parameters(kind)
 
     def rest(x: Array) -> Array:
-        told = retold(story, subject, [_at(kind, start, moved, x)])
-        return refitted.centred(data - told.stacked(story), story)
+        return refitted.centred(data - retold(story, subject, fit.at(x)).stacked(story), story)
 
-    x = np.array([start.values[name] for name in moved])
-    x, r, J = _descend(rest, x, *_bounds(kind, moved))
-    before = float(refitted.data @ refitted.data)
-    n = refitted.data.size
-    gain = 0.5 * n * float(np.log(before / (r @ r)))
-    spread = _spread(J, float(r @ r) / n)
-    ends = {
-        name: (float(v - NORMAL_95 * s), float(v + NORMAL_95 * s)) for name, v, s in zip(moved, x, spread)
-    }
-    return Refined(_at(kind, start, moved, x), ends, gain, r)
+    x, r, J = _descend(rest, fit)
+    spread = _spread(J, max(float(r @ r) / r.size, 1.0))
+    return Refined(fit.at(x), dict(zip(fit.names, spread.tolist())), r, subject)
 
 
-def _fitted_parameters(kind: Kind) -> list[str]:
-    """The strength, and whatever the critic tries several values of."""
-    return [p.name for p in kind.parameters if p is kind.primary or len(p.tries) > 1]
+class _Fit:
+    """Which parameters move: strengths, and whatever the critic tries several values of."""
+
+    def __init__(self, start: tuple[Planted, ...]) -> None:
+        self.start = start
+        moved = [(p.kind.name, q) for p in start for q in p.kind.parameters if _moves(p, q)]
+        self.names = [(name, q.name) for name, q in moved]
+        self.x = np.array([p.values[q.name] for p in start for q in p.kind.parameters if _moves(p, q)])
+        self.low = np.array([q.lower for _, q in moved])
+        self.high = np.array([q.upper for _, q in moved])
+        self.size = np.array([abs(q.typical) or 0.1 * (q.upper - q.lower) for _, q in moved])
+
+    def at(self, x: Array) -> tuple[Planted, ...]:
+        """The effects at parameters x (p,)."""
+        values = dict(zip(self.names, x.tolist()))
+        return tuple(
+            p.kind(**{q: values.get((p.kind.name, q), v) for q, v in p.values.items()}) for p in self.start
+        )
 
 
-def _at(kind: Kind, start: Planted, names: list[str], x: Array) -> Planted:
-    return kind(**{**start.values, **dict(zip(names, x.tolist()))})
+def _moves(planted: Planted, parameter: Parameter) -> bool:
+    return parameter is planted.kind.primary or len(parameter.tries) > 1
 
 
-def _bounds(kind: Kind, names: list[str]) -> tuple[Array, Array, Array]:
-    by_name = {p.name: p for p in kind.parameters}
-    low = np.array([by_name[n].lower for n in names])
-    high = np.array([by_name[n].upper for n in names])
-    size = np.array([abs(by_name[n].typical) or 0.1 * (by_name[n].upper - by_name[n].lower) for n in names])
-    return low, high, size
-
-
-def _descend(
-    rest: Callable[[Array], Array], x: Array, low: Array, high: Array, size: Array
-) -> tuple[Array, Array, Array]:
-    """Levenberg–Marquardt with clipped steps: (x, residual, Jacobian) where it ends."""
+def _descend(rest: Callable[[Array], Array], fit: _Fit) -> tuple[Array, Array, Array]:
+    """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) where it ends."""
+    x = fit.x
     r = rest(x)
-    J = _jacobian(rest, x, r, low, high, size)
-    damping = 1e-3
+    J, fresh, damping = _jacobian(rest, x, r, fit), True, 1e-3
     for _ in range(ROUNDS):
         normal = J.T @ J
         step = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal) + 1e-12), -J.T @ r, rcond=None)[0]
-        trial = np.clip(x + step, low, high)
-        new = rest(trial)
+        trial = np.clip(x + step, fit.low, fit.high)
+        new, moved = rest(trial), trial - x
         better = float(r @ r - new @ new)
-        if better <= 0:
-            damping *= 10
-            if damping > 1e3:
-                break
+        if better <= 0 and fresh:
+            damping *= 30
+        elif better <= 0:
+            J, fresh = _jacobian(rest, x, r, fit), True
             continue
-        x, r, damping = trial, new, damping / 5
-        if better < 2 * _DONE:
+        else:
+            J = J + np.outer(new - r - J @ moved, moved) / max(float(moved @ moved), 1e-300)
+            x, r, fresh, damping = trial, new, False, damping / 5
+        if better < 2 * _DONE and (better > 0 or damping > _STUBBORN):
             break
-        J = _jacobian(rest, x, r, low, high, size)
     return x, r, J
 
 
-def _jacobian(
-    rest: Callable[[Array], Array], x: Array, r: Array, low: Array, high: Array, size: Array
-) -> Array:
+def _jacobian(rest: Callable[[Array], Array], x: Array, r: Array, fit: _Fit) -> Array:
     columns = []
     for k in range(x.size):
         step = np.zeros(x.size)
-        step[k] = _STEP * size[k] if x[k] + _STEP * size[k] <= high[k] else -_STEP * size[k]
-        columns.append((rest(np.clip(x + step, low, high)) - r) / step[k])
+        step[k] = _STEP * fit.size[k]
+        if x[k] + step[k] > fit.high[k]:
+            step[k] = -step[k]
+        columns.append((rest(x + step) - r) / step[k])
     return np.column_stack(columns)
 
 
 def _spread(J: Array, variance: float) -> Array:
-    normal = J.T @ J
-    return np.sqrt(np.maximum(np.diag(np.linalg.pinv(normal)) * variance, 0.0))
+    return np.sqrt(np.maximum(np.diag(np.linalg.pinv(J.T @ J)) * variance, 0.0))

@@ -17,6 +17,7 @@ from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.retelling import COUPLED, Retelling, Subject
 from smarig.diagnosis.story import Readings, Story
+from smarig.identification.noise_floor import noise_floor
 from smarig.preisach.operator import Preisach
 
 Array = NDArray[np.float64]
@@ -87,9 +88,11 @@ def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Ref
     aside = _leading(traces[:n] / scale[:, None])
     fixed = free + _BIG**2 * aside @ aside.T
     best = None
+    bounds = _bounds(story, subject)
     for correlation in CORRELATIONS_S:
         memory = propagated(J, times, correlation) / span**2
-        found = _likeliest(whole / scale, priors, memory, fixed, white, reach)
+        start = _START if best is None else np.log10(best[1])
+        found = _likeliest(whole / scale, priors, memory, fixed, white, reach, start, bounds)
         if best is None or found[0] < best[0]:
             best = (*found, correlation, memory)
     assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
@@ -147,12 +150,19 @@ def _noise(memory: Array, s0: float, s_T: float, white: Array, slope: Array) -> 
 
 
 def _likeliest(
-    y: Array, priors: tuple[Array, Array], memory: Array, fixed: Array, white: Array, slope: Array
+    y: Array,
+    priors: tuple[Array, Array],
+    memory: Array,
+    fixed: Array,
+    white: Array,
+    slope: Array,
+    start: Array,
+    bounds: tuple[Array, Array],
 ) -> tuple[float, tuple[float, ...]]:
     """(−log likelihood, (v, s₀, s_T, g)) at its least."""
 
     def cost(x: Array) -> float:
-        v, s0, s_T, g = 10.0 ** np.clip(x, _LEAST, _MOST)
+        v, s0, s_T, g = 10.0 ** np.clip(x, *bounds)
         C = slope[:, None] * (v * priors[0] + g * priors[1]) * slope + fixed
         C += _noise(memory, s0, s_T, white, slope)
         try:
@@ -164,16 +174,29 @@ def _likeliest(
 
     found = minimize(
         cost,
-        _START,
+        start,
         method="Nelder-Mead",
-        options={"xatol": 0.05, "fatol": 0.1, "maxfev": 220, "initial_simplex": _SIMPLEX},
+        options={"xatol": 0.05, "fatol": 0.1, "maxfev": 160, "initial_simplex": start + _AROUND},
     )
-    return float(found.fun), tuple(10.0 ** np.clip(found.x, _LEAST, _MOST))
+    return float(found.fun), tuple(10.0 ** np.clip(found.x, *bounds))
 
 
 _START = np.array([3.0, -3.7, -1.3, -5.0])  # log₁₀ of v, s₀ (ranges), s_T (K), g (ranges²)
-_LEAST, _MOST = np.array([-3.0, -5.5, -4.0, -9.0]), np.array([9.0, 0.0, 1.0, 0.0])
-_SIMPLEX = _START + np.vstack([np.zeros(4), np.diag([1.0, 0.7, 0.7, 1.0])])
+_AROUND = np.vstack([np.zeros(4), np.diag([1.0, 0.7, 0.7, 1.0])])
+DRAUGHTIEST_K, NOISIEST_COUNTS = 0.5, 2.0  # what is more is no noise of a rig, unless repeats say so
+
+
+def _bounds(story: Story, subject: Subject) -> tuple[Array, Array]:
+    """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
+    samples = max(float(np.median([step.n for run in story.runs for step in run.settled])), 1.0)
+    least = _raw_noise(story, subject) / np.sqrt(samples)
+    repeats = noise_floor(list(story.runs)).value or 0.0
+    counts = max(NOISIEST_COUNTS * subject.per_count, 2 * repeats)
+    return (
+        np.array([-3.0, np.log10(least / subject.stroke), -4.0, -9.0]),
+        np.array([9.0, np.log10(counts / subject.stroke), np.log10(DRAUGHTIEST_K), 0.0]),
+    )
+
 
 
 def _raw_noise(story: Story, subject: Subject) -> float:
@@ -187,7 +210,7 @@ def _raw_noise(story: Story, subject: Subject) -> float:
     return float(np.sqrt(max(np.median(spread) if spread else 0.0, (0.5 * subject.per_count) ** 2, 1e-12)))
 
 
-_FINEST = {"resistance": 2e-3, "current": 2e-4, "room": 0.02}  # ohm, A, K: no instrument is better
+_FINEST = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: no instrument is better
 _ANY_ZERO = 1e3  # sd of a block's own zero, in noises: sure to be absorbed, and no trouble for rounding
 
 

@@ -65,9 +65,7 @@ class Retelling:
 def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Retelling:
     """The story as the subject would have lived it, with further effects."""
     plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, (*subject.effects, *effects))
-    wanted = np.unique(np.round(np.concatenate([r.t_s for r in story.kinds]), 6))
-    t, current = story.drive.ticks(wanted)
-    marks = np.isin(t, wanted, assume_unique=False)
+    t, current, marks = story.ticks
     told = _Told(subject)
     felt = np.empty(t.size)
     before = 0.0

@@ -6,6 +6,7 @@ positions, resistance, current, room). Knows no model: nothing here depends on w
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,9 @@ from smarig.record import Run, Step
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FIRST_S, GROWTH, LONGEST_S = 0.1, 1.25, 5.0  # time steps after a change of the current
-MOVING = (0.3, 0.8, 1.5, 2.5, 4.0)  # time constants after a step, where a moving position is read
+FINE, FINE_FOR = 0.12, 4.0  # time constants: the longest step while the wire moves, and how long that is
+MOVING = (0.4, 1.2, 3.0)  # time constants after a step, where a moving position is read
+ENOUGH = 500  # readings of one other kind
 DENSE = 12  # samples in a hold that make it a transient
 LEAST_A = 0.15  # a smaller current tells no resistance
 
@@ -49,11 +52,12 @@ class Drive:
 
     end_s: Array
     current_A: Array
+    tau_s: float = 5.0
 
     def ticks(self, at_s: Array) -> tuple[Array, Array]:
         """Times (k,) and currents (k,): fine after each change, coarse later, every ``at_s`` among them."""
         begin = np.concatenate([[0.0], self.end_s[:-1]])
-        grid = [np.concatenate([_growing(a, b), [b]]) for a, b in zip(begin, self.end_s)]
+        grid = [np.concatenate([_growing(a, b, self.tau_s), [b]]) for a, b in zip(begin, self.end_s)]
         wanted = at_s[(at_s > 0) & (at_s <= self.end_s[-1])]
         t = np.unique(np.round(np.concatenate([*grid, wanted]), 6))
         which = np.clip(np.searchsorted(self.end_s, t - 1e-7), 0, self.end_s.size - 1)
@@ -87,10 +91,12 @@ class Story:
         """All readings, settled positions first."""
         return (self.settled, *self.others)
 
-    @property
-    def input_K(self) -> Array:
-        """Targets with an unknown one replaced by the nearest known."""
-        return self.target_K
+    @cached_property
+    def ticks(self) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Times (m,) at which the story is retold, the current up to each, and whether something was read then."""
+        read = np.unique(np.round(np.concatenate([r.t_s for r in self.kinds]), 6))
+        t, current = self.drive.ticks(read)
+        return t, current, np.isin(t, read, assume_unique=True)
 
 
 def told(runs: Sequence[Run], tau_s: float) -> Story:
@@ -113,7 +119,7 @@ def told(runs: Sequence[Run], tau_s: float) -> Story:
     settled = _joined([p.settled(int(n)) for p, n in zip(parts, first)])
     target = np.array([s.target for p in parts for s in p.steps], dtype=float)
     return Story(
-        drive=_joined_drive([p.drive for p in parts]),
+        drive=_joined_drive([p.drive for p in parts], tau_s),
         settled=settled,
         others=tuple(_others(parts, first)),
         target_K=target,
@@ -124,14 +130,14 @@ def told(runs: Sequence[Run], tau_s: float) -> Story:
     )
 
 
-def _growing(begin: float, end: float) -> Array:
+def _growing(begin: float, end: float, tau_s: float) -> Array:
     """Times after ``begin`` at growing distances, up to ``end``."""
-    length = end - begin
-    steps = FIRST_S * GROWTH ** np.arange(64)
-    t = np.cumsum(np.minimum(steps, LONGEST_S))
-    if t[-1] < length:
-        t = np.concatenate([t, np.arange(t[-1] + LONGEST_S, length, LONGEST_S)])
-    return begin + t[t < length - 0.5 * FIRST_S]
+    t, step = [0.0], FIRST_S
+    while t[-1] < end - begin - 0.5 * FIRST_S:
+        moving = t[-1] < FINE_FOR * tau_s
+        t.append(t[-1] + min(step, FINE * tau_s if moving else LONGEST_S))
+        step *= GROWTH
+    return begin + np.array(t[1:-1])
 
 
 def _blocks(target: Array, run: Integers) -> Integers:
@@ -231,6 +237,7 @@ def _others(parts: Sequence[_Part], first: Integers) -> Iterator[Readings]:
     )
     for kind, unit, read in channels:
         rows = [row for part, n in zip(parts, first) for row in read(part, int(n))]
+        rows = rows[:: 1 + len(rows) // ENOUGH]
         if len(rows) >= DENSE:
             value, t, step = (np.array(c) for c in zip(*rows))
             yield Readings(kind, value, t, step.astype(np.int64), unit)
@@ -242,7 +249,7 @@ def _joined(parts: Sequence[Readings]) -> Readings:
     return Readings(first.kind, arrays[0], arrays[1], arrays[2].astype(np.int64), first.unit)
 
 
-def _joined_drive(parts: Sequence[Drive]) -> Drive:
+def _joined_drive(parts: Sequence[Drive], tau_s: float) -> Drive:
     end = np.concatenate([p.end_s for p in parts])
     keep = np.concatenate([[True], np.diff(end) > 1e-9])
-    return Drive(end[keep], np.concatenate([p.current_A for p in parts])[keep])
+    return Drive(end[keep], np.concatenate([p.current_A for p in parts])[keep], tau_s)

@@ -43,19 +43,27 @@ class Heating:
         """Set the length of a tick."""
         self.dt_s, self.decay = dt_s, math.exp(-dt_s / self.tau_s)
 
-    def relax(self, source_K: float, lag: float = 1.0) -> float:
+    def relax(self, source_K: float, lag: float = 1.0, second_lag: float = 1.0) -> float:
         """One tick towards a steady temperature, signed: whose sign says which wire is heated.
 
-        ``lag`` times the wire's time constant.
+        ``lag`` times the time constant of wire 1, ``second_lag`` times that of wire 2.
         """
-        wires, decay = self.wire_K, self.decay if lag == 1.0 else math.exp(-self.dt_s / (self.tau_s * lag))
+        wires, decay = self.wire_K, self.decay if lag == 1.0 else self._decay(lag)
         if not self.two_wire:
             wires[0] = source_K + (wires[0] - source_K) * decay
             return wires[0]
-        first, second = (source_K, 0.0) if source_K > 0 else (0.0, -source_K)
+        first, second = self.ends(source_K)
         wires[0] = first + (wires[0] - first) * decay
+        decay = self.decay if second_lag == 1.0 else self._decay(second_lag)
         wires[1] = second + (wires[1] - second) * decay
         return wires[0] - wires[1]
+
+    def ends(self, source_K: float) -> tuple[float, float]:
+        """Where each wire goes under a steady temperature, signed; one wire stands alone in the first place."""
+        return (source_K, 0.0) if source_K > 0 or not self.two_wire else (0.0, -source_K)
+
+    def _decay(self, lag: float) -> float:
+        return math.exp(-self.dt_s / (self.tau_s * lag))
 
     @property
     def input_K(self) -> float:

@@ -39,7 +39,7 @@ class Plant:
         self._chains = chains(effects, Setup(actuator, hysteresis, initial))
         self._plain = not any(self._chains.values())
         self.now = Moment(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
-        self.position = self.operator.y
+        self.position = _through(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # where it rests
 
     def step(self, current_A: float, disturbance_K: float = 0.0) -> float:
         """One tick: current held over it, temperature disturbance added to what the hysteresis feels."""
@@ -63,10 +63,10 @@ class Plant:
         now.ambient_K = _through(at[Stage.AMBIENT], 0.0, now)
         now.current_A = _through(at[Stage.CURRENT], current_A, now)
         now.resistance = _through(at[Stage.RESISTANCE], 1.0, now)
+        now.input_K = heating.input_K  # before the tick, above the room: what heat is lost and stored by
         now.source_K = _through(at[Stage.SOURCE], heating.source(now.current_A) * now.resistance, now)
-        lag = _through(at[Stage.LAG], 1.0, now)
         room_K = 0.0 if heating.two_wire else now.ambient_K  # common to both wires: T₁ − T₂ does not see it
-        now.input_K = heating.relax(now.source_K, lag) + room_K + disturbance_K
+        now.input_K = heating.relax(now.source_K, *self._lags()) + room_K + disturbance_K
         now.felt_K = _through(at[Stage.INPUT], now.input_K, now)
         before, now.output = now.output, self.operator.step(now.felt_K)
         now.austenite = self.austenite
@@ -74,6 +74,21 @@ class Plant:
         mapped = _through(at[Stage.OUTPUT], now.output, now)
         self.position = _through(at[Stage.ADDITIVE], mapped, now)
         return self.position
+
+    def _lags(self) -> tuple[float, ...]:
+        """The lag of each wire, none when nothing changes it.
+
+        Wires cool by themselves: to each its own temperature and its own end stand for the source and the input.
+        """
+        hooks, now, heating = self._chains[Stage.LAG], self.now, self.heating
+        if not hooks:
+            return ()
+        lags, source_K = [], now.source_K
+        for k in range(2 if heating.two_wire else 1):
+            now.source_K, now.input_K = heating.ends(source_K)[k], heating.wire_K[k]
+            lags.append(_through(hooks, 1.0, now))
+        now.source_K = source_K
+        return tuple(lags)
 
     def sensed(self, counts: float) -> float:
         """Counts as the sensor sees them, before quantisation."""

@@ -13,15 +13,20 @@ from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Val
 
 def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     shift, strokes = p["shift_K"], p["strokes"]
-    start = follower = travel = None
+    start: float | None = None
+    follower = before = travel = 0.0
 
     def felt(u: float, now: Moment) -> float:
-        nonlocal start, follower, travel
-        if start is None or follower is None or travel is None:
-            start = follower = now.austenite
+        nonlocal start, follower, before, travel
+        if start is None:
+            start = follower = before = now.austenite
             travel = now.travel
-        follower = now.austenite + (follower - now.austenite) * exp((travel - now.travel) / strokes)
-        travel = now.travel
+        gone = (now.travel - travel) / strokes
+        if gone > 0:  # exact for a state that moves evenly along its travel
+            left = exp(-gone)
+            behind = (now.austenite - before) * (1 - left) / gone
+            follower = now.austenite - behind + (follower - before) * left
+            before, travel = now.austenite, now.travel
         return u + shift * (follower - start)
 
     return {Stage.INPUT: felt}

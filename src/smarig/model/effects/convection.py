@@ -3,7 +3,8 @@
     h u = h₀ u (u/u_ref)ⁿ   ⇒   u_∞ = u_ref (u_lin/u_ref)^(1/(1+n))
     τ(u) = τ (u − u_∞)/(u (u/u_ref)ⁿ − u_∞ (u_∞/u_ref)ⁿ)
 
-u_lin is the steady temperature of (5.3), u_ref where it was measured. The lag is the secant's.
+u_lin is the steady temperature of (5.3), u_ref where it was measured. The lag is the secant's, of each wire on
+its own; below 1 K the loss is linear.
 """
 
 from collections.abc import Mapping
@@ -18,7 +19,7 @@ def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     n, reference_K = p["exponent"], setup.actuator.file.heating.reference_temperature.value
 
     def loss(u: float) -> float:
-        return abs(u) * (abs(u) / reference_K) ** n if u else 0.0
+        return u * (max(u, _COLD_K) / reference_K) ** n
 
     def source(u: float, now: Moment) -> float:  # noqa: ARG001
         return copysign(reference_K * (abs(u) / reference_K) ** (1 / (1 + n)), u)

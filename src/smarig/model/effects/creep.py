@@ -9,20 +9,21 @@ from collections.abc import Mapping
 from math import exp
 
 from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
-from smarig.preisach.operator import Preisach
 
 _TIMES_S = [10 ** (k / 2) for k in range(-1, 11)]  # log(1 + t) = ∫ (1 − e^(−t/τ)) e^(−1/τ) dτ/τ
 _WEIGHTS = [exp(-1 / tau_s) / 2 for tau_s in _TIMES_S]
 _ALL = sum(_WEIGHTS)
 
 
-def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
+def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     strength = p["percent_per_decade"] / 100
     late = [0.0] * len(_TIMES_S)
-    last = rest = Preisach(setup.hysteresis, setup.initial).y  # everything before has crept
+    last = rest = None
 
     def added(y: float, now: Moment) -> float:
-        nonlocal last
+        nonlocal last, rest
+        if last is None or rest is None:
+            last = rest = y  # everything before has crept, and what maps the output was there before
         step, last = y - last, y
         for k, tau_s in enumerate(_TIMES_S):
             late[k] = (late[k] + step) * exp(-now.dt_s / tau_s)

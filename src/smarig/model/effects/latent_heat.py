@@ -2,31 +2,62 @@
 
     τ(T, ξ) = τ [1 + δ (ξ − ½) + (L/c_p) dξ/dT]        L on heating, λ L on cooling; δ = (c_A − c_M)/c̄
 
-dξ/dT is the slope of the hysteresis where it stands; the phases have specific heats of their own.
+dξ/dT is the slope on which the hysteresis has come, to the wire's own temperature, over some tenths of a kelvin:
+relays switch one by one. What they took beyond that is owed and paid on the next tick, so that heat is kept
+whatever the slope and the tick. The phases have specific heats of their own.
 """
 
 from collections.abc import Mapping
+from math import exp
 
 from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
 
 _LEAST_K = 1e-4  # of temperature between two ticks, for a slope
+_SMOOTH_K = 0.5  # over which a slope is forgotten
+_LARGEST = 1e3  # lag of a wire that stands still while its relays are paid
+
+
+class _Ledger:
+    """Heat of the wire in kelvin: what the lag let pass, and what the relays took."""
+
+    def __init__(self, p: Values, setup: Setup) -> None:
+        self._whole_K = 1000 * p["latent_J_per_g"] / setup.actuator.file.wire.specific_heat.value
+        self._ratio, self._change = p["cooling_ratio"], p["specific_heat_change_percent"] / 100
+        self._tau_s = setup.actuator.tau_s
+        self._before_K, self._before = 0.0, None
+        self._slope = self._owed_K = self._heat_K = 0.0
+        self._capacity = self._lag = 1.0
+
+    def source(self, u: float, now: Moment) -> float:
+        """A tick begins: close the books of the last one, and find the lag of this one."""
+        self._close(now)
+        self._heat_K = self._whole_K * (1.0 if abs(u) >= abs(now.input_K) else self._ratio)
+        self._capacity = 1 + self._change * (now.austenite - 0.5)
+        lag = self._capacity + self._heat_K * self._slope
+        move_K = (u - now.input_K) * (1 - exp(-now.dt_s / (self._tau_s * lag)))
+        if abs(move_K) > _LEAST_K:
+            lag += self._owed_K / move_K
+        self._lag = min(max(lag, self._capacity), _LARGEST)
+        return u
+
+    def lag(self, tau: float, now: Moment) -> float:  # noqa: ARG002
+        """The same for both wires: their difference is what transforms."""
+        return tau * self._lag
+
+    def _close(self, now: Moment) -> None:
+        if self._before is not None:
+            moved_K, made = now.input_K - self._before_K, now.austenite - self._before
+            owed_K = self._owed_K + self._heat_K * made - (self._lag - self._capacity) * moved_K
+            self._owed_K = owed_K * exp(-now.dt_s / self._tau_s)  # the room takes its share of it
+            if abs(moved_K) > _LEAST_K:
+                here = max(made / moved_K, 0.0)
+                self._slope += (here - self._slope) * (1 - exp(-abs(moved_K) / _SMOOTH_K))
+        self._before_K, self._before = now.input_K, now.austenite
 
 
 def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
-    kelvin = 1000 * p["latent_J_per_g"] / setup.actuator.file.wire.specific_heat.value
-    ratio, change = p["cooling_ratio"], p["specific_heat_change_percent"] / 100
-    before_K, before, slope = 0.0, None, 0.0
-
-    def lag(tau: float, now: Moment) -> float:
-        nonlocal before_K, before, slope
-        if before is not None and abs(now.felt_K - before_K) > _LEAST_K:
-            slope = abs((now.austenite - before) / (now.felt_K - before_K))
-        if before is None or abs(now.felt_K - before_K) > _LEAST_K:
-            before_K, before = now.felt_K, now.austenite
-        heat = kelvin * (1.0 if abs(now.source_K) >= abs(now.input_K) else ratio)
-        return tau * (1 + change * (now.austenite - 0.5) + heat * slope)
-
-    return {Stage.LAG: lag}
+    ledger = _Ledger(p, setup)
+    return {Stage.SOURCE: ledger.source, Stage.LAG: ledger.lag}
 
 
 latent_heat = Kind(

@@ -23,9 +23,11 @@ def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
         waiting.append((now.t_s + dead_s, true))
         if seen is None:
             seen = arrived = true
+        before = arrived
         while waiting and waiting[0][0] <= now.t_s + 1e-9:
             arrived = waiting.popleft()[1]
-        seen = arrived + (seen - arrived) * exp(-now.dt_s / lag_s)
+        left = exp(-now.dt_s / lag_s)  # exact for what moves evenly within a tick
+        seen = arrived - (arrived - before) * (1 - left) * lag_s / now.dt_s + (seen - before) * left
         return seen
 
     return {Stage.SENSOR: counts}
