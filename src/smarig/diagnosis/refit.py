@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cholesky, solve_triangular
+from scipy.linalg import LinAlgError, cho_solve, cholesky, solve_triangular
 from scipy.optimize import minimize
 
 from smarig.diagnosis.free_density import free_density
@@ -161,28 +161,37 @@ def _likeliest(
 ) -> tuple[float, tuple[float, ...]]:
     """(−log likelihood, (v, s₀, s_T, g)) at its least."""
 
-    def cost(x: Array) -> float:
-        v, s0, s_T, g = 10.0 ** np.clip(x, *bounds)
-        C = slope[:, None] * (v * priors[0] + g * priors[1]) * slope + fixed
-        C += _noise(memory, s0, s_T, white, slope)
+    parts = [slope[:, None] * part * slope for part in (*priors, memory)]
+    positions = np.where(white < 1.0, 1.0, 0.0)
+
+    def cost(x: Array) -> tuple[float, Array]:
+        v, s0, s_T, g = 10.0**x
+        C = v * parts[0] + g * parts[1] + s_T**2 * parts[2] + fixed
+        C[np.diag_indices_from(C)] += white**2 + s0**2 * positions
         try:
             L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
         except LinAlgError:
-            return 1e12
-        z = solve_triangular(L, y, lower=True, check_finite=False)
-        return float(0.5 * z @ z + np.log(np.diag(L)).sum())
+            return 1e12, np.zeros(4)
+        inverse = cho_solve((L, True), np.eye(y.size), check_finite=False)
+        a = inverse @ y
+        value = 0.5 * float(y @ a) + float(np.log(np.diag(L)).sum())
+        by = [float(np.sum(inverse * part) - a @ part @ a) for part in parts]
+        by_s0 = float(np.diag(inverse) @ positions - (a * a) @ positions)
+        slopes = np.array([v * by[0], 2 * s0**2 * by_s0, 2 * s_T**2 * by[2], g * by[1]])
+        return value, 0.5 * np.log(10.0) * slopes
 
     found = minimize(
         cost,
-        start,
-        method="Nelder-Mead",
-        options={"xatol": 0.05, "fatol": 0.1, "maxfev": 160, "initial_simplex": start + _AROUND},
+        np.clip(start, *bounds),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=list(zip(*bounds)),
+        options={"maxiter": 40, "ftol": 1e-6},
     )
-    return float(found.fun), tuple(10.0 ** np.clip(found.x, *bounds))
+    return float(found.fun), tuple(10.0**found.x)
 
 
 _START = np.array([3.0, -3.7, -1.3, -5.0])  # log₁₀ of v, s₀ (ranges), s_T (K), g (ranges²)
-_AROUND = np.vstack([np.zeros(4), np.diag([1.0, 0.7, 0.7, 1.0])])
 DRAUGHTIEST_K, NOISIEST_COUNTS = 0.5, 2.0  # what is more is no noise of a rig, unless repeats say so
 
 
