@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.refit import Refit
-from smarig.diagnosis.retelling import Retelling, Subject, retold
-from smarig.diagnosis.story import Story
 from smarig.model.effect import Kind, Parameter, Planted
+from smarig.story.retelling import Retelling, Subject, retold
+from smarig.story.told import Story
 
 Array = NDArray[np.float64]
 WEAK = 0.25  # of the typical strength: where a trace is still in proportion

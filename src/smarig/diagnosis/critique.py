@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from smarig.diagnosis.candidates import Candidate, generic, named, whitened
 from smarig.diagnosis.nulls import nulls
 from smarig.diagnosis.refit import Refit, refit
-from smarig.diagnosis.retelling import Retelling, Subject, retold
-from smarig.diagnosis.story import Story
 from smarig.model.effect import Kind
 from smarig.preisach.sensitivity import sensitivity
+from smarig.story.retelling import Retelling, Subject, retold
+from smarig.story.told import Story
 
 Array = NDArray[np.float64]
 NULLS = 400

@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from smarig.diagnosis.free_density import observed
-from smarig.diagnosis.retelling import Subject, retold
-from smarig.diagnosis.story import Story
 from smarig.identification.positive.fit import PositiveFit, fit_positive
+from smarig.story.retelling import Subject, retold
+from smarig.story.told import Story
 
 TURNS = 2
 

@@ -16,12 +16,12 @@ from scipy.interpolate import PchipInterpolator
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.sparse import csr_matrix, triu
 
-from smarig.diagnosis.retelling import Retelling
 from smarig.identification.positive.observations import COMMON, Observations, corners_of
 from smarig.identification.positive.partition import SAME, adapted
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import State
+from smarig.story.retelling import Retelling
 
 Array = NDArray[np.float64]
 FEWEST, MOST = 96, 160  # intervals of the partition: enough for every measured level to be a node

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from smarig.diagnosis.retelling import Retelling
 from smarig.preisach.everett import Differentiable
 from smarig.preisach.operator import State
 from smarig.preisach.sensitivity import sensitivity
+from smarig.story.retelling import Retelling
 
 Array = NDArray[np.float64]
 

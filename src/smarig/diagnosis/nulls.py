@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from smarig.diagnosis.refit import Refit
-from smarig.diagnosis.retelling import Retelling, Subject
 from smarig.preisach.operator import Preisach
+from smarig.story.retelling import Retelling, Subject
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.refit import Refit
-from smarig.diagnosis.retelling import Subject, retold
-from smarig.diagnosis.story import Story
 from smarig.model.effect import Parameter, Planted
+from smarig.story.retelling import Subject, retold
+from smarig.story.told import Story
 
 Array = NDArray[np.float64]
 ROUNDS = 10

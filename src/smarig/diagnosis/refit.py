@@ -15,10 +15,10 @@ from scipy.optimize import minimize
 
 from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
-from smarig.diagnosis.retelling import COUPLED, Retelling, Subject
-from smarig.diagnosis.story import Readings, Story
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach.operator import Preisach
+from smarig.story.retelling import COUPLED, Retelling, Subject
+from smarig.story.told import Readings, Story
 
 Array = NDArray[np.float64]
 ANY = 30.0  # sd of a zero, in ranges of the output: whatever it likes
@@ -205,7 +205,6 @@ def _bounds(story: Story, subject: Subject) -> tuple[Array, Array]:
         np.array([-3.0, np.log10(least / subject.stroke), -4.0, -9.0]),
         np.array([9.0, np.log10(counts / subject.stroke), np.log10(DRAUGHTIEST_K), 0.0]),
     )
-
 
 
 def _raw_noise(story: Story, subject: Subject) -> float:

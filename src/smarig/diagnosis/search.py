@@ -11,9 +11,9 @@ from smarig.diagnosis.critique import Critique
 from smarig.diagnosis.density_beside import density_beside
 from smarig.diagnosis.refine import Refined, refined
 from smarig.diagnosis.refit import Refit
-from smarig.diagnosis.retelling import Subject
-from smarig.diagnosis.story import Story
 from smarig.model.effect import Planted
+from smarig.story.retelling import Subject
+from smarig.story.told import Story
 
 Judge = Callable[[Subject], Critique]
 Start = tuple[Subject, tuple[Planted, ...]]
@@ -78,7 +78,9 @@ def _level(story: Story, refitted: Refit, starts: Sequence[Start], judge: Judge)
     again = sorted((_again(e, s, story, now.refitted) for s, e in own), key=lambda r: r.misfit)
     if again[0].names != near[0].names:
         now = judge(again[0].extended)
-        again = sorted((_again(r.effects, r.subject, story, now.refitted) for r in again), key=lambda r: r.misfit)
+        again = sorted(
+            (_again(r.effects, r.subject, story, now.refitted) for r in again), key=lambda r: r.misfit
+        )
     return Level(now, tuple(again))
 
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.story import Story
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect
 from smarig.model.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, State
+from smarig.story.told import Story
 
 Array = NDArray[np.float64]
 
