@@ -68,9 +68,12 @@ class Critique:
         return max(self.scores, key=lambda s: s.standard)
 
     def best(self, count: int, *, generic: bool = False) -> list[Score]:
-        """The candidates that gain most, named or generic ones, that gain anything."""
+        """The candidates, named or generic, that gain most, and after each that which stands out most."""
         kind = [s for s in self.scores if s.candidate.generic is generic and s.net > 0]
-        return sorted(kind, key=lambda s: -s.net)[:count]
+        by_gain = sorted(kind, key=lambda s: -s.net)
+        by_standard = sorted(kind, key=lambda s: -s.standard)
+        found = {id(s): s for pair in zip(by_gain, by_standard) for s in pair}
+        return list(found.values())[:count]
 
 
 def critique(
@@ -81,12 +84,13 @@ def critique(
     count: int = NULLS,
     alpha: float = ALPHA,
     seed: int = 0,
+    like: Critique | None = None,
 ) -> Critique:
-    """Judge a subject by a story against ``count`` nulls at the level α."""
+    """Judge a subject by a story against ``count`` nulls at the level α; ``like``: noise as in another, refined."""
     told = retold(story, subject)
     slope = np.array([sensitivity(subject.hysteresis, state)[-1] for state in told.states]) * told.follows
     raw = [*named(story, subject, told, kinds), *generic(story, told, slope)]
-    refitted = refit(story, told, subject, np.column_stack([c.traces for c in raw]))
+    refitted = refit(story, told, subject, np.column_stack([c.traces for c in raw]), like and like.refitted)
     empty = nulls(told, subject, refitted, count, seed)
     scores, standard = [], []
     for candidate in (whitened(c, refitted) for c in raw):

@@ -11,18 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_solve, cholesky, solve_triangular
+from scipy.linalg.lapack import dpotri
 from scipy.optimize import minimize
 
 from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
-from smarig.identification.noise_floor import noise_floor
 from smarig.preisach.operator import Preisach
 from smarig.story.retelling import COUPLED, Retelling, Subject
 from smarig.story.told import Readings, Story
 
 Array = NDArray[np.float64]
 ANY = 30.0  # sd of a zero, in ranges of the output: whatever it likes
-CORRELATIONS_S = (30.0, 120.0)
+JITTER_S = 0.02  # of a time stamp: what moves fast is known no better
+CORRELATIONS_S = (120.0, 30.0, 300.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,8 @@ class Refit:
     """The stacked readings of a story, whitened: ``factor`` (N, N) is the Cholesky factor of C.
 
     ``scale`` (N,) divides each reading; ``data`` (N,) are the readings so divided, whitened; ``fitted`` (coupled,)
-    what the refitted density says there beyond what the subject's does, in their unit.
+    what the refitted density says there beyond what the subject's does, in their unit. ``spreads`` are the
+    log₁₀ of (v, g, s₀, s_T).
     """
 
     factor: Array
@@ -50,6 +52,7 @@ class Refit:
     fitted: Array
     log_evidence: float
     coupled: int
+    spreads: Array
 
     def centred(self, rest: Array, story: Story) -> Array:
         """Whitened (N,) readings minus predictions, the free constants of blocks apart taken out as in ``data``."""
@@ -67,19 +70,21 @@ class Refit:
         return solve_triangular(self.factor, scaled, lower=True, check_finite=False)
 
 
-def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Refit:
+def refit(
+    story: Story, told: Retelling, subject: Subject, traces: Array, like: "Refit | None" = None
+) -> Refit:
     """Likelihood-best smoothness and noise for a story as retold, and its readings whitened by them.
 
     ``traces`` (N, m), of all that may be wrong, are left out of the likelihood (as if each had an unknown
-    strength), so that no hidden effect passes for noise.
+    strength), so that no hidden effect passes for noise. ``like``: begin where another refit ended.
     """
     coupled = [r for r in story.kinds if r.kind in COUPLED]
     apart = [r for r in story.kinds if r.kind not in COUPLED]
     y = np.concatenate([r.value - told.values[r.kind] for r in coupled])
     span, n = subject.stroke, y.size
-    white, free, scale, reach = _units(story, told, subject, coupled, span)
     h = subject.hysteresis
     path = Preisach(h, subject.initial).simulate(told.felt_K)
+    white, free, scale, reach = _units(story, told, subject, coupled, _speed(told, path))
     priors = free_density(told, h, path, told.output)
     J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
     whole = y + told.follows * (
@@ -89,16 +94,19 @@ def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Ref
     fixed = free + _BIG**2 * aside @ aside.T
     best = None
     bounds = _bounds(story, subject)
-    for correlation in CORRELATIONS_S:
+    best: tuple[float, Array, float, Array] | None = None
+    for correlation in (like.noise.correlation_s,) if like else CORRELATIONS_S:
         memory = propagated(J, times, correlation) / span**2
-        start = _START if best is None else np.log10(best[1])
-        found = _likeliest(whole / scale, priors, memory, fixed, white, reach, start, bounds)
-        if best is None or found[0] < best[0]:
-            best = (*found, correlation, memory)
+        start = like.spreads if like else _START if best is None else np.append(best[1][:3], DRAUGHTY)
+        cost, spreads = _likeliest(whole / scale, (*priors, memory), fixed, white, reach, start, bounds)
+        if best is None or cost < best[0]:
+            best = (cost, spreads, correlation, memory)
     assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
-    cost, (v, s0, s_T, g), correlation, memory = best
+    cost, spreads, correlation, memory = best
+    v, g, s0, s_T = 10.0**spreads
+    C_prior = v * priors[0] + g * priors[1]
     noise_part = _noise(memory, s0, s_T, white, reach)
-    C = reach[:, None] * (v * priors[0] + g * priors[1]) * reach + free + noise_part
+    C = reach[:, None] * C_prior * reach + free + noise_part
     blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
     factor, scales, data = _stacked(blocks)
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
@@ -106,7 +114,7 @@ def refit(story: Story, told: Retelling, subject: Subject, traces: Array) -> Ref
     fitted = y - scale * (noise_part @ weights)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
     noise = Noise(sd, s_T, correlation, span * s0)
-    return Refit(factor, scales, whitened, noise, fitted, -cost, n)
+    return Refit(factor, scales, whitened, noise, fitted, -cost, n, spreads)
 
 
 _BIG = 30.0  # sd of the strength of a trace that is left out, in ranges
@@ -123,23 +131,31 @@ def _leading(traces: Array) -> Array:
 
 
 def _units(
-    story: Story, told: Retelling, subject: Subject, coupled: list[Readings], span: float
+    story: Story, told: Retelling, subject: Subject, coupled: list[Readings], speed: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Per coupled reading: own white noise (scaled), covariance of free zeros, scale, slope to y (scaled)."""
-    raw = _raw_noise(story, subject)
-    white, scale, zero = [], [], []
+    raw, span = _raw_noise(story, subject), subject.stroke
+    white, scale, zero, at = [], [], [], 0
     for k, r in enumerate(coupled):
         y = r.value - told.values[r.kind]
         own = {"settled": 0.0, "moving": raw}.get(r.kind)
         noise = max(_local_noise(y), _FINEST["resistance"]) if own is None else own
         scale.append(np.full(len(r), noise if own is None else span))
-        white.append(np.full(len(r), 1.0 if own is None else noise / span))
+        late = JITTER_S * speed[at : at + len(r)] if r.kind == "moving" else np.zeros(len(r))
+        white.append(np.full(len(r), 1.0) if own is None else np.hypot(noise, late) / span)
+        at += len(r)
         zero.append(np.full(len(r), k if own is None else 0))
     own_zero, scales = np.concatenate(zero), np.concatenate(scale)
     same = own_zero[:, None] == own_zero[None, :]
     size = np.where(own_zero == 0, ANY, _ANY_ZERO)
     slope = told.follows * span / scales
     return np.concatenate(white), np.where(same, np.outer(size, size), 0.0), scales, slope
+
+
+def _speed(told: Retelling, path: Array) -> Array:
+    """Output per second at each coupled reading, over the tick before it; ``path`` (m,) is the output at ticks."""
+    at, before = told.marks, np.maximum(told.marks - 1, 0)
+    return np.abs(path[at] - path[before]) / np.maximum(told.t_s[at] - told.t_s[before], 1e-9)
 
 
 def _noise(memory: Array, s0: float, s_T: float, white: Array, slope: Array) -> Array:
@@ -151,59 +167,63 @@ def _noise(memory: Array, s0: float, s_T: float, white: Array, slope: Array) -> 
 
 def _likeliest(
     y: Array,
-    priors: tuple[Array, Array],
-    memory: Array,
+    shapes: tuple[Array, ...],
     fixed: Array,
     white: Array,
     slope: Array,
     start: Array,
     bounds: tuple[Array, Array],
-) -> tuple[float, tuple[float, ...]]:
-    """(−log likelihood, (v, s₀, s_T, g)) at its least."""
-
-    parts = [slope[:, None] * part * slope for part in (*priors, memory)]
+) -> tuple[float, Array]:
+    """(−log likelihood, log₁₀ of (v, g, s₀, s_T)) at its least; ``shapes`` of smoothness, grains, memory noise."""
+    smooth, grains, memory = (slope[:, None] * shape * slope for shape in shapes)
     positions = np.where(white < 1.0, 1.0, 0.0)
 
     def cost(x: Array) -> tuple[float, Array]:
-        v, s0, s_T, g = 10.0**x
-        C = v * parts[0] + g * parts[1] + s_T**2 * parts[2] + fixed
+        v, g, s0, s_T = 10.0**x
+        C = v * smooth + g * grains + s_T**2 * memory + fixed
         C[np.diag_indices_from(C)] += white**2 + s0**2 * positions
         try:
             L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
         except LinAlgError:
             return 1e12, np.zeros(4)
-        inverse = cho_solve((L, True), np.eye(y.size), check_finite=False)
-        a = inverse @ y
+        inverse = dpotri(L, lower=1)[0]  # its lower half
+        a = cho_solve((L, True), y, check_finite=False)
         value = 0.5 * float(y @ a) + float(np.log(np.diag(L)).sum())
-        by = [float(np.sum(inverse * part) - a @ part @ a) for part in parts]
-        by_s0 = float(np.diag(inverse) @ positions - (a * a) @ positions)
-        slopes = np.array([v * by[0], 2 * s0**2 * by_s0, 2 * s_T**2 * by[2], g * by[1]])
+        diagonal = np.diag(inverse).copy()
+        by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in lower]
+        by_s0 = float(diagonal @ positions - (a * a) @ positions)
+        slopes = np.array([v * by[0], g * by[1], 2 * s0**2 * by_s0, 2 * s_T**2 * by[2]])
         return value, 0.5 * np.log(10.0) * slopes
 
+    lower = [smooth, grains, memory]
     found = minimize(
         cost,
         np.clip(start, *bounds),
         jac=True,
         method="L-BFGS-B",
         bounds=list(zip(*bounds)),
-        options={"maxiter": 40, "ftol": 1e-6},
+        options={"maxiter": 30, "ftol": 1e-5},
     )
-    return float(found.fun), tuple(10.0**found.x)
+    return float(found.fun), found.x
 
 
-_START = np.array([3.0, -3.7, -1.3, -5.0])  # log₁₀ of v, s₀ (ranges), s_T (K), g (ranges²)
-DRAUGHTIEST_K, NOISIEST_COUNTS = 0.5, 2.0  # what is more is no noise of a rig, unless repeats say so
+DRAUGHTY = -0.8  # log₁₀ of s_T where every search begins: from still air it would not find draughts
+_START = np.array([3.0, -5.0, -3.7, DRAUGHTY])  # log₁₀ of v, g (ranges²), s₀ (ranges), s_T (K)
+DRAUGHTIEST_K = 0.4  # what is more is no draught
+COARSEST = 0.6  # counts: no mean of settled samples is worse, unless they scatter
 
 
 def _bounds(story: Story, subject: Subject) -> tuple[Array, Array]:
     """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
     samples = max(float(np.median([step.n for run in story.runs for step in run.settled])), 1.0)
-    least = _raw_noise(story, subject) / np.sqrt(samples)
-    repeats = noise_floor(list(story.runs)).value or 0.0
-    counts = max(NOISIEST_COUNTS * subject.per_count, 2 * repeats)
+    one = _raw_noise(story, subject)
+    least, most = (
+        one / np.sqrt(samples) / subject.stroke,
+        max(COARSEST * subject.per_count, one) / subject.stroke,
+    )
     return (
-        np.array([-3.0, np.log10(least / subject.stroke), -4.0, -9.0]),
-        np.array([9.0, np.log10(counts / subject.stroke), np.log10(DRAUGHTIEST_K), 0.0]),
+        np.array([-3.0, -9.0, np.log10(least), -2.5]),
+        np.array([9.0, 0.0, np.log10(most), np.log10(DRAUGHTIEST_K)]),
     )
 
 

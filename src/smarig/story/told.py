@@ -19,7 +19,7 @@ Integers = NDArray[np.int64]
 FIRST_S, GROWTH, LONGEST_S = 0.1, 1.25, 5.0  # time steps after a change of the current
 FINE, FINE_FOR = 0.12, 4.0  # time constants: the longest step while the wire moves, and how long that is
 MOVING = (0.4, 1.2, 3.0)  # time constants after a step, where a moving position is read
-ENOUGH = 500  # readings of one other kind
+ENOUGH = 320  # readings of one other kind
 DENSE = 12  # samples in a hold that make it a transient
 LEAST_A = 0.15  # a smaller current tells no resistance
 
