@@ -11,6 +11,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from smarig.diagnosis.diagnose import diagnose as diagnose
     from smarig.identification.identify import identify as identify
     from smarig.identification.model_file import load_model as load_model
     from smarig.preisach.fod_surface import FodSurface as FodSurface
@@ -24,13 +25,14 @@ _HOME = {
     "FodSurface": "smarig.preisach.fod_surface",
     "Preisach": "smarig.preisach.operator",
     "Twin": "smarig.rig.twin",
+    "diagnose": "smarig.diagnosis.diagnose",
     "identify": "smarig.identification.identify",
     "load_model": "smarig.identification.model_file",
     "load_run": "smarig.record.run",
     "plot": "smarig.report.notebook",
     "run": "smarig.runner.session",
 }
-__all__ = ["FodSurface", "Preisach", "Twin", "identify", "load_model", "load_run", "plot", "run"]
+__all__ = ["FodSurface", "Preisach", "Twin", "diagnose", "identify", "load_model", "load_run", "plot", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 from smarig.errors import UsageError
 from smarig.identification.model_file import Model
 from smarig.identification.simulate import simulate, simulate_along
+from smarig.model.planted import from_json
 from smarig.record import Run, Step
 from smarig.record.recorder import write_run
 from smarig.rig.twin import TwinSettings
@@ -38,7 +39,7 @@ def simulate_protocol(
     name = rig or model.rig
     if not name:
         raise UsageError("The model names no rig; give one with --rig to simulate a protocol.")
-    twin = TwinSettings(noise=False, hysteresis=model.hysteresis)
+    twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")
 

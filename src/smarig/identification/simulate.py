@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from smarig.errors import UsageError
 from smarig.identification.fod_data import FORC_PROTOCOL
 from smarig.identification.history import REST, SAME_INPUT, continues, named_start
+from smarig.identification.lived import along, settled_in_turn
 from smarig.identification.model_file import Model
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
@@ -27,8 +28,13 @@ def simulate(model: Model, run: Run) -> Array:
 def simulate_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs of the model at the settled points of runs that may follow one another, (k,) each.
 
-    NaN before the memory is known. Raises UsageError when the inputs are of another unit.
+    NaN before the memory is known. Raises UsageError when the inputs are of another unit. A model with effects
+    lives through the runs in the order of their clocks.
     """
+    if model.effects:
+        for run in runs:
+            _check_input(model, run)
+        return settled_in_turn(model, runs)
     outputs: list[Array] = []
     operator, known = model.preisach(), False
     for k, run in enumerate(runs):
@@ -50,9 +56,11 @@ def simulate_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
 def simulate_along(model: Model, run: Run) -> Array:
     """Outputs (n,) at every sample along the run's ``input`` column, in the model's zero.
 
-    NaN before the memory is known; an unknown input holds the last one.
+    NaN before the memory is known; an unknown input holds the last one. With effects, along its currents.
     """
     _check_input(model, run)
+    if model.effects:
+        return along(model, run)
     operator = model.preisach()
     known = _started(operator, run)
     inputs = run["input"]

@@ -16,7 +16,7 @@ from smarig.model.effect import Effect
 from smarig.model.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, State
-from smarig.story.told import Story
+from smarig.story.told import Drive, Story
 
 Array = NDArray[np.float64]
 
@@ -77,6 +77,18 @@ def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Re
         if mark:
             told.read(now, plant, i)
     return told.finished(story, t, felt, np.flatnonzero(marks))
+
+
+def positions(drive: Drive, subject: Subject, at_s: Array) -> Array:
+    """Positions (n,) along a drive at times (n,), increasing."""
+    plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, subject.effects)
+    t, current = drive.ticks(at_s)
+    seen, per_count, before = np.empty(t.size), subject.per_count or 1.0, 0.0
+    for k, (now, i) in enumerate(zip(t.tolist(), current.tolist())):
+        plant.advance(i, now - before)
+        before = now
+        seen[k] = plant.sensed(plant.position / per_count) * per_count
+    return np.interp(at_s, t, seen)
 
 
 class _Told:

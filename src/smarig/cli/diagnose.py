@@ -1,0 +1,80 @@
+"""``smarig diagnose``: what the simulation gets wrong, why, and what it gains to know."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from smarig.cli._output import distinct, emit, json_option, say
+from smarig.cli._types import FILE
+from smarig.errors import UsageError
+
+EPILOG = """\b
+Example:
+  smarig diagnose wire.model.json --train fod.run.sqlite --train loops.run.sqlite \\
+      --held-out validation.run.sqlite -o diagnosis
+"""
+
+
+class _Several(click.Option):
+    """An option that takes all values up to the next option: --train A B C."""
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        super().add_to_parser(parser, ctx)
+        for name in self.opts:
+            option = parser._long_opt.get(name)
+            if option is not None:
+                option.process = _gathering(option.process)
+
+
+def _gathering(process: Any) -> Any:
+    def gather(value: str, state: Any) -> None:
+        process(value, state)
+        while state.rargs and not state.rargs[0].startswith("-"):
+            process(state.rargs.pop(0), state)
+
+    return gather
+
+
+@click.command("diagnose", epilog=EPILOG)
+@click.argument("model", type=FILE)
+@click.option(
+    "--train", type=FILE, cls=_Several, multiple=True, required=True, help="Runs to learn from; several."
+)
+@click.option(
+    "--held-out", type=FILE, cls=_Several, multiple=True, help="Runs that only judge the gain; several."
+)
+@click.option("-o", "--out", type=FILE, help="Folder for extended.model.json, diagnosis.json, report.html.")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
+@click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
+@click.option("--nulls", type=int, default=400, show_default=True, help="Empty stories to be judged by.")
+@click.option("--seed", type=int, default=0, help="Seed of the nulls.")
+@click.option("--force", is_flag=True, help="Replace existing files.")
+@json_option
+def command(
+    model: Path,
+    train: tuple[Path, ...],
+    held_out: tuple[Path, ...],
+    out: Path | None,
+    without: tuple[str, ...],
+    alpha: float,
+    nulls: int,
+    seed: int,
+    force: bool,
+) -> None:
+    """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
+    from smarig.diagnosis.diagnose import diagnose
+    from smarig.diagnosis.files import folder_ready, write_diagnosis
+
+    if set(train) & set(held_out):
+        raise UsageError("A run cannot teach and judge: the same file is given to --train and --held-out.")
+    if out is not None:
+        distinct(out, model, *train, *held_out)
+        folder_ready(out, force=force)
+    found = diagnose(
+        model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
+    )
+    data = found.to_json()
+    if out is not None:
+        data |= write_diagnosis(found, out, force=force)
+    emit(data, found.text())

@@ -1,0 +1,303 @@
+"""The whole diagnosis: show what the simulation gets wrong, name it, extend the model, measure the gain.
+
+Puts the parts of this folder in order. Refuses to know rigs and pages.
+"""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
+from smarig.diagnosis.density_beside import density_beside
+from smarig.diagnosis.gain import Gain, measured_gain
+from smarig.diagnosis.refine import Refined
+from smarig.diagnosis.search import Level, searched
+from smarig.diagnosis.verdict import Verdict, decided
+from smarig.diagnosis.visibility import Visibility, visibility
+from smarig.errors import UsageError
+from smarig.identification.lived import subject_of
+from smarig.identification.model_file import Model, load_model
+from smarig.identification.origin import provenance
+from smarig.model.effect import Kind
+from smarig.model.planted import kinds
+from smarig.record import Run, load_run
+from smarig.story.retelling import Subject, numerics, retold
+from smarig.story.told import Story, told
+
+NORMAL_95 = 1.96
+WIDER = 1.3  # intervals, for what linear propagation leaves out
+
+
+@dataclass(frozen=True, eq=False)
+class Error:
+    """Rms of settled points of the training runs: noise, the model as given, refitted, and extended."""
+
+    unit: str
+    noise_floor: float
+    given: float
+    base: float
+    extended: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What was found, with the evidence it rests on.
+
+    ``model`` is the extended model where effects were found, else the given one; ``gain`` is None without
+    held-out runs. ``numerics`` is the error of the critic's own time steps at settled points.
+    """
+
+    verdict: Verdict
+    story: Story
+    first: Critique
+    levels: tuple[Level, ...]
+    visibility: Visibility
+    error: Error
+    gain: Gain | None
+    model: Model
+    numerics: float
+    alpha: float
+    nulls: int
+    seconds: float
+
+    @property
+    def best(self) -> Refined | None:
+        """The best explanation, where one is needed."""
+        said = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
+        return self.levels[-1].best if self.levels and said else None
+
+    @property
+    def extended(self) -> bool:
+        """Whether ``model`` is an extended one."""
+        return self.best is not None
+
+    def text(self) -> str:
+        """What was found, in plain sentences."""
+        return "\n".join(sentences(self))
+
+    def effects(self) -> list[dict[str, Any]]:
+        """The effects of the best explanation: name, probability, parameters with 95 % intervals."""
+        best = self.best
+        return [] if best is None else [_effect(p, best, self.verdict) for p in best.effects]
+
+    def to_json(self) -> dict[str, Any]:
+        """The CLI's JSON object."""
+        e, gain = self.error, self.gain
+        held_out = gain and {
+            "base": gain.base,
+            "extended": gain.extended,
+            "noise_floor": gain.floor,
+            "removable_share": gain.removable_share,
+            "ci95": gain.interval(),
+            "blocks": gain.blocks,
+        }
+        return {
+            "verdict": self.verdict.word,
+            "effects": self.effects(),
+            "set": list(self.verdict.names),
+            "depends_on": self.verdict.depends_on,
+            "not_identifiable": list(self.visibility.invisible),
+            "error": {
+                "unit": e.unit,
+                "noise_floor": e.noise_floor,
+                "base": e.base,
+                "extended": e.extended,
+                "given": e.given,
+            },
+            "held_out": held_out,
+            "separating_run": None,
+            "alpha": self.alpha,
+            "p_value": self.first.p_value,
+            "nulls": self.nulls,
+            "model": self.model.name,
+            "numerics": self.numerics,
+            "seconds": self.seconds,
+        }
+
+    def __repr__(self) -> str:
+        said = " + ".join(str(p) for p in self.best.effects) if self.best else self.verdict.depends_on or ""
+        return f"Diagnosis({self.verdict.word}{': ' if said else ''}{said})"
+
+
+def sentences(d: Diagnosis) -> Iterator[str]:
+    """A diagnosis for people."""
+    e, gain, best = d.error, d.gain, d.best
+    p = f"p = {d.first.p_value:.2g} by {d.nulls} nulls"
+    if d.verdict.word in ("silent", "not_identifiable"):
+        yield f"Nothing stands out ({p}; an alarm needs p < {d.alpha:g})."
+    if d.verdict.word == "unknown":
+        yield f"Something is wrong ({p}) that depends on {d.verdict.depends_on}; no effect known explains it."
+    if best is not None:
+        said = {"named": "Found", "ambiguous": "One of a set, best"}.get(
+            d.verdict.word, "Nearest, not enough"
+        )
+        for effect in d.effects():
+            values = ", ".join(_value(n, v) for n, v in effect["parameters"].items())
+            yield f"{said}: {effect['name']} ({values}), probability {effect['probability']:.2f}."
+    if d.verdict.word == "ambiguous":
+        yield f"The set that holds the cause with 90 % probability: {', '.join(d.verdict.names)}."
+    yield (
+        f"Settled points, rms: {e.base:.4g} {e.unit} with the density identified anew"
+        + (f", {e.extended:.4g} extended" if best else "")
+        + f"; noise floor {e.noise_floor:.2g}."
+    )
+    if gain is not None and best is not None and gain.removable_share is not None:
+        ends = gain.interval()
+        between = f" (95 %: {ends[0]:.2f} to {ends[1]:.2f})" if ends else ""
+        yield (
+            f"Held out, {gain.blocks} blocks: {gain.base:.4g} → {gain.extended:.4g} {e.unit} rms; "
+            f"{100 * gain.removable_share:.0f} % of what can be removed is{between}."
+        )
+    if d.visibility.invisible:
+        yield f"These data cannot show: {', '.join(d.visibility.invisible)}."
+
+
+def _value(name: str, v: dict[str, Any]) -> str:
+    ends = v["ci95"]
+    return f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + f" {v['unit']}"
+
+
+def _effect(planted: Any, best: Refined, verdict: Verdict) -> dict[str, Any]:
+    kind: Kind = planted.kind
+    fitted = {q: s for (name, q), s in best.spread.items() if name == kind.name}
+    return {
+        "name": kind.name,
+        "probability": verdict.probability(kind.name),
+        "parameters": {
+            p.name: {
+                "value": planted.values[p.name],
+                "ci95": _interval(planted.values[p.name], fitted.get(p.name)),
+                "unit": p.unit,
+            }
+            for p in kind.parameters
+        },
+    }
+
+
+def _interval(value: float, spread: float | None) -> list[float] | None:
+    if spread is None:
+        return None
+    half = NORMAL_95 * WIDER * spread
+    return [value - half, value + half]
+
+
+def diagnose(
+    model: Model | str | Path,
+    train: Sequence[Run | str | Path] | Run | str | Path,
+    held_out: Sequence[Run | str | Path] | Run | str | Path = (),
+    *,
+    alpha: float = ALPHA,
+    nulls: int = NULLS,
+    seed: int = 0,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """What a model gets wrong on runs of one sitting, why, and what it gains to know.
+
+    ``train`` teaches, ``held_out`` only judges the gain; ``without`` takes effects out of the catalogue.
+    ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
+    when the runs hold no settled steps or do not belong to one wire, UsageError for settings that make no sense.
+    """
+    started, say = time.monotonic(), progress or (lambda _: None)
+    _check(alpha, nulls)
+    given = model if isinstance(model, Model) else load_model(model)
+    taught, judged = _runs(train), _runs(held_out)
+    story, subject = _told(given, taught)
+    catalogue = _catalogue(subject, without)
+    say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
+    base = density_beside(story, subject)[0]
+    first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
+
+    def judge(s: Subject) -> Critique:
+        say("with " + " and ".join(e.kind.name for e in s.effects))  # pyright: ignore[reportAttributeAccessIssue]
+        anew = density_beside(story, s)[0]
+        return critique(story, anew, catalogue, count=nulls, alpha=alpha, seed=seed, like=first)
+
+    levels = searched(first, judge)
+    verdict = decided(first, levels)
+    extended = base
+    if levels and verdict.explanations:
+        extended = density_beside(story, replace(base, effects=(*base.effects, *levels[-1].best.effects)))[0]
+    noise = (levels[-1].critique if levels else first).refitted.noise
+    gain = measured_gain(taught, judged, base, extended, noise) if judged else None
+    return Diagnosis(
+        verdict,
+        story,
+        first,
+        tuple(levels),
+        visibility(first),
+        Error(
+            story.unit,
+            _floor(noise.white[: len(story.settled)]),
+            _rms(story, subject),
+            _rms(story, base),
+            _rms(story, extended),
+        ),
+        gain,
+        _extended(given, extended, taught, verdict) if extended is not base else given,
+        numerics(story, base),
+        alpha,
+        nulls,
+        time.monotonic() - started,
+    )
+
+
+def _check(alpha: float, nulls: int) -> None:
+    if not 0 < alpha < 0.5:
+        raise UsageError(f"The chance of a false alarm lies between 0 and 0.5, not at {alpha:g}.")
+    if nulls < 1 / alpha:
+        raise UsageError(
+            f"{nulls} nulls cannot tell a chance of {alpha:g}; at least {int(1 / alpha) + 1} can."
+        )
+
+
+def _runs(given: Any) -> list[Run]:
+    several = [given] if isinstance(given, Run | str | Path) else list(given)
+    return [run if isinstance(run, Run) else load_run(run) for run in several]
+
+
+def _told(model: Model, runs: list[Run]) -> tuple[Story, Subject]:
+    if not runs:
+        raise UsageError("A diagnosis needs at least one run to learn from.")
+    from smarig.identification.lived import actuator_of
+
+    story = told(runs, actuator_of(model).tau_s)
+    return story, subject_of(model, story.runs[0])
+
+
+def _catalogue(subject: Subject, without: Sequence[str]) -> list[Kind]:
+    every = kinds("two_wire" if subject.actuator.two_wire else "one_wire")
+    names = [k.name for k in kinds()]
+    for name in without:
+        if name not in names:
+            raise UsageError(f"There is no effect '{name}' to leave out.")
+    known = {getattr(getattr(e, "kind", None), "name", "") for e in subject.effects}
+    return [k for k in every if k.name not in without and k.name not in known]
+
+
+def _rms(story: Story, subject: Subject) -> float:
+    error = story.settled.value - retold(story, subject).values["settled"]
+    return float(np.std(error))
+
+
+def _floor(noise: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(noise**2)))
+
+
+def _extended(given: Model, subject: Subject, train: list[Run], verdict: Verdict) -> Model:
+    """The given model with the density identified beside the effects, and with them."""
+    return replace(
+        given,
+        name=f"{given.name} + {' + '.join(e.kind.name for e in subject.effects)}",  # pyright: ignore[reportAttributeAccessIssue]
+        hysteresis=subject.hysteresis,
+        effects=tuple(e.to_json() for e in subject.effects),  # pyright: ignore[reportAttributeAccessIssue]
+        parameters=(),
+        covariance=np.empty((0, 0)),
+        intervals={},
+        provenance=tuple(provenance(run) for run in train),
+        warnings=(*given.warnings, f"Effects by diagnosis ({verdict.word}); density identified beside them."),
+    )

@@ -1,0 +1,32 @@
+"""A diagnosis as a folder: diagnosis.json, and the extended model where there is one. Knows no pages."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.errors import StorageError, UsageError
+from smarig.whole_file import whole_file
+
+JSON, MODEL = "diagnosis.json", "extended.model.json"
+
+
+def folder_ready(out: Path, *, force: bool) -> None:
+    """Make the folder before hours are spent; UsageError when something would be replaced."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StorageError(f"Folder {out} cannot be made: {error.strerror or error}.") from None
+    for name in (JSON, MODEL):
+        if (out / name).exists() and not force:
+            raise UsageError(f"{out / name} exists; give another folder or --force to replace it.")
+
+
+def write_diagnosis(found: Diagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:
+    """Write what was found; returns the paths, by key of the CLI's JSON object."""
+    paths: dict[str, Any] = {"out": str(out)}
+    if found.extended:
+        paths["model"] = str(found.model.save(out / MODEL, force=force))
+    with whole_file(out / JSON, force=force) as part:
+        part.write_text(json.dumps(found.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
+    return paths
