@@ -5,6 +5,7 @@ Knows no measured output.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,10 @@ from smarig.config import ActuatorFile, check
 from smarig.errors import DataError
 from smarig.identification.history import named_start
 from smarig.identification.model_file import Model
+from smarig.identification.origin import file_hash, provenance
 from smarig.model.actuator import Actuator
 from smarig.model.planted import from_json
-from smarig.record import Run
+from smarig.record import Run, load_run
 from smarig.story.retelling import Subject, positions, retold
 from smarig.story.told import told
 
@@ -55,13 +57,28 @@ def actuator_of(model: Model) -> Actuator:
 
 
 def settled_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
-    """Outputs at the settled points of runs of one sitting, (k,) each, in the model's zero."""
-    tau_s = actuator_of(model).tau_s
-    story = told(runs, tau_s)
+    """Outputs at the settled points of runs of one sitting, (k,) each, in the model's zero.
+
+    The runs the model was made from are lived through first, where they are of the same sitting and still there.
+    """
+    story = told([*earlier(model, runs), *runs], actuator_of(model).tau_s)
     subject = subject_of(model, story.runs[0])
     values = retold(story, subject).values["settled"]
     by_run = {id(run): values[story.run == k] for k, run in enumerate(story.runs)}
     return [by_run[id(run)] for run in runs]
+
+
+def earlier(model: Model, runs: Sequence[Run]) -> list[Run]:
+    """Runs of the same sitting that the model was made from, not given and found where they were."""
+    sittings = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
+    given = {file_hash(run) for run in runs}
+    found = []
+    for p in model.provenance:
+        same = p.start_epoch is not None and (p.start_epoch, p.encoder_zero) in sittings
+        if same and p.sha256 not in given and Path(p.run).is_file():
+            run = load_run(p.run)
+            found += [run] if file_hash(run) == p.sha256 else []
+    return found
 
 
 def along(model: Model, run: Run) -> Array:

@@ -234,6 +234,11 @@ def _warnings(model: Model, unknown: int, outside: int, kind: str) -> tuple[str,
             f"{outside} points lie outside the model's range [{h.lower:g}, {h.upper:g}] {model.input.unit}; "
             "the model saturates there."
         )
+    if model.effects:
+        found.append(
+            "The model's effects may depend on the clock and on cycles: earlier runs of the sitting count, so give "
+            "all of them, or leave those it was made from where they were."
+        )
     if kind == "fitted":
         found.append("The encoder's zero is not known for this run: one additive offset was fitted.")
     return tuple(found)
