@@ -19,6 +19,7 @@ from smarig.story.told import Story
 
 Array = NDArray[np.float64]
 WEAK = 0.25  # of the typical strength: where a trace is still in proportion
+FAR = 3.0  # times a strength that was tried
 SEEN = 4.0  # standard deviations that the largest strength must stand out by
 
 
@@ -70,6 +71,8 @@ class Candidate:
         assert kind is not None  # noqa: S101 - only named candidates have variants
         primary = kind.primary
         strength = float(np.sign(planted.strength) * along[k] / self.size[k])
+        if primary.tries:  # not in proportion: no farther from the trace than it is true
+            strength = float(np.clip(strength, planted.strength / FAR, planted.strength * FAR))
         values = {**planted.values, primary.name: min(max(strength, primary.lower), primary.upper)}
         return kind(**values), float(worth[k])
 
@@ -110,9 +113,9 @@ def whitened(candidate: Candidate, refitted: Refit) -> Candidate:
 def _variants(kind: Kind, story: Story) -> Iterator[Planted]:
     hours = float(story.drive.end_s[-1]) / 3600
     others = kind.parameters[1:]
-    strength = WEAK * kind.primary.typical
-    for values in product(*[_tries(p, hours) for p in others]):
-        yield kind(strength, **{p.name: v for p, v in zip(others, values)})
+    for strength in kind.primary.tries or (WEAK * kind.primary.typical,):
+        for values in product(*[_tries(p, hours) for p in others]):
+            yield kind(strength, **{p.name: v for p, v in zip(others, values)})
 
 
 def _tries(parameter: Parameter, hours: float) -> tuple[float, ...]:
@@ -122,8 +125,19 @@ def _tries(parameter: Parameter, hours: float) -> tuple[float, ...]:
 
 
 def generic(story: Story, base: Retelling, slope: Array) -> Iterator[Candidate]:
-    """ "It depends on z", for each z the story knows: added or felt, five smooth functions each; raw traces."""
+    """ "It depends on z", for each z the story knows: added or felt, five smooth functions each; raw traces.
+
+    Other channels may depend on time and level by themselves.
+    """
     total = sum(len(r) for r in story.kinds)
+    at = 0
+    for r in story.kinds:
+        if r.kind not in ("settled", "moving"):
+            for name, z in {"time": r.t_s, "level": story.target_K[r.step]}.items():
+                traces = np.zeros((total, min(5, np.unique(z).size - 1)))
+                traces[at : at + len(r)] = _smooth(z)
+                yield Candidate(f"?{name} of {r.kind}", traces, depends_on=name)
+        at += len(r)
     for name, z in _variables(story, base).items():
         basis = _smooth(z)
         if not basis.shape[1]:

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 ROUNDS = 10
 MANY = 6  # tries of a time of the record: it acts in a jump, not smoothly
 _SCANS = 4
+_WITHIN = 0.04  # of the record
 _STEP = 0.02  # of a parameter's typical size, for slopes
 _DONE = 0.2  # nats
 _STUBBORN = 1.0  # damping beyond which nothing helps any more
@@ -64,7 +65,7 @@ def refined(
     The subject's own density says what the wire lived through; ``centre`` is what density deviations in C are
     deviations from, the same for all explanations that are compared.
     """
-    fit = _Fit(tuple(start))
+    fit = _Fit(tuple(start), float(story.drive.end_s[-1]) / 3600)
     data = np.concatenate([r.value for r in story.kinds])
 
     def rest(x: Array) -> Array:
@@ -114,7 +115,7 @@ def _scanned(rest: Callable[[Array], Array], fit: "_Fit", story: Story, x: Array
 class _Fit:
     """Which parameters move: strengths, and whatever the critic tries several values of."""
 
-    def __init__(self, start: tuple[Planted, ...]) -> None:
+    def __init__(self, start: tuple[Planted, ...], hours: float) -> None:
         self.start = start
         moved = [(p.kind.name, q) for p in start for q in p.kind.parameters if _moves(p, q)]
         self.names = [(name, q.name) for name, q in moved]
@@ -122,6 +123,8 @@ class _Fit:
         self.low = np.array([q.lower for _, q in moved])
         self.high = np.array([q.upper for _, q in moved])
         self.jumps = np.array([q.of_record and q.unit == "h" and len(q.tries) > MANY for _, q in moved])
+        self.low[self.jumps] = _WITHIN * hours  # a jump at the very beginning or end is none
+        self.high[self.jumps] = (1 - _WITHIN) * hours
         self.size = np.array([abs(q.typical) or 0.1 * (q.upper - q.lower) for _, q in moved])
 
     def at(self, x: Array) -> tuple[Planted, ...]:
@@ -138,7 +141,7 @@ def _moves(planted: Planted, parameter: Parameter) -> bool:
 
 def _descend(rest: Callable[[Array], Array], fit: _Fit) -> tuple[Array, Array, Array]:
     """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) where it ends."""
-    x = fit.x
+    x = np.clip(fit.x, fit.low, fit.high)
     r = rest(x)
     J, fresh, damping = _jacobian(rest, x, r, fit), True, 1e-3
     for _ in range(ROUNDS):

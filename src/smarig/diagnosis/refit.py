@@ -6,7 +6,7 @@ How smooth, and how large the noise, are those of largest likelihood. An effect'
 ½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone could. Knows no effects.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,12 @@ from scipy.optimize import minimize
 from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.preisach.operator import Preisach
-from smarig.story.retelling import COUPLED, Retelling, Subject
+from smarig.story.retelling import COUPLED, Retelling, Subject, retold
 from smarig.story.told import Readings, Story
 
 Array = NDArray[np.float64]
 ANY = 30.0  # sd of a zero, in ranges of the output: whatever it likes
+INEXACT = 0.01  # of what an effect adds: no mechanism is exactly its equation
 JITTER_S = 0.02  # of a time stamp: what moves fast is known no better
 CORRELATIONS_S = (120.0, 30.0, 300.0)
 
@@ -84,7 +85,8 @@ def refit(
     span, n = subject.stroke, y.size
     h = subject.hysteresis
     path = Preisach(h, subject.initial).simulate(told.felt_K)
-    white, free, scale, reach = _units(story, told, subject, coupled, _speed(told, path))
+    added = _added(story, told, subject)
+    white, free, scale, reach = _units(story, told, subject, coupled, _speed(told, path), added)
     priors = free_density(told, h, path, told.output)
     J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
     whole = y + told.follows * (
@@ -131,7 +133,7 @@ def _leading(traces: Array) -> Array:
 
 
 def _units(
-    story: Story, told: Retelling, subject: Subject, coupled: list[Readings], speed: Array
+    story: Story, told: Retelling, subject: Subject, coupled: list[Readings], speed: Array, added: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Per coupled reading: own white noise (scaled), covariance of free zeros, scale, slope to y (scaled)."""
     raw, span = _raw_noise(story, subject), subject.stroke
@@ -142,7 +144,8 @@ def _units(
         noise = max(_local_noise(y), _FINEST["resistance"]) if own is None else own
         scale.append(np.full(len(r), noise if own is None else span))
         late = JITTER_S * speed[at : at + len(r)] if r.kind == "moving" else np.zeros(len(r))
-        white.append(np.full(len(r), 1.0) if own is None else np.hypot(noise, late) / span)
+        rough = INEXACT * np.abs(added[at : at + len(r)])
+        white.append(np.full(len(r), 1.0) if own is None else np.sqrt(noise**2 + late**2 + rough**2) / span)
         at += len(r)
         zero.append(np.full(len(r), k if own is None else 0))
     own_zero, scales = np.concatenate(zero), np.concatenate(scale)
@@ -150,6 +153,16 @@ def _units(
     size = np.where(own_zero == 0, ANY, _ANY_ZERO)
     slope = told.follows * span / scales
     return np.concatenate(white), np.where(same, np.outer(size, size), 0.0), scales, slope
+
+
+def _added(story: Story, told: Retelling, subject: Subject) -> Array:
+    """What the subject's effects change in each coupled reading, (n,)."""
+    if not subject.effects:
+        return np.zeros(told.output.size)
+    plain = retold(story, replace(subject, effects=()))
+    return np.concatenate(
+        [told.values[r.kind] - plain.values[r.kind] for r in story.kinds if r.kind in COUPLED]
+    )
 
 
 def _speed(told: Retelling, path: Array) -> Array:

@@ -16,7 +16,7 @@ Word = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 TEMPERATURE = 4.0  # nats
 COVERED = 0.9  # probability of the set
 BETTER = 1.5  # a variable that explains so much more than any name is no name's
-LEFT_OVER = 0.35  # share of what was explained that may remain unexplained
+LEFT_OVER = 2.0  # thresholds that may be left standing when all names are in
 GENERIC_GATE = 12.0  # nats beyond chance for "it depends on"
 
 
@@ -83,8 +83,7 @@ def _unnamed(first: Critique, levels: list[Level], variable: Score) -> bool:
     if plain > BETTER * max(levels[0].rough, 1.0):
         return True
     last = levels[-1].critique
-    left = _variable(last)
-    return bool(not last.silent and left and left.net > LEFT_OVER * sum(level.gain for level in levels))
+    return bool(_variable(last)) and last.largest.standard > LEFT_OVER * last.threshold
 
 
 def _probabilities(level: Level) -> tuple[tuple[tuple[str, ...], float], ...]:

@@ -30,6 +30,10 @@ backlash = Kind(
     looks_like="the first steps after every reversal are missing",
     confused_with=("resistance_phase", "noncongruency", "creep"),
     separated_by="an outside push; a second encoder; the voltage, which moves while y stands",
-    parameters=(Parameter("play_percent", "%", 0.0, 10.0, 1.5, "0.5–5 counts of a stroke of 255"),),
+    parameters=(
+        Parameter(
+            "play_percent", "%", 0.0, 10.0, 1.5, "0.5–5 counts of a stroke of 255", tries=(0.4, 1.5, 4.0)
+        ),
+    ),
     act=_act,
 )

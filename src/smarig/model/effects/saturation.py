@@ -25,6 +25,16 @@ saturation = Kind(
     looks_like="different commands at the top give one position; the measured current stops growing",
     confused_with=("dead_zone", "resistance_phase"),
     separated_by="the measured current",
-    parameters=(Parameter("clip_percent", "%", 0.0, 60.0, 20.0, "supply voltage over wire resistance"),),
+    parameters=(
+        Parameter(
+            "clip_percent",
+            "%",
+            0.0,
+            60.0,
+            20.0,
+            "supply voltage over wire resistance",
+            tries=(5.0, 15.0, 30.0, 45.0),
+        ),
+    ),
     act=_act,
 )

@@ -54,6 +54,7 @@ temperature_memory = Kind(
             3.0,
             1.5,
             "differential scanning calorimetry of TiNi: a stop near the arrest",
+            tries=(0.4, 1.5),
         ),
         Parameter("width_K", "K", 1.0, 15.0, 4.0, "1–5 K, engineering estimate", tries=(2.0, 4.0, 9.0)),
     ),
