@@ -3,12 +3,14 @@
 import importlib
 import json
 from collections.abc import Callable
+from inspect import signature
 from typing import Any
 
 import click
 
 from smarig.catalogue import names, suggestion
 from smarig.cli._output import emit, json_option
+from smarig.cli._types import FILE
 from smarig.errors import UsageError
 
 EPILOG = """\b
@@ -25,13 +27,22 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.command("benchmark", epilog=EPILOG)
 @click.argument("name")
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
+@click.option("--boxes", type=int, help="diagnosis: how many sealed boxes.")
+@click.option("--seed", type=int, help="diagnosis: seed of the boxes.")
+@click.option("--workers", type=int, help="diagnosis: processes.")
+@click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
+@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, gone on with when it exists.")
 @json_option
-def command(name: str, quick: bool) -> None:
+def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and exactness as ratios in one run; NAME is forward, inverse, …"""
     known = names("smarig.benchmark")
     run = _run_of(name) if name in known else None
     if run is None:
         benchmarks = [n for n in known if _run_of(n) is not None]
         raise UsageError(f"No benchmark '{name}'{suggestion(name, benchmarks)}.")
-    found = run(quick=quick)
+    given = {key: value for key, value in settings.items() if value is not None}
+    for key in given:
+        if key not in signature(run).parameters:
+            raise UsageError(f"Benchmark '{name}' has no --{key}.")
+    found = run(quick=quick, **given)
     emit(found, json.dumps(found, indent=2))

@@ -88,6 +88,8 @@ def critique(
 ) -> Critique:
     """Judge a subject by a story against ``count`` nulls at the level α; ``like``: noise as in another, refined."""
     told = retold(story, subject)
+    known = {getattr(getattr(effect, "kind", None), "name", "") for effect in subject.effects}
+    kinds = [kind for kind in kinds if kind.name not in known]
     slope = np.array([sensitivity(subject.hysteresis, state)[-1] for state in told.states]) * told.follows
     raw = [*named(story, subject, told, kinds), *generic(story, told, slope)]
     refitted = refit(story, told, subject, np.column_stack([c.traces for c in raw]), like and like.refitted)

@@ -19,7 +19,7 @@ from smarig.story.told import Story
 Judge = Callable[[Subject], Critique]
 Start = tuple[Planted, ...]
 TRIED = 6  # single explanations refined
-BESIDE = 4  # further effects tried beside an accepted one
+BESIDE = 3  # further effects tried beside an accepted one, of those that stand out now, and at first
 RIVALS = 3  # explanations kept from size to size
 MOST = 3  # effects at once
 GATE = 8.0  # nats: an effect that explains less is not worth its name
@@ -67,7 +67,7 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
             break
         levels.append(level)
         now = level.critique
-        starts = _larger(level)
+        starts = _larger(level, first)
     return levels
 
 
@@ -76,14 +76,17 @@ def _starts(critique: Critique, count: int) -> list[Planted]:
     return [s.candidate.best(critique.refitted.data)[0] for s in critique.best(count)]
 
 
-def _larger(level: Level) -> list[Start]:
-    """One more effect beside the best explanation, and the most promising one beside its rivals."""
+def _larger(level: Level, first: Critique) -> list[Start]:
+    """One more effect beside the best explanation, and the most promising one beside its rivals.
+
+    What was worth trying alone is worth trying beside: a first effect may have hidden it.
+    """
     starts: dict[tuple[str, ...], Start] = {}
-    beside = _starts(level.critique, BESIDE + len(level.best.effects))
+    beside = _starts(level.critique, BESIDE) + _starts(first, BESIDE)
     for k, found in enumerate(level.explanations[:RIVALS]):
         own = {p.kind.name for p in found.effects}
-        others = [p for p in beside if p.kind.name not in own][: 1 if k else BESIDE]
-        for p in others:
+        others = [p for p in beside if p.kind.name not in own]
+        for p in others[:1] if k else others:
             start = (*found.effects, p)
             starts.setdefault(tuple(sorted(q.kind.name for q in start)), start)
     return list(starts.values())

@@ -1,0 +1,83 @@
+"""How often is a blind diagnosis right? Sealed boxes with nothing, one or two effects, or one it does not know.
+
+The boxes' generator shares no code with the diagnosis; a box's label is opened only after its answer is written.
+Answers are kept as they come, so a run that was stopped goes on where it was; the number of workers changes
+nothing but the time.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from smarig.benchmark.blind.table import scored
+from smarig.benchmark.blind.trial import Record, trial
+from smarig.errors import UsageError
+
+QUICK = 6
+
+
+def run(
+    quick: bool = False,
+    boxes: int = 100,
+    seed: int = 0,
+    workers: int = 1,
+    dask: str = "",
+    out: Path | None = None,
+    nulls: int = 400,
+) -> dict[str, Any]:
+    """The table of ``scored`` over boxes 0 … ``boxes`` − 1 of a seed.
+
+    ``workers`` processes, or the scheduler at address ``dask``; ``out``: a file of answers, one JSON line a box,
+    that is gone on with when it exists.
+    """
+    if boxes < 1 or workers < 1:
+        raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
+    wanted = range(QUICK if quick else boxes)
+    done = _kept(out, seed)
+    missing = [k for k in wanted if k not in done]
+    for record in _answers(seed, missing, workers, dask, nulls):
+        done[record["number"]] = record
+        if out is not None:
+            with out.open("a", encoding="utf-8") as file:
+                file.write(json.dumps({"seed": seed} | record) + "\n")
+    return {"seed": seed} | scored([done[k] for k in wanted])
+
+
+def _kept(out: Path | None, seed: int) -> dict[int, Record]:
+    """Answers of this seed in a file; a half-written last line is not one."""
+    found: dict[int, Record] = {}
+    if out is None or not out.exists():
+        return found
+    for line in out.read_text(encoding="utf-8").splitlines():
+        try:
+            record = json.loads(line)
+        except ValueError:
+            continue
+        if record.get("seed") == seed:
+            found[record["number"]] = record
+    return found
+
+
+def _answers(seed: int, numbers: Sequence[int], workers: int, dask: str, nulls: int) -> Iterator[Record]:
+    if dask:
+        yield from _by_dask(seed, numbers, dask, nulls)
+    elif workers == 1:
+        yield from (trial(seed, k, nulls) for k in numbers)
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            for answer in as_completed([pool.submit(trial, seed, k, nulls) for k in numbers]):
+                yield answer.result()
+
+
+def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Iterator[Record]:
+    try:
+        from distributed import Client  # pyright: ignore[reportMissingImports]
+        from distributed import as_completed as as_done  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
+    with Client(address) as client:
+        for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
+            yield answer.result()
