@@ -21,7 +21,8 @@ def kind(name):
 
 def wire_of(name):
     """The arrangement an effect needs."""
-    return kind(name).arrangement or "one_wire"
+    arrangement = kind(name).arrangement
+    return arrangement if arrangement in WIRES else "one_wire"  # untrained: any wire
 
 
 def driven(currents, *effects, wire="one_wire", hold_s=40.0, dt_s=0.1):

@@ -20,6 +20,7 @@ NAMES = [
     "noncongruency",
     "fatigue",
     "walking",
+    "training",
     "creep",
     "backlash",
     "slip",

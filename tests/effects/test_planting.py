@@ -51,8 +51,10 @@ def test_a_model_file_gives_back_what_was_written():
 
 
 def test_kinds_of_a_rig_leave_out_what_needs_another():
-    assert {k.name for k in kinds()} - {k.name for k in kinds("one_wire")} == {"cross_talk"}
-    assert len(kinds("two_wire")) == len(kinds())
+    assert {k.name for k in kinds()} - {k.name for k in kinds("one_wire")} == {"cross_talk", "training"}
+    assert {k.name for k in kinds()} - {k.name for k in kinds("two_wire")} == {
+        "training"
+    }  # rigs' wires are trained
 
 
 def test_a_seed_hides_one_effect_or_none_and_every_effect_has_seeds():

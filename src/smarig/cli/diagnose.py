@@ -13,6 +13,7 @@ EPILOG = """\b
 Example:
   smarig diagnose wire.model.json --train fod.run.sqlite --train loops.run.sqlite \\
       --held-out validation.run.sqlite -o diagnosis
+  smarig diagnose --transient heating_step.run.sqlite
 """
 
 
@@ -37,12 +38,13 @@ def _gathering(process: Any) -> Any:
 
 
 @click.command("diagnose", epilog=EPILOG)
-@click.argument("model", type=FILE)
-@click.option(
-    "--train", type=FILE, cls=_Several, multiple=True, required=True, help="Runs to learn from; several."
-)
+@click.argument("model", type=FILE, required=False)
+@click.option("--train", type=FILE, cls=_Several, multiple=True, help="Runs to learn from; several.")
 @click.option(
     "--held-out", type=FILE, cls=_Several, multiple=True, help="Runs that only judge the gain; several."
+)
+@click.option(
+    "--transient", type=FILE, help="A run with the wire's temperature and its drive, instead of a model."
 )
 @click.option("-o", "--out", type=FILE, help="Folder for extended.model.json, diagnosis.json, report.html.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
@@ -52,9 +54,10 @@ def _gathering(process: Any) -> Any:
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @json_option
 def command(
-    model: Path,
+    model: Path | None,
     train: tuple[Path, ...],
     held_out: tuple[Path, ...],
+    transient: Path | None,
     out: Path | None,
     without: tuple[str, ...],
     alpha: float,
@@ -64,8 +67,24 @@ def command(
 ) -> None:
     """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
     from smarig.diagnosis.diagnose import diagnose
-    from smarig.diagnosis.files import folder_ready, write_diagnosis
+    from smarig.diagnosis.files import folder_ready, write_diagnosis, write_transient
+    from smarig.diagnosis.thermal import diagnose_transient
 
+    if transient is not None:
+        if model or train or held_out:
+            raise UsageError(
+                "--transient diagnoses one run's temperature: leave out MODEL, --train and --held-out."
+            )
+        if out is not None:
+            folder_ready(out, force=force)
+        thermal = diagnose_transient(
+            transient, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
+        )
+        written = write_transient(thermal, out, force=force) if out is not None else {}
+        emit(thermal.to_json() | written, thermal.text())
+        return
+    if model is None or not train:
+        raise UsageError("A diagnosis needs MODEL and --train RUN…, or --transient RUN.")
     if set(train) & set(held_out):
         raise UsageError("A run cannot teach and judge: the same file is given to --train and --held-out.")
     if out is not None:

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis import given
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Kind, Parameter, Planted
 from smarig.story.retelling import Retelling, Subject, retold
@@ -138,13 +139,16 @@ def generic(story: Story, base: Retelling, slope: Array) -> Iterator[Candidate]:
                 traces[at : at + len(r)] = _smooth(z)
                 yield Candidate(f"?{name} of {r.kind}", traces, depends_on=name)
         at += len(r)
-    for name, z in _variables(story, base).items():
+    variables = given.variables(story, base) if story.given else _variables(story, base)
+    for name, z in variables.items():
         basis = _smooth(z)
         if not basis.shape[1]:
             continue
         both = np.column_stack([basis, basis * slope[: z.size, None]])
         traces = np.zeros((total, both.shape[1]))
         traces[: z.size] = both
+        yield Candidate(f"?{name}", traces, depends_on=name)
+    for name, traces in given.rate(story, base, slope) if story.given else ():
         yield Candidate(f"?{name}", traces, depends_on=name)
 
 

@@ -9,31 +9,37 @@ from dataclasses import replace
 
 import numpy as np
 
+from smarig.diagnosis import given
 from smarig.diagnosis.free_density import observed
 from smarig.identification.positive.fit import PositiveFit, fit_positive
-from smarig.story.retelling import Subject, retold
+from smarig.identification.positive.observations import Observations
+from smarig.story.retelling import Retelling, Subject, retold
 from smarig.story.told import Story
 
 TURNS = 2
 
 
-def density_beside(story: Story, subject: Subject, smoothing: float | None = None) -> tuple[Subject, float]:
+def density_beside(
+    story: Story, subject: Subject, smoothing: float | None = None
+) -> tuple[Subject, float | None]:
     """The subject with a new density, and the smoothing that held-out excursions chose for it."""
-    fit: PositiveFit | None = None
-    for _ in range(TURNS):
-        told = retold(story, subject)
-        n = len(story.settled)
-        y = story.settled.value - (told.values["settled"] - told.output[:n])
-        rows = observed(told.states[:n], subject.hysteresis.lower, subject.hysteresis.upper, y)
-        rows = replace(rows, curve=story.block, unit=story.unit)
-        fit = fit_positive(rows, smoothing=smoothing)
+    for _ in range(TURNS if subject.effects else 1):
+        fit = _fitted(story, retold(story, subject), subject, smoothing)
         smoothing = fit.smoothing
         subject = replace(subject, hysteresis=fit.table)
-    assert fit is not None  # noqa: S101 - TURNS > 0
-    return subject, fit.smoothing
+    return subject, smoothing
 
 
-def zero(story: Story, subject: Subject) -> float:
-    """Where the encoder's zero lies: the mean of settled positions over predictions."""
-    told = retold(story, subject)
-    return float(np.mean(story.settled.value - told.values["settled"]))
+def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | None) -> PositiveFit:
+    n = len(story.settled)
+    y = story.settled.value - (told.values["settled"] - told.output[:n])
+    rows = observed(told.states[:n], subject.hysteresis.lower, subject.hysteresis.upper, y)
+    rows = replace(rows, curve=story.block, unit=story.unit)
+    if story.given:
+        rows = _weighted(replace(rows, zero=story.zero - 1), given.trust(story, told, subject))
+    return fit_positive(rows, smoothing=smoothing)
+
+
+def _weighted(rows: Observations, weight: np.ndarray) -> Observations:
+    """Each equation times its weight."""
+    return replace(rows, y=rows.y * weight, sign=rows.sign * weight[rows.term])

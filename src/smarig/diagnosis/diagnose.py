@@ -19,11 +19,12 @@ from smarig.diagnosis.search import Level, searched
 from smarig.diagnosis.verdict import Verdict, decided
 from smarig.diagnosis.visibility import Visibility, visibility
 from smarig.errors import UsageError
-from smarig.identification.lived import subject_of
+from smarig.identification.lived import subject_of, wire_of
 from smarig.identification.model_file import Model, load_model
 from smarig.identification.origin import provenance
 from smarig.model.effect import Kind
-from smarig.model.planted import kinds
+from smarig.model.given import GivenInput, judgeable
+from smarig.model.planted import kinds, kinds_of
 from smarig.record import Run, load_run
 from smarig.story.retelling import Subject, numerics, retold
 from smarig.story.told import Story, told
@@ -207,21 +208,21 @@ def diagnose(
     given = model if isinstance(model, Model) else load_model(model)
     taught, judged = _runs(train), _runs(held_out)
     story, subject = _told(given, taught)
-    catalogue = _catalogue(subject, without)
+    catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
     base = density_beside(story, subject)[0]
     first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
 
     def judge(s: Subject) -> Critique:
         say("with " + " and ".join(e.kind.name for e in s.effects))  # pyright: ignore[reportAttributeAccessIssue]
-        anew = density_beside(story, s)[0]
-        return critique(story, anew, catalogue, count=nulls, alpha=alpha, seed=seed, like=first)
+        return critique(story, s, catalogue, count=nulls, alpha=alpha, seed=seed, like=first)
 
     levels = searched(first, judge)
     verdict = decided(first, levels)
     extended = base
     if levels and verdict.explanations:
-        extended = density_beside(story, replace(base, effects=(*base.effects, *levels[-1].best.effects)))[0]
+        fuller = replace(base, effects=(*base.effects, *levels[-1].best.effects))
+        extended = density_beside(story, fuller)[0]
     noise = (levels[-1].critique if levels else first).refitted.noise
     gain = measured_gain(taught, judged, base, extended, noise) if judged else None
     return Diagnosis(
@@ -229,7 +230,7 @@ def diagnose(
         story,
         first,
         tuple(levels),
-        visibility(first),
+        visibility(first, blind),
         Error(
             story.unit,
             _floor(noise.white[: len(story.settled)]),
@@ -263,14 +264,13 @@ def _runs(given: Any) -> list[Run]:
 def _told(model: Model, runs: list[Run]) -> tuple[Story, Subject]:
     if not runs:
         raise UsageError("A diagnosis needs at least one run to learn from.")
-    from smarig.identification.lived import actuator_of
-
-    story = told(runs, actuator_of(model).tau_s)
+    story = told(runs, wire_of(model, runs[0]).tau_s)
     return story, subject_of(model, story.runs[0])
 
 
 def _catalogue(subject: Subject, without: Sequence[str]) -> list[Kind]:
     every = kinds("two_wire" if subject.actuator.two_wire else "one_wire")
+    every += kinds_of("untrained") if isinstance(subject.actuator, GivenInput) else ()
     names = [k.name for k in kinds()]
     for name in without:
         if name not in names:
@@ -279,9 +279,17 @@ def _catalogue(subject: Subject, without: Sequence[str]) -> list[Kind]:
     return [k for k in every if k.name not in without and k.name not in known]
 
 
+def _judgeable(every: list[Kind], story: Story, subject: Subject) -> tuple[list[Kind], list[str]]:
+    """(effects that these data could show, names of those that act before the input was measured)."""
+    clock = story.given == "clock"
+    seen = [k for k in every if not story.given or judgeable(k, subject.hysteresis, clock=clock)]
+    return seen, [k.name for k in every if k not in seen]
+
+
 def _rms(story: Story, subject: Subject) -> float:
     error = story.settled.value - retold(story, subject).values["settled"]
-    return float(np.std(error))
+    own = [error[story.zero == z] for z in np.unique(story.zero)] if story.given else [error]
+    return float(np.std(np.concatenate([e - e.mean() for e in own])))
 
 
 def _floor(noise: np.ndarray) -> float:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.thermal import ThermalDiagnosis
 from smarig.errors import StorageError, UsageError
 from smarig.whole_file import whole_file
 
@@ -27,6 +28,14 @@ def write_diagnosis(found: Diagnosis, out: Path, *, force: bool = False) -> dict
     paths: dict[str, Any] = {"out": str(out)}
     if found.extended:
         paths["model"] = str(found.model.save(out / MODEL, force=force))
+    with whole_file(out / JSON, force=force) as part:
+        part.write_text(json.dumps(found.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
+    return paths
+
+
+def write_transient(found: ThermalDiagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:
+    """Write what was found on a thermal record; returns the paths, by key of the CLI's JSON object."""
+    paths = {"out": str(out)}
     with whole_file(out / JSON, force=force) as part:
         part.write_text(json.dumps(found.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
     return paths

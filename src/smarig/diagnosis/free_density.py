@@ -1,11 +1,10 @@
-"""Any smooth density at all: the covariance of outputs when nothing is known of μ but that it is smooth.
+"""Any density that resembles the believed one: the covariance of outputs when μ may deviate in proportion to itself.
 
-    y = X w + S e,    w ~ N(0, v (R + A)⁻¹),    R = ∬ (second derivatives of the density)²,    A = ∬ density²
-                      e ~ N(0, g ν)             ν the mass of a cell as believed: grains, each cell for itself
+    μ = μ₀ Σ_s ε_s + grains,    ε_s: bilinear on a grid of s intervals, independent standard normal at its nodes
+                                grains: each cell for itself, variance g ν, as of a finite number of relays
 
-X are the rows of the FOD surface at the corners of each memory, on a triangle of cells; R and A are taken on a scale
-on which the output moves evenly, so a steep transformation may be as structured as a flat tail. Knows no data but
-where the memories lie and where the output moves.
+on a triangle of cells and on a scale on which the output moves evenly, so a steep transformation may be as structured
+as a flat tail. Knows no data but where the memories lie and where the output moves.
 """
 
 from collections.abc import Sequence
@@ -13,8 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
-from scipy.linalg import cho_solve_banded, cholesky_banded
-from scipy.sparse import csr_matrix, triu
+from scipy.sparse import csr_matrix
 
 from smarig.identification.positive.observations import COMMON, Observations, corners_of
 from smarig.identification.positive.partition import SAME, adapted
@@ -27,12 +25,12 @@ Array = NDArray[np.float64]
 FEWEST, MOST = 96, 160  # intervals of the partition: enough for every measured level to be a node
 EVEN = 0.5  # share of the scale that is plain input
 KNOTS = 11
-FAINT = 0.01  # of the mean mass: grains where the model has nothing
-_RIDGE = 1e-14  # of the precision's mean, against rounding
+SCALES = (6, 20)  # hats across the range: how finely a density may deviate in proportion to itself
+FAINT = 0.05  # of the mean mass: grains where the model has nothing
 
 
-def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> tuple[Array, Array]:
-    """Covariances (n, n) of the outputs at n memories, without a common zero: smooth for v = 1, grains for g = 1.
+def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> tuple[Array, ...]:
+    """Covariances (n, n) of the outputs at n memories, in strokes², without a common zero: by scale, then grains.
 
     ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
     """
@@ -41,22 +39,27 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     nodes = adapted(rows, _enough(rows, upper - lower))
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
     X = csr_matrix(rows.matrix(triangle)[:, : triangle.unknowns - 1])  # without y₋, the common zero
-    density = csr_matrix(triangle.masses.multiply(1 / triangle.areas[:, None]))
-    square = density.T @ csr_matrix(density.multiply(triangle.areas[:, None]))
-    smooth = _covariance(csr_matrix((triangle.roughness + square)[:-1, :-1]), X)
-    signs = _switched(triangle, X) * np.sqrt(_believed(triangle, hysteresis))
-    return smooth, signs @ signs.T
+    mass = np.abs(_believed(triangle, hysteresis))
+    mass += FAINT * mass.mean()
+    on = _switched(triangle, X)
+    shapes = [on @ (mass[:, None] * _hats(triangle, n)) for n in SCALES]
+    shapes.append(on * np.sqrt(mass))
+    return tuple(shape @ shape.T for shape in shapes)
 
 
-def _covariance(precision: csr_matrix, X: csr_matrix) -> Array:
-    """X P⁻¹ Xᵀ for a precision whose neighbours are near in number."""
-    upper = triu(precision).tocoo()
-    banded = np.zeros((int((upper.col - upper.row).max()) + 1, precision.shape[0]))
-    banded[upper.col - upper.row, upper.row] = upper.data  # lower form: P is symmetric
-    banded[0] += _RIDGE * float(banded[0].mean())
-    root = cholesky_banded(banded, lower=True, check_finite=False, overwrite_ab=True)
-    covariance = X @ cho_solve_banded((root, True), X.toarray().T, check_finite=False)
-    return (covariance + covariance.T) / 2
+def _hats(triangle: Triangle, n: int) -> Array:
+    """Bilinear hats on a grid of n intervals over the even scale, at the middles of cells: (cells, hats)."""
+    place = _along(triangle)
+    middle = (place[1:] + place[:-1]) / 2
+    nodes = np.linspace(0, 1, n + 1)
+    hat = np.maximum(0.0, 1 - n * np.abs(middle[:, None] - nodes[None, :]))
+    rows, columns = np.tril_indices(n + 1)
+    return hat[triangle.i][:, rows] * hat[triangle.j][:, columns]
+
+
+def _along(triangle: Triangle) -> Array:
+    span = triangle.nodes[-1] - triangle.nodes[0]
+    return (triangle.nodes - triangle.nodes[0]) / span if triangle.place is None else triangle.place
 
 
 def _enough(rows: Observations, span: float) -> int:
@@ -75,13 +78,13 @@ def _switched(triangle: Triangle, X: csr_matrix) -> Array:
 
 
 def _believed(triangle: Triangle, hysteresis: Everett) -> Array:
-    """The mass of each cell as the model has it, in strokes (cells,), none quite empty."""
+    """The mass of each cell as the model has it, in strokes (cells,)."""
     a, b = np.meshgrid(triangle.nodes, triangle.nodes, indexing="ij")
     E = np.array([[hysteresis.everett(x, min(y, x)) for x, y in zip(p, q)] for p, q in zip(a, b)])
     i, j = triangle.i, triangle.j
-    upper, right = E[i + 1, j], E[i, j]
-    mass = np.abs(upper - right - np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)]))
-    return (mass + FAINT * mass.mean()) / (mass.sum() or 1.0)
+    beside = np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)])
+    mass = E[i + 1, j] - E[i, j] - beside
+    return mass / (np.abs(mass).sum() or 1.0)
 
 
 def observed(states: Sequence[State], lower: float, upper: float, y: Array) -> Observations:

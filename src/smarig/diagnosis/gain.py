@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis import given
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.refit import Noise
 from smarig.record import Run
@@ -24,22 +25,27 @@ DRAWS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """Errors (k,) of both models at held-out settled points, blocks (k,) they come in, and the noise floor."""
+    """Errors (k,) of both models at held-out settled points, blocks (k,) they come in, and the noise floor.
+
+    ``weight`` (k,), None for equal ones: where the input was measured, a reading counts by its own noise (1/σ²), lest
+    the steepest branch drown the rest.
+    """
 
     base_error: Array
     extended_error: Array
     block: NDArray[np.int64]
     floor: float
+    weight: Array | None = None
 
     @property
     def base(self) -> float:
         """Rms of the base."""
-        return _rms(self.base_error)
+        return _rms(self.base_error, self.weight)
 
     @property
     def extended(self) -> float:
         """Rms of the extended model."""
-        return _rms(self.extended_error)
+        return _rms(self.extended_error, self.weight)
 
     @property
     def blocks(self) -> int:
@@ -54,10 +60,14 @@ class Gain:
     def interval(self, seed: int = 0) -> tuple[float, float] | None:
         """95 % of R when the blocks are drawn again with replacement."""
         names, rng = np.unique(self.block), np.random.default_rng([seed, 0xB10C])
+        weight = np.ones(self.block.size) if self.weight is None else self.weight
         squares = np.array(
-            [[np.sum(e[self.block == b] ** 2) for b in names] for e in (self.base_error, self.extended_error)]
+            [
+                [np.sum((weight * e**2)[self.block == b]) for b in names]
+                for e in (self.base_error, self.extended_error)
+            ]
         )
-        sizes = np.array([np.sum(self.block == b) for b in names])
+        sizes = np.array([np.sum(weight[self.block == b]) for b in names])
         drawn = rng.integers(0, names.size, (DRAWS, names.size))
         base, extended = np.sqrt(squares[:, drawn].sum(axis=2) / sizes[drawn].sum(axis=1))
         shares = [_share(b, e, self.floor) for b, e in zip(base.tolist(), extended.tolist())]
@@ -79,22 +89,24 @@ def measured_gain(
     for subject in (base, extended):
         whole = retold(story, subject)
         error = story.settled.value - whole.values["settled"]
-        errors.append((error - error[~judged].mean())[judged])
-        floor = _floor(story, whole, subject, noise, judged)
-    return Gain(errors[0], errors[1], story.block[judged], floor)
+        square = _square(story, whole, subject, noise)
+        weight = 1 / square if story.given else np.ones(square.size)
+        errors.append((error - np.average(error[~judged], weights=weight[~judged]))[judged])
+    square, weight = square[judged], weight[judged]
+    floor = float(np.sqrt(np.average(square, weights=weight)))
+    return Gain(errors[0], errors[1], story.block[judged], floor, weight if story.given else None)
 
 
-def _floor(
-    story: Story, whole: Retelling, subject: Subject, noise: Noise, judged: NDArray[np.bool_]
-) -> float:
-    """Rms of the noise at judged points: its own, and what the hysteresis remembers."""
+def _square(story: Story, whole: Retelling, subject: Subject, noise: Noise) -> Array:
+    """Variance (k,) of the noise at settled points: its own, and what the hysteresis remembers."""
     J, times = remembered(subject.hysteresis, whole)  # pyright: ignore[reportArgumentType]
-    memory = np.diag(propagated(J, times, noise.correlation_s))[: len(story.settled)][judged]
-    return float(np.sqrt(noise.settled**2 + noise.temperature_K**2 * memory.mean()))
+    memory = np.diag(propagated(J, times, noise.correlation_s))[: len(story.settled)]
+    square = noise.settled**2 + noise.temperature_K**2 * memory
+    return square + given.scatter(story, whole, subject) ** 2 if story.given else square
 
 
-def _rms(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2)))
+def _rms(error: Array, weight: Array | None) -> float:
+    return float(np.sqrt(np.average(error**2, weights=weight)))
 
 
 def _share(base: float, extended: float, floor: float) -> float | None:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Parameter, Planted
 from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
-from smarig.story.retelling import COUPLED, Retelling, Subject, retold
+from smarig.story.retelling import Subject, about, retold
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]
@@ -70,7 +69,7 @@ def refined(
 
     def rest(x: Array) -> Array:
         told = retold(story, replace(subject, effects=()), fit.at(x))
-        return refitted.centred(data - _about(centre, told, story, subject), story)
+        return refitted.centred(data - about(told, subject, centre).stacked(story), story)
 
     x, r, J = _descend(rest, fit)
     for _ in range(_SCANS):
@@ -81,21 +80,6 @@ def refined(
         x, r, J = _descend(rest, fit)
     spread = _spread(J, max(float(r @ r) / r.size, 1.0))
     return Refined(fit.at(x), dict(zip(fit.names, spread.tolist())), r, subject)
-
-
-def _about(centre: Everett, told: Retelling, story: Story, subject: Subject) -> Array:
-    """Predictions (N,) with the centre's outputs along the very path that was felt."""
-    whole = told.stacked(story)
-    if centre is subject.hysteresis:
-        return whole
-    output = Preisach(centre, subject.initial).simulate(told.felt_K)[told.marks]
-    at = 0
-    for r in story.kinds:  # coupled readings come first, in this order
-        if r.kind in COUPLED:
-            n = slice(at, at + len(r))
-            whole[n] += told.follows[n] * (output[n] - told.output[n])
-            at += len(r)
-    return whole
 
 
 def _scanned(rest: Callable[[Array], Array], fit: "_Fit", story: Story, x: Array, r: Array) -> Array | None:

@@ -14,6 +14,7 @@ from scipy.linalg import LinAlgError, cho_solve, cholesky, solve_triangular
 from scipy.linalg.lapack import dpotri
 from scipy.optimize import minimize
 
+from smarig.diagnosis import given
 from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.preisach.operator import Preisach
@@ -43,7 +44,7 @@ class Refit:
 
     ``scale`` (N,) divides each reading; ``data`` (N,) are the readings so divided, whitened; ``fitted`` (coupled,)
     what the refitted density says there beyond what the subject's does, in their unit. ``spreads`` are the
-    log₁₀ of (v, g, s₀, s_T).
+    log₁₀ of the density's parts' variances, s₀ and s_T.
     """
 
     factor: Array
@@ -97,16 +98,17 @@ def refit(
     best = None
     bounds = _bounds(story, subject)
     best: tuple[float, Array, float, Array] | None = None
-    for correlation in (like.noise.correlation_s,) if like else CORRELATIONS_S:
+    tried = given.correlations_s(story) if story.given else CORRELATIONS_S
+    for correlation in (like.noise.correlation_s,) if like else tried:
         memory = propagated(J, times, correlation) / span**2
-        start = like.spreads if like else _START if best is None else np.append(best[1][:3], DRAUGHTY)
+        start = like.spreads if like else _START if best is None else np.append(best[1][:-1], DRAUGHTY)
         cost, spreads = _likeliest(whole / scale, (*priors, memory), fixed, white, reach, start, bounds)
         if best is None or cost < best[0]:
             best = (cost, spreads, correlation, memory)
     assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
     cost, spreads, correlation, memory = best
-    v, g, s0, s_T = 10.0**spreads
-    C_prior = v * priors[0] + g * priors[1]
+    *weights, s0, s_T = 10.0**spreads
+    C_prior = np.sum([w * prior for w, prior in zip(weights, priors)], axis=0)
     noise_part = _noise(memory, s0, s_T, white, reach)
     C = reach[:, None] * C_prior * reach + free + noise_part
     blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
@@ -127,6 +129,8 @@ LEADING = 25  # directions of what may be wrong that noise is not judged by
 
 def _leading(traces: Array) -> Array:
     """An orthonormal basis (n, r) of the directions most traces share."""
+    if not traces.shape[1]:
+        return np.zeros((traces.shape[0], 0))
     size = np.sqrt(np.sum(traces**2, axis=0))
     u = np.linalg.svd(traces[:, size > 0] / size[size > 0], full_matrices=False)[0]
     return u[:, : min(LEADING, traces.shape[0] // 6)]
@@ -144,13 +148,14 @@ def _units(
         noise = max(_local_noise(y), _FINEST["resistance"]) if own is None else own
         scale.append(np.full(len(r), noise if own is None else span))
         late = JITTER_S * speed[at : at + len(r)] if r.kind == "moving" else np.zeros(len(r))
+        late = given.scatter(story, told, subject) if story.given else late
         rough = INEXACT * np.abs(added[at : at + len(r)])
         white.append(np.full(len(r), 1.0) if own is None else np.sqrt(noise**2 + late**2 + rough**2) / span)
         at += len(r)
-        zero.append(np.full(len(r), k if own is None else 0))
+        zero.append(np.full(len(r), k if own is None else 0) if not story.given else story.zero)
     own_zero, scales = np.concatenate(zero), np.concatenate(scale)
     same = own_zero[:, None] == own_zero[None, :]
-    size = np.where(own_zero == 0, ANY, _ANY_ZERO)
+    size = np.where((own_zero == 0) | bool(story.given), ANY, _ANY_ZERO)
     slope = told.follows * span / scales
     return np.concatenate(white), np.where(same, np.outer(size, size), 0.0), scales, slope
 
@@ -187,28 +192,30 @@ def _likeliest(
     start: Array,
     bounds: tuple[Array, Array],
 ) -> tuple[float, Array]:
-    """(−log likelihood, log₁₀ of (v, g, s₀, s_T)) at its least; ``shapes`` of smoothness, grains, memory noise."""
-    smooth, grains, memory = (slope[:, None] * shape * slope for shape in shapes)
+    """(−log likelihood, log₁₀ of the spreads) at its least; ``shapes`` of the density's parts, then memory noise."""
+    parts = [slope[:, None] * shape * slope for shape in shapes]
     positions = np.where(white < 1.0, 1.0, 0.0)
 
     def cost(x: Array) -> tuple[float, Array]:
-        v, g, s0, s_T = 10.0**x
-        C = v * smooth + g * grains + s_T**2 * memory + fixed
+        *weights, s0, s_T = 10.0**x
+        weights.append(s_T**2)
+        C = fixed.copy()
+        for w, part in zip(weights, parts):
+            C += w * part
         C[np.diag_indices_from(C)] += white**2 + s0**2 * positions
         try:
             L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
         except LinAlgError:
-            return 1e12, np.zeros(4)
+            return 1e12, np.zeros(x.size)
         inverse = dpotri(L, lower=1)[0]  # its lower half
         a = cho_solve((L, True), y, check_finite=False)
         value = 0.5 * float(y @ a) + float(np.log(np.diag(L)).sum())
         diagonal = np.diag(inverse).copy()
-        by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in lower]
+        by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
         by_s0 = float(diagonal @ positions - (a * a) @ positions)
-        slopes = np.array([v * by[0], g * by[1], 2 * s0**2 * by_s0, 2 * s_T**2 * by[2]])
-        return value, 0.5 * np.log(10.0) * slopes
+        slopes = [w * b for w, b in zip(weights[:-1], by)] + [2 * s0**2 * by_s0, 2 * s_T**2 * by[-1]]
+        return value, 0.5 * np.log(10.0) * np.array(slopes)
 
-    lower = [smooth, grains, memory]
     found = minimize(
         cost,
         np.clip(start, *bounds),
@@ -221,22 +228,32 @@ def _likeliest(
 
 
 DRAUGHTY = -0.8  # log₁₀ of s_T where every search begins: from still air it would not find draughts
-_START = np.array([3.0, -5.0, -3.7, DRAUGHTY])  # log₁₀ of v, g (ranges²), s₀ (ranges), s_T (K)
+_START = np.array(
+    [-0.5, -1.5, -4.5, -3.7, DRAUGHTY]
+)  # log₁₀ of spreads: density's parts, s₀ (ranges), s_T (K)
 DRAUGHTIEST_K = 0.4  # what is more is no draught
 COARSEST = 0.6  # counts: no mean of settled samples is worse, unless they scatter
 
 
 def _bounds(story: Story, subject: Subject) -> tuple[Array, Array]:
     """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
+    if story.given:
+        span = subject.hysteresis.upper - subject.hysteresis.lower
+        return _with_density(*given.bounds(story, span, subject.stroke))
     samples = max(float(np.median([step.n for run in story.runs for step in run.settled])), 1.0)
     one = _raw_noise(story, subject)
     least, most = (
         one / np.sqrt(samples) / subject.stroke,
         max(COARSEST * subject.per_count, one) / subject.stroke,
     )
+    return _with_density((least, most), (10**-2.5, DRAUGHTIEST_K))
+
+
+def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:
+    """Bounds of all spreads, log₁₀: those of the density's parts, then s₀ and s_T as given."""
     return (
-        np.array([-3.0, -9.0, np.log10(least), -2.5]),
-        np.array([9.0, 0.0, np.log10(most), np.log10(DRAUGHTIEST_K)]),
+        np.array([-6.0, -6.0, -9.0, np.log10(position[0]), np.log10(kelvin[0])]),
+        np.array([2.0, 2.0, 0.0, np.log10(position[1]), np.log10(kelvin[1])]),
     )
 
 

@@ -1,19 +1,22 @@
-"""Which effects, together, explain a story: forward from the best single one, with rivals kept and the noise refitted.
+"""Which effects, together, explain a story: forward from the best single one, rivals kept, everything refitted.
 
-At each size the explanations compete under one covariance, that of the best of them, so no rival is judged by the
-misfit of another. Stops when nothing stands out any more, or nothing named gains. Decides nothing: see ``verdict``.
+An explanation is worth the log likelihood of all readings when its effects are in, the density is identified anew
+beside them, and noise and smoothness are the likeliest again: so a large effect is not judged by straight lines, and
+no rival by the misfit of another. Stops when nothing stands out any more, or nothing named is worth its name.
+Decides nothing: see ``verdict``.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.diagnosis.critique import Critique
+from smarig.diagnosis.density_beside import density_beside
 from smarig.diagnosis.refine import Refined, refined
+from smarig.diagnosis.refit import Refit, refit
 from smarig.model.effect import Planted
-from smarig.story.retelling import Subject
+from smarig.story.retelling import Subject, retold
 from smarig.story.told import Story
 
 Judge = Callable[[Subject], Critique]
@@ -21,37 +24,45 @@ Start = tuple[Planted, ...]
 TRIED = 6  # single explanations refined
 BESIDE = 3  # further effects tried beside an accepted one, of those that stand out now, and at first
 RIVALS = 3  # explanations kept from size to size
+WEIGHED = 4  # explanations whose likelihood is taken
 MOST = 3  # effects at once
 GATE = 8.0  # nats: an effect that explains less is not worth its name
-BEHIND = 60.0  # nats: an explanation so far behind is not tried again
+SUSPECT = 12.0  # nats of a straight line, for a quiet record to be looked into
+PROOF = 25.0  # nats of likelihood, for a quiet record to be called wrong
+BEHIND = 60.0  # nats: an explanation so far behind is not weighed
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """Effects with the wire's density beside them, and the log likelihood of all readings."""
+
+    effects: tuple[Planted, ...]
+    subject: Subject
+    evidence: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the effects, in order."""
+        return tuple(sorted(p.kind.name for p in self.effects))
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Explanations of one size, best first, under ``critique``'s covariance: that of the best with its effects in.
+    """Explanations of one size, likeliest first; ``critique`` judges the wire with the best, ``best`` its parameters.
 
-    ``before`` is the misfit, by the same measure, of the best explanation with one effect less; ``rough`` the
-    best's gain (nats) under the covariance of the critique before.
+    ``gain`` is the best's log likelihood over that of the best explanation with one effect less; ``rough`` (nats) the
+    part of it that straight lines see.
     """
 
     critique: Critique
-    explanations: tuple[Refined, ...]
-    before: float
+    explanations: tuple[Explanation, ...]
+    best: Refined
+    gain: float
     rough: float
 
-    @property
-    def gain(self) -> float:
-        """Nats over the best explanation with one effect less."""
-        return (self.before - self.best.misfit) / 2
-
-    @property
-    def best(self) -> Refined:
-        """Of least misfit."""
-        return self.explanations[0]
-
     def lead(self, k: int) -> float:
-        """Nats by which the best is better than explanation k."""
-        return (self.explanations[k].misfit - self.best.misfit) / 2
+        """Nats by which the best is likelier than explanation k."""
+        return self.explanations[0].evidence - self.explanations[k].evidence
 
 
 def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
@@ -59,21 +70,37 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
 
     ``judge`` makes a critique of a subject.
     """
+    starts = [(p,) for p in _starts(first, TRIED)]
+    if first.silent:
+        starts = [(p,) for p in _suspects(first)]
+    if not starts:
+        return []
     levels: list[Level] = []
-    now, starts = first, [(p,) for p in _starts(first, TRIED)]
-    while not now.silent and starts and len(levels) < most:
-        level = _level(first, now, starts, judge)
-        if level.gain < GATE:
+    now, evidence = first, _evidence(first.story, first.subject, first.refitted)
+    while starts and len(levels) < most:
+        rough, explained = _weighed(first, now, starts)
+        gain = explained[0].evidence - evidence
+        if gain < (PROOF if first.silent and not levels else GATE):
             break
-        levels.append(level)
-        now = level.critique
-        starts = _larger(level, first)
+        now = judge(explained[0].subject)
+        best = refined(explained[0].effects, first.story, now.subject, now.refitted, first.subject.hysteresis)
+        levels.append(Level(now, explained, best, gain, rough))
+        evidence = explained[0].evidence
+        if now.silent:
+            break
+        starts = _larger(levels[-1], first)
     return levels
 
 
 def _starts(critique: Critique, count: int) -> list[Planted]:
     """Named candidates that gain most, each at its best."""
     return [s.candidate.best(critique.refitted.data)[0] for s in critique.best(count)]
+
+
+def _suspects(critique: Critique) -> list[Planted]:
+    """Candidates of a quiet record that gain much, though noise as large as it seems would let them."""
+    named = [s for s in critique.best(TRIED) if s.gain >= SUSPECT]
+    return [s.candidate.best(critique.refitted.data)[0] for s in named[:RIVALS]]
 
 
 def _larger(level: Level, first: Critique) -> list[Start]:
@@ -84,37 +111,36 @@ def _larger(level: Level, first: Critique) -> list[Start]:
     starts: dict[tuple[str, ...], Start] = {}
     beside = _starts(level.critique, BESIDE) + _starts(first, BESIDE)
     for k, found in enumerate(level.explanations[:RIVALS]):
-        own = {p.kind.name for p in found.effects}
+        own = set(found.names)
         others = [p for p in beside if p.kind.name not in own]
         for p in others[:1] if k else others:
-            start = (*found.effects, p)
+            start = (*(found.effects if k else level.best.effects), p)
             starts.setdefault(tuple(sorted(q.kind.name for q in start)), start)
     return list(starts.values())
 
 
-def _level(first: Critique, now: Critique, starts: Sequence[Start], judge: Judge) -> Level:
-    """Refine all under the covariance at hand; those near the best again under its own."""
+def _weighed(
+    first: Critique, now: Critique, starts: Sequence[Start]
+) -> tuple[float, tuple[Explanation, ...]]:
+    """Refine all under the covariance at hand, weigh the best by likelihood; and the best's gain before that."""
     story, centre = first.story, first.subject.hysteresis
-
-    def ranked(among: Sequence[Start], under: Critique) -> list[Refined]:
-        found = [refined(p, story, under.subject, under.refitted, centre) for p in among]
-        return sorted(found, key=lambda r: r.misfit)
-
-    rough = ranked(starts, now)
+    rough = [refined(p, story, now.subject, now.refitted, centre) for p in starts]
+    rough.sort(key=lambda r: r.misfit)
+    near = [r for r in rough if r.misfit - rough[0].misfit < 2 * BEHIND]
+    near = (near if len(near) > 1 else rough)[:WEIGHED]
+    weighed = [_explanation(story, r.extended, now.refitted) for r in near]
+    weighed.sort(key=lambda e: -e.evidence)
     gained = (float(now.refitted.data @ now.refitted.data) - rough[0].misfit) / 2
-    near = [r.effects for k, r in enumerate(rough) if k < 2 or r.misfit - rough[0].misfit < 2 * BEHIND]
-    after = judge(replace(first.subject, effects=near[0]))
-    fine = ranked(near, after)
-    if fine[0].names != rough[0].names:
-        after = judge(replace(first.subject, effects=fine[0].effects))
-        fine = ranked([r.effects for r in fine], after)
-    alone = None
-    if len(near[0]) > 1:  # what the smaller explanation would leave, by the same measure
-        alone = now.subject.effects
-    without = refined(alone, story, after.subject, after.refitted, centre).misfit if alone else None
-    bare = after.refitted.centred(_rest(first, story), story)
-    return Level(after, tuple(fine), float(bare @ bare) if without is None else without, gained)
+    return gained, tuple(weighed)
 
 
-def _rest(first: Critique, story: Story) -> NDArray[np.float64]:
-    return np.concatenate([r.value for r in story.kinds]) - first.told.stacked(story)
+def _explanation(story: Story, extended: Subject, like: Refit) -> Explanation:
+    subject = density_beside(story, extended)[0]
+    effects = tuple(e for e in subject.effects if isinstance(e, Planted))
+    return Explanation(effects, subject, _evidence(story, subject, like))
+
+
+def _evidence(story: Story, subject: Subject, like: Refit) -> float:
+    """Log likelihood of all readings, at the likeliest noise and smoothness."""
+    none = np.zeros((sum(len(r) for r in story.kinds), 0))
+    return refit(story, retold(story, subject), subject, none, like).log_evidence

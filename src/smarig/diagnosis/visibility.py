@@ -5,6 +5,7 @@
 Settled before a reading is looked at, but for the size of the noise. Knows no verdict.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,8 +42,22 @@ class Visibility:
         return tuple(n for n, share in zip(self.names, row) if share >= SAME and n != name)
 
 
-def visibility(critique: Critique) -> Visibility:
-    """Of all named candidates of a critique."""
+def visibility(critique: Critique, blind: Sequence[str] = ()) -> Visibility:
+    """Of all named candidates of a critique, and of effects that were none because the data are blind to them."""
+    found = _visibility(critique)
+    k, n = len(blind), len(found.names)
+    imitated = np.zeros((n + k, n + k))
+    imitated[:n, :n] = found.imitated
+    return Visibility(
+        (*found.names, *blind),
+        (*found.units, *[""] * k),
+        np.append(found.delta, np.zeros(k)),
+        np.append(found.least, np.full(k, np.inf)),
+        imitated,
+    )
+
+
+def _visibility(critique: Critique) -> Visibility:
     named = [s.candidate for s in critique.scores if not s.candidate.generic]
     n = critique.refitted.data.size
     delta = [_delta(c, n) for c in named]

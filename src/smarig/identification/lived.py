@@ -16,8 +16,10 @@ from smarig.identification.history import named_start
 from smarig.identification.model_file import Model
 from smarig.identification.origin import file_hash, provenance
 from smarig.model.actuator import Actuator
+from smarig.model.given import GivenInput
 from smarig.model.planted import from_json
 from smarig.record import Run, load_run
+from smarig.story.given import driven_by_input, told_by_input
 from smarig.story.retelling import Subject, positions, retold
 from smarig.story.told import told
 
@@ -26,7 +28,7 @@ Array = NDArray[np.float64]
 
 def subject_of(model: Model, first: Run) -> Subject:
     """The wire as a model believes it to be, in the state the first run says it begins in."""
-    actuator = actuator_of(model)
+    actuator = wire_of(model, first)
     output = first.meta.get("output")
     per_count = output.get("per_count") if isinstance(output, dict) else None
     start = named_start(first) or ("anhysteretic" if actuator.two_wire else "negative")
@@ -56,16 +58,35 @@ def actuator_of(model: Model) -> Actuator:
     )
 
 
+def wire_of(model: Model, run: Run) -> Actuator:
+    """What a model's hysteresis hangs on along a run: the wire's constants, or the input as it was measured."""
+    return GivenInput() if driven_by_input([run]) else actuator_of(model)
+
+
 def settled_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs at the settled points of runs of one sitting, (k,) each, in the model's zero.
 
     The runs the model was made from are lived through first, where they are of the same sitting and still there.
     """
+    if driven_by_input(runs):
+        return _by_input(model, runs)
     story = told([*earlier(model, runs), *runs], actuator_of(model).tau_s)
     subject = subject_of(model, story.runs[0])
     values = retold(story, subject).values["settled"]
     by_run = {id(run): values[story.run == k] for k, run in enumerate(story.runs)}
     return [by_run[id(run)] for run in runs]
+
+
+def _by_input(model: Model, runs: Sequence[Run]) -> list[Array]:
+    """Outputs at every sample of runs whose input was measured, NaN before the memory is known."""
+    story = told_by_input([*earlier(model, runs), *runs], None)
+    values = retold(story, subject_of(model, story.runs[0])).values["settled"]
+    outputs = []
+    for run in runs:
+        k = next(k for k, r in enumerate(story.runs) if r is run)
+        own, whole = values[story.run == k], run.points()[1].size
+        outputs.append(np.concatenate([np.full(whole - own.size, np.nan), own]))
+    return outputs
 
 
 def earlier(model: Model, runs: Sequence[Run]) -> list[Run]:
@@ -83,6 +104,11 @@ def earlier(model: Model, runs: Sequence[Run]) -> list[Run]:
 
 def along(model: Model, run: Run) -> Array:
     """Outputs (n,) at every sample of a run, in the model's zero; the run is lived through by itself."""
+    if driven_by_input([run]):
+        known = np.isfinite(run["input"]) & np.isfinite(run["position"])
+        y = np.full(len(run), np.nan)
+        y[known] = _by_input(model, [run])[0]
+        return y
     story = told([run], actuator_of(model).tau_s)
     t = run["t_s"] - float(run["t_s"][0]) + float(run.meta.get("period_s") or 0.1)
     return positions(story.drive, subject_of(model, run), t)

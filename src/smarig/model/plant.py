@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect, Hook, Moment, Setup, Stage, chains
-from smarig.model.heating import Heating
+from smarig.model.given import heating_of
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
 
@@ -32,7 +32,7 @@ class Plant:
         effects: Sequence[Effect] = (),
     ) -> None:
         self.actuator = actuator
-        self.heating = Heating(actuator, dt_s)
+        self.heating = heating_of(actuator, dt_s)
         self.operator = Preisach(hysteresis, initial)
         span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
         self._y_lower, self._per_span = hysteresis.y_lower, 1.0 / span if span else 0.0

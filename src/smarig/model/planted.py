@@ -21,6 +21,11 @@ def kinds(arrangement: str = "") -> tuple[Kind, ...]:
     return tuple(k for k in every if not arrangement or k.arrangement in ("", arrangement))
 
 
+def kinds_of(arrangement: str) -> tuple[Kind, ...]:
+    """The kinds that exist on one arrangement only, by name."""
+    return tuple(k for k in kinds() if k.arrangement == arrangement)
+
+
 def from_pairs(pairs: Iterable[str]) -> tuple[Planted, ...]:
     """Effects from texts ``name``, ``name=strength`` or ``name.parameter=value``.
 

@@ -6,7 +6,7 @@ Knows no data: predictions come from commands alone, so measured positions canno
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect
 from smarig.model.plant import Plant
 from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, State
+from smarig.preisach.operator import Initial, Preisach, State
 from smarig.story.told import Drive, Story
 
 Array = NDArray[np.float64]
@@ -148,6 +148,20 @@ class _Told:
         per_stroke = self.wire.resistance_at_ohm(1.0) - self.wire.resistance_at_ohm(0.0)
         sign = np.where((command_A < 0) & self.wire.two_wire, -1.0, 1.0)
         return sign * per_stroke / self.stroke
+
+
+def about(told: Retelling, subject: Subject, centre: Everett) -> Retelling:
+    """The same path felt, with the outputs of another hysteresis along it."""
+    if centre is subject.hysteresis:
+        return told
+    output = Preisach(centre, subject.initial).simulate(told.felt_K)[told.marks]
+    change, values, at = told.follows * (output - told.output), dict(told.values), 0
+    for kind in COUPLED:
+        if kind in values:
+            n = values[kind].size
+            values[kind] = values[kind] + change[at : at + n]
+            at += n
+    return replace(told, values=values, output=output)
 
 
 def numerics(story: Story, subject: Subject) -> float:

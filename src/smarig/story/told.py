@@ -5,8 +5,9 @@ positions, resistance, current, room). Knows no model: nothing here depends on w
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,9 @@ class Story:
 
     ``settled`` are positions of finished steps; ``target_K`` (k,), ``hold_s`` (k,), ``run`` (k,) describe those
     steps; ``block`` (k,) numbers the excursions that are held out together. ``others`` are readings of other kinds.
+    ``given`` says where the input itself is the drive (``story.given``), and by which clock; ``speed`` (k,) is then
+    the branch's |du/dt|, ``jitter`` (k,) the input's scatter there, ``reversal`` (k,) the last one, and ``zero`` (k,)
+    numbers outputs that share a zero.
     """
 
     drive: Drive
@@ -80,6 +84,11 @@ class Story:
     run: Integers
     block: Integers
     runs: tuple[Run, ...]
+    given: Literal["", "clock", "samples"] = ""
+    speed: Array = field(default_factory=lambda: np.empty(0))
+    jitter: Array = field(default_factory=lambda: np.empty(0))
+    reversal: Array = field(default_factory=lambda: np.empty(0))
+    zero: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     @property
     def unit(self) -> str:
@@ -102,8 +111,13 @@ class Story:
 def told(runs: Sequence[Run], tau_s: float) -> Story:
     """Runs of one sitting, in time order, as one story. DataError when they hold no settled steps.
 
-    ``tau_s``: the wire's time constant, which says when a position is moving and worth reading.
+    ``tau_s``: the wire's time constant, which says when a position is moving and worth reading. Runs of which only
+    the input was measured become a story of it, in the order given (``story.given``).
     """
+    from smarig.story.given import driven_by_input, told_by_input
+
+    if driven_by_input(runs):
+        return told_by_input(runs)
     order = sorted(runs, key=lambda r: float(r["t_s"][0]) if len(r) and r.has("t_s") else 0.0)
     if not any(run.settled for run in order):
         raise DataError("The runs hold no settled steps; a diagnosis needs some.")

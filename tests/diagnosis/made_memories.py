@@ -1,0 +1,20 @@
+"""Retellings made by hand: a path that was felt, and the operator's memory at every point of it."""
+
+import numpy as np
+
+from smarig.preisach.operator import Preisach
+from smarig.story.retelling import Retelling
+
+
+def felt(hysteresis, inputs, t_s=None, initial="negative"):
+    """Each input is one tick, and every tick is read."""
+    operator = Preisach(hysteresis, initial)
+    states = []
+    for u in inputs:
+        operator.step(u)
+        states.append(operator.state)
+    n = len(inputs)
+    t = np.arange(1.0, n + 1) if t_s is None else np.asarray(t_s, dtype=float)
+    output = np.array([s.y for s in states])
+    at = np.array([s.u for s in states])  # as a retelling has it: what the operator kept
+    return Retelling({}, t, at, tuple(states), output, np.arange(n), np.ones(n))

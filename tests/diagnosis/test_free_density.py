@@ -1,0 +1,154 @@
+"""Outputs of any smooth density, and of grains: what memories have in common, whatever the density is."""
+
+import numpy as np
+import pytest
+
+from diagnosis.made_memories import felt
+from smarig.diagnosis.free_density import free_density
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
+
+WIRE = surface("one_e")
+LEVELS = np.linspace(0.0, WIRE.upper, 41)
+
+
+def wander(n, seed):
+    """Levels of a partition, from saturation to and fro where the wire moves."""
+    rng = np.random.default_rng(seed)
+    return [LEVELS[-1], LEVELS[0], *LEVELS[rng.integers(12, 28, n)]]
+
+
+def priors(inputs):
+    """Covariances at the memories of a path that is read at every point: the smooth one first, grains last."""
+    told = felt(WIRE, inputs)
+    return free_density(told, WIRE, told.output, told.output)
+
+
+def table(masses):
+    """The FOD table of cells' masses (i, j), j ≤ i, on the partition: what is on after a rise to α and a fall to β."""
+    n = LEVELS.size
+    y = np.zeros((n, n))
+    y[1:, 1:] = np.cumsum(np.cumsum(np.where(np.tri(n - 1, dtype=bool), masses, 0.0), axis=0), axis=1)
+    y[~np.tri(n, dtype=bool)] = np.nan
+    return FodTable.from_arrays(LEVELS, LEVELS, y)
+
+
+def bumps(rng):
+    """A smooth density of either sign, a few bumps wide against the cells, as masses of cells."""
+    centre = (LEVELS[1:] + LEVELS[:-1]) / 2
+    a, b = np.meshgrid(centre, centre, indexing="ij")
+    total = np.zeros_like(a)
+    for _ in range(8):
+        at_a, at_b = rng.uniform(50.0, 110.0, 2)
+        wide = rng.uniform(12.0, 25.0)
+        total += rng.normal() * np.exp(-((a - at_a) ** 2 + (b - at_b) ** 2) / (2 * wide**2))
+    return total
+
+
+def outputs(masses, inputs):
+    """At every point of a path."""
+    return Preisach(table(masses)).simulate(inputs)
+
+
+@pytest.fixture(scope="module")
+def path():
+    return wander(60, seed=2)
+
+
+@pytest.fixture(scope="module")
+def covariances(path):
+    return priors(path)
+
+
+def test_covariances_are_symmetric_and_of_no_negative_variance(covariances, path):
+    for C in covariances:
+        assert C.shape == (len(path), len(path))
+        np.testing.assert_allclose(C, C.T, rtol=0, atol=1e-12 * C.max())
+        values = np.linalg.eigvalsh(C)
+        assert values[-1] > 0
+        assert values[0] > -1e-9 * values[-1]
+
+
+def test_nothing_is_free_in_negative_saturation_and_much_elsewhere(covariances, path):
+    """There every relay is off, whatever the density."""
+    off = np.flatnonzero(np.array(path) == 0.0)
+    for C in covariances:
+        assert np.abs(C[off]).max() < 1e-12 * C.max()
+        assert C[0, 0] > 0.9 * C.max()  # positive saturation: all of them
+
+
+def test_equal_memories_have_equal_outputs_in_every_draw():
+    """A loop that closes returns to the same memory; two minor loops between other turns do not."""
+    inputs = [LEVELS[k] for k in (40, 0, 22, 16, 20, 16, 20, 18, 26, 16, 20)]
+    for C in priors(inputs):
+        apart = np.diag(C)[:, None] + np.diag(C)[None, :] - 2 * C
+        assert apart[3, 5] < 1e-9 * C.max()
+        assert apart[4, 6] < 1e-9 * C.max()
+        np.testing.assert_allclose(C[4], C[6], atol=1e-9 * C.max())
+        assert apart[4, 10] > 1e-5 * C.max()  # as high, but after a fall from 26
+
+
+def test_a_smooth_density_is_foretold_by_what_was_read_of_it(covariances, path):
+    """For a scale that one half of the readings gives, the other half lies where it must, within its sd."""
+    smooth = covariances[0]
+    order = np.random.default_rng(7).permutation(len(path))
+    seen, hidden = order[::2], order[1::2]
+    for seed in range(5):
+        y = outputs(bumps(np.random.default_rng(seed)), path)
+        fuzz = (1e-4 * np.ptp(y)) ** 2
+        scale = _scale(smooth[np.ix_(seen, seen)], y[seen], fuzz)
+        C = scale * smooth + fuzz * np.eye(y.size)
+        gain = np.linalg.solve(C[np.ix_(seen, seen)], C[np.ix_(seen, hidden)]).T
+        error = y[hidden] - gain @ y[seen]
+        left = C[np.ix_(hidden, hidden)] - gain @ C[np.ix_(seen, hidden)]
+        chi2 = error @ np.linalg.solve(left, error) / error.size
+        assert 0.05 < chi2 < 5
+        assert np.std(error) < 0.2 * np.std(y)
+
+
+def test_cells_whose_signs_are_a_matter_of_chance_ask_for_a_much_larger_scale_for_their_size(
+    covariances, path
+):
+    ratios = []
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        masses = bumps(rng)
+        scales = []
+        for m in (masses, masses * rng.choice([-1.0, 1.0], masses.shape)):
+            y = outputs(m, path)
+            scales.append(_scale(covariances[0], y, (1e-4 * np.ptp(y)) ** 2) / np.mean(y**2))
+        ratios.append(scales[1] / scales[0])
+    assert min(ratios) > 10
+    assert np.median(ratios) > 100
+
+
+def _scale(C, y, fuzz):
+    """The v of largest likelihood for y ~ N(0, v C + fuzz), on a grid of eighths of decades."""
+    values, vectors = np.linalg.eigh(C / np.trace(C))
+    squares = (vectors.T @ y) ** 2
+    v = np.logspace(-4, 12, 129) * np.mean(y**2)
+    spread = v[:, None] * np.maximum(values, 0.0) + fuzz
+    best = np.argmin(np.sum(squares / spread + np.log(spread), axis=1))
+    return v[best] / np.trace(C)
+
+
+def test_grains_are_cells_that_err_each_for_itself_by_the_mass_believed_there():
+    """Masses are drawn on a partition of the test's own: white noise does not mind how it is cut."""
+    inputs, draws = wander(12, seed=8), 1500
+    grains = priors(inputs)[-1]
+    F = np.array([[WIRE.everett(a, min(a, b)) for b in LEVELS] for a in LEVELS])
+    believed = (
+        F[1:, :-1] - F[:-1, :-1] - np.where(np.eye(len(F) - 1, dtype=bool), 0.0, F[1:, 1:] - F[:-1, 1:])
+    )
+    believed = np.where(np.tri(len(believed), dtype=bool), np.abs(believed), 0.0)
+    believed /= believed.sum()
+    rng = np.random.default_rng(11)
+    sd = np.sqrt(believed)
+    y = np.array([outputs(sd * rng.standard_normal(sd.shape), inputs) for _ in range(draws)])
+    drawn = y.T @ y / draws
+    error = np.sqrt((np.outer(np.diag(grains), np.diag(grains)) + grains**2) / draws)
+    assert np.all(
+        np.abs(drawn - grains) < 5 * error + 0.015
+    )  # cells where nothing is believed hold 1 % in all
+    assert grains[0, 0] == pytest.approx(1.0, abs=0.015)

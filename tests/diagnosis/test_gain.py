@@ -1,0 +1,129 @@
+"""The removable share of the error's square, and what it may be when other blocks had been drawn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from smarig.diagnosis.gain import Gain, measured_gain
+from smarig.diagnosis.refit import Noise
+from story.sittings import LISTED, LONG, believed, sitting
+
+
+def gain(base, extended, block, floor):
+    return Gain(np.array(base, dtype=float), np.array(extended, dtype=float), np.array(block), floor)
+
+
+def test_all_that_can_be_removed_is_removed_when_only_noise_is_left():
+    assert gain([3.0, -3.0, 3.0, -3.0], [0.5, 0.5, -0.5, 0.5], [0, 0, 1, 1], 0.5).removable_share == 1.0
+
+
+def test_nothing_is_removed_without_a_change():
+    assert gain([3.0, -1.0, 2.0], [-3.0, 1.0, 2.0], [0, 0, 1], 0.5).removable_share == 0.0
+
+
+def test_a_model_that_is_worse_removes_less_than_nothing():
+    assert gain([1.0, 1.0], [2.0, 2.0], [0, 1], 0.0).removable_share == -3.0
+
+
+@pytest.mark.parametrize("floor", [1.0, 1.2])
+def test_a_base_at_the_noise_floor_leaves_nothing_to_remove(floor):
+    at_floor = gain([1.0, -1.0], [0.9, 0.9], [0, 1], floor)
+    assert at_floor.removable_share is None
+    assert at_floor.interval() is None
+
+
+def test_shares_are_of_squares_and_every_point_counts_alike():
+    """(1 + 16 + 16 − 3·4) of (33 − 3·1), by hand."""
+    g = gain([1.0, 4.0, 4.0], [2.0, -2.0, 2.0], [0, 1, 1], 1.0)
+    assert g.removable_share == pytest.approx(21 / 30)
+    assert (g.base, g.extended, g.blocks) == (pytest.approx(np.sqrt(11)), 2.0, 2)
+
+
+def test_blocks_are_drawn_whole():
+    """Of two blocks three draws can be had: the interval ends at the shares of one block alone."""
+    g = gain([4.0, 4.0, 4.0, 2.0], [1.0, 1.0, 1.0, 1.9], [7, 7, 7, 9], 0.5)
+    alone = [(16 - 1) / (16 - 0.25), (4 - 1.9**2) / (4 - 0.25)]
+    assert g.interval() == pytest.approx((alone[1], alone[0]))
+
+
+def test_one_block_tells_nothing_of_others_and_its_interval_is_a_point():
+    g = gain([4.0, 2.0, 3.0], [1.0, 1.5, 0.5], [3, 3, 3], 0.5)
+    assert g.interval() == pytest.approx((g.removable_share, g.removable_share))
+
+
+def test_an_interval_is_the_same_for_the_same_seed():
+    rng = np.random.default_rng(2)
+    g = gain(rng.normal(0, 3, 60), rng.normal(0, 1, 60), np.arange(60) // 6, 0.5)
+    assert g.interval(5) == g.interval(5)
+    assert g.interval(5) != g.interval(6)
+    low, high = g.interval()
+    assert low < g.removable_share < high
+
+
+def test_intervals_hold_the_true_share_about_as_often_as_they_promise():
+    """Errors that share a sign and size within a block: a bootstrap of points would promise too much."""
+    rng, cases, blocks, of_each = np.random.default_rng(12), 80, 25, 6
+    block = np.repeat(np.arange(blocks), of_each)
+    base_sd, extended_sd, floor = 3.0, 1.2, 0.5
+    truth = (base_sd**2 - extended_sd**2) / base_sd**2
+    inside, too_sure = 0, 0
+    for _ in range(cases):
+        common = rng.normal(0, 1, blocks)[block]
+        base = base_sd * common + rng.normal(0, floor, block.size)
+        own = rng.normal(0, 1, blocks)[block]
+        extended = extended_sd * own + rng.normal(0, floor, block.size)
+        low, high = gain(base, extended, block, floor).interval()
+        inside += low <= truth <= high
+        low, high = gain(base, extended, np.arange(block.size), floor).interval()
+        too_sure += low <= truth <= high
+    assert 0.85 * cases < inside < 0.99 * cases
+    assert too_sure < 0.75 * cases
+
+
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory):
+    """Runs of a wire that walks, and what is believed of it without and with that."""
+    effects = ("walking=1",)
+    runs = sitting(tmp_path_factory.mktemp("gain"), LISTED, LONG, effects=effects)
+    return runs, believed()[0], *believed(effects)
+
+
+def test_who_knows_the_effect_is_at_the_noise_floor_on_runs_held_out(walked):
+    (train, judged), base, extended, per_count = walked
+    noise = Noise(np.empty(0), 0.0, 60.0, 0.4 * per_count / np.sqrt(250))
+    g = measured_gain([train], [judged], base, extended, noise)
+    assert g.base_error.size == g.extended_error.size == len(judged.settled)
+    assert g.floor == noise.settled
+    assert g.base > 20 * g.floor
+    assert g.removable_share == pytest.approx(1.0, abs=0.01)
+    assert measured_gain([train], [judged], base, base, noise).removable_share == 0.0
+    assert measured_gain([train], [judged], extended, base, noise).extended == g.base
+
+
+def test_the_encoders_zero_is_met_on_the_training_runs(walked):
+    """A constant that is off in the judged runs alone is an error and stays one."""
+    (train, judged), _, extended, per_count = walked
+
+    def lifted(run, by):
+        return replace(run, steps=tuple(replace(s, position=s.position + by) for s in run.steps))
+
+    noise = Noise(np.empty(0), 0.0, 60.0, 0.01)
+    same = measured_gain([train], [judged], extended, extended, noise)
+    both = measured_gain([lifted(train, 1.0)], [lifted(judged, 1.0)], extended, extended, noise)
+    one = measured_gain([train], [lifted(judged, 1.0)], extended, extended, noise)
+    np.testing.assert_allclose(both.base_error, same.base_error, atol=1e-9)
+    np.testing.assert_allclose(one.base_error, same.base_error + 1.0, atol=1e-9)
+    assert one.base > 10 * per_count
+
+
+def test_a_draught_that_the_hysteresis_remembers_is_part_of_the_floor(walked):
+    (train, judged), base, extended, _ = walked
+    floors = [
+        measured_gain([train], [judged], base, extended, Noise(np.empty(0), T, 60.0, 0.01)).floor
+        for T in (0.0, 0.1, 0.2)
+    ]
+    assert floors[0] == 0.01
+    squares = np.square(floors) - 0.01**2
+    assert squares[1] > 0
+    assert squares[2] == pytest.approx(4 * squares[1])

@@ -1,0 +1,104 @@
+"""Temperature noise at a reversal is in every later reading, until the reversal is wiped out."""
+
+import numpy as np
+import pytest
+
+from diagnosis.made_memories import felt
+from smarig.diagnosis.noise import propagated, remembered
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
+
+CORRELATION_S = 60.0
+DRAWS = 2000
+
+
+def wander(low, high, n, seed):
+    """Inputs up and down between these, and times at uneven distances."""
+    rng = np.random.default_rng(seed)
+    return rng.uniform(low, high, n), np.cumsum(rng.uniform(5.0, 60.0, n))
+
+
+def ornstein_uhlenbeck(t_s, rng):
+    """Noise of unit variance at times (n,), by its covariance, (DRAWS, n)."""
+    kernel = np.exp(-np.abs(np.subtract.outer(t_s, t_s)) / CORRELATION_S)
+    return rng.standard_normal((DRAWS, t_s.size)) @ np.linalg.cholesky(kernel).T
+
+
+@pytest.mark.parametrize(
+    ("wire", "initial", "low", "high"),
+    [("one_e", "negative", 65.0, 95.0), ("two_c", "anhysteretic", -100.0, 100.0)],
+)
+def test_covariance_is_that_of_many_noisy_lives(wire, initial, low, high):
+    hysteresis, size_K = surface(wire), 0.01
+    inputs, t_s = wander(low, high, 24, seed=4)
+    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s, initial))
+    covariance = propagated(J, times, CORRELATION_S)
+
+    operator = Preisach(hysteresis)
+    noise = size_K * ornstein_uhlenbeck(t_s, np.random.default_rng(9))
+    still = operator.simulate(inputs, initial)
+    moved = np.array([operator.simulate(inputs + n, initial) - still for n in noise]) / size_K
+    drawn = moved.T @ moved / DRAWS
+
+    variance = np.diag(covariance)
+    sd = np.sqrt((np.outer(variance, variance) + covariance**2) / DRAWS)
+    assert np.abs(drawn - covariance).max() < 5 * sd.max()
+    assert np.all(np.abs(drawn - covariance) < 5 * sd + 2e-3 * variance.max())
+    apart = np.abs(covariance - np.diag(variance))
+    assert apart.max() > 0.3 * variance.max()  # readings do share a past
+
+
+def test_noise_that_never_changes_moves_every_remembered_input_alike():
+    hysteresis = surface("one_e")
+    inputs, t_s = wander(65.0, 95.0, 12, seed=5)
+    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s))
+    operator, small = Preisach(hysteresis), 1e-4
+    shifted = (operator.simulate(inputs + small) - operator.simulate(inputs - small)) / (2 * small)
+    np.testing.assert_allclose(
+        propagated(J, times, 1e9), np.outer(shifted, shifted), atol=1e-5 * np.abs(shifted).max() ** 2
+    )
+
+
+@pytest.mark.xfail(strict=True, reason="slopes in saturation are those just before it")
+@pytest.mark.parametrize(("wire", "beyond"), [("one_e", 200.0), ("two_c", 210.0), ("one_c", -20.0)])
+def test_a_reading_in_saturation_has_no_temperature_noise(wire, beyond):
+    hysteresis = surface(wire)
+    told = felt(hysteresis, [60.0, beyond])
+    J, times = remembered(hysteresis, told)
+    assert Preisach(hysteresis).simulate([60.0, beyond + 1.0])[1] == told.output[1]
+    covariance = propagated(J, times, CORRELATION_S)
+    assert covariance[0, 0] > 0
+    assert covariance[1, 1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_saturation_forgets_the_noise_before_it():
+    hysteresis = surface("one_e")
+    J, times = remembered(hysteresis, felt(hysteresis, [60.0, 90.0, 70.0, 200.0, 80.0], [1, 2, 3, 4, 5]))
+    last = J.toarray()[4]
+    assert not last[times < 4].any()
+    assert last[times == 5].all()
+
+
+def test_a_wiped_out_reversal_leaves_no_trace():
+    hysteresis = surface("one_e")
+    inputs, t_s = [110.0, 60.0, 90.0, 70.0, 95.0, 65.0], np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
+    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s))
+    slope = {t: J.toarray()[:, k] for k, t in enumerate(times.tolist())}
+    assert slope[30.0][2:4].all()  # 90 and 70, while they are remembered
+    assert slope[40.0][3] != 0
+    assert not slope[30.0][4:].any()  # 95 has wiped out both
+    assert not slope[40.0][4:].any()
+
+    K = [0, 1, 4, 5]
+    bare = remembered(hysteresis, felt(hysteresis, [inputs[k] for k in K], t_s[K]))
+    np.testing.assert_allclose(
+        propagated(J, times, CORRELATION_S)[np.ix_(K, K)], propagated(*bare, CORRELATION_S), rtol=1e-12
+    )
+
+
+def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
+    """A hold is many ticks at one input: the reversal is where the wire left it."""
+    hysteresis = surface("one_e")
+    told = felt(hysteresis, [100.0, 100.0, 100.0, 70.0], [10.0, 20.0, 30.0, 40.0])
+    J, times = remembered(hysteresis, told)
+    assert times[J.toarray()[3] != 0].tolist() == [30.0, 40.0]

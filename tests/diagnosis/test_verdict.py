@@ -1,0 +1,161 @@
+"""What may be said, from what was found: on findings made up by hand."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from smarig.diagnosis.candidates import Candidate
+from smarig.diagnosis.critique import Critique, Score
+from smarig.diagnosis.verdict import Verdict, decided
+from smarig.model.effects.settling import settling
+from smarig.model.effects.walking import walking
+
+THRESHOLD = 3.0
+DATA = np.array([10.0, 0.0, 0.0, 0.0])  # 50 nats are in them
+
+
+def score(candidate, nats, spread=2.0):
+    """A score that gains so many nats beyond chance; its null's 95 % point is ``spread`` above the median."""
+    return Score(candidate, nats + 1.0, 1.0, 1.0 + spread)
+
+
+def name(kind, nats, *, seen=True):
+    """A named candidate that gains so much; its trace has nothing to do with the data."""
+    traces = np.eye(4)[:, 1:2] if seen else np.empty((4, 0))
+    return score(Candidate(kind.name, traces, kind, (kind(),) if seen else ()), nats)
+
+
+def variable(depends_on, nats, share=0.0):
+    """A variable that gains so much and takes up this share of the data."""
+    trace = np.array([[np.sqrt(share)], [0.0], [np.sqrt(1 - share)], [0.0]])
+    return score(Candidate(f"?{depends_on}", trace, depends_on=depends_on), nats)
+
+
+def critique(*scores):
+    refitted = SimpleNamespace(data=DATA)
+    return Critique(None, None, None, refitted, scores, THRESHOLD, 0.01)
+
+
+QUIET = critique(name(walking, 0.5), variable("time", 1.0))
+
+
+def level(*explanations, after=QUIET, rough=40.0):
+    """Explanations as (names, nats behind the best), best first."""
+    found = tuple(SimpleNamespace(names=names) for names, _ in explanations)
+    leads = [lead for _, lead in explanations]
+    return SimpleNamespace(critique=after, explanations=found, lead=leads.__getitem__, rough=rough)
+
+
+def loud(*variables):
+    return critique(name(walking, 30.0), *variables)
+
+
+def test_nothing_stands_out():
+    assert decided(QUIET, []) == Verdict("silent")
+
+
+def test_nothing_could_have_stood_out():
+    blind = critique(name(walking, 0.0, seen=False), name(settling, 0.0, seen=False), variable("time", 1.0))
+    assert decided(blind, []) == Verdict("not_identifiable")
+
+
+def test_one_explanation_far_ahead_is_a_name():
+    found = decided(loud(), [level((("walking",), 0.0), (("slip",), 40.0))])
+    assert (found.word, found.names, found.depends_on) == ("named", ("walking",), None)
+    assert found.probability("walking") > 0.99
+
+
+def test_two_effects_together_are_named_together():
+    found = decided(
+        loud(), [level((("walking",), 0.0)), level((("settling", "walking"), 0.0), (("walking",), 60.0))]
+    )
+    assert (found.word, set(found.names)) == ("named", {"settling", "walking"})
+
+
+def test_rivals_close_behind_are_a_set():
+    found = decided(loud(), [level((("walking",), 0.0), (("slip",), 1.0), (("fatigue",), 50.0))])
+    assert found.word == "ambiguous"
+    assert found.names == ("walking", "slip")
+
+
+def test_only_the_last_level_is_judged():
+    first = level((("walking",), 0.0), (("slip",), 0.5))
+    last = level((("settling", "walking"), 0.0), (("creep", "walking"), 80.0))
+    assert decided(loud(), [first, last]).word == "named"
+
+
+def test_something_stands_out_that_no_name_explains():
+    found = decided(loud(variable("time", 20.0), variable("hold", 25.0)), [])
+    assert found == Verdict("unknown", depends_on="hold")
+
+
+def test_what_stands_out_a_little_and_has_no_name_is_not_told():
+    """Neither names nor variables gain enough."""
+    assert decided(loud(variable("time", 11.0)), []) == Verdict("silent")
+
+
+def test_a_variable_must_stand_out_as_well_as_gain():
+    wide = score(Candidate("?time", np.eye(4)[:, 2:3], depends_on="time"), 20.0, spread=10.0)
+    assert decided(loud(wide), []) == Verdict("silent")
+
+
+@pytest.mark.parametrize(("share", "word"), [(0.9, "unknown"), (0.1, "named")])
+def test_a_variable_that_explains_much_more_than_any_name_is_no_names(share, word):
+    """45 or 5 nats of 50, less 1 by chance, against 20 by the best name."""
+    found = decided(loud(variable("hold", 20.0, share)), [level((("walking",), 0.0), rough=20.0)])
+    assert found.word == word
+    assert found.depends_on == ("hold" if word == "unknown" else None)
+    assert found.explanations[0][0] == ("walking",)  # the nearest there is
+
+
+@pytest.mark.parametrize(
+    ("left", "spread", "word"), [(30.0, 2.0, "unknown"), (14.0, 3.0, "named"), (5.0, 2.0, "named")]
+)
+def test_much_that_is_left_when_all_names_are_in_is_no_names(left, spread, word):
+    """10, 4.7 and 2.5 spreads of chance, where 3 raise an alarm."""
+    still = score(Candidate("?hold", np.eye(4)[:, 2:3], depends_on="hold"), left, spread)
+    after = critique(name(settling, 0.5), still)
+    found = decided(loud(variable("time", 20.0)), [level((("walking",), 0.0), after=after)])
+    assert found.word == word
+
+
+LEADS = (
+    (("walking",), 0.0),
+    (("slip",), 3.0),
+    (("fatigue",), 5.0),
+    (("ambient_drift",), 12.0),
+    (("creep",), 30.0),
+)
+
+
+def test_probabilities_sum_to_one_in_the_order_of_their_leads():
+    found = decided(loud(), [level(*LEADS)])
+    p = [probability for _, probability in found.explanations]
+    assert [names for names, _ in found.explanations] == [names for names, _ in LEADS]
+    assert sum(p) == pytest.approx(1.0)
+    assert np.all(np.diff(p) < 0)
+    nats = np.diff(np.log(p)) / np.diff([lead for _, lead in LEADS])
+    np.testing.assert_allclose(nats, nats[0])  # one temperature for all
+    assert -1 < nats[0] < 0  # and none is surer than its likelihood
+
+
+def test_the_set_is_the_least_that_holds_nine_tenths():
+    found = decided(loud(), [level(*LEADS)])
+    p = dict(found.explanations)
+    inside = [p[(n,)] for n in found.names]
+    assert sum(inside) >= 0.9 > sum(inside[:-1])
+
+
+def test_the_same_effects_found_twice_count_once_at_their_best():
+    twice = decided(loud(), [level((("walking",), 0.0), (("slip",), 4.0), (("walking",), 1.0))])
+    once = decided(loud(), [level((("walking",), 0.0), (("slip",), 4.0))])
+    assert twice.explanations == once.explanations
+
+
+def test_an_effects_probability_is_the_sum_over_the_explanations_it_is_part_of():
+    found = Verdict("ambiguous", ((("a", "b"), 0.5), (("a", "c"), 0.3), (("c",), 0.2)))
+    assert found.probability("a") == pytest.approx(0.8)
+    assert found.probability("c") == pytest.approx(0.5)
+    assert found.probability("d") == 0
+    assert set(found.names) == {"a", "b", "c"}

@@ -1,0 +1,214 @@
+"""The page of a diagnosis: what it says and draws of evidence from a twin with a hidden drift, under every verdict.
+
+The search is not run here: the explanation is the drift that was hidden, with made standard deviations.
+"""
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+import smarig
+from report.pages import LOADING, Page, unpacked
+from smarig.diagnosis.critique import critique
+from smarig.diagnosis.diagnose import Diagnosis, Error
+from smarig.diagnosis.gain import measured_gain
+from smarig.diagnosis.refine import Refined
+from smarig.diagnosis.verdict import Verdict
+from smarig.diagnosis.visibility import visibility
+from smarig.identification.lived import actuator_of, subject_of
+from smarig.model.planted import from_pairs, kinds
+from smarig.record import load_run
+from smarig.report.diagnosis_page import diagnosis_page
+from smarig.report.figures_diagnosis import Replay
+from smarig.report.page import write_page
+from smarig.rig.twin import TwinSettings
+from smarig.runner.session import Session
+from smarig.story.retelling import retold
+from smarig.story.told import told
+
+DRIFT, SLIP = from_pairs(["ambient_drift=3", "slip=1"])
+COMPETE = ("ambient_drift", "creep", "sensor_lag", "slack", "walking")
+LEVELS = (0, 50, 70, 80, 90, 110, 160)
+NAMED = Verdict("named", ((("ambient_drift",), 0.97), (("slip",), 0.03)))
+
+
+def lived(folder, seed, *effects, judged=False):
+    """First-order curves of a one-wire twin, and a run to judge by if asked for."""
+    with Session("one_wire_twin", twin=TwinSettings(seed=seed, effects=effects)) as session:
+        curves = {"partition_K": LEVELS}
+        runs = [session.run("first_order_descending", curves, folder / f"{seed}f.run.sqlite")]
+        if judged:
+            runs.append(session.run("validation", {"points": 10}, folder / f"{seed}v.run.sqlite"))
+    return [load_run(run) for run in runs]
+
+
+@pytest.fixture(scope="session")
+def named(tmp_path_factory) -> Diagnosis:
+    """A drift of 3 K with its rival, 40 nulls."""
+    folder = tmp_path_factory.mktemp("diagnosed")
+    model = smarig.identify(lived(folder, 4)[0], "positive").model
+    runs = lived(folder, 5, DRIFT, judged=True)
+    extended = replace(model, name=f"{model.name} + ambient_drift", effects=(DRIFT.to_json(),))
+    story = told(runs[:1], actuator_of(model).tau_s)
+    base, with_drift = (subject_of(m, story.runs[0]) for m in (model, extended))
+    first = critique(story, base, [k for k in kinds() if k.name in COMPETE], count=40, alpha=0.1)
+    spread = {("ambient_drift", p.name): 0.1 for p in DRIFT.kind.parameters}
+    best = Refined((DRIFT,), spread, np.zeros(1), base)
+    rival = SimpleNamespace(effects=(SLIP,), names=("slip",))
+    level = SimpleNamespace(
+        critique=first, explanations=(best, rival), best=best, gain=321.0, lead=lambda k: 14.0 * k
+    )
+    misses = [np.std(story.settled.value - retold(story, s).values["settled"]) for s in (base, with_drift)]
+    gain = measured_gain(runs[:1], runs[1:], base, with_drift, first.refitted.noise)
+    error = Error(story.unit, first.refitted.noise.settled, float(misses[0]), *map(float, misses))
+    return Diagnosis(
+        NAMED, story, first, (level,), visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
+    )  # pyright: ignore[reportArgumentType]
+
+
+@pytest.fixture(scope="session")
+def silent(named) -> Diagnosis:
+    """The same evidence where nothing exceeds the threshold."""
+    quiet = replace(named.first, threshold=1e6, p_value=0.5)
+    return replace(named, verdict=Verdict("silent"), first=quiet, levels=(), gain=None)
+
+
+def nearest(d: Diagnosis, word: str) -> Diagnosis:
+    """The same evidence under another verdict."""
+    two = ((("ambient_drift",), 0.6), (("slip",), 0.4))
+    return replace(d, verdict=Verdict(word, two, "time" if word == "unknown" else None))
+
+
+def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named):
+    page = Page(diagnosis_page(named))
+    found = named.effects()[0]["parameters"]["swing_K"]
+    words = page.visible[page.visible.index("Named: ") :]
+    assert words.startswith(f"Named: ambient_drift, swing {found['value']:.3g} K (95 %: ".replace("-", "−"))
+    assert f"{found['ci95'][0]:.3g} to {found['ci95'][1]:.3g}".replace("-", "−") in words
+    assert "p ≤ 0.024" in page.card("Chance of such an alarm")
+    assert "by 40 nulls" in page.card("Chance of such an alarm")
+    e = named.error
+    assert f"{e.base:.3g} → {e.extended:.3g} mm" in page.card("Settled points, rms")
+    assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable error removed")
+
+
+def test_a_gain_below_nothing_is_said_loudly(named):
+    worse = replace(named.gain, extended_error=3 * named.gain.base_error)
+    better = replace(named.gain, extended_error=0.5 * named.gain.base_error)
+    assert "do not use it yet" in Page(diagnosis_page(replace(named, gain=worse))).visible
+    assert "do not use it yet" not in Page(diagnosis_page(replace(named, gain=better))).visible
+
+
+def test_a_silent_diagnosis_says_so_and_shows_no_after(silent):
+    page = Page(diagnosis_page(silent))
+    assert "Silent: the model explains these data as well as data in which nothing is hidden." in page.visible
+    assert "no held-out run" in page.card("Gain on held-out data")
+    assert not page.traces("extended model")
+    assert "Nothing asks for an experiment" in page.visible
+
+
+def test_a_silence_with_something_above_the_threshold_is_no_clean_bill(named):
+    page = Page(diagnosis_page(replace(named, verdict=Verdict("silent"), levels=())))
+    assert "Silent, with a doubt" in page.visible
+    assert "Nothing asks for an experiment" not in page.visible
+
+
+def test_rivals_stand_below_the_best_with_their_distance_and_probability(named):
+    page = Page(diagnosis_page(named))
+    assert page.row("ambient_drift: swing")[1:] == ["0", "0.970"]
+    assert page.row("slip: ")[1:] == ["14.0", "0.030"]
+
+
+@pytest.mark.parametrize(
+    ("word", "sentence", "advice"),
+    [
+        ("ambiguous", "One of a set: ambient_drift, slip", "What would settle it"),
+        ("unknown", "Unknown: something is wrong and depends on time", "Change time alone"),
+        ("not_identifiable", "These data cannot tell", "A run that can show something at all"),
+    ],
+)
+def test_every_other_verdict_has_its_sentence_and_advice(named, word: str, sentence: str, advice: str):
+    page = Page(diagnosis_page(nearest(named, word)))
+    assert sentence in page.visible
+    assert advice in page.visible[page.visible.index("The next experiment") :]
+
+
+def test_the_residuals_drawn_are_measured_minus_each_model(named):
+    page = Page(diagnosis_page(named))
+    replay = Replay.of(named)
+    assert np.std(replay.missed(replay.extended, "settled")) == pytest.approx(named.error.extended, rel=1e-6)
+    for name, whole in (("base", replay.base), ("extended", replay.extended)):
+        drawn = unpacked(page.traces(f"measured − {name} model")[0]["y"])
+        np.testing.assert_allclose(drawn, replay.missed(whole, "settled"))
+        assert np.std(drawn) == pytest.approx(getattr(named.error, name), rel=1e-6)
+
+
+def test_the_room_is_drawn_where_it_tells_most(named):
+    caption = next(c for c in Page(diagnosis_page(named)).captions if "thermometer in the box" in c)
+    assert " K " in caption
+    assert f"n = {len(named.story.settled)}" in caption
+
+
+def test_every_candidate_is_on_the_detection_figure_on_its_side_of_the_threshold(named):
+    page = Page(diagnosis_page(named))
+    drawn = page.traces("effect of the catalogue") + page.traces("depends on a variable")
+    values = np.sinh(np.concatenate([unpacked(trace["x"]) for trace in drawn]))
+    seen = [s.standard for s in named.first.scores if s.candidate.traces.shape[1]]
+    np.testing.assert_allclose(np.sort(values), np.sort(seen), atol=1e-9)
+    edge = np.sinh(unpacked(page.traces("threshold")[0]["x"]))
+    np.testing.assert_allclose(edge, named.first.threshold)
+
+
+def test_what_could_be_seen_and_what_not_is_said_of_every_effect(named):
+    blind = replace(named.visibility, delta=np.where(np.arange(len(named.visibility.names)) == 0, 0.0, 1.0))
+    page = Page(diagnosis_page(replace(named, visibility=blind)))
+    known = {k.name: k for k in kinds()}
+    for name in named.visibility.names:
+        assert page_row(page, name)[1].split()[0] == f"{abs(known[name].primary.typical):g}"
+    hidden = named.visibility.names[0]
+    assert page_row(page, hidden)[3] == "none"
+    after = page.visible[page.visible.index("cannot show at any strength") :]
+    assert after.split("): ")[0].endswith(f"{hidden} ({known[hidden].summary.rstrip('.')}")
+
+
+def page_row(page: Page, effect: str) -> list[str]:
+    """The row of an effect in the table of visibility."""
+    table = next(t for t in page.tables if t[0][0] == "Effect")
+    return next(row for row in table if row[0] == effect)
+
+
+def test_a_separating_run_is_printed(named):
+    run = {"protocol": "pause_an_hour", "why": "The room goes on, cycles do not.", "rig_hours": 2.5}
+    asked = replace(named)
+    object.__setattr__(asked, "separating_run", run)
+    words = Page(diagnosis_page(asked)).visible
+    assert "pause_an_hour, 2.50 h on the rig" in words
+    assert "The room goes on, cycles do not." in words
+
+
+def test_every_block_held_out_is_drawn(named):
+    page = Page(diagnosis_page(named))
+    blocks = unpacked(page.traces("base model")[-1]["x"])
+    np.testing.assert_allclose(blocks, np.arange(1, named.gain.blocks + 1))
+
+
+def test_a_page_is_labelled_whole_and_loads_nothing(named, silent, tmp_path):
+    for d in (named, silent):
+        text = diagnosis_page(d)
+        page = Page(text)
+        assert page.visible.lstrip().startswith("TWIN")
+        assert all("TWIN" in c and "one_wire_twin" in c for c in page.captions if "held-out" not in c)
+        assert not re.search(r"\b(nan|None|inf)\b", page.visible)
+        for plot in page.plots:
+            go.Figure(plot["data"], {k: v for k, v in plot["layout"].items() if k != "narrow"})
+            for side in ("xaxis", "yaxis"):
+                assert "title" in plot["layout"][side]
+        for name, attributes in page.tags:
+            assert name not in ("link", "iframe", "object", "embed", "base", "img")
+            for key in LOADING:
+                assert attributes.get(key, "#").startswith("#")
+        assert write_page(text, tmp_path / f"{d.verdict.word}.html").stat().st_size < 7_000_000

@@ -1,0 +1,41 @@
+"""Short sittings at a twin: real run files, with a fine encoder where rounding would hide what is tested."""
+
+from smarig.config import locate
+from smarig.model.actuator import Actuator
+from smarig.model.planted import from_pairs
+from smarig.preisach.gorbet_1997 import surface
+from smarig.record import load_run
+from smarig.rig.twin import TwinSettings
+from smarig.runner.session import Session
+from smarig.story.retelling import Subject
+
+EXCURSIONS = (0.0, 60.0, 90.0, 50.0, 10.0, 80.0, 40.0, 100.0)
+LONG = ("validation", {"points": 8})
+LISTED = ("step_currents", {"temperatures_K": EXCURSIONS})
+FINER = 100  # times the encoder's counts
+
+
+def sitting(folder, *protocols, rig="one_wire_twin", effects=(), seed=1, noise=True, fine=False):
+    """Runs of one sitting, in the order they were made; protocols are (name, settings)."""
+    if fine:
+        coarse = locate("rigs", rig).read_text(encoding="utf-8")
+        rig = str(folder / "fine.toml")
+        text = coarse.replace("counts_per_rev = 2000", f"counts_per_rev = {2000 * FINER}")
+        (folder / "fine.toml").write_text(text, encoding="utf-8")
+    settings = TwinSettings(seed=seed, noise=noise, effects=from_pairs(effects))
+    with Session(rig, twin=settings) as session:
+        paths = [
+            session.run(name, given, folder / f"{k}.run.sqlite") for k, (name, given) in enumerate(protocols)
+        ]
+    return [load_run(path) for path in paths]
+
+
+def believed(effects=(), wire="gorbet_one_wire"):
+    """The wire as the twin has it: (subject, output per count of the ordinary encoder)."""
+    actuator = Actuator.named(wire)
+    hysteresis = actuator.file.hysteresis
+    per_count = actuator.position_per_count(2000)
+    subject = Subject(
+        actuator, surface(hysteresis.surface), hysteresis.initial, from_pairs(effects), per_count
+    )
+    return subject, per_count
