@@ -94,7 +94,6 @@ def test_a_half_written_last_line_is_computed_again(asked, tmp_path):
     assert asked == [3]
 
 
-@pytest.mark.xfail(strict=True, reason="the next answer is appended to the half line and lost with it")
 def test_an_answer_after_a_half_written_line_is_kept_too(asked, tmp_path):
     out = tmp_path / "answers.jsonl"
     diagnosis.run(boxes=4, out=out)

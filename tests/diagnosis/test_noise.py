@@ -59,7 +59,6 @@ def test_noise_that_never_changes_moves_every_remembered_input_alike():
     )
 
 
-@pytest.mark.xfail(strict=True, reason="slopes in saturation are those just before it")
 @pytest.mark.parametrize(("wire", "beyond"), [("one_e", 200.0), ("two_c", 210.0), ("one_c", -20.0)])
 def test_a_reading_in_saturation_has_no_temperature_noise(wire, beyond):
     hysteresis = surface(wire)

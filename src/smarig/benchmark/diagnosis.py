@@ -36,18 +36,24 @@ def run(
     if boxes < 1 or workers < 1:
         raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
     wanted = range(QUICK if quick else boxes)
-    done = _kept(out, seed)
+    done = _kept(out, seed, nulls)
     missing = [k for k in wanted if k not in done]
     for record in _answers(seed, missing, workers, dask, nulls):
         done[record["number"]] = record
         if out is not None:
-            with out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"seed": seed} | record) + "\n")
+            _append(out, {"seed": seed, "nulls": nulls} | record)
     return {"seed": seed} | scored([done[k] for k in wanted])
 
 
-def _kept(out: Path | None, seed: int) -> dict[int, Record]:
-    """Answers of this seed in a file; a half-written last line is not one."""
+def _append(out: Path, record: Record) -> None:
+    """One line more, on a line of its own whatever was written before."""
+    whole = not out.exists() or not out.stat().st_size or out.read_bytes()[-1:] == b"\n"
+    with out.open("a", encoding="utf-8") as file:
+        file.write(("" if whole else "\n") + json.dumps(record) + "\n")
+
+
+def _kept(out: Path | None, seed: int, nulls: int) -> dict[int, Record]:
+    """Answers of this seed, by so many nulls, in a file; a half-written last line is not one."""
     found: dict[int, Record] = {}
     if out is None or not out.exists():
         return found
@@ -56,7 +62,7 @@ def _kept(out: Path | None, seed: int) -> dict[int, Record]:
             record = json.loads(line)
         except ValueError:
             continue
-        if record.get("seed") == seed:
+        if isinstance(record, dict) and (record.get("seed"), record.get("nulls")) == (seed, nulls):
             found[record["number"]] = record
     return found
 

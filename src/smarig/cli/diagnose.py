@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from smarig.cli._output import distinct, emit, json_option, say
-from smarig.cli._types import FILE
+from smarig.cli._types import FILE, FOLDER
 from smarig.errors import UsageError
 
 EPILOG = """\b
@@ -46,7 +46,7 @@ def _gathering(process: Any) -> Any:
 @click.option(
     "--transient", type=FILE, help="A run with the wire's temperature and its drive, instead of a model."
 )
-@click.option("-o", "--out", type=FILE, help="Folder for extended.model.json, diagnosis.json, report.html.")
+@click.option("-o", "--out", type=FOLDER, help="Folder for extended.model.json, diagnosis.json, report.html.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
 @click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
 @click.option("--nulls", type=int, default=400, show_default=True, help="Empty stories to be judged by.")
@@ -69,6 +69,8 @@ def command(
     from smarig.diagnosis.diagnose import diagnose
     from smarig.diagnosis.files import folder_ready, write_diagnosis, write_transient
     from smarig.diagnosis.thermal import diagnose_transient
+    from smarig.report.diagnosis_page import diagnosis_page
+    from smarig.report.page import write_page
 
     if transient is not None:
         if model or train or held_out:
@@ -96,4 +98,6 @@ def command(
     data = found.to_json()
     if out is not None:
         data |= write_diagnosis(found, out, force=force)
+        write_page(diagnosis_page(found), out / "report.html", force=force)
+        data["report"] = str(out / "report.html")
     emit(data, found.text())

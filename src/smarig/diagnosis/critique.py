@@ -7,6 +7,7 @@ alarm is α, however many candidates compete. Knows no effect by name.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +91,8 @@ def critique(
     told = retold(story, subject)
     known = {getattr(getattr(effect, "kind", None), "name", "") for effect in subject.effects}
     kinds = [kind for kind in kinds if kind.name not in known]
-    slope = np.array([sensitivity(subject.hysteresis, state)[-1] for state in told.states]) * told.follows
+    h: Any = subject.hysteresis  # every hysteresis of a model can be differentiated
+    slope = np.array([sensitivity(h, state)[-1] for state in told.states]) * told.follows
     raw = [*named(story, subject, told, kinds), *generic(story, told, slope)]
     refitted = refit(story, told, subject, np.column_stack([c.traces for c in raw]), like and like.refitted)
     empty = nulls(told, subject, refitted, count, seed)

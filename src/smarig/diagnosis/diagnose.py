@@ -74,7 +74,7 @@ class Diagnosis:
     @property
     def extended(self) -> bool:
         """Whether ``model`` is an extended one."""
-        return self.best is not None
+        return self.verdict.word in ("named", "ambiguous")
 
     def text(self) -> str:
         """What was found, in plain sentences."""
@@ -129,7 +129,10 @@ def sentences(d: Diagnosis) -> Iterator[str]:
     e, gain, best = d.error, d.gain, d.best
     p = f"p = {d.first.p_value:.2g} by {d.nulls} nulls"
     if d.verdict.word in ("silent", "not_identifiable"):
-        yield f"Nothing stands out ({p}; an alarm needs p < {d.alpha:g})."
+        if d.first.silent:
+            yield f"Nothing stands out ({p}; an alarm needs p < {d.alpha:g})."
+        else:
+            yield f"Something stands out ({p}), but neither a name nor a variable explains enough to be claimed."
     if d.verdict.word == "unknown":
         yield f"Something is wrong ({p}) that depends on {d.verdict.depends_on}; no effect known explains it."
     if best is not None:
@@ -239,7 +242,7 @@ def diagnose(
             _rms(story, extended),
         ),
         gain,
-        _extended(given, extended, taught, verdict) if extended is not base else given,
+        _extended(given, extended, taught, verdict) if verdict.word in ("named", "ambiguous") else given,
         numerics(story, base),
         alpha,
         nulls,

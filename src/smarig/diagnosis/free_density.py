@@ -38,7 +38,7 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     rows = observed(told.states, lower, upper, y)
     nodes = adapted(rows, _enough(rows, upper - lower))
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
-    X = csr_matrix(rows.matrix(triangle)[:, : triangle.unknowns - 1])  # without y₋, the common zero
+    X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = np.abs(_believed(triangle, hysteresis))
     mass += FAINT * mass.mean()
     on = _switched(triangle, X)
@@ -71,7 +71,7 @@ def _enough(rows: Observations, span: float) -> int:
 def _switched(triangle: Triangle, X: csr_matrix) -> Array:
     """Which share of each cell is switched on at each memory, (n, cells)."""
     n = triangle.nodes.size - 1
-    grid = np.zeros((X.shape[0], n, n))
+    grid = np.zeros((X.get_shape()[0], n, n))
     grid[:, triangle.i, triangle.j] = X.toarray()
     above = np.cumsum(np.cumsum(grid[:, ::-1, ::-1], axis=1), axis=2)[:, ::-1, ::-1]
     return above[:, triangle.i, triangle.j]

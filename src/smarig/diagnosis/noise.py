@@ -40,7 +40,10 @@ def remembered(hysteresis: Differentiable, told: Retelling) -> tuple[csr_matrix,
 
 
 def _slopes(hysteresis: Differentiable, state: State) -> Sequence[tuple[float, float]]:
-    return list(zip((*state.extrema, state.u), sensitivity(hysteresis, state).tolist()))
+    """(input, slope) of every remembered extremum and the present input; saturation feels no temperature."""
+    inputs = (*state.extrema, state.u)
+    ends = (hysteresis.lower, hysteresis.upper)
+    return [(u, 0.0 if u in ends else s) for u, s in zip(inputs, sensitivity(hysteresis, state).tolist())]
 
 
 def propagated(J: csr_matrix, times_s: Array, correlation_s: float) -> Array:

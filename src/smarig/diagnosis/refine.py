@@ -125,13 +125,13 @@ def _moves(planted: Planted, parameter: Parameter) -> bool:
 
 def _descend(rest: Callable[[Array], Array], fit: _Fit) -> tuple[Array, Array, Array]:
     """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) where it ends."""
-    x = np.clip(fit.x, fit.low, fit.high)
+    x: Array = np.clip(fit.x, fit.low, fit.high)
     r = rest(x)
     J, fresh, damping = _jacobian(rest, x, r, fit), True, 1e-3
     for _ in range(ROUNDS):
         normal = J.T @ J
         step = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal) + 1e-12), -J.T @ r, rcond=None)[0]
-        trial = np.clip(x + step, fit.low, fit.high)
+        trial: Array = np.clip(x + step, fit.low, fit.high).astype(float)
         new, moved = rest(trial), trial - x
         better = float(r @ r - new @ new)
         if better <= 0 and fresh:

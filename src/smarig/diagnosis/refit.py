@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_solve, cholesky, solve_triangular
-from scipy.linalg.lapack import dpotri
+from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.optimize import minimize
 
 from smarig.diagnosis import given
@@ -114,11 +114,12 @@ def refit(
     blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
     factor, scales, data = _stacked(blocks)
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
-    weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans="T", check_finite=False)
+    alone = float(0.5 * whitened[n:] @ whitened[n:] + np.log(np.diag(factor)[n:] * scales[n:]).sum())
+    weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
     fitted = y - scale * (noise_part @ weights)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
     noise = Noise(sd, s_T, correlation, span * s0)
-    return Refit(factor, scales, whitened, noise, fitted, -cost, n, spreads)
+    return Refit(factor, scales, whitened, noise, fitted, -cost - alone, n, spreads)
 
 
 _BIG = 30.0  # sd of the strength of a trace that is left out, in ranges

@@ -27,6 +27,10 @@ RIVALS = 3  # explanations kept from size to size
 WEIGHED = 4  # explanations whose likelihood is taken
 MOST = 3  # effects at once
 GATE = 8.0  # nats: an effect that explains less is not worth its name
+GATE_MORE, SHARE_MORE = (
+    20.0,
+    0.05,
+)  # nats, and share of the first one's: a further effect, lest it be an echo of it
 SUSPECT = 12.0  # nats of a straight line, for a quiet record to be looked into
 PROOF = 25.0  # nats of likelihood, for a quiet record to be called wrong
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
@@ -80,10 +84,11 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
     while starts and len(levels) < most:
         rough, explained = _weighed(first, now, starts)
         gain = explained[0].evidence - evidence
-        if gain < (PROOF if first.silent and not levels else GATE):
+        needed = PROOF if first.silent else GATE
+        if gain < (max(GATE_MORE, SHARE_MORE * levels[0].gain) if levels else needed):
             break
         now = judge(explained[0].subject)
-        best = refined(explained[0].effects, first.story, now.subject, now.refitted, first.subject.hysteresis)
+        best = refined(explained[0].effects, first.story, now.subject, now.refitted, now.subject.hysteresis)
         levels.append(Level(now, explained, best, gain, rough))
         evidence = explained[0].evidence
         if now.silent:

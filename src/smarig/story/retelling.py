@@ -54,7 +54,7 @@ class Retelling:
     felt_K: Array
     states: tuple[State, ...]
     output: Array
-    marks: Array
+    marks: NDArray[np.int64]
     follows: Array
 
     def stacked(self, story: Story) -> Array:
@@ -76,7 +76,7 @@ def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Re
         told.sensed(plant)
         if mark:
             told.read(now, plant, i)
-    return told.finished(story, t, felt, np.flatnonzero(marks))
+    return told.finished(story, t, felt, np.flatnonzero(marks).astype(np.int64))
 
 
 def positions(drive: Drive, subject: Subject, at_s: Array) -> Array:
@@ -124,7 +124,7 @@ class _Told:
         )
         self.states.append(plant.operator.state)
 
-    def finished(self, story: Story, t: Array, felt: Array, marks: Array) -> Retelling:
+    def finished(self, story: Story, t: Array, felt: Array, marks: NDArray[np.int64]) -> Retelling:
         """Rows sorted to the readings they belong to."""
         table = np.array(self.rows)
         column = {"settled": 0, "moving": 0, "resistance": 2, "current": 3, "room": 5}

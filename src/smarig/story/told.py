@@ -126,6 +126,7 @@ def told(runs: Sequence[Run], tau_s: float) -> Story:
             raise DataError(
                 f"{run.path} has no clock or no current: a diagnosis of such runs needs its input as the drive."
             )
+    _check_one_sitting(order)
     start = float(order[0]["t_s"][0]) - float(order[0].meta.get("period_s") or 0.1)
     parts = [_Part(run, k, start, tau_s) for k, run in enumerate(order)]
     steps = np.concatenate([np.full(len(p.steps), p.number) for p in parts]).astype(np.int64)
@@ -142,6 +143,17 @@ def told(runs: Sequence[Run], tau_s: float) -> Story:
         block=_blocks(target, steps),
         runs=tuple(order),
     )
+
+
+def _check_one_sitting(runs: Sequence[Run]) -> None:
+    """DataError where clocks overlap or encoders were zeroed apart."""
+    for before, run in zip(runs, runs[1:]):
+        sitting = [(r.meta.get("start_epoch"), r.meta.get("encoder_zero")) for r in (before, run)]
+        if sitting[0] != sitting[1] or run["t_s"][0] <= before["t_s"][-1]:
+            raise DataError(
+                f"{before.path.name} and {run.path.name} are not of one sitting: their clocks or their encoder's "
+                "zero differ. A diagnosis follows one sitting; give the runs of one."
+            )
 
 
 def _growing(begin: float, end: float, tau_s: float) -> Array:

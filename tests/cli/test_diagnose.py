@@ -1,0 +1,127 @@
+"""``smarig diagnose``: the object of its JSON, its files, and what it refuses."""
+
+import json
+
+import pytest
+
+import smarig
+from smarig.cli import run as cli
+from smarig.model.planted import from_pairs
+from smarig.rig.twin import TwinSettings
+from smarig.runner.session import Session
+
+TRAIN = ("wiping_out", "congruency", "first_order_descending")
+
+
+@pytest.fixture(scope="module")
+def sitting(tmp_path_factory):
+    """Runs of one twin that walks, and the model identified from them."""
+    folder = tmp_path_factory.mktemp("walking")
+    with Session("one_wire_twin", twin=TwinSettings(seed=2, effects=from_pairs(["walking=0.4"]))) as session:
+        for name in (*TRAIN, "validation"):
+            session.run(name, {"points": 15} if name == "validation" else {}, folder / f"{name}.run.sqlite")
+    model = smarig.identify([folder / f"{name}.run.sqlite" for name in TRAIN], surface="positive").model
+    model.save(folder / "wire.model.json")
+    return folder
+
+
+def command(folder, *more):
+    train = [str(folder / f"{name}.run.sqlite") for name in TRAIN]
+    held_out = str(folder / "validation.run.sqlite")
+    return ["diagnose", str(folder / "wire.model.json"), "--train", *train, "--held-out", held_out, *more]
+
+
+@pytest.fixture(scope="module")
+def found(sitting):
+    import contextlib
+    import io
+
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        assert cli(command(sitting, "-o", str(sitting / "out"), "--nulls", "60", "--json")) == 0
+    return json.loads(said.getvalue())
+
+
+def test_its_object_has_the_keys_others_rely_on(found):
+    keys = {
+        "verdict",
+        "effects",
+        "set",
+        "depends_on",
+        "not_identifiable",
+        "error",
+        "held_out",
+        "separating_run",
+    }
+    assert keys | {"alpha", "nulls", "model", "seconds"} <= set(found)
+    assert {"unit", "noise_floor", "base", "extended"} <= set(found["error"])
+    assert {"base", "extended", "removable_share", "ci95", "blocks"} <= set(found["held_out"])
+
+
+def test_it_names_what_was_planted(found):
+    assert found["verdict"] == "named"
+    assert found["set"] == ["walking"]
+    value = found["effects"][0]["parameters"]["percent_per_cycle"]
+    assert value["unit"] == "%"
+    assert value["value"] == pytest.approx(0.4, rel=0.25)
+
+
+def test_the_extended_model_is_what_verify_judges_then(found, sitting, capsys):
+    def rms(model):
+        capsys.readouterr()
+        assert cli(["verify", str(model), str(sitting / "validation.run.sqlite"), "--json"]) == 0
+        return json.loads(capsys.readouterr().out)["runs"][0]["rms"]
+
+    extended = smarig.load_model(found["model"])
+    assert [e["name"] for e in extended.effects] == ["walking"]
+    assert rms(found["model"]) < 0.7 * rms(sitting / "wire.model.json")
+
+
+def test_the_extended_model_simulates(found, sitting, tmp_path):
+    along = sitting / "validation.run.sqlite"
+    out = tmp_path / "simulated.run.sqlite"
+    assert cli(["simulate", found["model"], "--along", str(along), "-o", str(out)]) == 0
+    assert smarig.load_run(out).has("position")
+    again = tmp_path / "protocol.run.sqlite"
+    model = found["model"]
+    assert cli(["simulate", model, "--protocol", "validation", "--set", "points=3", "-o", str(again)]) == 0
+
+
+def test_a_page_and_the_object_are_written(found, sitting):
+    page = (sitting / "out" / "report.html").read_text(encoding="utf-8")
+    assert "walking" in page
+    assert "TWIN" in page
+    assert json.loads((sitting / "out" / "diagnosis.json").read_text())["verdict"] == "named"
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "sentence"),
+    [
+        (["--alpha", "0.7"], 2, "between 0 and 0.5"),
+        (["--nulls", "3"], 2, "at least"),
+        (["--without", "wobble"], 2, "wobble"),
+    ],
+)
+def test_senseless_settings_are_refused_in_a_sentence(sitting, capsys, more, status, sentence):
+    assert cli(command(sitting, *more)) == status
+    assert sentence in capsys.readouterr().err
+
+
+def test_existing_results_are_not_replaced(found, sitting, capsys):
+    assert cli(command(sitting, "-o", str(sitting / "out"))) == 2
+    assert "--force" in capsys.readouterr().err
+
+
+def test_a_run_cannot_teach_and_judge(sitting, capsys):
+    run = str(sitting / "validation.run.sqlite")
+    model = str(sitting / "wire.model.json")
+    assert cli(["diagnose", model, "--train", run, "--held-out", run]) == 2
+    assert "cannot teach and judge" in capsys.readouterr().err
+
+
+def test_runs_of_two_sittings_are_refused(sitting, tmp_path, capsys):
+    other = tmp_path / "other.run.sqlite"
+    assert cli(["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o", str(other)]) == 0
+    train = str(sitting / "wiping_out.run.sqlite")
+    assert cli(["diagnose", str(sitting / "wire.model.json"), "--train", train, str(other)]) == 4
+    assert "one sitting" in capsys.readouterr().err

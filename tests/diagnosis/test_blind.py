@@ -1,0 +1,47 @@
+"""An effect is hidden by code of its own, and must be found; nothing is hidden, and nothing may be said."""
+
+import pytest
+
+from diagnosis.boxes_opened import answer
+
+
+@pytest.mark.parametrize("number", [3, 4, 6])
+def test_it_is_silent_where_nothing_is_hidden(number):
+    found = answer(number)
+    assert found.verdict.word == "silent"
+    assert found.effects() == []
+    assert not found.extended
+
+
+def test_it_is_silent_on_a_density_or_noise_that_is_odd_but_classical():
+    assert answer(6, "hard_null").verdict.word == "silent"
+
+
+def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_better():
+    found = answer(1, "walking")
+    assert found.verdict.word == "named"
+    assert found.verdict.names == ("walking",)
+    strength = found.effects()[0]["parameters"]["percent_per_cycle"]
+    assert strength["ci95"][0] < 0.3 < strength["ci95"][1]
+    assert found.gain is not None
+    assert found.gain.extended < found.gain.base
+    assert found.gain.removable_share is not None
+    assert found.gain.removable_share > 0.5
+    assert found.model.effects[0]["name"] == "walking"
+
+
+def test_without_walking_in_the_catalogue_the_clock_is_blamed_or_one_that_looks_like_it():
+    found = answer(1, "walking", without=("walking",))
+    blamed = found.verdict.depends_on in ("time", "cycle", "reversals")
+    assert found.verdict.word != "silent"
+    assert blamed or set(found.verdict.names) <= {"slip", "fatigue", "ambient_drift", "creep", "training"}
+
+
+def test_heat_loss_cannot_be_seen_in_settled_positions_of_one_load():
+    """The gauge theorem: it is another classical density."""
+    assert answer(1, "convection").verdict.word in ("silent", "not_identifiable")
+
+
+def test_what_no_channel_shows_is_said_to_be_invisible():
+    invisible = answer(3).visibility.invisible
+    assert {"wire_lag", "sensor_lag", "latent_heat"} <= set(invisible)
