@@ -16,12 +16,13 @@ from smarig.benchmark.boxes.outputs import position, sensed
 from smarig.benchmark.boxes.plant import Plant
 from smarig.benchmark.boxes.sitting import again, first_pass
 from smarig.benchmark.boxes.wire import actuator_toml
-from smarig.catalogue import find, names
+from smarig.catalogue import find
 from smarig.model.actuator import Actuator
 from smarig.model.plant import Plant as EstimatorsPlant
+from smarig.model.planted import kinds
 from smarig.preisach.relay_measure import RelayMeasure
 
-NAMES = names("smarig.model.effects")
+NAMES = sorted({kind.name for rig in ("one_wire", "two_wire") for kind in kinds(rig)})
 VALUES = {  # where the typical ones would not show all of the equation
     "ambient_drift": {"swing_K": 2.0, "period_h": 0.7, "phase": 0.1},
     "amplifier_gain": {"gain_percent": 3.0, "offset_A": 0.01},

@@ -59,11 +59,14 @@ def test_its_object_has_the_keys_others_rely_on(found):
 
 
 def test_it_names_what_was_planted(found):
-    assert found["verdict"] == "named"
-    assert found["set"] == ["walking"]
-    value = found["effects"][0]["parameters"]["percent_per_cycle"]
-    assert value["unit"] == "%"
-    assert value["value"] == pytest.approx(0.4, rel=0.25)
+    """A twin's readings are so fine that a small second effect beside it may be claimed with it."""
+    assert found["verdict"] in ("named", "ambiguous")
+    walking = next(e for e in found["effects"] if e["name"] == "walking")
+    assert walking["probability"] > 0.9
+    value = walking["parameters"]["percent_per_cycle"]
+    assert value["unit"] == "%/cycle"
+    assert value["value"] == pytest.approx(0.4, rel=0.05)
+    assert found["held_out"]["removable_share"] > 0.9
 
 
 def test_the_extended_model_is_what_verify_judges_then(found, sitting, capsys):
@@ -73,7 +76,7 @@ def test_the_extended_model_is_what_verify_judges_then(found, sitting, capsys):
         return json.loads(capsys.readouterr().out)["runs"][0]["rms"]
 
     extended = smarig.load_model(found["model"])
-    assert [e["name"] for e in extended.effects] == ["walking"]
+    assert "walking" in [e["name"] for e in extended.effects]
     assert rms(found["model"]) < 0.7 * rms(sitting / "wire.model.json")
 
 
@@ -91,7 +94,7 @@ def test_a_page_and_the_object_are_written(found, sitting):
     page = (sitting / "out" / "report.html").read_text(encoding="utf-8")
     assert "walking" in page
     assert "TWIN" in page
-    assert json.loads((sitting / "out" / "diagnosis.json").read_text())["verdict"] == "named"
+    assert json.loads((sitting / "out" / "diagnosis.json").read_text())["verdict"] == found["verdict"]
 
 
 @pytest.mark.parametrize(

@@ -233,6 +233,7 @@ _START = np.array(
     [-0.5, -1.5, -4.5, -3.7, DRAUGHTY]
 )  # log₁₀ of spreads: density's parts, s₀ (ranges), s_T (K)
 DRAUGHTIEST_K = 0.4  # what is more is no draught
+FINEST_MARK = 0.1  # counts: no encoder's marks lie better
 COARSEST = 0.6  # counts: no mean of settled samples is worse, unless they scatter
 
 
@@ -244,7 +245,7 @@ def _bounds(story: Story, subject: Subject) -> tuple[Array, Array]:
     samples = max(float(np.median([step.n for run in story.runs for step in run.settled])), 1.0)
     one = _raw_noise(story, subject)
     least, most = (
-        one / np.sqrt(samples) / subject.stroke,
+        max(one / np.sqrt(samples), FINEST_MARK * subject.per_count) / subject.stroke,
         max(COARSEST * subject.per_count, one) / subject.stroke,
     )
     return _with_density((least, most), (10**-2.5, DRAUGHTIEST_K))

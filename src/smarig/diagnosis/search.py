@@ -139,10 +139,16 @@ def _weighed(
     return gained, tuple(weighed)
 
 
-def _explanation(story: Story, extended: Subject, like: Refit) -> Explanation:
-    subject = density_beside(story, extended)[0]
-    effects = tuple(e for e in subject.effects if isinstance(e, Planted))
-    return Explanation(effects, subject, _evidence(story, subject, like))
+def _explanation(story: Story, rough: Subject, like: Refit) -> Explanation:
+    """Effects once more about the density that belongs to them, for straight lines from the first one end short."""
+    beside = density_beside(story, rough)[0]
+    fine = refined(_planted(beside), story, beside, like, beside.hysteresis)
+    subject = density_beside(story, fine.extended)[0]
+    return Explanation(_planted(subject), subject, _evidence(story, subject, like))
+
+
+def _planted(subject: Subject) -> tuple[Planted, ...]:
+    return tuple(e for e in subject.effects if isinstance(e, Planted))
 
 
 def _evidence(story: Story, subject: Subject, like: Refit) -> float:
