@@ -30,13 +30,6 @@ def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_bett
     assert found.model.effects[0]["name"] == "walking"
 
 
-def test_without_walking_in_the_catalogue_the_clock_is_blamed_or_one_that_looks_like_it():
-    found = answer(1, "walking", without=("walking",))
-    blamed = found.verdict.depends_on in ("time", "cycle", "reversals")
-    assert found.verdict.word != "silent"
-    assert blamed or set(found.verdict.names) <= {"slip", "fatigue", "ambient_drift", "creep", "training"}
-
-
 def test_heat_loss_cannot_be_seen_in_settled_positions_of_one_load():
     """The gauge theorem: it is another classical density."""
     assert answer(1, "convection").verdict.word in ("silent", "not_identifiable")
