@@ -89,7 +89,7 @@ def critique(
 ) -> Critique:
     """Judge a subject by a story against ``count`` nulls at the level α; ``like``: noise as in another, refined."""
     told = retold(story, subject)
-    known = {getattr(getattr(effect, "kind", None), "name", "") for effect in subject.effects}
+    known = {effect.kind.name for effect in subject.planted}
     kinds = [kind for kind in kinds if kind.name not in known]
     h: Any = subject.hysteresis  # every hysteresis of a model can be differentiated
     slope = np.array([sensitivity(h, state)[-1] for state in told.states]) * told.follows

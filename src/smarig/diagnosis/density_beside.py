@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from smarig.diagnosis import given
-from smarig.diagnosis.free_density import observed
 from smarig.identification.positive.fit import PositiveFit, fit_positive
 from smarig.identification.positive.observations import Observations
 from smarig.story.retelling import Retelling, Subject, retold
@@ -33,8 +32,8 @@ def density_beside(
 def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | None) -> PositiveFit:
     n = len(story.settled)
     y = story.settled.value - (told.values["settled"] - told.output[:n])
-    rows = observed(told.states[:n], subject.hysteresis.lower, subject.hysteresis.upper, y)
-    rows = replace(rows, curve=story.block, unit=story.unit)
+    h = subject.hysteresis
+    rows = Observations.of_states(told.states[:n], y, story.block, (h.lower, h.upper), story.unit)
     if story.given:
         rows = _weighted(replace(rows, zero=story.zero - 1), given.trust(story, told, subject))
     return fit_positive(rows, smoothing=smoothing)

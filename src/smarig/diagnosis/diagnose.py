@@ -30,7 +30,7 @@ from smarig.story.retelling import Subject, numerics, retold
 from smarig.story.told import Story, told
 
 NORMAL_95 = 1.96
-WIDER = 1.3  # intervals, for what linear propagation leaves out
+WIDER = 1.3  # intervals, for what linear propagation leaves out: a guess, not yet calibrated
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +203,8 @@ def diagnose(
     """What a model gets wrong on runs of one sitting, why, and what it gains to know.
 
     ``train`` teaches, ``held_out`` only judges the gain; ``without`` takes effects out of the catalogue.
-    ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
+    ``alpha`` is the chance of any false alarm of the nulls; ``nulls`` how many empty stories those are. A record
+    quiet by them is still called wrong where a likelihood demands it (``search.PROOF``). Raises DataError
     when the runs hold no settled steps or do not belong to one wire, UsageError for settings that make no sense.
     """
     started, say = time.monotonic(), progress or (lambda _: None)
@@ -217,7 +218,7 @@ def diagnose(
     first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
 
     def judge(s: Subject) -> Critique:
-        say("with " + " and ".join(e.kind.name for e in s.effects))  # pyright: ignore[reportAttributeAccessIssue]
+        say("with " + " and ".join(e.kind.name for e in s.planted))
         return critique(story, s, catalogue, count=nulls, alpha=alpha, seed=seed, like=first)
 
     levels = searched(first, judge)
@@ -278,7 +279,7 @@ def _catalogue(subject: Subject, without: Sequence[str]) -> list[Kind]:
     for name in without:
         if name not in names:
             raise UsageError(f"There is no effect '{name}' to leave out.")
-    known = {getattr(getattr(e, "kind", None), "name", "") for e in subject.effects}
+    known = {e.kind.name for e in subject.planted}
     return [k for k in every if k.name not in without and k.name not in known]
 
 
@@ -303,9 +304,9 @@ def _extended(given: Model, subject: Subject, train: list[Run], verdict: Verdict
     """The given model with the density identified beside the effects, and with them."""
     return replace(
         given,
-        name=f"{given.name} + {' + '.join(e.kind.name for e in subject.effects)}",  # pyright: ignore[reportAttributeAccessIssue]
+        name=f"{given.name} + {' + '.join(e.kind.name for e in subject.planted)}",
         hysteresis=subject.hysteresis,
-        effects=tuple(e.to_json() for e in subject.effects),  # pyright: ignore[reportAttributeAccessIssue]
+        effects=tuple(e.to_json() for e in subject.planted),
         parameters=(),
         covariance=np.empty((0, 0)),
         intervals={},

@@ -7,18 +7,15 @@ on a triangle of cells and on a scale on which the output moves evenly, so a ste
 as a flat tail. Knows no data but where the memories lie and where the output moves.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.sparse import csr_matrix
 
-from smarig.identification.positive.observations import COMMON, Observations, corners_of
+from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.partition import SAME, adapted
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.everett import Everett
-from smarig.preisach.operator import State
 from smarig.story.retelling import Retelling
 
 Array = NDArray[np.float64]
@@ -35,7 +32,7 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
     """
     lower, upper = hysteresis.lower, hysteresis.upper
-    rows = observed(told.states, lower, upper, y)
+    rows = Observations.of_states(told.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
     nodes = adapted(rows, _enough(rows, upper - lower))
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
@@ -85,29 +82,6 @@ def _believed(triangle: Triangle, hysteresis: Everett) -> Array:
     beside = np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)])
     mass = E[i + 1, j] - E[i, j] - beside
     return mass / (np.abs(mass).sum() or 1.0)
-
-
-def observed(states: Sequence[State], lower: float, upper: float, y: Array) -> Observations:
-    """Outputs y (n,) at memories as sums over the FOD surface; curves are not told apart."""
-    terms: list[tuple[int, float, float, float]] = []
-    released: list[tuple[int, float, float, float]] = []
-    for k, state in enumerate(states):
-        corners, diagonal = corners_of(state, lower)
-        terms += [(k, *corner) for corner in corners]
-        released += [(k, *move) for move in diagonal]
-    table = np.array(terms, dtype=float).reshape(len(terms), 4)
-    return Observations(
-        y,
-        np.zeros(y.size, dtype=np.int64),
-        np.full(y.size, COMMON),
-        table[:, 0].astype(np.int64),
-        table[:, 1],
-        table[:, 2],
-        table[:, 3],
-        tuple(released),
-        lower,
-        upper,
-    )
 
 
 def _even(nodes: Array, felt: Array, output: Array) -> Array:

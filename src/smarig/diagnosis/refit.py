@@ -95,7 +95,6 @@ def refit(
     )  # what any hysteresis must give, not only a change of this one
     aside = _leading(traces[:n] / scale[:, None])
     fixed = free + _BIG**2 * aside @ aside.T
-    best = None
     bounds = _bounds(story, subject)
     best: tuple[float, Array, float, Array] | None = None
     tried = given.correlations_s(story) if story.given else CORRELATIONS_S

@@ -27,10 +27,8 @@ RIVALS = 3  # explanations kept from size to size
 WEIGHED = 4  # explanations whose likelihood is taken
 MOST = 3  # effects at once
 GATE = 8.0  # nats: an effect that explains less is not worth its name
-GATE_MORE, SHARE_MORE = (
-    20.0,
-    0.05,
-)  # nats, and share of the first one's: a further effect, lest it be an echo of it
+GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
+SHARE_MORE = 0.05  # of the first one's nats, for the same reason
 SUSPECT = 12.0  # nats of a straight line, for a quiet record to be looked into
 PROOF = 25.0  # nats of likelihood, for a quiet record to be called wrong
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
@@ -84,8 +82,7 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
     while starts and len(levels) < most:
         rough, explained = _weighed(first, now, starts)
         gain = explained[0].evidence - evidence
-        needed = PROOF if first.silent else GATE
-        if gain < (max(GATE_MORE, SHARE_MORE * levels[0].gain) if levels else needed):
+        if gain < _needed(first, levels):
             break
         now = judge(explained[0].subject)
         best = refined(explained[0].effects, first.story, now.subject, now.refitted, now.subject.hysteresis)
@@ -95,6 +92,13 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
             break
         starts = _larger(levels[-1], first)
     return levels
+
+
+def _needed(first: Critique, levels: Sequence[Level]) -> float:
+    """Nats that one effect more must explain."""
+    if levels:
+        return max(GATE_MORE, SHARE_MORE * levels[0].gain)
+    return PROOF if first.silent else GATE
 
 
 def _starts(critique: Critique, count: int) -> list[Planted]:
@@ -142,13 +146,9 @@ def _weighed(
 def _explanation(story: Story, rough: Subject, like: Refit) -> Explanation:
     """Effects once more about the density that belongs to them, for straight lines from the first one end short."""
     beside = density_beside(story, rough)[0]
-    fine = refined(_planted(beside), story, beside, like, beside.hysteresis)
+    fine = refined(beside.planted, story, beside, like, beside.hysteresis)
     subject = density_beside(story, fine.extended)[0]
-    return Explanation(_planted(subject), subject, _evidence(story, subject, like))
-
-
-def _planted(subject: Subject) -> tuple[Planted, ...]:
-    return tuple(e for e in subject.effects if isinstance(e, Planted))
+    return Explanation(subject.planted, subject, _evidence(story, subject, like))
 
 
 def _evidence(story: Story, subject: Subject, like: Refit) -> float:

@@ -1,6 +1,6 @@
 """What may be said: silent, a name, a set of names, "unknown, it depends on …", or that these data cannot tell.
 
-    P(explanation) ∝ exp(−lead / T)        lead: nats behind the best;  T: tempered on boxes with known contents
+    P(explanation) ∝ exp(−lead / T)        lead: nats behind the best;  T: a guess, to be tempered on boxes
 
 Takes decisions from what the search found, and computes nothing of physics.
 """

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.model.actuator import Actuator
-from smarig.model.effect import Effect
+from smarig.model.effect import Effect, Planted
 from smarig.model.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach, State
@@ -32,6 +32,11 @@ class Subject:
     initial: Initial
     effects: tuple[Effect, ...] = ()
     per_count: float = 0.0
+
+    @property
+    def planted(self) -> tuple[Planted, ...]:
+        """Its effects that the catalogue knows."""
+        return tuple(e for e in self.effects if isinstance(e, Planted))
 
     @property
     def stroke(self) -> float:

@@ -196,7 +196,8 @@ class _Part:
     def drive(self) -> Drive:
         changes = np.flatnonzero(np.diff(self.command)) if self.t.size else np.empty(0, dtype=np.int64)
         last = np.append(changes, self.t.size - 1)
-        return Drive(self.t[last], self.command[last])
+        begin = self.t[:1] - float(self.run.meta.get("period_s") or 0.1)  # until then the current was off
+        return Drive(np.append(begin, self.t[last]), np.append(np.zeros(begin.size), self.command[last]))
 
     def _rows(self) -> list[slice]:
         begin = np.searchsorted(self.t, [s.t_start_s - self.start_s + 1e-6 for s in self.steps])
@@ -277,5 +278,5 @@ def _joined(parts: Sequence[Readings]) -> Readings:
 
 def _joined_drive(parts: Sequence[Drive], tau_s: float) -> Drive:
     end = np.concatenate([p.end_s for p in parts])
-    keep = np.concatenate([[True], np.diff(end) > 1e-9])
+    keep = np.diff(end, prepend=0.0) > 1e-9
     return Drive(end[keep], np.concatenate([p.current_A for p in parts])[keep], tau_s)

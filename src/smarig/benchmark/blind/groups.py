@@ -1,6 +1,7 @@
-"""What may be taken for what, and which variable gives a missing effect away: fixed before any box was opened.
+"""What may be taken for what, and which variable gives a missing effect away.
 
-Groups after the confusability of static one-load data, and of transients; variables by the effects' own equations.
+Groups after the confusability of static one-load data, and of transients; variables by the effects' own
+equations. Written after some tuning boxes had been seen, before any table was reported.
 """
 
 GROUPS: tuple[frozenset[str], ...] = (

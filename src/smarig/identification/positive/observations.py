@@ -89,24 +89,31 @@ class Observations:
     @classmethod
     def _of_history(cls, history: History, ends: tuple[float, float], unit: str) -> "Observations":
         known = {k: state for k, state in enumerate(history.states) if state is not None}
+        curve = excursions(history.inputs, SWING * (ends[1] - ends[0]))
+        rows = list(known)
+        return cls.of_states(list(known.values()), history.outputs[rows], curve[rows], ends, unit)
+
+    @classmethod
+    def of_states(
+        cls, states: Sequence[State], y: Array, curve: Integers, ends: tuple[float, float], unit: str = ""
+    ) -> "Observations":
+        """Outputs y (m,) of an operator at memories, with one common zero."""
         terms: list[tuple[int, float, float, float]] = []
         released: list[tuple[int, float, float, float]] = []
-        for row, state in enumerate(known.values()):
+        for row, state in enumerate(states):
             corners, diagonal = corners_of(state, ends[0])
             terms += [(row, *corner) for corner in corners]
             released += [(row, *move) for move in diagonal]
-        table = np.array(terms, dtype=float).reshape(len(terms), 4)
-        curve = excursions(history.inputs, SWING * (ends[1] - ends[0]))
-        rows = list(known)
-        y = history.outputs[rows]
+        term, sign, alpha, beta = np.array(terms, dtype=float).reshape(len(terms), 4).T
+        common = np.full(y.size, COMMON)
         return cls(
             y,
-            curve[rows],
-            np.full(y.size, COMMON),
-            table[:, 0].astype(np.int64),
-            table[:, 1],
-            table[:, 2],
-            table[:, 3],
+            curve,
+            common,
+            term.astype(np.int64),
+            sign,
+            alpha,
+            beta,
             tuple(released),
             ends[0],
             ends[1],
