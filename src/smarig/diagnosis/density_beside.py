@@ -1,8 +1,9 @@
 """The density identified anew beside effects: what the hysteresis is once the effects are accounted for.
 
-Settled positions, less what effects after the operator add, are sums over the FOD surface at the memories that the
-retelling gives them; a positive measure is fitted to those. As effects that feed back on the output follow the
-density, that is done twice. Knows no verdict.
+    ν ← max(ν + E[δν | all readings], 0),     δν of the prior of ``free_density`` about ν, spreads the likeliest
+
+turn by turn, until the likelihood of all readings rises no more: a prior in proportion to the density is only as
+good as the density. A positive measure fitted to settled positions begins it. Knows no verdict.
 """
 
 from dataclasses import replace
@@ -10,33 +11,42 @@ from dataclasses import replace
 import numpy as np
 
 from smarig.diagnosis import given
+from smarig.diagnosis.refit import Refit, refit
 from smarig.identification.positive.fit import PositiveFit, fit_positive
 from smarig.identification.positive.observations import Observations
 from smarig.story.retelling import Retelling, Subject, retold
 from smarig.story.told import Story
 
-TURNS = 2
+TURNS = 8
+ENOUGH = 2.0  # nats: a turn that gains less is the last
 
 
-def density_beside(
-    story: Story, subject: Subject, smoothing: float | None = None
-) -> tuple[Subject, float | None]:
-    """The subject with a new density, and the smoothing that held-out excursions chose for it."""
-    for _ in range(TURNS if subject.effects else 1):
-        fit = _fitted(story, retold(story, subject), subject, smoothing)
-        smoothing = fit.smoothing
-        subject = replace(subject, hysteresis=fit.table)
-    return subject, smoothing
+def density_beside(story: Story, subject: Subject, like: Refit | None = None) -> tuple[Subject, Refit]:
+    """The subject with a new density, and its readings refitted; ``like``: begin where another refit ended."""
+    none = np.zeros((sum(len(r) for r in story.kinds), 0))
+    found = refit(story, retold(story, subject), subject, none, like)
+    for _ in range(TURNS):
+        other = replace(subject, hysteresis=found.density)
+        again = refit(story, retold(story, other), other, none, found)
+        if again.log_evidence < found.log_evidence + ENOUGH:
+            break
+        subject, found = other, again
+    return subject, found
 
 
-def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | None) -> PositiveFit:
+def begun(story: Story, subject: Subject) -> Subject:
+    """The subject with a positive measure fitted to settled positions, smooth where curves held out want it so."""
+    return replace(subject, hysteresis=_fitted(story, retold(story, subject), subject).table)
+
+
+def _fitted(story: Story, told: Retelling, subject: Subject) -> PositiveFit:
     n = len(story.settled)
     y = story.settled.value - (told.values["settled"] - told.output[:n])
     h = subject.hysteresis
     rows = Observations.of_states(told.states[:n], y, story.block, (h.lower, h.upper), story.unit)
     if story.given:
         rows = _weighted(replace(rows, zero=story.zero - 1), given.trust(story, told, subject))
-    return fit_positive(rows, smoothing=smoothing)
+    return fit_positive(rows)
 
 
 def _weighted(rows: Observations, weight: np.ndarray) -> Observations:

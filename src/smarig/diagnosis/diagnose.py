@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
-from smarig.diagnosis.density_beside import density_beside
+from smarig.diagnosis.density_beside import begun, density_beside
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
 from smarig.diagnosis.search import Level, searched
@@ -214,7 +214,7 @@ def diagnose(
     story, subject = _told(given, taught)
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
-    base = density_beside(story, subject)[0]
+    base = density_beside(story, begun(story, subject))[0]
     first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
 
     def judge(s: Subject) -> Critique:

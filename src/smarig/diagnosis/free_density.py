@@ -7,6 +7,8 @@ on a triangle of cells and on a scale on which the output moves evenly, so a ste
 as a flat tail. Knows no data but where the memories lie and where the output moves.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
@@ -26,8 +28,35 @@ SCALES = (6, 20)  # hats across the range: how finely a density may deviate in p
 FAINT = 0.05  # of the mean mass: grains where the model has nothing
 
 
-def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> tuple[Array, ...]:
-    """Covariances (n, n) of the outputs at n memories, in strokes², without a common zero: by scale, then grains.
+@dataclass(frozen=True, eq=False)
+class FreeDensity:
+    """Cells of a triangle with believed masses (cells,) in strokes; ``on`` (n, cells): which are switched on at n memories.
+
+    ``parts``: columns (cells, k) of mass that may be there besides, one array for each scale; grains come last.
+    """
+
+    triangle: Triangle
+    mass: Array
+    faint: Array
+    on: Array
+    parts: tuple[Array, ...]
+
+    @property
+    def covariances(self) -> tuple[Array, ...]:
+        """(n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then grains."""
+        shapes = [self.on @ part for part in self.parts] + [self.on * np.sqrt(self.faint)]
+        return tuple(shape @ shape.T for shape in shapes)
+
+    def renewed(self, variances: Array, pull: Array) -> Array:
+        """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``pull`` (n,) = C⁻¹y."""
+        cells = self.on.T @ pull
+        more = [w * part @ (part.T @ cells) for w, part in zip(variances, self.parts)]
+        grains = variances[len(self.parts)] * self.faint * cells
+        return np.maximum(self.mass + np.sum(more, axis=0) + grains, 0.0)
+
+
+def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> FreeDensity:
+    """Of a hysteresis along a retelling.
 
     ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
     """
@@ -36,12 +65,10 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     nodes = adapted(rows, _enough(rows, upper - lower))
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
-    mass = np.abs(_believed(triangle, hysteresis))
-    mass += FAINT * mass.mean()
-    on = _switched(triangle, X)
-    shapes = [on @ (mass[:, None] * _hats(triangle, n)) for n in SCALES]
-    shapes.append(on * np.sqrt(mass))
-    return tuple(shape @ shape.T for shape in shapes)
+    mass = _believed(triangle, hysteresis)
+    faint = np.abs(mass) + FAINT * np.abs(mass).mean()
+    parts = tuple(faint[:, None] * _hats(triangle, n) for n in SCALES)
+    return FreeDensity(triangle, mass, faint, _switched(triangle, X), parts)
 
 
 def _hats(triangle: Triangle, n: int) -> Array:

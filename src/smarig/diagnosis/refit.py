@@ -17,6 +17,7 @@ from scipy.optimize import minimize
 from smarig.diagnosis import given
 from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
+from smarig.preisach.fod_table import FodTable
 from smarig.preisach.operator import Preisach
 from smarig.story.retelling import COUPLED, Retelling, Subject, retold
 from smarig.story.told import Readings, Story
@@ -55,6 +56,7 @@ class Refit:
     log_evidence: float
     coupled: int
     spreads: Array
+    density: FodTable
 
     def centred(self, rest: Array, story: Story) -> Array:
         """Whitened (N,) readings minus predictions, the free constants of blocks apart taken out as in ``data``."""
@@ -88,7 +90,8 @@ def refit(
     path = Preisach(h, subject.initial).simulate(told.felt_K)
     added = _added(story, told, subject)
     white, free, scale, reach = _units(story, told, subject, coupled, _speed(told, path), added)
-    priors = free_density(told, h, path, told.output)
+    density = free_density(told, h, path, told.output)
+    priors = density.covariances
     J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
     whole = y + told.follows * (
         told.output - h.y_lower
@@ -106,19 +109,22 @@ def refit(
             best = (cost, spreads, correlation, memory)
     assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
     cost, spreads, correlation, memory = best
-    *weights, s0, s_T = 10.0**spreads
-    C_prior = np.sum([w * prior for w, prior in zip(weights, priors)], axis=0)
+    *variances, s0, s_T = 10.0**spreads
+    C_prior = np.sum([w * prior for w, prior in zip(variances, priors)], axis=0)
     noise_part = _noise(memory, s0, s_T, white, reach)
     C = reach[:, None] * C_prior * reach + free + noise_part
     blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
     factor, scales, data = _stacked(blocks)
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
     alone = float(0.5 * whitened[n:] @ whitened[n:] + np.log(np.diag(factor)[n:] * scales[n:]).sum())
-    weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
-    fitted = y - scale * (noise_part @ weights)
+    pull = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
+    fitted = y - scale * (noise_part @ pull)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
     noise = Noise(sd, s_T, correlation, span * s0)
-    return Refit(factor, scales, whitened, noise, fitted, -cost - alone, n, spreads)
+    masses = span * density.renewed(np.array(variances), reach * pull)
+    zero = h.y_lower + float(np.mean((scale * (free @ pull))[white < 1.0]))
+    table = density.triangle.table(masses, zero, story.unit)
+    return Refit(factor, scales, whitened, noise, fitted, -cost - alone, n, spreads, table)
 
 
 _BIG = 30.0  # sd of the strength of a trace that is left out, in ranges

@@ -9,14 +9,12 @@ Decides nothing: see ``verdict``.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from smarig.diagnosis.critique import Critique
 from smarig.diagnosis.density_beside import density_beside
 from smarig.diagnosis.refine import Refined, refined
-from smarig.diagnosis.refit import Refit, refit
+from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Planted
-from smarig.story.retelling import Subject, retold
+from smarig.story.retelling import Subject
 from smarig.story.told import Story
 
 Judge = Callable[[Subject], Critique]
@@ -78,7 +76,7 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
     if not starts:
         return []
     levels: list[Level] = []
-    now, evidence = first, _evidence(first.story, first.subject, first.refitted)
+    now, evidence = first, density_beside(first.story, first.subject, first.refitted)[1].log_evidence
     while starts and len(levels) < most:
         rough, explained = _weighed(first, now, starts)
         gain = explained[0].evidence - evidence
@@ -145,13 +143,7 @@ def _weighed(
 
 def _explanation(story: Story, rough: Subject, like: Refit) -> Explanation:
     """Effects once more about the density that belongs to them, for straight lines from the first one end short."""
-    beside = density_beside(story, rough)[0]
-    fine = refined(beside.planted, story, beside, like, beside.hysteresis)
-    subject = density_beside(story, fine.extended)[0]
-    return Explanation(subject.planted, subject, _evidence(story, subject, like))
-
-
-def _evidence(story: Story, subject: Subject, like: Refit) -> float:
-    """Log likelihood of all readings, at the likeliest noise and smoothness."""
-    none = np.zeros((sum(len(r) for r in story.kinds), 0))
-    return refit(story, retold(story, subject), subject, none, like).log_evidence
+    beside, refitted = density_beside(story, rough, like)
+    fine = refined(beside.planted, story, beside, refitted, beside.hysteresis)
+    subject, refitted = density_beside(story, fine.extended, refitted)
+    return Explanation(subject.planted, subject, refitted.log_evidence)
