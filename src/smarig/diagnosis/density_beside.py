@@ -12,11 +12,13 @@ import numpy as np
 
 from smarig.diagnosis import given
 from smarig.diagnosis.refit import Refit, refit
-from smarig.identification.positive.fit import PositiveFit, fit_positive
+from smarig.identification.positive.fit import fit_table
 from smarig.identification.positive.observations import Observations
+from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import Retelling, Subject, retold
 from smarig.story.told import Story
 
+FAIR = 1e-14  # λ of the measure that begins it
 TURNS = 8
 ENOUGH = 2.0  # nats: a turn that gains less is the last
 
@@ -35,18 +37,18 @@ def density_beside(story: Story, subject: Subject, like: Refit | None = None) ->
 
 
 def begun(story: Story, subject: Subject) -> Subject:
-    """The subject with a positive measure fitted to settled positions, smooth where curves held out want it so."""
-    return replace(subject, hysteresis=_fitted(story, retold(story, subject), subject).table)
+    """The subject with a positive measure fitted to settled positions: fair everywhere, exact nowhere."""
+    return replace(subject, hysteresis=_fitted(story, retold(story, subject), subject))
 
 
-def _fitted(story: Story, told: Retelling, subject: Subject) -> PositiveFit:
+def _fitted(story: Story, told: Retelling, subject: Subject) -> FodTable:
     n = len(story.settled)
     y = story.settled.value - (told.values["settled"] - told.output[:n])
     h = subject.hysteresis
     rows = Observations.of_states(told.states[:n], y, story.block, (h.lower, h.upper), story.unit)
     if story.given:
         rows = _weighted(replace(rows, zero=story.zero - 1), given.trust(story, told, subject))
-    return fit_positive(rows)
+    return fit_table(rows, FAIR)
 
 
 def _weighted(rows: Observations, weight: np.ndarray) -> Observations:

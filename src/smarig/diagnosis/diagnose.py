@@ -203,8 +203,7 @@ def diagnose(
     """What a model gets wrong on runs of one sitting, why, and what it gains to know.
 
     ``train`` teaches, ``held_out`` only judges the gain; ``without`` takes effects out of the catalogue.
-    ``alpha`` is the chance of any false alarm of the nulls; ``nulls`` how many empty stories those are. A record
-    quiet by them is still called wrong where a likelihood demands it (``search.PROOF``). Raises DataError
+    ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
     when the runs hold no settled steps or do not belong to one wire, UsageError for settings that make no sense.
     """
     started, say = time.monotonic(), progress or (lambda _: None)

@@ -30,26 +30,37 @@ FAINT = 0.05  # of the mean mass: grains where the model has nothing
 
 @dataclass(frozen=True, eq=False)
 class FreeDensity:
-    """Cells of a triangle with believed masses (cells,) in strokes; ``on`` (n, cells): which are switched on at n memories.
+    """Cells of a triangle with believed masses (cells,) in strokes, seen through rows X (n, cells) of its unknowns.
 
-    ``parts``: columns (cells, k) of mass that may be there besides, one array for each scale; grains come last.
+    ``faint`` (cells,): the scale of what may be there besides; ``parts``: columns (cells, k) of such mass, one array
+    for each scale of smoothness, and grains of variance ``faint`` after them.
     """
 
     triangle: Triangle
+    rows: csr_matrix
     mass: Array
     faint: Array
-    on: Array
     parts: tuple[Array, ...]
 
     @property
     def covariances(self) -> tuple[Array, ...]:
         """(n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then grains."""
-        shapes = [self.on @ part for part in self.parts] + [self.on * np.sqrt(self.faint)]
-        return tuple(shape @ shape.T for shape in shapes)
+        shapes = [self.rows @ _below(self.triangle, part) for part in self.parts]
+        return (*(shape @ shape.T for shape in shapes), self._grains())
+
+    def _grains(self) -> Array:
+        """Two outputs share the grains of the cells that lie below both."""
+        used = np.unique(self.rows.indices)
+        i, j = self.triangle.i[used], self.triangle.j[used]
+        total = np.cumsum(np.cumsum(_grid(self.triangle, self.faint[:, None]), axis=0), axis=1)[:, :, 0]
+        shared = total[np.minimum(i[:, None], i), np.minimum(j[:, None], j)]
+        rows = csr_matrix(self.rows[:, used])
+        return np.asarray(rows @ (rows @ shared).T)
 
     def renewed(self, variances: Array, pull: Array) -> Array:
         """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``pull`` (n,) = C⁻¹y."""
-        cells = self.on.T @ pull
+        felt = _grid(self.triangle, (self.rows.T @ pull)[:, None])[::-1, ::-1]
+        cells = np.cumsum(np.cumsum(felt, axis=0), axis=1)[::-1, ::-1][self.triangle.i, self.triangle.j, 0]
         more = [w * part @ (part.T @ cells) for w, part in zip(variances, self.parts)]
         grains = variances[len(self.parts)] * self.faint * cells
         return np.maximum(self.mass + np.sum(more, axis=0) + grains, 0.0)
@@ -67,8 +78,21 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = _believed(triangle, hysteresis)
     faint = np.abs(mass) + FAINT * np.abs(mass).mean()
-    parts = tuple(faint[:, None] * _hats(triangle, n) for n in SCALES)
-    return FreeDensity(triangle, mass, faint, _switched(triangle, X), parts)
+    return FreeDensity(triangle, X, mass, faint, tuple(faint[:, None] * _hats(triangle, n) for n in SCALES))
+
+
+def _grid(triangle: Triangle, columns: Array) -> Array:
+    """Values of cells, (cells, k), on the square of α and β, (N, N, k)."""
+    n = triangle.nodes.size - 1
+    grid = np.zeros((n, n, columns.shape[1]))
+    grid[triangle.i, triangle.j] = columns
+    return grid
+
+
+def _below(triangle: Triangle, columns: Array) -> Array:
+    """Sums over the cells with α and β up to those of each, (cells, k): the FOD surface of a mass."""
+    total = np.cumsum(np.cumsum(_grid(triangle, columns), axis=0), axis=1)
+    return total[triangle.i, triangle.j]
 
 
 def _hats(triangle: Triangle, n: int) -> Array:
@@ -92,19 +116,10 @@ def _enough(rows: Observations, span: float) -> int:
     return int(np.clip(2 * levels.size + 6, FEWEST, MOST))
 
 
-def _switched(triangle: Triangle, X: csr_matrix) -> Array:
-    """Which share of each cell is switched on at each memory, (n, cells)."""
-    n = triangle.nodes.size - 1
-    grid = np.zeros((X.get_shape()[0], n, n))
-    grid[:, triangle.i, triangle.j] = X.toarray()
-    above = np.cumsum(np.cumsum(grid[:, ::-1, ::-1], axis=1), axis=2)[:, ::-1, ::-1]
-    return above[:, triangle.i, triangle.j]
-
-
 def _believed(triangle: Triangle, hysteresis: Everett) -> Array:
     """The mass of each cell as the model has it, in strokes (cells,)."""
     a, b = np.meshgrid(triangle.nodes, triangle.nodes, indexing="ij")
-    E = np.array([[hysteresis.everett(x, min(y, x)) for x, y in zip(p, q)] for p, q in zip(a, b)])
+    E = np.asarray(hysteresis.swept(a, np.minimum(a, b)))
     i, j = triangle.i, triangle.j
     beside = np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)])
     mass = E[i + 1, j] - E[i, j] - beside

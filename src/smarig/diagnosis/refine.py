@@ -32,13 +32,14 @@ _STUBBORN = 1.0  # damping beyond which nothing helps any more
 class Refined:
     """Effects with their values, beside the density they were fitted with; standard deviations by (effect, parameter).
 
-    ``rest`` (N,) is what is left, whitened.
+    ``rest`` (N,) is what is left, whitened; ``moved`` how far any parameter went from its start, in such deviations.
     """
 
     effects: tuple[Planted, ...]
     spread: dict[tuple[str, str], float]
     rest: Array
     subject: Subject
+    moved: float
 
     @property
     def misfit(self) -> float:
@@ -54,6 +55,22 @@ class Refined:
     def names(self) -> tuple[str, ...]:
         """Of the effects, in order."""
         return tuple(sorted(p.kind.name for p in self.effects))
+
+    def beyond(self, start: Sequence[Planted], far: float) -> tuple[Planted, ...]:
+        """The effects ``far`` times as far from a start, within their bounds."""
+        return tuple(_farther(a, b, far) for a, b in zip(start, self.effects))
+
+
+def _farther(start: Planted, end: Planted, far: float) -> Planted:
+    values = {
+        p.name: float(
+            np.clip(
+                start.values[p.name] + far * (end.values[p.name] - start.values[p.name]), p.lower, p.upper
+            )
+        )
+        for p in end.kind.parameters
+    }
+    return end.kind(**values)
 
 
 def refined(
@@ -79,7 +96,9 @@ def refined(
         fit.x = moved
         x, r, J = _descend(rest, fit)
     spread = _spread(J, max(float(r @ r) / r.size, 1.0))
-    return Refined(fit.at(x), dict(zip(fit.names, spread.tolist())), r, subject)
+    began = np.array([p.values[q] for p in start for q in p.values if (p.kind.name, q) in fit.names])
+    moved = float(np.max(np.abs(x - began) / np.maximum(spread, 1e-300), initial=0.0))
+    return Refined(fit.at(x), dict(zip(fit.names, spread.tolist())), r, subject, moved)
 
 
 def _scanned(rest: Callable[[Array], Array], fit: "_Fit", story: Story, x: Array, r: Array) -> Array | None:

@@ -7,10 +7,10 @@ Decides nothing: see ``verdict``.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarig.diagnosis.critique import Critique
-from smarig.diagnosis.density_beside import density_beside
+from smarig.diagnosis.density_beside import begun, density_beside
 from smarig.diagnosis.refine import Refined, refined
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Planted
@@ -24,11 +24,12 @@ BESIDE = 3  # further effects tried beside an accepted one, of those that stand 
 RIVALS = 3  # explanations kept from size to size
 WEIGHED = 4  # explanations whose likelihood is taken
 MOST = 3  # effects at once
+TURNS = 5  # of effects, then density
+FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a step that was right
+STILL = 0.3  # standard deviations: less is no move
 GATE = 8.0  # nats: an effect that explains less is not worth its name
 GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
 SHARE_MORE = 0.05  # of the first one's nats, for the same reason
-SUSPECT = 12.0  # nats of a straight line, for a quiet record to be looked into
-PROOF = 25.0  # nats of likelihood, for a quiet record to be called wrong
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
 
 
@@ -70,17 +71,20 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
 
     ``judge`` makes a critique of a subject.
     """
-    starts = [(p,) for p in _starts(first, TRIED)]
     if first.silent:
-        starts = [(p,) for p in _suspects(first)]
-    if not starts:
         return []
+    starts = [(p,) for p in _starts(first, TRIED)]
     levels: list[Level] = []
     now, evidence = first, density_beside(first.story, first.subject, first.refitted)[1].log_evidence
     while starts and len(levels) < most:
         rough, explained = _weighed(first, now, starts)
-        gain = explained[0].evidence - evidence
-        if gain < _needed(first, levels):
+        less = (
+            _without(first.story, explained[0], now.refitted)
+            if explained[0].evidence > evidence
+            else evidence
+        )
+        gain = explained[0].evidence - max(evidence, less)
+        if gain < _needed(levels):
             break
         now = judge(explained[0].subject)
         best = refined(explained[0].effects, first.story, now.subject, now.refitted, now.subject.hysteresis)
@@ -92,22 +96,16 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
     return levels
 
 
-def _needed(first: Critique, levels: Sequence[Level]) -> float:
+def _needed(levels: Sequence[Level]) -> float:
     """Nats that one effect more must explain."""
     if levels:
         return max(GATE_MORE, SHARE_MORE * levels[0].gain)
-    return PROOF if first.silent else GATE
+    return GATE
 
 
 def _starts(critique: Critique, count: int) -> list[Planted]:
     """Named candidates that gain most, each at its best."""
     return [s.candidate.best(critique.refitted.data)[0] for s in critique.best(count)]
-
-
-def _suspects(critique: Critique) -> list[Planted]:
-    """Candidates of a quiet record that gain much, though noise as large as it seems would let them."""
-    named = [s for s in critique.best(TRIED) if s.gain >= SUSPECT]
-    return [s.candidate.best(critique.refitted.data)[0] for s in named[:RIVALS]]
 
 
 def _larger(level: Level, first: Critique) -> list[Start]:
@@ -135,15 +133,47 @@ def _weighed(
     rough.sort(key=lambda r: r.misfit)
     near = [r for r in rough if r.misfit - rough[0].misfit < 2 * BEHIND]
     near = (near if len(near) > 1 else rough)[:WEIGHED]
-    weighed = [_explanation(story, r.extended, now.refitted) for r in near]
-    weighed.sort(key=lambda e: -e.evidence)
+    begins = [_begun(story, r.extended, now.refitted) for r in near]
+    begins.sort(key=lambda found: -found[1].log_evidence)
+    weighed: list[Explanation] = []
+    for subject, refitted in begins:
+        hopeless = weighed and refitted.log_evidence < weighed[0].evidence - BEHIND
+        weighed.append(_explanation(story, subject, refitted, 0 if hopeless else TURNS))
+        weighed.sort(key=lambda e: -e.evidence)
     gained = (float(now.refitted.data @ now.refitted.data) - rough[0].misfit) / 2
     return gained, tuple(weighed)
 
 
-def _explanation(story: Story, rough: Subject, like: Refit) -> Explanation:
-    """Effects once more about the density that belongs to them, for straight lines from the first one end short."""
-    beside, refitted = density_beside(story, rough, like)
-    fine = refined(beside.planted, story, beside, refitted, beside.hysteresis)
-    subject, refitted = density_beside(story, fine.extended, refitted)
+def _begun(story: Story, subject: Subject, like: Refit) -> tuple[Subject, Refit]:
+    """The subject with the density that belongs to its effects, not to others: each begins anew."""
+    return density_beside(story, begun(story, subject), like)
+
+
+def _explanation(story: Story, subject: Subject, refitted: Refit, turns: int) -> Explanation:
+    """Effects and the density that belongs to them, in turn, until neither moves the other.
+
+    A density takes up part of every change of strength, so strengths go farther than each fit says.
+    """
+    farther = FARTHER
+    for _ in range(turns):
+        fine = refined(subject.planted, story, subject, refitted, subject.hysteresis)
+        if fine.moved < STILL:
+            break
+        effects = fine.beyond(subject.planted, farther)
+        other, again = _begun(story, replace(subject, effects=effects), refitted)
+        if again.log_evidence > refitted.log_evidence:
+            subject, refitted, farther = other, again, FASTER * farther
+        elif farther > 1.0:
+            farther = 1.0
+        else:
+            break
     return Explanation(subject.planted, subject, refitted.log_evidence)
+
+
+def _without(story: Story, best: Explanation, like: Refit) -> float:
+    """The largest log likelihood that one effect less leaves, from the density of all: what fewer need explain."""
+    less = [
+        replace(best.subject, effects=tuple(e for e in best.subject.effects if e is not one))
+        for one in best.effects
+    ]
+    return max(density_beside(story, subject, like)[1].log_evidence for subject in less)

@@ -51,7 +51,7 @@ class Verdict:
 def decided(first: Critique, levels: list[Level]) -> Verdict:
     """The verdict on a first critique and the levels of explanations that passed the search's gate."""
     variable = _variable(first)
-    if first.silent and not levels:
+    if first.silent:
         return Verdict("silent" if _anything_seen(first) else "not_identifiable")
     if not levels:
         return Verdict("unknown", depends_on=_name(variable)) if variable else Verdict("silent")

@@ -25,10 +25,13 @@ class Stage(IntEnum):
     RESISTANCE = 2  # 1: the wire's resistance over the constant one, for heating and for the voltage
     SOURCE = 3  # K: steady temperature the current would give, signed (convection)
     LAG = 4  # 1: the wire's time constant over the constant one (latent heat, convection)
-    INPUT = 5  # K: temperature the hysteresis feels (settling, stress and other feedback)
-    OUTPUT = 6  # unit: map of the operator's output (backlash, slack, non-congruency)
-    ADDITIVE = 7  # unit: what adds to position (walking, slip, creep)
-    SENSOR = 8  # counts, before quantisation
+    INPUT = 5  # K: temperature the hysteresis feels (settling, accommodation)
+    FEEDBACK = (
+        6  # K: the same, by the output it leads to (stress): asked more than once a tick, so without memory
+    )
+    OUTPUT = 7  # unit: map of the operator's output (backlash, slack, non-congruency)
+    ADDITIVE = 8  # unit: what adds to position (walking, slip, creep)
+    SENSOR = 9  # counts, before quantisation
 
 
 @dataclass(slots=True)

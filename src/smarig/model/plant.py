@@ -7,9 +7,12 @@ from collections.abc import Sequence
 
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect, Hook, Moment, Setup, Stage, chains
+from smarig.model.feedback import agreed
 from smarig.model.given import heating_of
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
+
+FINE_K, MOST_PARTS = 0.5, 50  # of a tick of any length, where heat depends on the output
 
 
 class Plant:
@@ -38,6 +41,7 @@ class Plant:
         self._y_lower, self._per_span = hysteresis.y_lower, 1.0 / span if span else 0.0
         self._chains = chains(effects, Setup(actuator, hysteresis, initial))
         self._plain = not any(self._chains.values())
+        self._couples = any(self._chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
         self.now = Moment(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
         self.position = _through(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # where it rests
 
@@ -54,8 +58,21 @@ class Plant:
         self.heating.tick(dt_s)
         if self._plain:
             return self.step(current_A, disturbance_K)
-        self.now.dt_s = dt_s
-        return self._with_effects(current_A, disturbance_K, self.now.t_s + dt_s)
+        parts = self._parts(current_A) if self._couples else 1
+        if parts > 1:
+            self.heating.tick(dt_s / parts)
+        self.now.dt_s = dt_s / parts
+        start_s = self.now.t_s
+        for k in range(1, parts + 1):
+            self._with_effects(current_A, disturbance_K, start_s + dt_s * k / parts)
+        return self.position
+
+    def _parts(self, current_A: float) -> int:
+        """How often a tick is cut, so that the heat of a transformation or of another wire acts as it goes."""
+        heating = self.heating
+        ends = heating.ends(heating.source(current_A))
+        far = max(abs(end - now) for end, now in zip(ends, heating.wire_K)) * (1 - heating.decay)
+        return min(1 + int(far / FINE_K), MOST_PARTS)
 
     def _with_effects(self, current_A: float, disturbance_K: float, t_s: float) -> float:
         now, at, heating = self.now, self._chains, self.heating
@@ -68,12 +85,26 @@ class Plant:
         room_K = 0.0 if heating.two_wire else now.ambient_K  # common to both wires: T₁ − T₂ does not see it
         now.input_K = heating.relax(now.source_K, *self._lags()) + room_K + disturbance_K
         now.felt_K = _through(at[Stage.INPUT], now.input_K, now)
-        before, now.output = now.output, self.operator.step(now.felt_K)
+        before, now.output = now.output, self._moved()
         now.austenite = self.austenite
         now.travel += abs(now.output - before) * self._per_span
         mapped = _through(at[Stage.OUTPUT], now.output, now)
         self.position = _through(at[Stage.ADDITIVE], mapped, now)
         return self.position
+
+    def _moved(self) -> float:
+        """The output at what is felt; where that depends on the output, at the first temperature that both agree on."""
+        hooks, now, operator = self._chains[Stage.FEEDBACK], self.now, self.operator
+        if not hooks:
+            return operator.step(now.felt_K)
+        given_K = now.felt_K
+
+        def felt(u: float, *, y: float) -> float:
+            now.austenite = (y - self._y_lower) * self._per_span
+            return _through(hooks, given_K, now) - u
+
+        now.felt_K = agreed(lambda u: felt(u, y=operator.peek(u)), operator.u, felt(operator.u, y=operator.y))
+        return operator.step(now.felt_K)
 
     def _lags(self) -> tuple[float, ...]:
         """The lag of each wire, none when nothing changes it.

@@ -17,8 +17,8 @@ from smarig.record import Run, Step
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FIRST_S, GROWTH, LONGEST_S = 0.1, 1.25, 5.0  # time steps after a change of the current
-FINE, FINE_FOR = 0.12, 4.0  # time constants: the longest step while the wire moves, and how long that is
+FIRST_S, GROWTH, LONGEST_S = 0.1, 1.3, 8.0  # time steps after a change of the current
+FINE = ((4.0, 0.15), (9.0, 0.4))  # time constants: until when the wire moves, and the longest step until then
 MOVING = (0.4, 1.2, 3.0)  # time constants after a step, where a moving position is read
 ENOUGH = 320  # readings of one other kind
 DENSE = 12  # samples in a hold that make it a transient
@@ -160,8 +160,8 @@ def _growing(begin: float, end: float, tau_s: float) -> Array:
     """Times after ``begin`` at growing distances, up to ``end``."""
     t, step = [0.0], FIRST_S
     while t[-1] < end - begin - 0.5 * FIRST_S:
-        moving = t[-1] < FINE_FOR * tau_s
-        t.append(t[-1] + min(step, FINE * tau_s if moving else LONGEST_S))
+        longest = next((part * tau_s for until, part in FINE if t[-1] < until * tau_s), LONGEST_S)
+        t.append(t[-1] + min(step, longest, LONGEST_S))
         step *= GROWTH
     return begin + np.array(t[1:-1])
 

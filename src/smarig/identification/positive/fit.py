@@ -162,6 +162,19 @@ def fit_positive(
     )
 
 
+def fit_table(observations: Observations, smoothing: float) -> FodTable:
+    """The hysteresis of ``fit_positive`` at a known λ, and nothing said about it."""
+    scale, zero = _scales(observations, smoothing)
+    triangle = Triangle(adapted(observations, INTERVALS))
+    solution = Problem.of(triangle, observations, scale, zero).solved(smoothing)
+    y_lower = zero + scale * float(solution.x[triangle.unknowns - 1])
+    return triangle.table(_masses(solution, scale), y_lower, observations.unit)
+
+
+def _masses(solution: Solution, scale: float) -> Array:
+    return scale * np.where(solution.s > _ZERO, solution.s, 0.0)
+
+
 def _smoothing(
     problem: Problem, masks: list[NDArray[np.bool_]], every: Observations, observations: Observations
 ) -> tuple[float, dict[float, float]]:
@@ -200,7 +213,7 @@ def _described(
 ) -> PositiveFit:
     (scale, zero), triangle = scales, problem.triangle
     solution = problem.solved(smoothing)
-    masses = scale * np.where(solution.s > _ZERO, solution.s, 0.0)
+    masses = _masses(solution, scale)
     residual = problem.rows @ solution.x - problem.y
     freedom = min(_freedom(problem, solution), 0.9 * problem.y.size)
     sigma = float(np.sqrt(residual @ residual / (problem.y.size - freedom)))

@@ -2,7 +2,7 @@
 
     T_felt = T − S (ξ − ξ₀),    S = Δσ/C (Clausius–Clapeyron),    ξ₀ = 0 with one wire, ½ with two
 
-ξ is the share of the stroke just made: an algebraic feedback, solved tick by tick.
+ξ is the share of the stroke just made: an algebraic feedback, solved in each tick.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     def felt(u: float, now: Moment) -> float:
         return u - shift * (now.austenite - middle)
 
-    return {Stage.INPUT: felt}
+    return {Stage.FEEDBACK: felt}
 
 
 stress_coupling = Kind(
