@@ -1,7 +1,8 @@
 """``smarig diagnose``: what the simulation gets wrong, why, and what it gains to know."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,10 +10,14 @@ from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import FILE, FOLDER
 from smarig.errors import UsageError
 
+if TYPE_CHECKING:
+    from smarig.diagnosis.diagnose import Diagnosis
+
 EPILOG = """\b
 Example:
   smarig diagnose wire.model.json --train fod.run.sqlite --train loops.run.sqlite \\
-      --held-out validation.run.sqlite -o diagnosis
+      --held-out validation.run.sqlite -o diagnosis --propose next.toml
+  smarig run next.toml --rig one_wire_twin -o more
   smarig diagnose --transient heating_step.run.sqlite
 """
 
@@ -47,6 +52,7 @@ def _gathering(process: Any) -> Any:
     "--transient", type=FILE, help="A run with the wire's temperature and its drive, instead of a model."
 )
 @click.option("-o", "--out", type=FOLDER, help="Folder for extended.model.json, diagnosis.json, report.html.")
+@click.option("--propose", type=FILE, help="Campaign file to write: the run that separates what is left.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
 @click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
 @click.option("--nulls", type=int, default=400, show_default=True, help="Empty stories to be judged by.")
@@ -59,6 +65,7 @@ def command(
     held_out: tuple[Path, ...],
     transient: Path | None,
     out: Path | None,
+    propose: Path | None,
     without: tuple[str, ...],
     alpha: float,
     nulls: int,
@@ -73,9 +80,9 @@ def command(
     from smarig.report.page import write_page
 
     if transient is not None:
-        if model or train or held_out:
+        if model or train or held_out or propose:
             raise UsageError(
-                "--transient diagnoses one run's temperature: leave out MODEL, --train and --held-out."
+                "--transient diagnoses one run's temperature: leave out MODEL, --train, --held-out and --propose."
             )
         if out is not None:
             folder_ready(out, force=force)
@@ -92,12 +99,28 @@ def command(
     if out is not None:
         distinct(out, model, *train, *held_out)
         folder_ready(out, force=force)
+    if propose is not None and propose.exists() and not force:
+        raise UsageError(f"{propose} exists; give another name or --force to replace it.")
     found = diagnose(
         model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
     )
+    if propose is not None:
+        found = _with_proposal(found, propose, force=force)
     data = found.to_json()
     if out is not None:
         data |= write_diagnosis(found, out, force=force)
         write_page(diagnosis_page(found), out / "report.html", force=force)
         data["report"] = str(out / "report.html")
     emit(data, found.text())
+
+
+def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":
+    """The diagnosis with the run that would separate what is left, which is written as a campaign."""
+    from smarig.proposal import proposed, write_campaign
+
+    proposal = proposed(found, say)
+    if proposal is None:
+        say("Nothing is left to be told apart: no campaign is written.")
+        return found
+    write_campaign(proposal, path, force=force)
+    return replace(found, separating_run=proposal.to_json() | {"campaign": str(path)})

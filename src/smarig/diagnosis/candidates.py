@@ -112,7 +112,7 @@ def whitened(candidate: Candidate, refitted: Refit) -> Candidate:
 
 
 def _variants(kind: Kind, story: Story) -> Iterator[Planted]:
-    hours = float(story.drive.end_s[-1]) / 3600
+    hours = story.hours
     others = kind.parameters[1:]
     for strength in kind.primary.tries or (WEAK * kind.primary.typical,):
         for values in product(*[_tries(p, hours) for p in others]):

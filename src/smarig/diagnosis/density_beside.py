@@ -46,8 +46,10 @@ def _fitted(story: Story, told: Retelling, subject: Subject) -> FodTable:
     y = story.settled.value - (told.values["settled"] - told.output[:n])
     h = subject.hysteresis
     rows = Observations.of_states(told.states[:n], y, story.block, (h.lower, h.upper), story.unit)
+    if story.zero.size:
+        rows = replace(rows, zero=story.zero - 1)
     if story.given:
-        rows = _weighted(replace(rows, zero=story.zero - 1), given.trust(story, told, subject))
+        rows = _weighted(rows, given.trust(story, told, subject))
     return fit_table(rows, FAIR)
 
 

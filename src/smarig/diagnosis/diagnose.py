@@ -49,7 +49,8 @@ class Diagnosis:
     """What was found, with the evidence it rests on.
 
     ``model`` is the extended model where effects were found, else the given one; ``gain`` is None without
-    held-out runs. ``numerics`` is the error of the critic's own time steps at settled points.
+    held-out runs. ``numerics`` is the error of the critic's own time steps at settled points; ``separating_run`` what
+    ``smarig.proposal`` proposes, if it was asked.
     """
 
     verdict: Verdict
@@ -64,6 +65,7 @@ class Diagnosis:
     alpha: float
     nulls: int
     seconds: float
+    separating_run: dict[str, Any] | None = None
 
     @property
     def best(self) -> Refined | None:
@@ -110,7 +112,7 @@ class Diagnosis:
                 "given": e.given,
             },
             "held_out": held_out,
-            "separating_run": None,
+            "separating_run": self.separating_run,
             "alpha": self.alpha,
             "p_value": self.first.p_value,
             "nulls": self.nulls,
@@ -156,6 +158,8 @@ def sentences(d: Diagnosis) -> Iterator[str]:
             f"Held out, {gain.blocks} blocks: {gain.base:.4g} → {gain.extended:.4g} {e.unit} rms; "
             f"{100 * gain.removable_share:.0f} % of what can be removed is{between}."
         )
+    if d.separating_run:
+        yield d.separating_run["why"]
     if d.visibility.invisible:
         yield f"These data cannot show: {', '.join(d.visibility.invisible)}."
 
@@ -291,7 +295,7 @@ def _judgeable(every: list[Kind], story: Story, subject: Subject) -> tuple[list[
 
 def _rms(story: Story, subject: Subject) -> float:
     error = story.settled.value - retold(story, subject).values["settled"]
-    own = [error[story.zero == z] for z in np.unique(story.zero)] if story.given else [error]
+    own = [error[story.zero == z] for z in np.unique(story.zero)] if story.zero.size else [error]
     return float(np.std(np.concatenate([e - e.mean() for e in own])))
 
 

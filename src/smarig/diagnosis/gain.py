@@ -91,10 +91,21 @@ def measured_gain(
         error = story.settled.value - whole.values["settled"]
         square = _square(story, whole, subject, noise)
         weight = 1 / square if story.given else np.ones(square.size)
-        errors.append((error - np.average(error[~judged], weights=weight[~judged]))[judged])
+        errors.append((error - _zeros(error, weight, judged, story))[judged])
     square, weight = square[judged], weight[judged]
     floor = float(np.sqrt(np.average(square, weights=weight)))
     return Gain(errors[0], errors[1], story.block[judged], floor, weight if story.given else None)
+
+
+def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], story: Story) -> Array:
+    """The encoder's zero (k,) as the training runs of each sitting have it, or its own where it has none."""
+    sitting = story.zero if story.sittings else np.zeros(error.size, dtype=np.int64)
+    zeros = np.empty(error.size)
+    for k in np.unique(sitting):
+        own = sitting == k
+        met = own & ~judged if np.any(own & ~judged) else own
+        zeros[own] = np.average(error[met], weights=weight[met])
+    return zeros
 
 
 def _square(story: Story, whole: Retelling, subject: Subject, noise: Noise) -> Array:

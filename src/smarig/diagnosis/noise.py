@@ -22,14 +22,15 @@ Array = NDArray[np.float64]
 
 def remembered(hysteresis: Differentiable, told: Retelling) -> tuple[csr_matrix, Array]:
     """(J (n, p), times (p,)): slopes of the n positions to the p remembered inputs, and when those were felt."""
-    when = dict(
-        zip(told.felt_K.tolist(), told.t_s.tolist())
-    )  # the last time an input was felt: when it was kept
+    when = [  # by sitting: the last time an input was felt, which is when it was kept
+        dict(zip(felt.tolist(), t.tolist()))
+        for felt, t in zip(np.split(told.felt_K, told.begins[1:]), np.split(told.t_s, told.begins[1:]))
+    ]
     times: dict[float, int] = {}
     rows, columns, slopes = [], [], []
-    for k, (state, mark) in enumerate(zip(told.states, told.marks.tolist())):
+    for k, (state, mark, sitting) in enumerate(zip(told.states, told.marks.tolist(), told.sitting.tolist())):
         for u, slope in _slopes(hysteresis, state):
-            t = told.t_s[mark] if u == state.u else when.get(u)
+            t = told.t_s[mark] if u == state.u else when[sitting].get(u)
             if t is None or slope == 0.0:
                 continue
             rows.append(k)

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from smarig.diagnosis.refit import Refit
-from smarig.preisach.operator import Preisach
 from smarig.story.retelling import Retelling, Subject
 
 Array = NDArray[np.float64]
@@ -20,13 +19,13 @@ def nulls(told: Retelling, subject: Subject, refitted: Refit, count: int, seed: 
     rng = np.random.default_rng([seed, 0x5EED])
     noise = refitted.noise
     felt, t, at = told.felt_K, told.t_s, told.marks
-    operator = Preisach(subject.hysteresis, subject.initial)
+    h, initial = subject.hysteresis, subject.initial
     noises = _remembered_noise(t, noise.correlation_s, count, rng)
     size, n = refitted.scale.size, at.size
     y = np.empty((size, count))
-    still = operator.simulate(felt, subject.initial)[at]
+    still = told.lived(h, initial, felt)[at]
     for k in range(count):
-        moved = operator.simulate(felt + noise.temperature_K * noises[k], subject.initial)[at] - still
+        moved = told.lived(h, initial, felt + noise.temperature_K * noises[k])[at] - still
         y[:n, k] = refitted.fitted + told.follows * moved + rng.standard_normal(n) * noise.white
         y[n:, k] = rng.standard_normal(size - n) * refitted.scale[n:]
     scaled = y / refitted.scale[:, None]

@@ -81,7 +81,7 @@ def refined(
     The subject's own density says what the wire lived through; ``centre`` is what density deviations in C are
     deviations from, the same for all explanations that are compared.
     """
-    fit = _Fit(tuple(start), float(story.drive.end_s[-1]) / 3600)
+    fit = _Fit(tuple(start), story.hours)
     data = np.concatenate([r.value for r in story.kinds])
 
     def rest(x: Array) -> Array:
@@ -104,7 +104,7 @@ def refined(
 def _scanned(rest: Callable[[Array], Array], fit: "_Fit", story: Story, x: Array, r: Array) -> Array | None:
     """Better values of parameters that act in jumps (a time of the record), None if there are none."""
     best, found = float(r @ r) - 2 * _DONE, None
-    step = float(story.drive.end_s[-1]) / 3600 / max(len(story.settled), 1)
+    step = story.hours / max(len(story.settled), 1)
     for k in np.flatnonzero(fit.jumps):
         for away in (-16, -8, -4, -2, -1, 1, 2, 4, 8, 16):
             trial = x.copy()

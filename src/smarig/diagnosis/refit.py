@@ -18,7 +18,6 @@ from smarig.diagnosis import given
 from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.preisach.fod_table import FodTable
-from smarig.preisach.operator import Preisach
 from smarig.story.retelling import COUPLED, Retelling, Subject, retold
 from smarig.story.told import Readings, Story
 
@@ -87,7 +86,7 @@ def refit(
     y = np.concatenate([r.value - told.values[r.kind] for r in coupled])
     span, n = subject.stroke, y.size
     h = subject.hysteresis
-    path = Preisach(h, subject.initial).simulate(told.felt_K)
+    path = told.lived(h, subject.initial, told.felt_K)
     added = _added(story, told, subject)
     white, free, scale, reach = _units(story, told, subject, coupled, _speed(told, path), added)
     density = free_density(told, h, path, told.output)
@@ -122,7 +121,7 @@ def refit(
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
     noise = Noise(sd, s_T, correlation, span * s0)
     masses = span * density.renewed(np.array(variances), reach * pull)
-    zero = h.y_lower + float(np.mean((scale * (free @ pull))[white < 1.0]))
+    zero = h.y_lower + float(np.mean((scale * (free @ pull))[(white < 1.0) & (told.sitting == 0)]))
     table = density.triangle.table(masses, zero, story.unit)
     return Refit(factor, scales, whitened, noise, fitted, -cost - alone, n, spreads, table)
 
@@ -158,10 +157,11 @@ def _units(
         rough = INEXACT * np.abs(added[at : at + len(r)])
         white.append(np.full(len(r), 1.0) if own is None else np.sqrt(noise**2 + late**2 + rough**2) / span)
         at += len(r)
-        zero.append(np.full(len(r), k if own is None else 0) if not story.given else story.zero)
+        shared = story.zero[r.step] if story.zero.size else np.zeros(len(r), dtype=np.int64)
+        zero.append(np.full(len(r), -1 - k) if own is None else shared)
     own_zero, scales = np.concatenate(zero), np.concatenate(scale)
     same = own_zero[:, None] == own_zero[None, :]
-    size = np.where((own_zero == 0) | bool(story.given), ANY, _ANY_ZERO)
+    size = np.where(own_zero >= 0, ANY, _ANY_ZERO)
     slope = told.follows * span / scales
     return np.concatenate(white), np.where(same, np.outer(size, size), 0.0), scales, slope
 

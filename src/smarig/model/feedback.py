@@ -31,6 +31,7 @@ def agreed(drive: Callable[[float], float], u: float, at_u: float) -> float:
 
 def _between(drive: Callable[[float], float], u: float, at_u: float, other: float, at_other: float) -> float:
     """The root between two inputs, by the Illinois variant of false position."""
+    new = other
     for _ in range(MOST):
         new = (u * at_other - other * at_u) / (at_other - at_u)
         at_new = drive(new)

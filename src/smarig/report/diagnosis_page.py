@@ -5,7 +5,6 @@ Puts figures, tables and sentences in order; decides nothing.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -402,7 +401,7 @@ def _held_out(replay: Replay) -> Parts:
 
 def _next(replay: Replay) -> Parts:
     d = replay.d
-    run: Mapping[str, Any] | None = getattr(d, "separating_run", None)
+    run = d.separating_run
     if run is not None:
         hours = run.get("rig_hours")
         time = f", {duration(3600 * float(hours))} on the rig" if hours is not None else ""

@@ -5,7 +5,7 @@ fine after each change of the current and coarse later (``story.Drive``); ``nume
 Knows no data: predictions come from commands alone, so measured positions cannot explain themselves.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from smarig.model.effect import Effect, Planted
 from smarig.model.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach, State
+from smarig.story.sittings import offsets
 from smarig.story.told import Drive, Story
 
 Array = NDArray[np.float64]
@@ -61,6 +62,24 @@ class Retelling:
     output: Array
     marks: NDArray[np.int64]
     follows: Array
+    begins: tuple[int, ...] = (0,)
+
+    @property
+    def sitting(self) -> NDArray[np.int64]:
+        """Which sitting each coupled reading (n,) is of."""
+        return np.searchsorted(self.begins, self.marks, side="right") - 1
+
+    def lived(self, hysteresis: Everett, initial: Initial, felt_K: Array) -> Array:
+        """Outputs (m,) of a hysteresis along a path felt, (m,), from the initial state in every sitting."""
+        operator = Preisach(hysteresis, initial)
+        return np.concatenate(
+            [operator.simulate(part, initial) for part in np.split(felt_K, self.begins[1:])]
+        )
+
+    def of(self, kind: str) -> slice:
+        """Where the coupled readings of one kind stand."""
+        before = [self.values[k].size for k in COUPLED[: COUPLED.index(kind)] if k in self.values]
+        return slice(sum(before), sum(before) + self.values[kind].size)
 
     def stacked(self, story: Story) -> Array:
         """All predictions in the order of the story's readings, (N,)."""
@@ -68,7 +87,13 @@ class Retelling:
 
 
 def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Retelling:
-    """The story as the subject would have lived it, with further effects."""
+    """The story as the subject would have lived it, with further effects; in every sitting anew."""
+    if not story.sittings:
+        return _retold(story, subject, effects)
+    return _in_turn(story, [_retold(sitting, subject, effects) for sitting in story.sittings])
+
+
+def _retold(story: Story, subject: Subject, effects: Sequence[Effect]) -> Retelling:
     plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, (*subject.effects, *effects))
     t, current, marks = story.ticks
     told = _Told(subject)
@@ -155,11 +180,34 @@ class _Told:
         return sign * per_stroke / self.stroke
 
 
+def _in_turn(story: Story, parts: Sequence[Retelling]) -> Retelling:
+    """Retellings of all sittings as one, in the order of the joined story's readings."""
+    ticks = np.cumsum([0, *[part.t_s.size for part in parts]])
+    coupled = [(k, part.of(kind)) for kind in COUPLED for k, part in enumerate(parts) if kind in part.values]
+
+    def together(column: Callable[[Retelling], Array]) -> Array:
+        return np.concatenate([column(parts[k])[rows] for k, rows in coupled])
+
+    return Retelling(
+        {
+            r.kind: np.concatenate([p.values[r.kind] for p in parts if r.kind in p.values])
+            for r in story.kinds
+        },
+        np.concatenate([part.t_s + begin for part, begin in zip(parts, offsets(story.sittings))]),
+        np.concatenate([part.felt_K for part in parts]),
+        tuple(state for k, rows in coupled for state in parts[k].states[rows]),
+        together(lambda part: part.output),
+        np.concatenate([parts[k].marks[rows] + ticks[k] for k, rows in coupled]),
+        together(lambda part: part.follows),
+        tuple(ticks[:-1].tolist()),
+    )
+
+
 def about(told: Retelling, subject: Subject, centre: Everett) -> Retelling:
     """The same path felt, with the outputs of another hysteresis along it."""
     if centre is subject.hysteresis:
         return told
-    output = Preisach(centre, subject.initial).simulate(told.felt_K)[told.marks]
+    output = told.lived(centre, subject.initial, told.felt_K)[told.marks]
     change, values, at = told.follows * (output - told.output), dict(told.values), 0
     for kind in COUPLED:
         if kind in values:
@@ -171,7 +219,8 @@ def about(told: Retelling, subject: Subject, centre: Everett) -> Retelling:
 
 def numerics(story: Story, subject: Subject) -> float:
     """Largest difference of settled positions between the critic's ticks and ones a quarter as long, output units."""
-    coarse, fine = (np.array([]), np.array([]))
+    if story.sittings:
+        return max(numerics(sitting, subject) for sitting in story.sittings)
     coarse = retold(story, subject).values["settled"]
     t, current = story.drive.ticks(np.round(story.settled.t_s, 6))
     plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, subject.effects)

@@ -72,8 +72,8 @@ class Story:
     ``settled`` are positions of finished steps; ``target_K`` (k,), ``hold_s`` (k,), ``run`` (k,) describe those
     steps; ``block`` (k,) numbers the excursions that are held out together. ``others`` are readings of other kinds.
     ``given`` says where the input itself is the drive (``story.given``), and by which clock; ``speed`` (k,) is then
-    the branch's |du/dt|, ``jitter`` (k,) the input's scatter there, ``reversal`` (k,) the last one, and ``zero`` (k,)
-    numbers outputs that share a zero.
+    the branch's |du/dt|, ``jitter`` (k,) the input's scatter there, ``reversal`` (k,) the last one. ``zero`` (k,)
+    numbers outputs that share a zero, where not all do. ``sittings``: the stories of each, where there were several.
     """
 
     drive: Drive
@@ -89,6 +89,12 @@ class Story:
     jitter: Array = field(default_factory=lambda: np.empty(0))
     reversal: Array = field(default_factory=lambda: np.empty(0))
     zero: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    sittings: tuple["Story", ...] = ()
+
+    @property
+    def hours(self) -> float:
+        """Length of the longest sitting."""
+        return max(float(s.drive.end_s[-1]) for s in self.sittings or (self,)) / 3600
 
     @property
     def unit(self) -> str:
@@ -109,24 +115,43 @@ class Story:
 
 
 def told(runs: Sequence[Run], tau_s: float) -> Story:
-    """Runs of one sitting, in time order, as one story. DataError when they hold no settled steps.
+    """Runs of one wire, in time order, as one story. DataError when they hold no settled steps.
 
-    ``tau_s``: the wire's time constant, which says when a position is moving and worth reading. Runs of which only
-    the input was measured become a story of it, in the order given (``story.given``).
+    ``tau_s``: the wire's time constant, which says when a position is moving and worth reading. Each sitting (one
+    clock, one zero of the encoder) begins anew. Runs of which only the input was measured become a story of it, in
+    the order given (``story.given``).
     """
     from smarig.story.given import driven_by_input, told_by_input
+    from smarig.story.sittings import joined
 
     if driven_by_input(runs):
         return told_by_input(runs)
-    order = sorted(runs, key=lambda r: float(r["t_s"][0]) if len(r) and r.has("t_s") else 0.0)
-    if not any(run.settled for run in order):
+    if not any(run.settled for run in runs):
         raise DataError("The runs hold no settled steps; a diagnosis needs some.")
-    for run in order:
+    for run in runs:
         if not (run.has("t_s") and (run.has("current_command_A") or run.has("current_A"))):
             raise DataError(
                 f"{run.path} has no clock or no current: a diagnosis of such runs needs its input as the drive."
             )
-    _check_one_sitting(order)
+    stories = [_sitting(some, tau_s) for some in _by_sitting(runs)]
+    stories = [story for story in stories if len(story.settled)]
+    return stories[0] if len(stories) == 1 else joined(stories)
+
+
+def _by_sitting(runs: Sequence[Run]) -> list[list[Run]]:
+    """Runs of each sitting, in the order of their clocks; sittings in the order in which they began."""
+    found: dict[tuple[float, str], list[Run]] = {}
+    for run in runs:
+        epoch, zero = run.meta.get("start_epoch"), run.meta.get("encoder_zero")
+        found.setdefault((float(epoch or 0.0), str(zero)), []).append(run)
+    return [
+        sorted(found[key], key=lambda r: float(r["t_s"][0]) if len(r) else 0.0)
+        for key in sorted(found, key=lambda key: key[0])
+    ]
+
+
+def _sitting(order: Sequence[Run], tau_s: float) -> Story:
+    _check_clock(order)
     start = float(order[0]["t_s"][0]) - float(order[0].meta.get("period_s") or 0.1)
     parts = [_Part(run, k, start, tau_s) for k, run in enumerate(order)]
     steps = np.concatenate([np.full(len(p.steps), p.number) for p in parts]).astype(np.int64)
@@ -145,14 +170,12 @@ def told(runs: Sequence[Run], tau_s: float) -> Story:
     )
 
 
-def _check_one_sitting(runs: Sequence[Run]) -> None:
-    """DataError where clocks overlap or encoders were zeroed apart."""
+def _check_clock(runs: Sequence[Run]) -> None:
+    """DataError where runs of one sitting overlap."""
     for before, run in zip(runs, runs[1:]):
-        sitting = [(r.meta.get("start_epoch"), r.meta.get("encoder_zero")) for r in (before, run)]
-        if sitting[0] != sitting[1] or run["t_s"][0] <= before["t_s"][-1]:
+        if run["t_s"][0] <= before["t_s"][-1]:
             raise DataError(
-                f"{before.path.name} and {run.path.name} are not of one sitting: their clocks or their encoder's "
-                "zero differ. A diagnosis follows one sitting; give the runs of one."
+                f"{before.path.name} and {run.path.name} say that they are of one sitting, but their clocks overlap."
             )
 
 
