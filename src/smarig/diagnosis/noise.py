@@ -6,6 +6,7 @@ J are the slopes of an output to the present input and to every remembered extre
 t_k when that extremum was reached. Readings of one step share their past. Knows no fit.
 """
 
+from bisect import bisect_right
 from collections.abc import Sequence
 
 import numpy as np
@@ -22,15 +23,14 @@ Array = NDArray[np.float64]
 
 def remembered(hysteresis: Differentiable, told: Retelling) -> tuple[csr_matrix, Array]:
     """(J (n, p), times (p,)): slopes of the n positions to the p remembered inputs, and when those were felt."""
-    when = [  # by sitting: the last time an input was felt, which is when it was kept
-        dict(zip(felt.tolist(), t.tolist()))
-        for felt, t in zip(np.split(told.felt_K, told.begins[1:]), np.split(told.t_s, told.begins[1:]))
-    ]
+    felt = _ticks_of(told)
     times: dict[float, int] = {}
     rows, columns, slopes = [], [], []
-    for k, (state, mark, sitting) in enumerate(zip(told.states, told.marks.tolist(), told.sitting.tolist())):
+    begins = np.array(told.begins)
+    for k, (state, mark) in enumerate(zip(told.states, told.marks.tolist())):
+        begin = int(begins[np.searchsorted(begins, mark, side="right") - 1])
         for u, slope in _slopes(hysteresis, state):
-            t = told.t_s[mark] if u == state.u else when[sitting].get(u)
+            t = told.t_s[mark] if u == state.u else _kept(felt.get(u, []), begin, mark, told.t_s)
             if t is None or slope == 0.0:
                 continue
             rows.append(k)
@@ -38,6 +38,20 @@ def remembered(hysteresis: Differentiable, told: Retelling) -> tuple[csr_matrix,
             slopes.append(slope)
     shape = (len(told.states), max(len(times), 1))
     return csr_matrix((slopes, (rows, columns)), shape=shape), np.array(list(times) or [0.0])
+
+
+def _ticks_of(told: Retelling) -> dict[float, list[int]]:
+    """For each input, the ticks at which it was felt; the same levels come again and again."""
+    felt: dict[float, list[int]] = {}
+    for k, u in enumerate(told.felt_K.tolist()):
+        felt.setdefault(u, []).append(k)
+    return felt
+
+
+def _kept(ticks: list[int], begin: int, mark: int, t_s: Array) -> float | None:
+    """When a remembered input was felt last before a mark, in the sitting that began at a tick."""
+    k = bisect_right(ticks, mark) - 1
+    return float(t_s[ticks[k]]) if k >= 0 and ticks[k] >= begin else None
 
 
 def _slopes(hysteresis: Differentiable, state: State) -> Sequence[tuple[float, float]]:

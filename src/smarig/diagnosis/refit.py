@@ -123,7 +123,8 @@ def refit(
     masses = span * density.renewed(np.array(variances), reach * pull)
     zero = h.y_lower + float(np.mean((scale * (free @ pull))[(white < 1.0) & (told.sitting == 0)]))
     table = density.triangle.table(masses, zero, story.unit)
-    return Refit(factor, scales, whitened, noise, fitted, -cost - alone, n, spreads, table)
+    evidence = -cost - float(np.log(scale).sum()) - alone  # of readings in their own units
+    return Refit(factor, scales, whitened, noise, fitted, evidence, n, spreads, table)
 
 
 _BIG = 30.0  # sd of the strength of a trace that is left out, in ranges
