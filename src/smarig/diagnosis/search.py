@@ -29,7 +29,10 @@ FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a ste
 STILL = 0.3  # standard deviations: less is no move
 GATE = 8.0  # nats: an effect that explains less is not worth its name
 GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
-SHARE_MORE = 0.05  # of the first one's nats, for the same reason
+SHARE_MORE, MOST_MORE = (
+    0.05,
+    60.0,
+)  # of the first one's nats, for the same reason; and nats that are always enough
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
 
 
@@ -99,7 +102,7 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
 def _needed(levels: Sequence[Level]) -> float:
     """Nats that one effect more must explain."""
     if levels:
-        return max(GATE_MORE, SHARE_MORE * levels[0].gain)
+        return max(GATE_MORE, min(SHARE_MORE * levels[0].gain, MOST_MORE))
     return GATE
 
 
@@ -133,7 +136,7 @@ def _weighed(
     rough.sort(key=lambda r: r.misfit)
     near = [r for r in rough if r.misfit - rough[0].misfit < 2 * BEHIND]
     near = (near if len(near) > 1 else rough)[:WEIGHED]
-    begins = [_begun(story, r.extended, now.refitted) for r in near]
+    begins = [_strong(story, r.extended, now.refitted) for r in near]
     begins.sort(key=lambda found: -found[1].log_evidence)
     weighed: list[Explanation] = []
     for subject, refitted in begins:
@@ -147,6 +150,24 @@ def _weighed(
 def _begun(story: Story, subject: Subject, like: Refit) -> tuple[Subject, Refit]:
     """The subject with the density that belongs to its effects, not to others: each begins anew."""
     return density_beside(story, begun(story, subject), like)
+
+
+def _strong(story: Story, subject: Subject, like: Refit) -> tuple[Subject, Refit]:
+    """As ``_begun``, at the first of once, twice, four times … the last effect's strength that is better than the next.
+
+    A density hides most of what a weak effect does, so a fit beside the wrong one begins too low.
+    """
+    found = _begun(story, subject, like)
+    while True:
+        *others, last = subject.planted
+        primary, strength = last.kind.primary, 2 * last.strength
+        if not (primary.lower <= strength <= primary.upper and strength):
+            return found
+        subject = replace(subject, effects=(*others, last.kind(**last.values | {primary.name: strength})))
+        again = _begun(story, subject, like)
+        if again[1].log_evidence <= found[1].log_evidence:
+            return found
+        found = again
 
 
 def _explanation(story: Story, subject: Subject, refitted: Refit, turns: int) -> Explanation:

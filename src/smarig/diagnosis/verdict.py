@@ -16,7 +16,7 @@ Word = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 TEMPERATURE = 4.0  # nats
 COVERED = 0.9  # probability of the set
 BETTER = 1.5  # a variable that explains so much more than any name is no name's
-LEFT_OVER = 2.0  # thresholds that may be left standing when all names are in
+LEFT_OVER = 0.2  # of all nats explained: so much may a variable still explain when all names are in
 GENERIC_GATE = 12.0  # nats beyond chance for "it depends on"
 
 
@@ -80,10 +80,11 @@ def _unnamed(first: Critique, levels: list[Level], variable: Score) -> bool:
     """Whether a plain variable explains much more than any name does, or much is left when all names are in."""
     data = first.refitted.data
     plain = 0.5 * float(variable.candidate.explained(data)[0]) * float(data @ data) - variable.median
-    if plain > BETTER * max(levels[0].rough, 1.0):
+    if plain > BETTER * max(levels[0].rough, levels[0].gain):
         return True
-    last = levels[-1].critique
-    return bool(_variable(last)) and last.largest.standard > LEFT_OVER * last.threshold
+    left, named = _variable(levels[-1].critique), levels[-1].critique.best(1)
+    explained = sum(level.gain for level in levels)
+    return bool(left) and left.net > max(LEFT_OVER * explained, BETTER * (named[0].net if named else 0.0))
 
 
 def _probabilities(level: Level) -> tuple[tuple[tuple[str, ...], float], ...]:
