@@ -1,8 +1,8 @@
 """The density identified anew beside effects: what the hysteresis is once the effects are accounted for.
 
-    ν ← max(ν + E[δν | all readings], 0),     δν of the prior of ``free_density`` about ν, spreads the likeliest
+    ν ← max(ν + E[δν | all positions], 0),     δν of the prior of ``free_density`` about ν, spreads the likeliest
 
-turn by turn, until the likelihood of all readings rises no more: a prior in proportion to the density is only as
+turn by turn, until their likelihood rises no more: a prior in proportion to the density is only as
 good as the density. A positive measure fitted to settled positions begins it. Knows no verdict.
 """
 
@@ -24,16 +24,25 @@ ENOUGH = 2.0  # nats: a turn that gains less is the last
 
 
 def density_beside(story: Story, subject: Subject, like: Refit | None = None) -> tuple[Subject, Refit]:
-    """The subject with a new density, and its readings refitted; ``like``: begin where another refit ended."""
-    none = np.zeros((sum(len(r) for r in story.kinds), 0))
-    found = refit(story, retold(story, subject), subject, none, like)
+    """The subject with a new density, and its readings refitted; ``like``: begin where another refit ended.
+
+    Positions alone make the density: what another channel says against it is the effects' business.
+    """
+    told = retold(story, subject)
+    places, found = story.placed, _refitted(story.placed, told.placed, subject, like)
     for _ in range(TURNS):
         other = replace(subject, hysteresis=found.density)
-        again = refit(story, retold(story, other), other, none, found)
+        again_told = retold(story, other)
+        again = _refitted(places, again_told.placed, other, found)
         if again.log_evidence < found.log_evidence + ENOUGH:
             break
-        subject, found = other, again
-    return subject, found
+        subject, told, found = other, again_told, again
+    return subject, found if len(places.kinds) == len(story.kinds) else _refitted(story, told, subject, found)
+
+
+def _refitted(story: Story, told: Retelling, subject: Subject, like: Refit | None) -> Refit:
+    none = np.zeros((sum(len(r) for r in story.kinds), 0))
+    return refit(story, told, subject, none, like)
 
 
 def begun(story: Story, subject: Subject) -> Subject:

@@ -27,7 +27,7 @@ MOST = 3  # effects at once
 TURNS = 5  # of effects, then density
 FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a step that was right
 STILL = 0.3  # standard deviations: less is no move
-GATE = 8.0  # nats: an effect that explains less is not worth its name
+GATE = 12.0  # nats: an effect that explains less is not worth its name
 GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
 SHARE_MORE, MOST_MORE = (
     0.05,

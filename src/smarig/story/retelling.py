@@ -76,6 +76,20 @@ class Retelling:
             [operator.simulate(part, initial) for part in np.split(felt_K, self.begins[1:])]
         )
 
+    @property
+    def placed(self) -> "Retelling":
+        """The same with nothing but positions read; they stand first."""
+        values = {kind: self.values[kind] for kind in ("settled", "moving") if kind in self.values}
+        n = sum(v.size for v in values.values())
+        return replace(
+            self,
+            values=values,
+            states=self.states[:n],
+            output=self.output[:n],
+            marks=self.marks[:n],
+            follows=self.follows[:n],
+        )
+
     def of(self, kind: str) -> slice:
         """Where the coupled readings of one kind stand."""
         before = [self.values[k].size for k in COUPLED[: COUPLED.index(kind)] if k in self.values]

@@ -5,7 +5,7 @@ positions, resistance, current, room). Knows no model: nothing here depends on w
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -105,6 +105,12 @@ class Story:
     def kinds(self) -> tuple[Readings, ...]:
         """All readings, settled positions first."""
         return (self.settled, *self.others)
+
+    @property
+    def placed(self) -> "Story":
+        """The same with nothing but positions read."""
+        others = tuple(r for r in self.others if r.kind == "moving")
+        return replace(self, others=others, sittings=tuple(s.placed for s in self.sittings))
 
     @cached_property
     def ticks(self) -> tuple[Array, Array, NDArray[np.bool_]]:
