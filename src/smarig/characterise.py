@@ -1,4 +1,4 @@
-"""The main job, end to end: run the campaign, test, identify, verify, report.
+"""The main job, end to end: run the campaign, test, identify, verify, diagnose, report.
 
 Puts the parts together in the order of the thesis's chapter 5. Refuses to compute anything itself.
 """
@@ -11,15 +11,20 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
+from smarig.diagnosis.diagnose import Diagnosis, diagnose
+from smarig.diagnosis.files import JSON, PAGE, write_diagnosis
+from smarig.diagnosis.files import MODEL as EXTENDED
 from smarig.errors import DataError, StorageError, UsageError
 from smarig.identification.calibrate import calibrate
 from smarig.identification.choose import Choice
 from smarig.identification.identify import Identification, identify
+from smarig.identification.model_file import Model
 from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.identification.verify import verify
 from smarig.model.actuator import Actuator
 from smarig.record import Run, load_run
 from smarig.report.characterisation import characterisation_page
+from smarig.report.diagnosis_page import diagnosis_page
 from smarig.report.evidence import Evidence
 from smarig.report.page import write_page
 from smarig.runner.listener import Listener
@@ -28,6 +33,7 @@ from smarig.runner.remnant import remnant
 from smarig.runner.session import Session
 
 SURFACES = ("constant", "parabolic", "exponential", "positive", "table")
+DIAGNOSIS = "diagnosis"  # its folder
 Watching = Callable[[Preview], AbstractContextManager[Listener | None]]
 
 
@@ -51,6 +57,7 @@ class Characterisation:
             "identify": chosen.to_json(),
             "verify": {name: v.to_json() for name, v in e.verifications.items()},
             "representation": [r.to_json() for r in e.representation],
+            "diagnose": e.diagnosis.to_json() | {"out": str(self.out / DIAGNOSIS)} if e.diagnosis else None,
             "discoveries": list(e.discoveries),
             "warnings": list(e.warnings),
             "seconds": e.seconds,
@@ -66,6 +73,7 @@ def characterise(
     wire: str = "",
     force: bool = False,
     watching: Watching | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> Characterisation:
     """Characterise the wire of a rig into a folder: runs, model.json, report.html.
 
@@ -79,8 +87,11 @@ def characterise(
         )
     _check_folder(out, plan, force)
     runs = _run_all(rig, plan, out, seed, wire, force, watching or (lambda _: nullcontext()))
-    evidence = _analyse(rig, out, seed, plan, runs, started)
+    evidence = _analyse(rig, out, seed, plan, runs, started, progress or (lambda _: None))
     evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
+    if evidence.diagnosis is not None:
+        write_diagnosis(evidence.diagnosis, out / DIAGNOSIS, force=force)
+        write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / PAGE, force=force)
     write_page(characterisation_page(evidence), out / "report.html", force=force)
     return Characterisation(out, evidence)
 
@@ -96,6 +107,7 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool) -> None:
     targets = plan.run_files(out / "runs") + [
         out / "model.json",
         out / "report.html",
+        *(out / DIAGNOSIS / name for name in (JSON, PAGE, EXTENDED)),
     ]
     existing = [t for t in targets if t.exists()]
     if existing and not force:
@@ -124,13 +136,20 @@ def _run_all(
 
 
 def _analyse(
-    rig: str, out: Path, seed: int, plan: CampaignFile, runs: Mapping[str, Run], started: float
+    rig: str,
+    out: Path,
+    seed: int,
+    plan: CampaignFile,
+    runs: Mapping[str, Run],
+    started: float,
+    progress: Callable[[str], None],
 ) -> Evidence:
     train, held_out = _of_purpose(plan, runs, "train"), _of_purpose(plan, runs, "held_out")
     results, refused = _identified(train)
     verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}
     chosen, choice = _chosen(train, results)
     actuator = Actuator.named(load_rig(rig).actuator)
+    diagnosis, refused_too = _diagnosed(results[chosen].model, plan, runs, progress)
     return Evidence(
         title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
         runs=runs,
@@ -141,12 +160,33 @@ def _analyse(
         calibration=calibrate(list(runs.values()), actuator, results[chosen].model.hysteresis),
         discoveries=_discoveries(rig, actuator),
         warnings=tuple(
-            dict.fromkeys([*_by_construction(runs), *refused, *results[chosen].warnings, *_unsettled(runs)])
+            dict.fromkeys(
+                [
+                    *_by_construction(runs),
+                    *refused,
+                    *refused_too,
+                    *results[chosen].warnings,
+                    *_unsettled(runs),
+                ]
+            )
         ),
         command=f"smarig characterise --rig {rig} --out {out} --seed {seed}",
         seconds=time.monotonic() - started,
         choice=choice,
+        diagnosis=diagnosis,
     )
+
+
+def _diagnosed(
+    model: Model, plan: CampaignFile, runs: Mapping[str, Run], progress: Callable[[str], None]
+) -> tuple[Diagnosis | None, list[str]]:
+    """What the model gets wrong: every run teaches but those kept to judge; and why not, where it cannot be said."""
+    judged = _of_purpose(plan, runs, "held_out")
+    taught = [run for run in runs.values() if run not in judged and run.settled]
+    try:
+        return diagnose(model, taught, judged, progress=progress), []
+    except DataError as error:
+        return None, [f"No diagnosis: {error}"]
 
 
 def _of_purpose(plan: CampaignFile, runs: Mapping[str, Run], purpose: str) -> list[Run]:

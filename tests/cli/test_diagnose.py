@@ -6,7 +6,7 @@ import pytest
 
 import smarig
 from smarig.cli import run as cli
-from smarig.model.planted import from_pairs
+from smarig.model.planted import from_pairs, kinds
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -122,9 +122,21 @@ def test_a_run_cannot_teach_and_judge(sitting, capsys):
     assert "cannot teach and judge" in capsys.readouterr().err
 
 
-def test_runs_of_two_sittings_are_refused(sitting, tmp_path, capsys):
+def test_runs_of_two_sittings_are_one_story_with_two_zeros(sitting, tmp_path, capsys):
     other = tmp_path / "other.run.sqlite"
     assert cli(["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o", str(other)]) == 0
     train = str(sitting / "wiping_out.run.sqlite")
-    assert cli(["diagnose", str(sitting / "wire.model.json"), "--train", train, str(other)]) == 4
-    assert "one sitting" in capsys.readouterr().err
+    model = str(sitting / "wire.model.json")
+    without = [part for k in kinds() if k.name not in ("walking", "slip") for part in ("--without", k.name)]
+    capsys.readouterr()
+    line = ["diagnose", model, "--train", train, "--train", str(other), "--nulls", "40", "--json"]
+    assert cli([*line, *without]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["error"]["base"] < 0.1
+
+
+def test_clocks_of_one_sitting_that_overlap_are_refused(sitting, capsys):
+    train = str(sitting / "wiping_out.run.sqlite")
+    twice = ["diagnose", str(sitting / "wire.model.json"), "--train", train, "--train", train]
+    assert cli(twice) == 4
+    assert "of one sitting" in capsys.readouterr().err

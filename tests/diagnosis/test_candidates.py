@@ -8,11 +8,19 @@ from smarig.diagnosis.refit import Noise, Refit
 from smarig.model.effects.backlash import backlash
 from smarig.model.effects.settling import settling
 from smarig.model.effects.walking import walking
+from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import retold
 from smarig.story.told import told
 from story.sittings import LISTED, LONG, believed, sitting
 
 N = 30
+EMPTY = ([0.0, 1.0], [0.0, 1.0], [[0.0, np.nan], [0.0, 0.0]])  # a table of no hysteresis
+
+
+def whitening(factor, scale, noise):
+    """A refit that whitens, and of which nothing else is asked."""
+    none = np.empty(0)
+    return Refit(factor, scale, none, noise, none, 0.0, scale.size, none, FodTable.from_arrays(*EMPTY))
 
 
 def refit(n=N, seed=1, scale=0.02):
@@ -21,9 +29,7 @@ def refit(n=N, seed=1, scale=0.02):
     mixed = rng.standard_normal((n, n))
     factor = np.linalg.cholesky(mixed @ mixed.T / n + 0.1 * np.eye(n))
     noise = Noise(np.ones(n), 0.0, 60.0, 1.0)
-    return Refit(
-        factor, scale * rng.uniform(0.5, 2.0, n), np.empty(0), noise, np.empty(0), 0.0, n, np.empty(0)
-    )
+    return whitening(factor, scale * rng.uniform(0.5, 2.0, n), noise)
 
 
 def made(kind, *strengths, seed=2, size=1.0, **others):
@@ -207,7 +213,7 @@ def lived(tmp_path_factory):
         [np.full(len(r), 0.03 * per_count if r.unit == "mm" else 1.0) for r in story.kinds]
     )
     noise = Noise(np.ones(n), 0.0, 60.0, per_count)
-    white = Refit(np.eye(n), scale, np.empty(0), noise, np.empty(0), 0.0, n, np.empty(0))
+    white = whitening(np.eye(n), scale, noise)
     return story, subject, retold(story, subject), white
 
 

@@ -22,7 +22,7 @@ def wander(n, seed):
 def priors(inputs):
     """Covariances at the memories of a path that is read at every point: the smooth one first, grains last."""
     told = felt(WIRE, inputs)
-    return free_density(told, WIRE, told.output, told.output)
+    return free_density(told, WIRE, told.output, told.output).covariances
 
 
 def table(masses):
@@ -154,3 +154,51 @@ def test_grains_are_cells_that_err_each_for_itself_by_the_mass_believed_there():
         np.abs(drawn - grains) < 5 * error + FAINT
     )  # what cells hold beyond what is believed of them
     assert grains[0, 0] == pytest.approx(1 + FAINT, abs=0.005)
+
+
+FUZZ = 1e-5  # of a stroke
+VARIANCES = np.array([0.1, 0.02, 1e-6])  # of broad and fine factors, and of grains
+
+
+@pytest.fixture(scope="module")
+def about_believed(path):
+    """The free density about masses that are nowhere negative."""
+    hysteresis = table(believed())
+    told = felt(hysteresis, path)
+    return free_density(told, hysteresis, told.output, told.output)
+
+
+def renewed(density, y):
+    """Masses when the outputs (n,) turned out so much larger than believed."""
+    C = np.sum([v * part for v, part in zip(VARIANCES, density.covariances)], axis=0)
+    return density.renewed(VARIANCES, np.linalg.solve(C + FUZZ**2 * np.eye(y.size), y))
+
+
+def smoothly_other(seed):
+    """Masses of a density that is up to two thirds more or less than the believed one, smoothly."""
+    change = bumps(np.random.default_rng(seed))
+    return believed() + 0.65 * change / np.abs(change / np.maximum(believed(), 1e-12)).max()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_density_identified_anew_foretells_a_path_that_was_never_read(path, about_believed, seed):
+    truth, elsewhere = smoothly_other(seed), wander(60, seed=100 + seed)
+    masses = renewed(about_believed, outputs(truth, path) - outputs(believed(), path))
+    found = Preisach(about_believed.triangle.table(masses, 0.0)).simulate(elsewhere)
+    y, before = outputs(truth, elsewhere), outputs(believed(), elsewhere)
+    assert masses.min() >= 0
+    assert np.std(found - y) < 0.1 * np.std(before - y)
+
+
+def test_masses_are_never_negative_whatever_pulls_at_them(path, about_believed):
+    for seed in range(5):
+        pull = 1e3 * np.random.default_rng(seed).standard_normal(len(path))
+        masses = [about_believed.renewed(VARIANCES, sign * pull) for sign in (1, -1)]
+        assert np.min(masses) == 0.0
+        assert np.max(masses) > 2 * about_believed.mass.max()
+
+
+def test_without_a_pull_the_density_is_the_believed_one(path, about_believed):
+    masses = about_believed.renewed(VARIANCES, np.zeros(len(path)))
+    kept = Preisach(about_believed.triangle.table(masses, 0.0))
+    np.testing.assert_allclose(kept.simulate(path), outputs(believed(), path), atol=1e-9)

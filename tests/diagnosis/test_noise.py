@@ -101,3 +101,18 @@ def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
     told = felt(hysteresis, [100.0, 100.0, 100.0, 70.0], [10.0, 20.0, 30.0, 40.0])
     J, times = remembered(hysteresis, told)
     assert times[J.toarray()[3] != 0].tolist() == [30.0, 40.0]
+
+
+def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
+    """From saturation to 60, up to 95 and down, read; much later, from saturation, once more."""
+    hysteresis = surface("one_e")
+    inputs = [200.0, 60.0, 95.0, 75.0, 200.0, 60.0, 95.0, 76.0]
+    t_s = [10.0, 20.0, 30.0, 40.0, 5010.0, 5020.0, 5030.0, 5040.0]
+    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s))
+    first, second = (times[J.toarray()[k] != 0].tolist() for k in (3, 7))
+    assert sorted(first) == [20.0, 30.0, 40.0]
+    assert sorted(second) == [5020.0, 5030.0, 5040.0]
+    C = propagated(J, times, CORRELATION_S)
+    assert abs(C[3, 7]) < 1e-9 * np.sqrt(C[3, 3] * C[7, 7])
+    lasting = propagated(J, times, 1e9)
+    assert lasting[3, 7] > 0.9 * np.sqrt(lasting[3, 3] * lasting[7, 7])

@@ -40,11 +40,11 @@ def critique(*scores):
 QUIET = critique(name(walking, 0.5), variable("time", 1.0))
 
 
-def level(*explanations, after=QUIET, rough=40.0):
-    """Explanations as (names, nats behind the best), best first."""
+def level(*explanations, after=QUIET, gain=40.0):
+    """Explanations as (names, nats behind the best), best first; what the best gains, straight lines see too."""
     found = tuple(SimpleNamespace(names=names) for names, _ in explanations)
     leads = [lead for _, lead in explanations]
-    return SimpleNamespace(critique=after, explanations=found, lead=leads.__getitem__, rough=rough)
+    return SimpleNamespace(critique=after, explanations=found, lead=leads.__getitem__, gain=gain, rough=gain)
 
 
 def loud(*variables):
@@ -103,20 +103,20 @@ def test_a_variable_must_stand_out_as_well_as_gain():
 @pytest.mark.parametrize(("share", "word"), [(0.9, "unknown"), (0.1, "named")])
 def test_a_variable_that_explains_much_more_than_any_name_is_no_names(share, word):
     """45 or 5 nats of 50, less 1 by chance, against 20 by the best name."""
-    found = decided(loud(variable("hold", 20.0, share)), [level((("walking",), 0.0), rough=20.0)])
+    found = decided(loud(variable("hold", 20.0, share)), [level((("walking",), 0.0), gain=20.0)])
     assert found.word == word
     assert found.depends_on == ("hold" if word == "unknown" else None)
     assert found.explanations[0][0] == ("walking",)  # the nearest there is
 
 
 @pytest.mark.parametrize(
-    ("left", "spread", "word"), [(30.0, 2.0, "unknown"), (14.0, 3.0, "named"), (5.0, 2.0, "named")]
+    ("left", "gain", "word"), [(30.0, 40.0, "unknown"), (30.0, 400.0, "named"), (5.0, 20.0, "named")]
 )
-def test_much_that_is_left_when_all_names_are_in_is_no_names(left, spread, word):
-    """10, 4.7 and 2.5 spreads of chance, where 3 raise an alarm."""
-    still = score(Candidate("?hold", np.eye(4)[:, 2:3], depends_on="hold"), left, spread)
+def test_much_that_is_left_when_all_names_are_in_is_no_names(left, gain, word):
+    """Three quarters and a thirteenth of what was explained; and a quarter that is too little by itself."""
+    still = score(Candidate("?hold", np.eye(4)[:, 2:3], depends_on="hold"), left)
     after = critique(name(settling, 0.5), still)
-    found = decided(loud(variable("time", 20.0)), [level((("walking",), 0.0), after=after)])
+    found = decided(loud(variable("time", 20.0)), [level((("walking",), 0.0), after=after, gain=gain)])
     assert found.word == word
 
 

@@ -117,11 +117,24 @@ def test_composition_does_not_depend_on_the_order_given():
 def test_time_passes_in_steps_of_any_length(name):
     """``advance`` is ``step`` for other times: the same ticks, told one by one."""
     actuator, hysteresis, initial = WIRES[wire_of(name)]
-    one, other = (Plant(actuator, hysteresis, initial, 0.1, [planted(name)]) for _ in range(2))
+    one, other = (Plant(actuator, hysteresis, initial, 0.01, [planted(name)]) for _ in range(2))
     for i in FALLS_AND_RISES:
-        for _ in range(30):
-            a, b = one.sensed(one.step(i)), other.sensed(other.advance(i, 0.1))
+        for _ in range(150):
+            a, b = one.sensed(one.step(i)), other.sensed(other.advance(i, 0.01))
             assert a == pytest.approx(b, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["resistance_phase", "latent_heat", "convection"])
+def test_where_heat_depends_on_the_output_a_long_tick_is_no_coarse_one(name):
+    """``advance`` by a second comes to where a hundred steps do."""
+    actuator, hysteresis, initial = WIRES[wire_of(name)]
+    one, other = (Plant(actuator, hysteresis, initial, 0.01, [planted(name)]) for _ in range(2))
+    apart = []
+    for i in FALLS_AND_RISES:
+        for _ in range(12):
+            fine = [one.sensed(one.step(i)) for _ in range(100)][-1]
+            apart.append(abs(fine - other.sensed(other.advance(i, 1.0))))
+    assert max(apart) < 2e-3 * Setup(actuator, hysteresis, initial).stroke
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -57,7 +57,7 @@ def named(tmp_path_factory) -> Diagnosis:
     base, with_drift = (subject_of(m, story.runs[0]) for m in (model, extended))
     first = critique(story, base, [k for k in kinds() if k.name in COMPETE], count=40, alpha=0.1)
     spread = {("ambient_drift", p.name): 0.1 for p in DRIFT.kind.parameters}
-    best = Refined((DRIFT,), spread, np.zeros(1), base)
+    best = Refined((DRIFT,), spread, np.zeros(1), base, moved=0.0)
     rival = SimpleNamespace(effects=(SLIP,), names=("slip",))
     level = SimpleNamespace(
         critique=first, explanations=(best, rival), best=best, gain=321.0, lead=lambda k: 14.0 * k

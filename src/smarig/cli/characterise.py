@@ -21,7 +21,7 @@ from smarig.cli._types import FOLDER, RIG, Named
 @click.option("--force", is_flag=True, help="Replace what is in the folder.")
 @json_option
 def command(rig: str, out: Path, campaign: str, seed: int, wire: str, force: bool) -> None:
-    """Initialise, test, identify, verify and report: everything about one wire, in one folder."""
+    """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
     from smarig.characterise import characterise
 
     @contextmanager
@@ -30,12 +30,15 @@ def command(rig: str, out: Path, campaign: str, seed: int, wire: str, force: boo
             yield progress
         say(cost.sentence())
 
-    done = characterise(rig, out, campaign=campaign, seed=seed, wire=wire, force=force, watching=watching)
+    done = characterise(
+        rig, out, campaign=campaign, seed=seed, wire=wire, force=force, watching=watching, progress=say
+    )
     found = done.to_json()
-    emit(found, _text(found))
+    diagnosis = done.evidence.diagnosis
+    emit(found, _text(found, diagnosis.text() if diagnosis else ""))
 
 
-def _text(found: dict) -> str:
+def _text(found: dict, diagnosis: str) -> str:
     lines = [*(r["verdict"] for r in found["representation"]), *found["discoveries"], *found["warnings"]]
     best = found["identify"]
     lines.append(
@@ -44,5 +47,6 @@ def _text(found: dict) -> str:
     for name, verified in found["verify"].items():
         for run in verified["runs"]:
             lines.append(f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms, n = {run['n']}.")
+    lines += [diagnosis] if diagnosis else []
     lines += [f"Report: {found['report']}", f"Model:  {found['model']}"]
     return "\n".join(lines)

@@ -14,6 +14,7 @@ from smarig.diagnosis import given
 from smarig.diagnosis.refit import Refit, refit
 from smarig.identification.positive.fit import fit_table
 from smarig.identification.positive.observations import Observations
+from smarig.preisach.everett import Everett
 from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import Retelling, Subject, retold
 from smarig.story.told import Story
@@ -45,9 +46,16 @@ def _refitted(story: Story, told: Retelling, subject: Subject, like: Refit | Non
     return refit(story, told, subject, none, like)
 
 
-def begun(story: Story, subject: Subject) -> Subject:
-    """The subject with a positive measure fitted to settled positions: fair everywhere, exact nowhere."""
-    return replace(subject, hysteresis=_fitted(story, retold(story, subject), subject))
+def begun(story: Story, subject: Subject, given: Everett, like: Refit | None = None) -> Subject:
+    """The subject with a density to begin from: the given model's, or a positive measure fitted to settled positions.
+
+    Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
+    """
+    places = story.placed
+    starts = [replace(subject, hysteresis=given)]
+    starts.append(replace(subject, hysteresis=_fitted(story, retold(story, subject), subject)))
+    worth = [_refitted(places, retold(story, s).placed, s, like).log_evidence for s in starts]
+    return starts[int(np.argmax(worth))]
 
 
 def _fitted(story: Story, told: Retelling, subject: Subject) -> FodTable:

@@ -217,14 +217,14 @@ def diagnose(
     story, subject = _told(given, taught)
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
-    base = density_beside(story, begun(story, subject))[0]
+    base = density_beside(story, begun(story, subject, subject.hysteresis))[0]
     first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
 
     def judge(s: Subject) -> Critique:
         say("with " + " and ".join(e.kind.name for e in s.planted))
         return critique(story, s, catalogue, count=nulls, alpha=alpha, seed=seed, like=first)
 
-    levels = searched(first, judge)
+    levels = searched(first, subject.hysteresis, judge)
     verdict = decided(first, levels)
     extended = base
     if levels and verdict.explanations:

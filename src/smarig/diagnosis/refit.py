@@ -24,6 +24,7 @@ from smarig.story.told import Readings, Story
 Array = NDArray[np.float64]
 ANY = 30.0  # sd of a zero, in ranges of the output: whatever it likes
 INEXACT = 0.01  # of what an effect adds: no mechanism is exactly its equation
+UNSEEN = 0.03  # of the stroke: what may lie beyond the farthest hold, and is part of what a resistance tells
 JITTER_S = 0.02  # of a time stamp: what moves fast is known no better
 CORRELATIONS_S = (120.0, 30.0, 300.0)
 
@@ -164,7 +165,9 @@ def _units(
     same = own_zero[:, None] == own_zero[None, :]
     size = np.where(own_zero >= 0, ANY, _ANY_ZERO)
     slope = told.follows * span / scales
-    return np.concatenate(white), np.where(same, np.outer(size, size), 0.0), scales, slope
+    free = np.where(same, np.outer(size, size), 0.0)
+    beyond = np.where(own_zero >= 0, 0.0, UNSEEN * slope * (told.output - subject.hysteresis.y_lower) / span)
+    return np.concatenate(white), free + np.outer(beyond, beyond), scales, slope
 
 
 def _added(story: Story, told: Retelling, subject: Subject) -> Array:

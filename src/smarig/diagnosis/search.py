@@ -14,6 +14,7 @@ from smarig.diagnosis.density_beside import begun, density_beside
 from smarig.diagnosis.refine import Refined, refined
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Planted
+from smarig.preisach.everett import Everett
 from smarig.story.retelling import Subject
 from smarig.story.told import Story
 
@@ -69,10 +70,10 @@ class Level:
         return self.explanations[0].evidence - self.explanations[k].evidence
 
 
-def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
+def searched(first: Critique, given: Everett, judge: Judge, most: int = MOST) -> list[Level]:
     """Levels of one, two, … effects, as long as something stands out and is explained.
 
-    ``judge`` makes a critique of a subject.
+    ``given`` is the model's own hysteresis, ``judge`` makes a critique of a subject.
     """
     if first.silent:
         return []
@@ -80,7 +81,7 @@ def searched(first: Critique, judge: Judge, most: int = MOST) -> list[Level]:
     levels: list[Level] = []
     now, evidence = first, density_beside(first.story, first.subject, first.refitted)[1].log_evidence
     while starts and len(levels) < most:
-        rough, explained = _weighed(first, now, starts)
+        rough, explained = _weighed(first, given, now, starts)
         less = (
             _without(first.story, explained[0], now.refitted)
             if explained[0].evidence > evidence
@@ -128,7 +129,7 @@ def _larger(level: Level, first: Critique) -> list[Start]:
 
 
 def _weighed(
-    first: Critique, now: Critique, starts: Sequence[Start]
+    first: Critique, given: Everett, now: Critique, starts: Sequence[Start]
 ) -> tuple[float, tuple[Explanation, ...]]:
     """Refine all under the covariance at hand, weigh the best by likelihood; and the best's gain before that."""
     story, centre = first.story, first.subject.hysteresis
@@ -136,41 +137,41 @@ def _weighed(
     rough.sort(key=lambda r: r.misfit)
     near = [r for r in rough if r.misfit - rough[0].misfit < 2 * BEHIND]
     near = (near if len(near) > 1 else rough)[:WEIGHED]
-    begins = [_strong(story, r.extended, now.refitted) for r in near]
+    begins = [_strong(story, r.extended, given, now.refitted) for r in near]
     begins.sort(key=lambda found: -found[1].log_evidence)
     weighed: list[Explanation] = []
     for subject, refitted in begins:
         hopeless = weighed and refitted.log_evidence < weighed[0].evidence - BEHIND
-        weighed.append(_explanation(story, subject, refitted, 0 if hopeless else TURNS))
+        weighed.append(_explanation(story, subject, given, refitted, 0 if hopeless else TURNS))
         weighed.sort(key=lambda e: -e.evidence)
     gained = (float(now.refitted.data @ now.refitted.data) - rough[0].misfit) / 2
     return gained, tuple(weighed)
 
 
-def _begun(story: Story, subject: Subject, like: Refit) -> tuple[Subject, Refit]:
+def _begun(story: Story, subject: Subject, given: Everett, like: Refit) -> tuple[Subject, Refit]:
     """The subject with the density that belongs to its effects, not to others: each begins anew."""
-    return density_beside(story, begun(story, subject), like)
+    return density_beside(story, begun(story, subject, given, like), like)
 
 
-def _strong(story: Story, subject: Subject, like: Refit) -> tuple[Subject, Refit]:
+def _strong(story: Story, subject: Subject, given: Everett, like: Refit) -> tuple[Subject, Refit]:
     """As ``_begun``, at the first of once, twice, four times … the last effect's strength that is better than the next.
 
     A density hides most of what a weak effect does, so a fit beside the wrong one begins too low.
     """
-    found = _begun(story, subject, like)
+    found = _begun(story, subject, given, like)
     while True:
         *others, last = subject.planted
         primary, strength = last.kind.primary, 2 * last.strength
         if not (primary.lower <= strength <= primary.upper and strength):
             return found
         subject = replace(subject, effects=(*others, last.kind(**last.values | {primary.name: strength})))
-        again = _begun(story, subject, like)
+        again = _begun(story, subject, given, like)
         if again[1].log_evidence <= found[1].log_evidence:
             return found
         found = again
 
 
-def _explanation(story: Story, subject: Subject, refitted: Refit, turns: int) -> Explanation:
+def _explanation(story: Story, subject: Subject, given: Everett, refitted: Refit, turns: int) -> Explanation:
     """Effects and the density that belongs to them, in turn, until neither moves the other.
 
     A density takes up part of every change of strength, so strengths go farther than each fit says.
@@ -181,7 +182,7 @@ def _explanation(story: Story, subject: Subject, refitted: Refit, turns: int) ->
         if fine.moved < STILL:
             break
         effects = fine.beyond(subject.planted, farther)
-        other, again = _begun(story, replace(subject, effects=effects), refitted)
+        other, again = _begun(story, replace(subject, effects=effects), given, refitted)
         if again.log_evidence > refitted.log_evidence:
             subject, refitted, farther = other, again, FASTER * farther
         elif farther > 1.0:

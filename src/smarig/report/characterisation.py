@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from smarig.diagnosis.diagnose import sentences
 from smarig.identification.choose import POSITIVE
 from smarig.identification.curve_report import NO_CURVES
 from smarig.record import Run
@@ -192,6 +193,17 @@ def _validation(e: Evidence) -> Parts:
             yield notice("warning", paragraph(warning))
 
 
+def _wrong(e: Evidence) -> Parts:
+    """What the chosen model gets wrong; the whole evidence is on a page of its own."""
+    if e.diagnosis is None:
+        return
+    quiet = e.diagnosis.verdict.word in ("silent", "not_identifiable")
+    yield notice("good" if quiet else "warning", bullets(sentences(e.diagnosis)))
+    yield paragraph(
+        tag("a", "The evidence: residuals, rivals, noise floor, gain", href="diagnosis/report.html")
+    )
+
+
 def _provenance(e: Evidence) -> Parts:
     yield provenance_table(e.runs)
     yield paragraph("Command: ", tag("code", e.command))
@@ -211,5 +223,6 @@ _SECTIONS = (
     ("First-order curves and the model", "Curves and model", _curves),
     ("Weighting function μ and reversible part g", "Density μ", _density),
     ("The model against data it never saw", "Validation", _validation),
+    ("What the model gets wrong", "Diagnosis", _wrong),
     ("Provenance", "Provenance", _provenance),
 )

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from smarig.diagnosis.diagnose import Diagnosis
 from smarig.identification.calibrate import Calibration
 from smarig.identification.choose import Choice
 from smarig.identification.identify import Identification
@@ -17,7 +18,7 @@ class Evidence:
 
     ``identifications`` and ``verifications`` (on held-out runs) are by surface name, ``chosen`` is the one
     the model file holds, ``choice`` how the kinds predict held-out curves (None: too few to hold any out).
-    ``discoveries`` and ``warnings`` are plain sentences; ``seconds`` is computing time.
+    ``diagnosis`` judges the chosen model (None: not asked, or nothing to judge). ``discoveries`` and ``warnings`` are plain sentences; ``seconds`` is computing time.
     """
 
     title: str
@@ -32,6 +33,7 @@ class Evidence:
     seconds: float
     calibration: Calibration | None = None
     choice: Choice | None = None
+    diagnosis: Diagnosis | None = None
 
     @property
     def best(self) -> Identification | None:

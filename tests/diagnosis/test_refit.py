@@ -1,0 +1,68 @@
+"""Readings refitted at once: the likelihood is of what was read, and the density that comes with it foretells it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from smarig.diagnosis.refit import refit
+from smarig.preisach.fod_table import FodTable
+from smarig.story.retelling import retold
+from smarig.story.told import told
+from story.sittings import LISTED, LONG, believed, sitting
+
+
+@pytest.fixture(scope="module")
+def story(tmp_path_factory):
+    """Settled positions alone: what moves is known the worse the faster it is believed to move."""
+    runs = sitting(tmp_path_factory.mktemp("refit"), LONG, LISTED, LONG)
+    return replace(told(runs, believed()[0].actuator.tau_s), others=())
+
+
+def subject(hysteresis=None):
+    wire, per_count = believed()
+    return replace(wire, per_count=per_count, hysteresis=hysteresis or wire.hysteresis)
+
+
+def refitted(story, subject):
+    return refit(story, retold(story, subject), subject, np.zeros((len(story.settled), 0)))
+
+
+def off(story, hysteresis):
+    """Rms of settled positions, beside a constant."""
+    return np.std(story.settled.value - retold(story, subject(hysteresis)).values["settled"])
+
+
+@pytest.fixture(scope="module")
+def fair(story):
+    """A table of no negative mass that foretells the story."""
+    table = refitted(story, subject()).density
+    return refitted(story, subject(table)).density
+
+
+def later(table, power):
+    """The table, transforming at other temperatures between the same ends: higher below a power of one."""
+    share = (table.nodes - table.lower) / (table.upper - table.lower)
+    return FodTable(table.lower + share**power * (table.upper - table.lower), table.values, table.unit)
+
+
+def test_the_evidence_does_not_know_the_stroke_that_was_believed(story, fair):
+    """A wrong stroke only changes what readings are divided by, all of them by two."""
+    larger = FodTable(fair.nodes, 2.0 * fair.values, fair.unit)
+    small, large = (refitted(story, subject(h)) for h in (fair, larger))
+    assert large.log_evidence == pytest.approx(small.log_evidence, abs=1.5)
+    np.testing.assert_allclose(large.scale, 2.0 * small.scale)
+
+
+def test_the_density_of_a_refit_foretells_what_a_wrong_one_missed(story, fair):
+    wrong = later(fair, 0.94)
+    found = refitted(story, subject(wrong)).density
+    assert off(story, found) < 0.2 * off(story, wrong)
+    assert off(story, fair) < 0.005
+    assert np.diff(found.values[:, 0]).max() < 1e-9  # in saturation nothing is on
+    assert np.nanmin(np.diff(found.values, axis=0)) > -1e-9  # no mass is negative
+
+
+def test_the_more_a_density_is_wrong_the_less_its_evidence(story, fair):
+    evidence = [refitted(story, subject(later(fair, p))).log_evidence for p in (1.0, 0.9, 0.75)]
+    assert evidence[0] > evidence[1] + 3 > evidence[2] + 6
