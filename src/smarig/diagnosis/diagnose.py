@@ -204,11 +204,11 @@ def diagnose(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
-    """What a model gets wrong on runs of one sitting, why, and what it gains to know.
+    """What a model gets wrong on runs of one wire, why, and what it gains to know.
 
     ``train`` teaches, ``held_out`` only judges the gain; ``without`` takes effects out of the catalogue.
     ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
-    when the runs hold no settled steps or do not belong to one wire, UsageError for settings that make no sense.
+    when the runs hold no settled steps or overlap, UsageError for settings that make no sense.
     """
     started, say = time.monotonic(), progress or (lambda _: None)
     _check(alpha, nulls)

@@ -77,7 +77,8 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     triangle = Triangle(nodes, _even(nodes, told.felt_K, path))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = _believed(triangle, hysteresis)
-    faint = np.abs(mass) + FAINT * np.abs(mass).mean()
+    faint = np.abs(mass) / (np.abs(mass).sum() or 1.0)
+    faint += FAINT * faint.mean()
     return FreeDensity(triangle, X, mass, faint, tuple(faint[:, None] * _hats(triangle, n) for n in SCALES))
 
 
@@ -123,7 +124,7 @@ def _believed(triangle: Triangle, hysteresis: Everett) -> Array:
     i, j = triangle.i, triangle.j
     beside = np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)])
     mass = E[i + 1, j] - E[i, j] - beside
-    return mass / (np.abs(mass).sum() or 1.0)
+    return mass / (mass.sum() or 1.0)
 
 
 def _even(nodes: Array, felt: Array, output: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_solve, cholesky, solve_triangular
 from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
 
 from smarig.diagnosis import given
 from smarig.diagnosis.free_density import free_density
@@ -64,7 +64,7 @@ class Refit:
         rest = rest.copy()
         for r in story.kinds:
             if r.kind not in COUPLED and r.kind != "current":
-                rest[at : at + len(r)] -= rest[at : at + len(r)].mean()
+                rest[at : at + len(r)] -= _own_means(rest[at : at + len(r)], r, story)
             at += len(r)
         return self.whitened(rest)
 
@@ -113,7 +113,7 @@ def refit(
     C_prior = np.sum([w * prior for w, prior in zip(variances, priors)], axis=0)
     noise_part = _noise(memory, s0, s_T, white, reach)
     C = reach[:, None] * C_prior * reach + free + noise_part
-    blocks = [(C, scale, y), *[_apart(r, told) for r in apart]]
+    blocks = [(C, scale, y), *[_apart(r, story, told) for r in apart]]
     factor, scales, data = _stacked(blocks)
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
     alone = float(0.5 * whitened[n:] @ whitened[n:] + np.log(np.diag(factor)[n:] * scales[n:]).sum())
@@ -202,7 +202,10 @@ def _likeliest(
     start: Array,
     bounds: tuple[Array, Array],
 ) -> tuple[float, Array]:
-    """(−log likelihood, log₁₀ of the spreads) at its least; ``shapes`` of the density's parts, then memory noise."""
+    """(−log likelihood, log₁₀ of the spreads) at its least; ``shapes`` of the density's parts, then memory noise.
+
+    Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each other.
+    """
     parts = [slope[:, None] * shape * slope for shape in shapes]
     positions = np.where(white < 1.0, 1.0, 0.0)
 
@@ -226,17 +229,25 @@ def _likeliest(
         slopes = [w * b for w, b in zip(weights[:-1], by)] + [2 * s0**2 * by_s0, 2 * s_T**2 * by[-1]]
         return value, 0.5 * np.log(10.0) * np.array(slopes)
 
-    found = minimize(
-        cost,
-        np.clip(start, *bounds),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=list(zip(*bounds)),
-        options={"maxiter": 30, "ftol": 1e-5},
-    )
+    def least(start: Array) -> OptimizeResult:
+        return minimize(
+            cost,
+            np.clip(start, *bounds),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=list(zip(*bounds)),
+            options={"maxiter": 30, "ftol": 1e-5},
+        )
+
+    found = least(start)
+    if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < NEAR:
+        calm = found.x[-1] > DRAUGHTY
+        again = least(np.append(_START[:-1], CALM if calm else DRAUGHTY))
+        found = min(found, again, key=lambda f: float(f.fun))
     return float(found.fun), found.x
 
 
+NEAR, CALM = 0.05, -2.0  # log₁₀: of a bound of s_T; and of s_T in still air
 DRAUGHTY = -0.8  # log₁₀ of s_T where every search begins: from still air it would not find draughts
 _START = np.array(
     [-0.5, -1.5, -4.5, -3.7, DRAUGHTY]
@@ -283,13 +294,25 @@ _FINEST = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: no 
 _ANY_ZERO = 1e3  # sd of a block's own zero, in noises: sure to be absorbed, and no trouble for rounding
 
 
-def _apart(readings: Readings, told: Retelling) -> tuple[Array, Array, Array]:
-    """A block of its own: a free constant (not for currents), white noise judged by what a smooth curve leaves."""
+def _apart(readings: Readings, story: Story, told: Retelling) -> tuple[Array, Array, Array]:
+    """A block of its own, white noise judged by what a smooth curve leaves; free constants but for currents."""
     y = readings.value - told.values[readings.kind]
     noise = max(_local_noise(y), _FINEST[readings.kind])
-    zero = 0.0 if readings.kind == "current" else _ANY_ZERO**2
-    y = y if readings.kind == "current" else y - y.mean()
-    return np.full((y.size, y.size), zero) + np.eye(y.size), np.full(y.size, noise), y
+    if readings.kind == "current":
+        return np.eye(y.size), np.full(y.size, noise), y
+    sitting = _sitting(readings, story)
+    same = np.where(sitting[:, None] == sitting, _ANY_ZERO**2, 0.0)
+    return same + np.eye(y.size), np.full(y.size, noise), y - _own_means(y, readings, story)
+
+
+def _own_means(y: Array, readings: Readings, story: Story) -> Array:
+    """The mean (n,) of each sitting."""
+    sitting = _sitting(readings, story)
+    return (np.bincount(sitting, y) / np.maximum(np.bincount(sitting), 1))[sitting]
+
+
+def _sitting(readings: Readings, story: Story) -> NDArray[np.int64]:
+    return story.zero[readings.step] if story.sittings else np.zeros(len(readings), dtype=np.int64)
 
 
 def _local_noise(y: Array) -> float:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 EXACT = 1e-6  # K
 MOST = 60
+PATIENCE, LONGER = 10, 1.5
 
 
 def agreed(drive: Callable[[float], float], u: float, at_u: float) -> float:
@@ -21,11 +22,12 @@ def agreed(drive: Callable[[float], float], u: float, at_u: float) -> float:
     if abs(at_u) < EXACT:
         return u
     other, at_other = u + at_u, drive(u + at_u)
-    for _ in range(MOST):  # with the move: it goes on
+    for k in range(MOST):  # with the move: it goes on, in the end by longer and longer steps
         if at_other * at_u <= 0 or abs(at_other) < EXACT:
             break
         u, at_u = other, at_other
-        other, at_other = u + at_u, drive(u + at_u)
+        other = u + at_u * LONGER ** max(0, k - PATIENCE)
+        at_other = drive(other)
     return _between(drive, u, at_u, other, at_other) if at_other * at_u < 0 else other
 
 

@@ -18,7 +18,8 @@ class Evidence:
 
     ``identifications`` and ``verifications`` (on held-out runs) are by surface name, ``chosen`` is the one
     the model file holds, ``choice`` how the kinds predict held-out curves (None: too few to hold any out).
-    ``diagnosis`` judges the chosen model (None: not asked, or nothing to judge). ``discoveries`` and ``warnings`` are plain sentences; ``seconds`` is computing time.
+    ``diagnosis`` judges the chosen model (None: there was nothing to judge). ``discoveries`` and ``warnings``
+    are plain sentences; ``seconds`` is computing time.
     """
 
     title: str

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from smarig.errors import DataError
-from smarig.story.told import Array, Drive, Integers, Readings, Story
+from smarig.story.told import CHANNELS, Array, Drive, Integers, Readings, Story
 
 APART_S = 36000.0
 
@@ -25,7 +25,8 @@ def joined(stories: Sequence[Story]) -> Story:
     first, second = stories[0], stories[1:]
     clock = offsets(stories)
     steps = _before([len(s.settled) for s in stories])
-    kinds = {r.kind: r.unit for story in stories for r in story.others}
+    units = {r.kind: r.unit for story in stories for r in story.others}
+    kinds = {kind: units[kind] for kind in CHANNELS if kind in units}
     return replace(
         first,
         drive=_drives(stories, clock),

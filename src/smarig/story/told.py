@@ -22,6 +22,7 @@ FINE = ((4.0, 0.15), (9.0, 0.4))  # time constants: until when the wire moves, a
 MOVING = (0.4, 1.2, 3.0)  # time constants after a step, where a moving position is read
 ENOUGH = 320  # readings of one other kind
 DENSE = 12  # samples in a hold that make it a transient
+CHANNELS = ("moving", "resistance", "current", "room")  # kinds of other readings, in their order
 LEAST_A = 0.15  # a smaller current tells no resistance
 
 
@@ -285,13 +286,14 @@ class _Part:
 
 
 def _others(parts: Sequence[_Part], first: Integers) -> Iterator[Readings]:
+    units = (parts[0].run.unit, "ohm", "A", "K")
     channels = (
-        ("moving", parts[0].run.unit, lambda p, n: p.moving(n)),
-        ("resistance", "ohm", lambda p, n: p.means(p.resistance, n)),
-        ("current", "A", lambda p, n: p.means(p.run["current_A"] - p.command, n)),
-        ("room", "K", lambda p, n: p.means(p.run["ambient_degC"], n)),
+        lambda p, n: p.moving(n),
+        lambda p, n: p.means(p.resistance, n),
+        lambda p, n: p.means(p.run["current_A"] - p.command, n),
+        lambda p, n: p.means(p.run["ambient_degC"], n),
     )
-    for kind, unit, read in channels:
+    for kind, unit, read in zip(CHANNELS, units, channels):
         rows = [row for part, n in zip(parts, first) for row in read(part, int(n))]
         rows = rows[:: 1 + len(rows) // ENOUGH]
         if len(rows) >= DENSE:
