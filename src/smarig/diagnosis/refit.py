@@ -45,7 +45,7 @@ class Refit:
 
     ``scale`` (N,) divides each reading; ``data`` (N,) are the readings so divided, whitened; ``fitted`` (coupled,)
     what the refitted density says there beyond what the subject's does, in their unit. ``spreads`` are the
-    log₁₀ of the density's parts' variances, s₀ and s_T.
+    log₁₀ of the density's parts' variances, s_m, s₀ and s_T.
     """
 
     factor: Array
@@ -98,20 +98,23 @@ def refit(
     )  # what any hysteresis must give, not only a change of this one
     aside = _leading(traces[:n] / scale[:, None])
     fixed = free + _BIG**2 * aside @ aside.T
+    moves = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
     bounds = _bounds(story, subject)
     best: tuple[float, Array, float, Array] | None = None
     tried = given.correlations_s(story) if story.given else CORRELATIONS_S
     for correlation in (like.noise.correlation_s,) if like else tried:
         memory = propagated(J, times, correlation) / span**2
         start = like.spreads if like else _START if best is None else np.append(best[1][:-1], DRAUGHTY)
-        cost, spreads = _likeliest(whole / scale, (*priors, memory), fixed, white, reach, start, bounds)
+        cost, spreads = _likeliest(
+            whole / scale, (*priors, memory), fixed, white, moves, reach, start, bounds
+        )
         if best is None or cost < best[0]:
             best = (cost, spreads, correlation, memory)
     assert best is not None  # noqa: S101 - CORRELATIONS_S is not empty
     cost, spreads, correlation, memory = best
-    *variances, s0, s_T = 10.0**spreads
+    *variances, s_m, s0, s_T = 10.0**spreads
     C_prior = np.sum([w * prior for w, prior in zip(variances, priors)], axis=0)
-    noise_part = _noise(memory, s0, s_T, white, reach)
+    noise_part = _noise(memory, _own(white, moves, s_m, s0), s_T, reach)
     C = reach[:, None] * C_prior * reach + free + noise_part
     blocks = [(C, scale, y), *[_apart(r, story, told) for r in apart]]
     factor, scales, data = _stacked(blocks)
@@ -186,11 +189,16 @@ def _speed(told: Retelling, path: Array) -> Array:
     return np.abs(path[at] - path[before]) / np.maximum(told.t_s[at] - told.t_s[before], 1e-9)
 
 
-def _noise(memory: Array, s0: float, s_T: float, white: Array, slope: Array) -> Array:
-    """Σ, scaled: s₀ is in every position, a reading's own noise beside it."""
+def _noise(memory: Array, own: Array, s_T: float, slope: Array) -> Array:
+    """Σ, scaled, of each reading's own variance (n,) and of what the hysteresis remembers."""
     C = slope[:, None] * (s_T**2 * memory) * slope
-    C[np.diag_indices_from(C)] += white**2 + np.where(white < 1.0, s0**2, 0.0)
+    C[np.diag_indices_from(C)] += own
     return C
+
+
+def _own(white: Array, moves: Array, s_m: float, s0: float) -> Array:
+    """Variances (n,): s₀ is in every position, s_m in moving ones, a reading's own noise beside them."""
+    return white**2 + s_m**2 * moves + np.where(white < 1.0, s0**2, 0.0)
 
 
 def _likeliest(
@@ -198,6 +206,7 @@ def _likeliest(
     shapes: tuple[Array, ...],
     fixed: Array,
     white: Array,
+    moves: Array,
     slope: Array,
     start: Array,
     bounds: tuple[Array, Array],
@@ -210,12 +219,12 @@ def _likeliest(
     positions = np.where(white < 1.0, 1.0, 0.0)
 
     def cost(x: Array) -> tuple[float, Array]:
-        *weights, s0, s_T = 10.0**x
+        *weights, s_m, s0, s_T = 10.0**x
         weights.append(s_T**2)
         C = fixed.copy()
         for w, part in zip(weights, parts):
             C += w * part
-        C[np.diag_indices_from(C)] += white**2 + s0**2 * positions
+        C[np.diag_indices_from(C)] += _own(white, moves, s_m, s0)
         try:
             L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
         except LinAlgError:
@@ -225,8 +234,13 @@ def _likeliest(
         value = 0.5 * float(y @ a) + float(np.log(np.diag(L)).sum())
         diagonal = np.diag(inverse).copy()
         by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
-        by_s0 = float(diagonal @ positions - (a * a) @ positions)
-        slopes = [w * b for w, b in zip(weights[:-1], by)] + [2 * s0**2 * by_s0, 2 * s_T**2 * by[-1]]
+        alone = diagonal - a * a
+        slopes = [w * b for w, b in zip(weights[:-1], by)]
+        slopes += [
+            2 * s_m**2 * float(alone @ moves),
+            2 * s0**2 * float(alone @ positions),
+            2 * s_T**2 * by[-1],
+        ]
         return value, 0.5 * np.log(10.0) * np.array(slopes)
 
     def least(start: Array) -> OptimizeResult:
@@ -250,8 +264,9 @@ def _likeliest(
 NEAR, CALM = 0.05, -2.0  # log₁₀: of a bound of s_T; and of s_T in still air
 DRAUGHTY = -0.8  # log₁₀ of s_T where every search begins: from still air it would not find draughts
 _START = np.array(
-    [-0.5, -1.5, -4.5, -3.7, DRAUGHTY]
-)  # log₁₀ of spreads: density's parts, s₀ (ranges), s_T (K)
+    [-0.5, -1.5, -4.5, -4.0, -3.7, DRAUGHTY]
+)  # log₁₀ of spreads: density's parts; s_m, s₀ (ranges); s_T (K)
+ASTRAY = (1e-5, 0.1)  # ranges: what moving positions may miss besides; wrong heat must not bend the density
 DRAUGHTIEST_K = 0.4  # what is more is no draught
 FINEST_MARK = 0.1  # counts: no encoder's marks lie better
 COARSEST = 0.6  # counts: no mean of settled samples is worse, unless they scatter
@@ -274,8 +289,8 @@ def _bounds(story: Story, subject: Subject) -> tuple[Array, Array]:
 def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:
     """Bounds of all spreads, log₁₀: those of the density's parts, then s₀ and s_T as given."""
     return (
-        np.array([-6.0, -6.0, -9.0, np.log10(position[0]), np.log10(kelvin[0])]),
-        np.array([2.0, 2.0, 0.0, np.log10(position[1]), np.log10(kelvin[1])]),
+        np.array([-6.0, -6.0, -9.0, np.log10(ASTRAY[0]), np.log10(position[0]), np.log10(kelvin[0])]),
+        np.array([2.0, 2.0, 0.0, np.log10(ASTRAY[1]), np.log10(position[1]), np.log10(kelvin[1])]),
     )
 
 

@@ -35,6 +35,7 @@ SHARE_MORE, MOST_MORE = (
     60.0,
 )  # of the first one's nats, for the same reason; and nats that are always enough
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
+ROUGHLY = 0.5  # of what the best explains: straight lines are no better a judge of large effects
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +136,10 @@ def _weighed(
     story, centre = first.story, first.subject.hysteresis
     rough = [refined(p, story, now.subject, now.refitted, centre) for p in starts]
     rough.sort(key=lambda r: r.misfit)
-    near = [r for r in rough if r.misfit - rough[0].misfit < 2 * BEHIND]
+    whole = float(now.refitted.data @ now.refitted.data)
+    near = [
+        r for r in rough if r.misfit - rough[0].misfit < max(2 * BEHIND, ROUGHLY * (whole - rough[0].misfit))
+    ]
     near = (near if len(near) > 1 else rough)[:WEIGHED]
     begins = [_strong(story, r.extended, given, now.refitted) for r in near]
     begins.sort(key=lambda found: -found[1].log_evidence)
@@ -144,7 +148,7 @@ def _weighed(
         hopeless = weighed and refitted.log_evidence < weighed[0].evidence - BEHIND
         weighed.append(_explanation(story, subject, given, refitted, 0 if hopeless else TURNS))
         weighed.sort(key=lambda e: -e.evidence)
-    gained = (float(now.refitted.data @ now.refitted.data) - rough[0].misfit) / 2
+    gained = (whole - rough[0].misfit) / 2
     return gained, tuple(weighed)
 
 

@@ -36,7 +36,7 @@ dead_zone = Kind(
             0.3,
             0.05,
             "0.6–1.4 V of diodes over the wire's resistance, less what feedback removes",
-            tries=(0.0125, 0.05, 0.12),
+            tries=(0.004, 0.0125, 0.05, 0.12),
         ),
     ),
     act=_act,
