@@ -110,7 +110,7 @@ def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Re
 def _retold(story: Story, subject: Subject, effects: Sequence[Effect]) -> Retelling:
     plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, (*subject.effects, *effects))
     t, current, marks = story.ticks
-    told = _Told(subject)
+    told = _Told(subject, story.ohms_by_command)
     felt = np.empty(t.size)
     before = 0.0
     for k, (now, i, mark) in enumerate(zip(t.tolist(), current.tolist(), marks.tolist())):
@@ -138,7 +138,8 @@ def positions(drive: Drive, subject: Subject, at_s: Array) -> Array:
 class _Told:
     """Collects what the plant showed at the times of readings."""
 
-    def __init__(self, subject: Subject) -> None:
+    def __init__(self, subject: Subject, ohms_by_command: bool) -> None:
+        self.by_command = ohms_by_command
         self.wire, self.per_count = subject.actuator, subject.per_count or 1.0
         self.times: list[float] = []
         self.stroke = subject.stroke
@@ -155,6 +156,8 @@ class _Told:
         mirrored = command_A < 0 and self.wire.two_wire
         austenite = 1 - plant.austenite if mirrored else plant.austenite
         resistance = self.wire.resistance_at_ohm(austenite) * plant.now.resistance
+        if self.by_command and command_A:
+            resistance *= plant.current(command_A) / command_A
         self.times.append(now)
         self.rows.append(
             (

@@ -74,7 +74,8 @@ class Story:
     steps; ``block`` (k,) numbers the excursions that are held out together. ``others`` are readings of other kinds.
     ``given`` says where the input itself is the drive (``story.given``), and by which clock; ``speed`` (k,) is then
     the branch's |du/dt|, ``jitter`` (k,) the input's scatter there, ``reversal`` (k,) the last one. ``zero`` (k,)
-    numbers outputs that share a zero, where not all do. ``sittings``: the stories of each, where there were several.
+    numbers outputs that share a zero, where not all do. ``sittings``: the stories of each, where there were several;
+    ``ohms_by_command``: no current was measured, so a resistance is the voltage over the current asked for.
     """
 
     drive: Drive
@@ -91,6 +92,7 @@ class Story:
     reversal: Array = field(default_factory=lambda: np.empty(0))
     zero: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     sittings: tuple["Story", ...] = ()
+    ohms_by_command: bool = False
 
     @property
     def hours(self) -> float:
@@ -174,6 +176,7 @@ def _sitting(order: Sequence[Run], tau_s: float) -> Story:
         run=steps,
         block=_blocks(target, steps),
         runs=tuple(order),
+        ohms_by_command=not all(run.has("current_A") for run in order),
     )
 
 
