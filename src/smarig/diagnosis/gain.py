@@ -7,7 +7,7 @@ encoder's zero is met on the training runs too. Knows no search.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +25,10 @@ DRAWS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """Errors (k,) of both models at held-out settled points, blocks (k,) they come in, and the noise floor.
+    """Errors (k,) of both models at held-out positions, blocks (k,) they come in, and the noise floor.
 
-    ``weight`` (k,), None for equal ones: where the input was measured, a reading counts by its own noise (1/σ²), lest
-    the steepest branch drown the rest.
+    ``weight`` (k,), None for equal ones: where readings differ in kind, or the input was measured, a reading counts
+    by its own noise (1/σ²), lest the steepest branch drown the rest.
     """
 
     base_error: Array
@@ -81,25 +81,33 @@ class Gain:
 def measured_gain(
     train: Sequence[Run], held_out: Sequence[Run], base: Subject, extended: Subject, noise: Noise
 ) -> Gain:
-    """Both subjects live through all runs of the sitting; the held-out ones are judged."""
-    story = told([*train, *held_out], base.actuator.tau_s)
+    """Both subjects live through all runs; positions of the held-out ones are judged, settled and on their way."""
+    story = told([*train, *held_out], base.actuator.tau_s).placed
+    if not noise.moving:  # how well a position on its way is known, nobody knows
+        story = replace(story, others=())
     kept = {id(run) for run in held_out}
-    judged = np.isin(story.run, [k for k, run in enumerate(story.runs) if id(run) in kept])
+    step = np.concatenate([r.step for r in story.kinds])
+    judged = np.isin(story.run, [k for k, run in enumerate(story.runs) if id(run) in kept])[step]
+    value, sitting = np.concatenate([r.value for r in story.kinds]), _sitting(story)[step]
+    weighted = bool(story.given) or len(story.kinds) > 1
     errors = []
     for subject in (base, extended):
         whole = retold(story, subject)
-        error = story.settled.value - whole.values["settled"]
+        error = value - whole.stacked(story)
         square = _square(story, whole, subject, noise)
-        weight = 1 / square if story.given else np.ones(square.size)
-        errors.append((error - _zeros(error, weight, judged, story))[judged])
+        weight = 1 / square if weighted else np.ones(square.size)
+        errors.append((error - _zeros(error, weight, judged, sitting))[judged])
     square, weight = square[judged], weight[judged]
     floor = float(np.sqrt(np.average(square, weights=weight)))
-    return Gain(errors[0], errors[1], story.block[judged], floor, weight if story.given else None)
+    return Gain(errors[0], errors[1], story.block[step][judged], floor, weight if weighted else None)
 
 
-def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], story: Story) -> Array:
+def _sitting(story: Story) -> NDArray[np.int64]:
+    return story.zero if story.sittings else np.zeros(len(story.settled), dtype=np.int64)
+
+
+def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], sitting: NDArray[np.int64]) -> Array:
     """The encoder's zero (k,) as the training runs of each sitting have it, or its own where it has none."""
-    sitting = story.zero if story.sittings else np.zeros(error.size, dtype=np.int64)
     zeros = np.empty(error.size)
     for k in np.unique(sitting):
         own = sitting == k
@@ -109,10 +117,11 @@ def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], story: Story)
 
 
 def _square(story: Story, whole: Retelling, subject: Subject, noise: Noise) -> Array:
-    """Variance (k,) of the noise at settled points: its own, and what the hysteresis remembers."""
+    """Variance (k,) of the noise at positions: its own, and what the hysteresis remembers."""
     J, times = remembered(subject.hysteresis, whole)  # pyright: ignore[reportArgumentType]
-    memory = np.diag(propagated(J, times, noise.correlation_s))[: len(story.settled)]
-    square = noise.settled**2 + noise.temperature_K**2 * memory
+    memory = np.diag(propagated(J, times, noise.correlation_s))
+    own = [np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in story.kinds]
+    square = np.concatenate(own) ** 2 + noise.temperature_K**2 * memory
     return square + given.scatter(story, whole, subject) ** 2 if story.given else square
 
 

@@ -31,12 +31,16 @@ CORRELATIONS_S = (120.0, 30.0, 300.0)
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Standard deviations: ``white`` (n,) of each coupled reading by itself, temperature (K), settled positions."""
+    """Standard deviations: ``white`` (n,) of each coupled reading by itself, temperature (K), settled positions.
+
+    ``moving`` is the usual one of positions on their way, 0 where none was read.
+    """
 
     white: Array
     temperature_K: float
     correlation_s: float
     settled: float
+    moving: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +127,8 @@ def refit(
     pull = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
     fitted = y - scale * (noise_part @ pull)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
-    noise = Noise(sd, s_T, correlation, span * s0)
+    late = float(np.median(sd[moves > 0])) if moves.any() else 0.0
+    noise = Noise(sd, s_T, correlation, span * s0, late)
     masses = span * density.renewed(np.array(variances), reach * pull)
     zero = h.y_lower + float(np.mean((scale * (free @ pull))[(white < 1.0) & (told.sitting == 0)]))
     table = density.triangle.table(masses, zero, story.unit)
