@@ -228,8 +228,8 @@ def diagnose(
     verdict = decided(first, levels)
     extended = base
     if levels and verdict.explanations:
-        fuller = replace(base, effects=(*base.effects, *levels[-1].best.effects))
-        extended = density_beside(story, fuller)[0]
+        likeliest = levels[-1].explanations[0].subject  # its density bears no marks of what was missing
+        extended = density_beside(story, replace(likeliest, effects=levels[-1].best.effects))[0]
     noise = (levels[-1].critique if levels else first).refitted.noise
     gain = measured_gain(taught, judged, base, extended, noise) if judged else None
     return Diagnosis(

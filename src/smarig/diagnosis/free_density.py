@@ -57,13 +57,21 @@ class FreeDensity:
         rows = csr_matrix(self.rows[:, used])
         return np.asarray(rows @ (rows @ shared).T)
 
-    def renewed(self, variances: Array, pull: Array) -> Array:
-        """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``pull`` (n,) = C⁻¹y."""
+    def outputs(self, mass: Array) -> Array:
+        """At the memories, in strokes, (n,), of masses (cells,)."""
+        return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
+
+    def renewed(self, variances: Array, pull: Array, mass: Array | None = None) -> Array:
+        """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``pull`` (n,) = C⁻¹y.
+
+        From the believed masses, or others; where those are negative they may stay so.
+        """
+        begun = self.mass if mass is None else mass
         felt = _grid(self.triangle, (self.rows.T @ pull)[:, None])[::-1, ::-1]
         cells = np.cumsum(np.cumsum(felt, axis=0), axis=1)[::-1, ::-1][self.triangle.i, self.triangle.j, 0]
         more = [w * part @ (part.T @ cells) for w, part in zip(variances, self.parts)]
         grains = variances[len(self.parts)] * self.faint * cells
-        return np.maximum(self.mass + np.sum(more, axis=0) + grains, 0.0)
+        return np.maximum(begun + np.sum(more, axis=0) + grains, np.minimum(self.mass, 0.0))
 
 
 def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> FreeDensity:

@@ -15,7 +15,7 @@ from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessI
 from scipy.optimize import OptimizeResult, minimize
 
 from smarig.diagnosis import given
-from smarig.diagnosis.free_density import free_density
+from smarig.diagnosis.free_density import FreeDensity, free_density
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import COUPLED, Retelling, Subject, retold
@@ -129,13 +129,41 @@ def refit(
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * reach**2 * np.diag(memory)) * scale
     late = float(np.median(sd[moves > 0])) if moves.any() else 0.0
     noise = Noise(sd, s_T, correlation, span * s0, late)
-    masses = span * density.renewed(np.array(variances), reach * pull)
-    zero = h.y_lower + float(np.mean((scale * (free @ pull))[(white < 1.0) & (told.sitting == 0)]))
-    table = density.triangle.table(masses, zero, story.unit)
+    masses, shift = _renewed(density, C_prior, np.array(variances), reach, factor[:n, :n], free, pull)
+    zero = h.y_lower + float(np.mean((scale * shift)[(white < 1.0) & (told.sitting == 0)]))
+    table = density.triangle.table(span * masses, zero, story.unit)
     evidence = -cost - float(np.log(scale).sum()) - alone  # of readings in their own units
     return Refit(factor, scales, whitened, noise, fitted, evidence, n, spreads, table)
 
 
+AGAIN = 10  # times at most that what non-negative masses lost is given to others
+
+
+def _renewed(
+    density: FreeDensity,
+    C_prior: Array,
+    variances: Array,
+    reach: Array,
+    factor: Array,
+    free: Array,
+    pull: Array,
+) -> tuple[Array, Array]:
+    """Masses (cells,) in strokes and zeros (n,), scaled, of the posterior mean; ``factor`` is C's, ``pull`` C⁻¹y.
+
+    Where a mass would be negative it is none, and others must make up for it: the outputs stay the posterior's.
+    """
+    masses, shift = density.renewed(variances, reach * pull), free @ pull
+    wanted = C_prior @ (reach * pull)
+    for _ in range(AGAIN):
+        lost = wanted - density.outputs(masses - density.mass)
+        if np.sqrt(np.mean(lost**2)) < LOST:
+            break
+        more = cho_solve((factor, True), reach * lost, check_finite=False)
+        masses, shift = density.renewed(variances, reach * more, masses), shift + free @ more
+    return masses, shift
+
+
+LOST = 1e-5  # strokes
 _BIG = 30.0  # sd of the strength of a trace that is left out, in ranges
 
 
