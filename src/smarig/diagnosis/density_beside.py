@@ -12,7 +12,7 @@ import numpy as np
 
 from smarig.diagnosis import given
 from smarig.diagnosis.refit import Refit, refit
-from smarig.identification.positive.fit import fit_table
+from smarig.identification.positive.fit import fit_positive, fit_table
 from smarig.identification.positive.observations import Observations
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_table import FodTable
@@ -27,8 +27,12 @@ ENOUGH = 2.0  # nats: a turn that gains less is the last
 def density_beside(story: Story, subject: Subject, like: Refit | None = None) -> tuple[Subject, Refit]:
     """The subject with a new density, and its readings refitted; ``like``: begin where another refit ended.
 
-    Positions alone make the density: what another channel says against it is the effects' business.
+    Positions alone make the density: what another channel says against it is the effects' business. Where the input
+    was measured it is a positive measure, as smooth as held-out excursions want it.
     """
+    if story.given:
+        subject = replace(subject, hysteresis=_fitted(story, retold(story, subject), subject, None))
+        return subject, _refitted(story, retold(story, subject), subject, like)
     told = retold(story, subject)
     places, found = story.placed, _refitted(story.placed, told.placed, subject, like)
     for _ in range(TURNS):
@@ -52,13 +56,15 @@ def begun(story: Story, subject: Subject, given: Everett, like: Refit | None = N
     Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
     """
     places = story.placed
+    if story.given:
+        return subject
     starts = [replace(subject, hysteresis=given)]
-    starts.append(replace(subject, hysteresis=_fitted(story, retold(story, subject), subject)))
+    starts.append(replace(subject, hysteresis=_fitted(story, retold(story, subject), subject, FAIR)))
     worth = [_refitted(places, retold(story, s).placed, s, like).log_evidence for s in starts]
     return starts[int(np.argmax(worth))]
 
 
-def _fitted(story: Story, told: Retelling, subject: Subject) -> FodTable:
+def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | None) -> FodTable:
     n = len(story.settled)
     y = story.settled.value - (told.values["settled"] - told.output[:n])
     h = subject.hysteresis
@@ -67,7 +73,7 @@ def _fitted(story: Story, told: Retelling, subject: Subject) -> FodTable:
         rows = replace(rows, zero=story.zero - 1)
     if story.given:
         rows = _weighted(rows, given.trust(story, told, subject))
-    return fit_table(rows, FAIR)
+    return fit_table(rows, smoothing) if smoothing else fit_positive(rows).table
 
 
 def _weighted(rows: Observations, weight: np.ndarray) -> Observations:

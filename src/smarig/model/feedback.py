@@ -16,7 +16,7 @@ PATIENCE, LONGER = 10, 1.5
 def agreed(drive: Callable[[float], float], u: float, at_u: float) -> float:
     """The input at which ``drive``, f(u) − u, vanishes first, from ``u`` where it is ``at_u``.
 
-    >>> round(agreed(lambda u: 10.0 - 1.5 * u, 0.0, 10.0), 5)
+    >>> round(agreed(lambda u: 10.0 - 2.5 * u, 0.0, 10.0), 5)
     4.0
     """
     if abs(at_u) < EXACT:
