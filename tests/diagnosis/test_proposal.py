@@ -1,0 +1,43 @@
+"""Which run to do next: the quickest that settles it, else the one that gains most an hour; and its campaign file."""
+
+import pytest
+
+from smarig.config import CampaignFile, load
+from smarig.diagnosis.verdict import TEMPERATURE
+from smarig.proposal import SURE, Option, Proposal, _best, write_campaign
+
+QUICK = Option("wiping_out", {}, 0.5, SURE + 1)
+LONG = Option("first_order_descending", {}, 1.2, SURE + 80)
+WEAK = Option("congruency", {}, 0.7, 3.0)
+STAIRS = Option("step_currents", {"profile": "staircase", "settle.window_s": 250.0, "points": 16}, 2.0, 7.0)
+
+
+def test_of_runs_that_settle_it_the_quickest_is_proposed():
+    assert _best([LONG, QUICK, WEAK]) is QUICK
+
+
+def test_where_none_settles_it_the_one_that_gains_most_an_hour_is():
+    assert _best([STAIRS, WEAK]) is WEAK
+
+
+def test_the_odds_are_those_the_next_verdict_would_give():
+    assert Option("wiping_out", {}, 1.0, 0.0).odds == 0.5
+    assert Option("wiping_out", {}, 1.0, 9 * TEMPERATURE).odds == pytest.approx(1.0, abs=2e-4)
+
+
+def test_its_campaign_is_one_that_run_takes(tmp_path):
+    proposal = Proposal(STAIRS, (STAIRS, WEAK), (("settling",), ("accommodation", "creep")))
+    path = tmp_path / "next.toml"
+    write_campaign(proposal, path)
+    campaign = load(CampaignFile, path)
+    (step,) = campaign.step
+    assert (step.protocol, step.purpose, step.set) == ("step_currents", "train", STAIRS.settings)
+    assert "settling or accommodation + creep" in campaign.summary
+
+
+def test_the_json_names_what_it_would_separate():
+    data = Proposal(QUICK, (QUICK, WEAK), (("walking",), ("fatigue",))).to_json()
+    assert data["rivals"] == [["walking"], ["fatigue"]]
+    assert data["protocol"] == "wiping_out"
+    assert [o["protocol"] for o in data["options"]] == ["wiping_out", "congruency"]
+    assert "walking or fatigue" in data["why"]
