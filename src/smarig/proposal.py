@@ -53,6 +53,15 @@ class Option:
         """Probability that the right one is named after it."""
         return 1 / (1 + exp(-self.nats / TEMPERATURE))
 
+    def to_json(self) -> dict[str, Any]:
+        """For the CLI."""
+        return {
+            "protocol": self.protocol,
+            "settings": self.settings,
+            "rig_hours": self.hours,
+            "expected_nats": self.nats,
+        }
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -64,7 +73,7 @@ class Proposal:
 
     def sentence(self) -> str:
         """For a person."""
-        names = " or ".join(" + ".join(names) or "nothing" for names in self.rivals)
+        names = " or ".join(" + ".join(names) for names in self.rivals)
         b = self.best
         return (
             f"To tell {names}: {b.protocol}{_said(b.settings)}, {b.hours:.1f} h on the rig; "
@@ -73,34 +82,21 @@ class Proposal:
 
     def to_json(self) -> dict[str, Any]:
         """For the CLI."""
-        b = self.best
-        return {
-            "protocol": b.protocol,
-            "settings": b.settings,
-            "rig_hours": b.hours,
-            "expected_nats": b.nats,
-            "odds": b.odds,
+        return self.best.to_json() | {
+            "odds": self.best.odds,
             "rivals": [list(names) for names in self.rivals],
-            "options": [
-                {
-                    "protocol": o.protocol,
-                    "settings": o.settings,
-                    "rig_hours": o.hours,
-                    "expected_nats": o.nats,
-                }
-                for o in self.options
-            ],
+            "options": [o.to_json() for o in self.options],
             "why": self.sentence(),
         }
 
     def campaign(self) -> str:
-        """A campaign file of the best option: the run, and one that is held out."""
+        """A campaign file of the best option."""
         b = self.best
         settings = ", ".join(f'"{k}" = {_toml(v)}' for k, v in b.settings.items())
         return (
             f"# {self.sentence()}\n"
             'name = "separating"\n'
-            f'summary = "Tells {_plain(" or ".join(" + ".join(n) or "nothing" for n in self.rivals))} apart."\n\n'
+            f'summary = "Tells {" or ".join(" + ".join(n) for n in self.rivals)} apart."\n\n'
             "[[step]]\n"
             f'protocol = "{b.protocol}"\n'
             'purpose = "train"\n' + (f"set = {{ {settings} }}\n" if settings else "")
@@ -148,7 +144,7 @@ def _best(options: Sequence[Option]) -> Option:
 
 
 def _rivals(found: Diagnosis) -> list[Explanation]:
-    """The likeliest explanations of different causes; nothing at all is one."""
+    """The likeliest explanations of different causes."""
     if not found.levels:
         return []
     level = found.levels[-1]
@@ -196,7 +192,3 @@ def _said(settings: dict[str, Any]) -> str:
 
 def _toml(value: Any) -> str:
     return f'"{value}"' if isinstance(value, str) else str(value)
-
-
-def _plain(text: str) -> str:
-    return text.replace('"', "'")

@@ -137,6 +137,20 @@ def test_where_heat_depends_on_the_output_a_long_tick_is_no_coarse_one(name):
     assert max(apart) < 2e-3 * Setup(actuator, hysteresis, initial).stroke
 
 
+def test_a_late_sensor_is_as_late_whatever_heat_asks_for():
+    """Ticks are cut where heat depends on the output; the sensor is asked once a tick all the same."""
+    actuator, hysteresis, initial = WIRES["one_wire"]
+
+    def seen(tick_s):
+        effects = [kind("sensor_lag")(5.0), kind("wire_lag")(40.0)]
+        plant = Plant(actuator, hysteresis, initial, 0.1, effects)
+        return [plant.sensed(plant.advance(0.8, tick_s)) for _ in range(round(10.0 / tick_s))][-1]
+
+    stroke = Setup(actuator, hysteresis, initial).stroke
+    assert seen(0.02) > 0.3 * stroke
+    assert seen(0.5) == pytest.approx(seen(0.02), abs=2e-3 * stroke)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_its_values_have_bounds_units_and_sources(name):
     k = kind(name)

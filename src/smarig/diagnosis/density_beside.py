@@ -55,9 +55,9 @@ def begun(story: Story, subject: Subject, given: Everett, like: Refit | None = N
 
     Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
     """
-    places = story.placed
     if story.given:
         return subject
+    places = story.placed
     starts = [replace(subject, hysteresis=given)]
     starts.append(replace(subject, hysteresis=_fitted(story, retold(story, subject), subject, FAIR)))
     worth = [_refitted(places, retold(story, s).placed, s, like).log_evidence for s in starts]

@@ -282,8 +282,7 @@ def _catalogue(subject: Subject, without: Sequence[str]) -> list[Kind]:
     for name in without:
         if name not in names:
             raise UsageError(f"There is no effect '{name}' to leave out.")
-    known = {e.kind.name for e in subject.planted}
-    return [k for k in every if k.name not in without and k.name not in known]
+    return [k for k in every if k.name not in without]
 
 
 def _judgeable(every: list[Kind], story: Story, subject: Subject) -> tuple[list[Kind], list[str]]:

@@ -88,7 +88,7 @@ def measured_gain(
     kept = {id(run) for run in held_out}
     step = np.concatenate([r.step for r in story.kinds])
     judged = np.isin(story.run, [k for k, run in enumerate(story.runs) if id(run) in kept])[step]
-    value, sitting = np.concatenate([r.value for r in story.kinds]), _sitting(story)[step]
+    value, sitting = np.concatenate([r.value for r in story.kinds]), story.sitting[step]
     weighted = bool(story.given) or len(story.kinds) > 1
     errors = []
     for subject in (base, extended):
@@ -100,10 +100,6 @@ def measured_gain(
     square, weight = square[judged], weight[judged]
     floor = float(np.sqrt(np.average(square, weights=weight)))
     return Gain(errors[0], errors[1], story.block[step][judged], floor, weight if weighted else None)
-
-
-def _sitting(story: Story) -> NDArray[np.int64]:
-    return story.zero if story.sittings else np.zeros(len(story.settled), dtype=np.int64)
 
 
 def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], sitting: NDArray[np.int64]) -> Array:

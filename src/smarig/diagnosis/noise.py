@@ -26,9 +26,8 @@ def remembered(hysteresis: Differentiable, told: Retelling) -> tuple[csr_matrix,
     felt = _ticks_of(told)
     times: dict[float, int] = {}
     rows, columns, slopes = [], [], []
-    begins = np.array(told.begins)
-    for k, (state, mark) in enumerate(zip(told.states, told.marks.tolist())):
-        begin = int(begins[np.searchsorted(begins, mark, side="right") - 1])
+    begins = [told.begins[sitting] for sitting in told.sitting]
+    for k, (state, mark, begin) in enumerate(zip(told.states, told.marks.tolist(), begins)):
         for u, slope in _slopes(hysteresis, state):
             t = told.t_s[mark] if u == state.u else _kept(felt.get(u, []), begin, mark, told.t_s)
             if t is None or slope == 0.0:

@@ -30,10 +30,8 @@ FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a ste
 STILL = 0.3  # standard deviations: less is no move
 GATE = 12.0  # nats: an effect that explains less is not worth its name
 GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
-SHARE_MORE, MOST_MORE = (
-    0.05,
-    60.0,
-)  # of the first one's nats, for the same reason; and nats that are always enough
+SHARE_MORE = 0.05  # of the first one's nats, for the same reason
+MOST_MORE = 60.0  # nats that are always enough
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
 ROUGHLY = 0.5  # of what the best explains: straight lines are no better a judge of large effects
 
@@ -78,7 +76,9 @@ def searched(first: Critique, given: Everett, judge: Judge, most: int = MOST) ->
     """
     if first.silent:
         return []
-    starts = [(p,) for p in _starts(first, TRIED)]
+    starts = [
+        (*first.subject.planted, p) for p in _starts(first, TRIED)
+    ]  # what the model knew is fitted again
     levels: list[Level] = []
     now, evidence = first, density_beside(first.story, first.subject, first.refitted)[1].log_evidence
     while starts and len(levels) < most:

@@ -65,6 +65,7 @@ class Plant:
         start_s = self.now.t_s
         for k in range(1, parts + 1):
             self._with_effects(current_A, disturbance_K, start_s + dt_s * k / parts)
+        self.now.dt_s = dt_s  # the sensor sees whole ticks
         return self.position
 
     def _parts(self, current_A: float) -> int:

@@ -100,6 +100,11 @@ class Story:
         return max(float(s.drive.end_s[-1]) for s in self.sittings or (self,)) / 3600
 
     @property
+    def sitting(self) -> Integers:
+        """The number (k,) of the sitting of each step."""
+        return self.zero if self.sittings else np.zeros(len(self.settled), dtype=np.int64)
+
+    @property
     def unit(self) -> str:
         """Unit of position."""
         return self.settled.unit
