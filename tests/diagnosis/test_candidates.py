@@ -1,5 +1,7 @@
 """Explanations as whitened traces: who takes up how much of what is left, and at which strength."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -8,19 +10,20 @@ from smarig.diagnosis.refit import Noise, Refit
 from smarig.model.effects.backlash import backlash
 from smarig.model.effects.settling import settling
 from smarig.model.effects.walking import walking
-from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import retold
 from smarig.story.told import told
 from story.sittings import LISTED, LONG, believed, sitting
 
 N = 30
-EMPTY = ([0.0, 1.0], [0.0, 1.0], [[0.0, np.nan], [0.0, 0.0]])  # a table of no hysteresis
+
+
+NO_POSTERIOR: Any = None  # nothing here asks for a density
 
 
 def whitening(factor, scale, noise):
     """A refit that whitens, and of which nothing else is asked."""
     none = np.empty(0)
-    return Refit(factor, scale, none, noise, none, 0.0, scale.size, none, FodTable.from_arrays(*EMPTY))
+    return Refit(factor, scale, none, noise, none, 0.0, scale.size, none, NO_POSTERIOR)
 
 
 def refit(n=N, seed=1, scale=0.02):

@@ -1,0 +1,122 @@
+"""Spreads of largest likelihood: how far the density may deviate, how noisy positions are, how draughty the air.
+
+    C(x) = Σ w_k S_k + F + N,    x = log₁₀ (w_k, s_m, s₀, s_T),    − log p(y | x) at its least, by its gradient
+
+Knows no story beyond the bounds it gives.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cho_solve, cholesky
+from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
+from scipy.optimize import OptimizeResult, minimize
+
+from smarig.diagnosis import given
+from smarig.diagnosis.instruments import raw_noise
+from smarig.story.retelling import Subject
+from smarig.story.told import Story
+
+Array = NDArray[np.float64]
+NEAR, CALM = 0.05, -2.0  # log₁₀: of a bound of s_T; and of s_T in still air
+DRAUGHTY = -0.8  # log₁₀ of s_T where every search begins: from still air it would not find draughts
+START = np.array(
+    [-0.5, -1.5, -4.5, -4.0, -3.7, DRAUGHTY]
+)  # log₁₀ of spreads: density's parts; s_m, s₀ (ranges); s_T (K)
+ASTRAY = (1e-5, 0.1)  # ranges: what moving positions may miss besides; wrong heat must not bend the density
+DRAUGHTIEST_K = 0.4  # what is more is no draught
+FINEST_MARK = 0.1  # counts: no encoder's marks lie better
+COARSEST = 0.6  # counts: no mean of settled samples is worse, unless they scatter
+
+
+def noise(memory: Array, own: Array, s_T: float, slope: Array) -> Array:
+    """Σ, scaled, of each reading's own variance (n,) and of what the hysteresis remembers."""
+    C = slope[:, None] * (s_T**2 * memory) * slope
+    C[np.diag_indices_from(C)] += own
+    return C
+
+
+def own(white: Array, moves: Array, s_m: float, s0: float) -> Array:
+    """Variances (n,): s₀ is in every position, s_m in moving ones, a reading's own noise beside them."""
+    return white**2 + s_m**2 * moves + np.where(white < 1.0, s0**2, 0.0)
+
+
+def likeliest(
+    y: Array,
+    shapes: tuple[Array, ...],
+    fixed: Array,
+    white: Array,
+    moves: Array,
+    slope: Array,
+    start: Array,
+    bounds: tuple[Array, Array],
+) -> tuple[float, Array]:
+    """(−log likelihood, log₁₀ of the spreads) at its least; ``shapes`` of the density's parts, then memory noise.
+
+    Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each other.
+    """
+    parts = [slope[:, None] * shape * slope for shape in shapes]
+    positions = np.where(white < 1.0, 1.0, 0.0)
+
+    def cost(x: Array) -> tuple[float, Array]:
+        *weights, s_m, s0, s_T = 10.0**x
+        weights.append(s_T**2)
+        C = fixed.copy()
+        for w, part in zip(weights, parts):
+            C += w * part
+        C[np.diag_indices_from(C)] += own(white, moves, s_m, s0)
+        try:
+            L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
+        except LinAlgError:
+            return 1e12, np.zeros(x.size)
+        inverse = dpotri(L, lower=1)[0]  # its lower half
+        a = cho_solve((L, True), y, check_finite=False)
+        value = 0.5 * float(y @ a) + float(np.log(np.diag(L)).sum())
+        diagonal = np.diag(inverse).copy()
+        by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
+        alone = diagonal - a * a
+        slopes = [w * b for w, b in zip(weights[:-1], by)]
+        slopes += [
+            2 * s_m**2 * float(alone @ moves),
+            2 * s0**2 * float(alone @ positions),
+            2 * s_T**2 * by[-1],
+        ]
+        return value, 0.5 * np.log(10.0) * np.array(slopes)
+
+    def least(start: Array) -> OptimizeResult:
+        return minimize(
+            cost,
+            np.clip(start, *bounds),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=list(zip(*bounds)),
+            options={"maxiter": 30, "ftol": 1e-5},
+        )
+
+    found = least(start)
+    if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < NEAR:
+        calm = found.x[-1] > DRAUGHTY
+        again = least(np.append(START[:-1], CALM if calm else DRAUGHTY))
+        found = min(found, again, key=lambda f: float(f.fun))
+    return float(found.fun), found.x
+
+
+def bounds_of(story: Story, subject: Subject) -> tuple[Array, Array]:
+    """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
+    if story.given:
+        span = subject.hysteresis.upper - subject.hysteresis.lower
+        return _with_density(*given.bounds(story, span, subject.stroke))
+    samples = max(float(np.median([step.n for run in story.runs for step in run.settled])), 1.0)
+    one = raw_noise(story, subject)
+    least, most = (
+        max(one / np.sqrt(samples), FINEST_MARK * subject.per_count) / subject.stroke,
+        max(COARSEST * subject.per_count, one) / subject.stroke,
+    )
+    return _with_density((least, most), (10**-2.5, DRAUGHTIEST_K))
+
+
+def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:
+    """Bounds of all spreads, log₁₀: those of the density's parts, then s₀ and s_T as given."""
+    return (
+        np.array([-6.0, -6.0, -9.0, np.log10(ASTRAY[0]), np.log10(position[0]), np.log10(kelvin[0])]),
+        np.array([2.0, 2.0, 0.0, np.log10(ASTRAY[1]), np.log10(position[1]), np.log10(kelvin[1])]),
+    )
