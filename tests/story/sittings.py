@@ -7,7 +7,7 @@ from smarig.preisach.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
-from smarig.story.retelling import Subject
+from smarig.story.subject import Subject
 
 EXCURSIONS = (0.0, 60.0, 90.0, 50.0, 10.0, 80.0, 40.0, 100.0)
 LONG = ("validation", {"points": 8})

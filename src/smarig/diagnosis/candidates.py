@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from smarig.diagnosis import given
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Kind, Parameter, Planted
-from smarig.story.retelling import Retelling, Subject, retold
+from smarig.story.retelling import Retelling, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]

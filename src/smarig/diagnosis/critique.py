@@ -17,7 +17,8 @@ from smarig.diagnosis.nulls import nulls
 from smarig.diagnosis.refit import Refit, refit
 from smarig.model.effect import Kind
 from smarig.preisach.sensitivity import sensitivity
-from smarig.story.retelling import Retelling, Subject, retold
+from smarig.story.retelling import Retelling, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]

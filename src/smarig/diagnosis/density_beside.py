@@ -16,7 +16,8 @@ from smarig.identification.positive.fit import fit_positive, fit_table
 from smarig.identification.positive.observations import Observations
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_table import FodTable
-from smarig.story.retelling import Retelling, Subject, retold
+from smarig.story.retelling import Retelling, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 FAIR = 1e-14  # λ of the measure that begins it
@@ -33,35 +34,44 @@ def density_beside(story: Story, subject: Subject, like: Refit | None = None) ->
     if story.given:
         subject = replace(subject, hysteresis=_fitted(story, retold(story, subject), subject, None))
         return subject, _refitted(story, retold(story, subject), subject, like)
+    return _turned(story, _start(story, subject, like))
+
+
+def density_anew(
+    story: Story, subject: Subject, given: Everett, like: Refit | None = None
+) -> tuple[Subject, Refit]:
+    """As ``density_beside``, begun from the given model's density or from a positive measure of settled positions.
+
+    Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
+    """
+    if story.given:
+        return density_beside(story, subject, like)
+    fitted = _fitted(story, retold(story, subject), subject, FAIR)
+    starts = [_start(story, replace(subject, hysteresis=h), like) for h in (given, fitted)]
+    return _turned(story, max(starts, key=lambda start: start[2].log_evidence))
+
+
+def _start(story: Story, subject: Subject, like: Refit | None) -> tuple[Subject, Retelling, Refit]:
+    """A subject, how it retells the story, and its positions refitted."""
     told = retold(story, subject)
-    places, found = story.placed, _refitted(story.placed, told.placed, subject, like)
+    return subject, told, _refitted(story.placed, told.placed, subject, like)
+
+
+def _turned(story: Story, start: tuple[Subject, Retelling, Refit]) -> tuple[Subject, Refit]:
+    """From a start, as many turns as gain something."""
+    subject, told, found = start
     for _ in range(TURNS):
-        other = replace(subject, hysteresis=found.density)
-        again_told = retold(story, other)
-        again = _refitted(places, again_told.placed, other, found)
-        if again.log_evidence < found.log_evidence + ENOUGH:
+        again = _start(story, replace(subject, hysteresis=found.density), found)
+        if again[2].log_evidence < found.log_evidence + ENOUGH:
             break
-        subject, told, found = other, again_told, again
-    return subject, found if len(places.kinds) == len(story.kinds) else _refitted(story, told, subject, found)
+        subject, told, found = again
+    positions_alone = len(story.placed.kinds) == len(story.kinds)
+    return subject, found if positions_alone else _refitted(story, told, subject, found)
 
 
 def _refitted(story: Story, told: Retelling, subject: Subject, like: Refit | None) -> Refit:
     none = np.zeros((sum(len(r) for r in story.kinds), 0))
     return refit(story, told, subject, none, like)
-
-
-def begun(story: Story, subject: Subject, given: Everett, like: Refit | None = None) -> Subject:
-    """The subject with a density to begin from: the given model's, or a positive measure fitted to settled positions.
-
-    Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
-    """
-    if story.given:
-        return subject
-    places = story.placed
-    starts = [replace(subject, hysteresis=given)]
-    starts.append(replace(subject, hysteresis=_fitted(story, retold(story, subject), subject, FAIR)))
-    worth = [_refitted(places, retold(story, s).placed, s, like).log_evidence for s in starts]
-    return starts[int(np.argmax(worth))]
 
 
 def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | None) -> FodTable:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
-from smarig.diagnosis.density_beside import begun, density_beside
+from smarig.diagnosis.density_beside import density_anew, density_beside
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
 from smarig.diagnosis.search import Level, searched
@@ -26,7 +26,8 @@ from smarig.model.effect import Kind
 from smarig.model.given import GivenInput, judgeable
 from smarig.model.planted import kinds, kinds_of
 from smarig.record import Run, load_run
-from smarig.story.retelling import Subject, numerics, retold
+from smarig.story.retelling import numerics, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story, told
 
 NORMAL_95 = 1.96
@@ -217,7 +218,7 @@ def diagnose(
     story, subject = _told(given, taught)
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
-    base = density_beside(story, begun(story, subject, subject.hysteresis))[0]
+    base = density_anew(story, subject, subject.hysteresis)[0]
     first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
 
     def judge(s: Subject) -> Critique:

@@ -32,21 +32,42 @@ FAINT = 0.05  # of the mean mass: grains where the model has nothing
 class FreeDensity:
     """Cells of a triangle with believed masses (cells,) in strokes, seen through rows X (n, cells) of its unknowns.
 
-    ``faint`` (cells,): the scale of what may be there besides; ``parts``: columns (cells, k) of such mass, one array
-    for each scale of smoothness, and grains of variance ``faint`` after them.
+    ``faint`` (cells,): the scale of what may be there besides, as smooth as products of two ``hats`` (N, s + 1), one
+    array for each scale of smoothness; and grains of variance ``faint`` after them.
     """
 
     triangle: Triangle
     rows: csr_matrix
     mass: Array
     faint: Array
-    parts: tuple[Array, ...]
+    hats: tuple[Array, ...]
 
     @property
     def covariances(self) -> tuple[Array, ...]:
         """(n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then grains."""
-        shapes = [self.rows @ _below(self.triangle, part) for part in self.parts]
+        shapes = [self._seen(hats) for hats in self.hats]
         return (*(shape @ shape.T for shape in shapes), self._grains())
+
+    def _seen(self, hats: Array) -> Array:
+        """Outputs (n, products) of faint masses times each product of two hats.
+
+        A hat is narrow, so sums are taken over its own cells only; beyond them they change no more.
+        """
+        used = np.unique(self.rows.indices)
+        i, j = self.triangle.i[used], self.triangle.j[used]
+        across = _grid(self.triangle, self.faint[:, None]) * hats  # (α, β, hat over β)
+        np.cumsum(across, axis=1, out=across)
+        sums = []
+        for a, hat in enumerate(hats.T):
+            own = np.flatnonzero(hat)
+            if not own.size:  # between two cells
+                sums.append(np.zeros((used.size, a + 1)))
+                continue
+            low, high = own[0], own[-1] + 1
+            up_to = np.cumsum(hat[low:high, None, None] * across[low:high, :, : a + 1], axis=0)
+            here = up_to[np.clip(i - low, 0, high - low - 1), j]
+            sums.append(np.where((i >= low)[:, None], here, 0.0))
+        return np.asarray(csr_matrix(self.rows[:, used]) @ np.concatenate(sums, axis=1))
 
     def _grains(self) -> Array:
         """Two outputs share the grains of the cells that lie below both."""
@@ -68,9 +89,14 @@ class FreeDensity:
         """
         begun = self.mass if mass is None else mass
         felt = _grid(self.triangle, (self.rows.T @ pull)[:, None])[::-1, ::-1]
-        cells = np.cumsum(np.cumsum(felt, axis=0), axis=1)[::-1, ::-1][self.triangle.i, self.triangle.j, 0]
-        more = [w * part @ (part.T @ cells) for w, part in zip(variances, self.parts)]
-        grains = variances[len(self.parts)] * self.faint * cells
+        i, j = self.triangle.i, self.triangle.j
+        cells = np.cumsum(np.cumsum(felt, axis=0), axis=1)[::-1, ::-1][i, j, 0]
+        pulled = _grid(self.triangle, (self.faint * cells)[:, None])[:, :, 0]
+        more = [
+            w * self.faint * (hats @ np.tril(hats.T @ pulled @ hats) @ hats.T)[i, j]
+            for w, hats in zip(variances, self.hats)
+        ]
+        grains = variances[len(self.hats)] * self.faint * cells
         return np.maximum(begun + np.sum(more, axis=0) + grains, np.minimum(self.mass, 0.0))
 
 
@@ -87,7 +113,7 @@ def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) ->
     mass = _believed(triangle, hysteresis)
     faint = np.abs(mass) / (np.abs(mass).sum() or 1.0)
     faint += FAINT * faint.mean()
-    return FreeDensity(triangle, X, mass, faint, tuple(faint[:, None] * _hats(triangle, n) for n in SCALES))
+    return FreeDensity(triangle, X, mass, faint, tuple(_hats(triangle, n) for n in SCALES))
 
 
 def _grid(triangle: Triangle, columns: Array) -> Array:
@@ -105,13 +131,10 @@ def _below(triangle: Triangle, columns: Array) -> Array:
 
 
 def _hats(triangle: Triangle, n: int) -> Array:
-    """Bilinear hats on a grid of n intervals over the even scale, at the middles of cells: (cells, hats)."""
+    """Hats on a grid of n intervals over the even scale, at the middles of cells: (N, n + 1)."""
     place = _along(triangle)
     middle = (place[1:] + place[:-1]) / 2
-    nodes = np.linspace(0, 1, n + 1)
-    hat = np.maximum(0.0, 1 - n * np.abs(middle[:, None] - nodes[None, :]))
-    rows, columns = np.tril_indices(n + 1)
-    return hat[triangle.i][:, rows] * hat[triangle.j][:, columns]
+    return np.maximum(0.0, 1 - n * np.abs(middle[:, None] - np.linspace(0, 1, n + 1)))
 
 
 def _along(triangle: Triangle) -> Array:

@@ -16,7 +16,8 @@ from smarig.diagnosis import given
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.refit import Noise
 from smarig.record import Run
-from smarig.story.retelling import Retelling, Subject, retold
+from smarig.story.retelling import Retelling, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story, told
 
 Array = NDArray[np.float64]

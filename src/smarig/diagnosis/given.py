@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from smarig.preisach.sensitivity import sensitivity
 from smarig.story.given import noise_of
-from smarig.story.retelling import Retelling, Subject
+from smarig.story.retelling import Retelling
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]

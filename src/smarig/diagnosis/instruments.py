@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis import given
-from smarig.story.retelling import Retelling, Subject
+from smarig.story.retelling import Retelling
+from smarig.story.subject import Subject
 from smarig.story.told import Readings, Story
 
 Array = NDArray[np.float64]

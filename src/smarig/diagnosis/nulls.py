@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from smarig.diagnosis.refit import Refit
-from smarig.story.retelling import Retelling, Subject
+from smarig.story.retelling import Retelling
+from smarig.story.subject import Subject
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def nulls(told: Retelling, subject: Subject, refitted: Refit, count: int, seed: 
     y = np.empty((size, count))
     still = told.lived(h, initial, felt)[at]
     for k in range(count):
-        moved = told.lived(h, initial, felt + noise.temperature_K * noises[k])[at] - still
+        moved = told.lived(h, initial, felt + noise.temperature_K * noises[k], count)[at] - still
         y[:n, k] = refitted.fitted + told.follows * moved + rng.standard_normal(n) * noise.white
         y[n:, k] = rng.standard_normal(size - n) * refitted.scale[n:]
     scaled = y / refitted.scale[:, None]

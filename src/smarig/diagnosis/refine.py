@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Parameter, Planted
 from smarig.preisach.everett import Everett
-from smarig.story.retelling import Subject, about, retold
+from smarig.story.retelling import about, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]

@@ -20,7 +20,8 @@ from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.posterior import Posterior
 from smarig.diagnosis.spreads import DRAUGHTY, START, bounds_of, likeliest, noise, own
 from smarig.preisach.fod_table import FodTable
-from smarig.story.retelling import COUPLED, Retelling, Subject, retold
+from smarig.story.retelling import COUPLED, Retelling, retold
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]

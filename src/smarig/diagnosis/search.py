@@ -10,12 +10,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from smarig.diagnosis.critique import Critique
-from smarig.diagnosis.density_beside import begun, density_beside
+from smarig.diagnosis.density_beside import density_anew, density_beside
 from smarig.diagnosis.refine import Refined, refined
 from smarig.diagnosis.refit import Refit
 from smarig.model.effect import Planted
 from smarig.preisach.everett import Everett
-from smarig.story.retelling import Subject
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Judge = Callable[[Subject], Critique]
@@ -152,24 +152,19 @@ def _weighed(
     return gained, tuple(weighed)
 
 
-def _begun(story: Story, subject: Subject, given: Everett, like: Refit) -> tuple[Subject, Refit]:
-    """The subject with the density that belongs to its effects, not to others: each begins anew."""
-    return density_beside(story, begun(story, subject, given, like), like)
-
-
 def _strong(story: Story, subject: Subject, given: Everett, like: Refit) -> tuple[Subject, Refit]:
-    """As ``_begun``, at the first of once, twice, four times … the last effect's strength that is better than the next.
+    """With a density of its own, at the first of once, twice, four times … the last strength that beats the next.
 
     A density hides most of what a weak effect does, so a fit beside the wrong one begins too low.
     """
-    found = _begun(story, subject, given, like)
+    found = density_anew(story, subject, given, like)
     while True:
         *others, last = subject.planted
         primary, strength = last.kind.primary, 2 * last.strength
         if not (primary.lower <= strength <= primary.upper and strength):
             return found
         subject = replace(subject, effects=(*others, last.kind(**last.values | {primary.name: strength})))
-        again = _begun(story, subject, given, like)
+        again = density_anew(story, subject, given, like)
         if again[1].log_evidence <= found[1].log_evidence:
             return found
         found = again
@@ -186,7 +181,7 @@ def _explanation(story: Story, subject: Subject, given: Everett, refitted: Refit
         if fine.moved < STILL:
             break
         effects = fine.beyond(subject.planted, farther)
-        other, again = _begun(story, replace(subject, effects=effects), given, refitted)
+        other, again = density_anew(story, replace(subject, effects=effects), given, refitted)
         if again.log_evidence > refitted.log_evidence:
             subject, refitted, farther = other, again, FASTER * farther
         elif farther > 1.0:

@@ -13,7 +13,7 @@ from scipy.optimize import OptimizeResult, minimize
 
 from smarig.diagnosis import given
 from smarig.diagnosis.instruments import raw_noise
-from smarig.story.retelling import Subject
+from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 Array = NDArray[np.float64]

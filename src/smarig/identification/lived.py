@@ -20,7 +20,8 @@ from smarig.model.given import GivenInput
 from smarig.model.planted import from_json
 from smarig.record import Run, load_run
 from smarig.story.given import driven_by_input, told_by_input
-from smarig.story.retelling import Subject, positions, retold
+from smarig.story.retelling import positions, retold
+from smarig.story.subject import Subject
 from smarig.story.told import told
 
 Array = NDArray[np.float64]

@@ -37,7 +37,8 @@ class Preisach:
     """Preisach operator y = Γ[u] for a FOD surface, a FOD table or a measure of relays.
 
     ``compiled``: None compiles the loop with numba (extra ``fast``) where it is installed and the input is
-    long enough to be worth it; True always, False never. The loop is the same.
+    long enough to be worth it, or the ``samples`` are that are still to come; True always, False never. The loop
+    is the same.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> wire = Preisach.from_surface(surface("one_c"))
@@ -50,7 +51,12 @@ class Preisach:
     y: float
 
     def __init__(
-        self, hysteresis: Everett, initial: Initial = "negative", *, compiled: bool | None = None
+        self,
+        hysteresis: Everett,
+        initial: Initial = "negative",
+        *,
+        compiled: bool | None = None,
+        samples: int = 0,
     ) -> None:
         if not hasattr(hysteresis, "everett"):
             raise UsageError(
@@ -60,7 +66,7 @@ class Preisach:
         self.hysteresis = hysteresis
         self._keyed = keyed(hysteresis)
         self._params, self._run = self._keyed.params, plain(self._keyed.between)
-        self._compiled = compiled
+        self._compiled, self._samples = compiled, samples
         self._lower, self._upper = hysteresis.lower, hysteresis.upper
         self.reset(initial)
 
@@ -238,7 +244,11 @@ class Preisach:
     def _drive(self, inputs: Array, y: Array, released: Array | None = None) -> None:
         if inputs.size:
             way = Way(self.u, self.y, inputs, self._lower, self._upper, released)
-            loop = fast.follow if fast.worth(self._keyed, inputs.size, self._compiled) else follow
+            loop = (
+                fast.follow
+                if fast.worth(self._keyed, max(inputs.size, self._samples), self._compiled)
+                else follow
+            )
             loop(self._keyed, self._stack, way, y)
             self._stand(min(max(float(inputs[-1]), self._lower), self._upper), float(y[-1]))
 

@@ -11,39 +11,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.model.actuator import Actuator
-from smarig.model.effect import Effect, Planted
+from smarig.model.effect import Effect
 from smarig.model.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach, State
+from smarig.story.life import Life, lived
 from smarig.story.sittings import offsets
+from smarig.story.subject import Subject
 from smarig.story.told import Drive, Story
 
 Array = NDArray[np.float64]
 
 COUPLED = ("settled", "moving", "resistance")  # kinds of readings that follow the operator's output
-
-
-@dataclass(frozen=True, eq=False)
-class Subject:
-    """What is believed of the wire: constants, hysteresis, the state the story begins in, known effects."""
-
-    actuator: Actuator
-    hysteresis: Everett
-    initial: Initial
-    effects: tuple[Effect, ...] = ()
-    per_count: float = 0.0
-
-    @property
-    def planted(self) -> tuple[Planted, ...]:
-        """Its effects that the catalogue knows."""
-        return tuple(e for e in self.effects if isinstance(e, Planted))
-
-    @property
-    def stroke(self) -> float:
-        """Output between both saturations."""
-        h = self.hysteresis
-        return h.everett(h.upper, h.lower) or 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +48,12 @@ class Retelling:
         """Which sitting each coupled reading (n,) is of."""
         return np.searchsorted(self.begins, self.marks, side="right") - 1
 
-    def lived(self, hysteresis: Everett, initial: Initial, felt_K: Array) -> Array:
-        """Outputs (m,) of a hysteresis along a path felt, (m,), from the initial state in every sitting."""
-        operator = Preisach(hysteresis, initial)
+    def lived(self, hysteresis: Everett, initial: Initial, felt_K: Array, times: int = 1) -> Array:
+        """Outputs (m,) of a hysteresis along a path felt, (m,), from the initial state in every sitting.
+
+        ``times``: how many such paths are to be lived.
+        """
+        operator = Preisach(hysteresis, initial, samples=times * felt_K.size)
         return np.concatenate(
             [operator.simulate(part, initial) for part in np.split(felt_K, self.begins[1:])]
         )
@@ -108,19 +90,44 @@ def retold(story: Story, subject: Subject, effects: Sequence[Effect] = ()) -> Re
 
 
 def _retold(story: Story, subject: Subject, effects: Sequence[Effect]) -> Retelling:
-    plant = Plant(subject.actuator, subject.hysteresis, subject.initial, 0.1, (*subject.effects, *effects))
-    t, current, marks = story.ticks
-    told = _Told(subject, story.ohms_by_command)
-    felt = np.empty(t.size)
-    before = 0.0
-    for k, (now, i, mark) in enumerate(zip(t.tolist(), current.tolist(), marks.tolist())):
-        plant.advance(i, now - before)
-        before = now
-        felt[k] = plant.felt_K
-        told.sensed(plant)
-        if mark:
-            told.read(now, plant, i)
-    return told.finished(story, t, felt, np.flatnonzero(marks).astype(np.int64))
+    life = lived(story, subject, (*subject.effects, *effects))
+    t, _, read = story.ticks
+    rows = {r.kind: np.searchsorted(t[read], np.round(r.t_s, 6)) for r in story.kinds}
+    coupled = np.concatenate([rows[k] for k in COUPLED if k in rows])
+    own = {"current": life["current_A"] - life["command_A"], "room": life["ambient_K"]}
+    if "resistance" in rows:
+        own["resistance"] = _ohms(life, subject, by_command=story.ohms_by_command)
+    position = life["counts"] * (subject.per_count or 1.0)
+    return Retelling(
+        {kind: own.get(kind, position)[k] for kind, k in rows.items()},
+        t,
+        life.felt_K,
+        tuple(life.states[k] for k in coupled),
+        life["output"][coupled],
+        np.flatnonzero(read)[coupled],
+        np.concatenate([_follows(k, life["command_A"][rows[k]], subject) for k in COUPLED if k in rows]),
+    )
+
+
+def _ohms(life: Life, subject: Subject, *, by_command: bool) -> Array:
+    """Resistance (n,) of the wire that carries the current; over the current asked for, where none was measured."""
+    wire, h, command = subject.actuator, subject.hysteresis, life["command_A"]
+    austenite = (life["output"] - h.y_lower) / subject.stroke
+    austenite = np.where((command < 0) & wire.two_wire, 1 - austenite, austenite)
+    ohms = np.array([wire.resistance_at_ohm(a) for a in austenite.tolist()]) * life["resistance"]
+    some = command != 0
+    if by_command:
+        ohms[some] *= life["current_A"][some] / command[some]
+    return ohms
+
+
+def _follows(kind: str, command_A: Array, subject: Subject) -> Array:
+    """∂(reading)/∂(output), (n,): a resistance follows the austenite of the wire that carries the current."""
+    if kind != "resistance":
+        return np.ones(command_A.size)
+    wire = subject.actuator
+    per_stroke = wire.resistance_at_ohm(1.0) - wire.resistance_at_ohm(0.0)
+    return np.where((command_A < 0) & wire.two_wire, -1.0, 1.0) * per_stroke / subject.stroke
 
 
 def positions(drive: Drive, subject: Subject, at_s: Array) -> Array:
@@ -133,68 +140,6 @@ def positions(drive: Drive, subject: Subject, at_s: Array) -> Array:
         before = now
         seen[k] = plant.sensed(plant.position / per_count) * per_count
     return np.interp(at_s, t, seen)
-
-
-class _Told:
-    """Collects what the plant showed at the times of readings."""
-
-    def __init__(self, subject: Subject, ohms_by_command: bool) -> None:
-        self.by_command = ohms_by_command
-        self.wire, self.per_count = subject.actuator, subject.per_count or 1.0
-        self.times: list[float] = []
-        self.stroke = subject.stroke
-        self.rows: list[tuple[float, ...]] = []
-        self.states: list[State] = []
-        self.counts = 0.0
-
-    def sensed(self, plant: Plant) -> None:
-        """The sensor sees every tick, because it may have a memory."""
-        self.counts = plant.sensed(plant.position / self.per_count)
-
-    def read(self, now: float, plant: Plant, command_A: float) -> None:
-        """One row of everything there is to read."""
-        mirrored = command_A < 0 and self.wire.two_wire
-        austenite = 1 - plant.austenite if mirrored else plant.austenite
-        resistance = self.wire.resistance_at_ohm(austenite) * plant.now.resistance
-        if self.by_command and command_A:
-            resistance *= plant.current(command_A) / command_A
-        self.times.append(now)
-        self.rows.append(
-            (
-                self.counts * self.per_count,
-                plant.operator.y,
-                resistance,
-                plant.current(command_A) - command_A,
-                command_A,
-                plant.now.ambient_K,
-            )
-        )
-        self.states.append(plant.operator.state)
-
-    def finished(self, story: Story, t: Array, felt: Array, marks: NDArray[np.int64]) -> Retelling:
-        """Rows sorted to the readings they belong to."""
-        table = np.array(self.rows)
-        column = {"settled": 0, "moving": 0, "resistance": 2, "current": 3, "room": 5}
-        at = {r.kind: np.searchsorted(self.times, np.round(r.t_s, 6)) for r in story.kinds}
-        rows = np.concatenate([at[k] for k in COUPLED if k in at])
-        slope = np.concatenate([self._slope(k, table[at[k], 4]) for k in COUPLED if k in at])
-        return Retelling(
-            {kind: table[rows, column[kind]] for kind, rows in at.items()},
-            t,
-            felt,
-            tuple(self.states[k] for k in rows),
-            table[rows, 1],
-            marks[rows],
-            slope,
-        )
-
-    def _slope(self, kind: str, command_A: Array) -> Array:
-        """∂(reading)/∂(operator's output): a resistance follows the austenite of the wire that carries the current."""
-        if kind != "resistance":
-            return np.ones(command_A.size)
-        per_stroke = self.wire.resistance_at_ohm(1.0) - self.wire.resistance_at_ohm(0.0)
-        sign = np.where((command_A < 0) & self.wire.two_wire, -1.0, 1.0)
-        return sign * per_stroke / self.stroke
 
 
 def _in_turn(story: Story, parts: Sequence[Retelling]) -> Retelling:

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from smarig.benchmark.boxes import Label, Sealed, draw, generate
+from smarig.diagnosis.density_beside import density_anew
 from smarig.diagnosis.diagnose import Diagnosis, diagnose
 from smarig.errors import SmarigError
 from smarig.identification.identify import identify
+from smarig.model.effect import Effect
 from smarig.model.planted import from_json
 from smarig.record import load_run
-from smarig.story.retelling import retold
 
 Record = dict[str, Any]
 SURFACE = "positive"
@@ -74,14 +75,23 @@ def _truth(label: Label) -> Record:
 
 
 def _opened(label: Label, found: Diagnosis) -> Record:
-    """The truth, and δ of each hidden effect: what no density explains of it, in noises, rms over all readings."""
-    critique = found.levels[-1].critique if found.levels else found.first
-    story, subject = found.story, found.first.subject
-    bare = replace(subject, effects=())
-    plain = retold(story, bare).stacked(story)
-    deltas = {}
-    for name, values in label.effects.items():
-        effect = from_json([{"name": name, "parameters": values}])
-        trace = critique.refitted.whitened(retold(story, bare, effect).stacked(story) - plain)
-        deltas[name] = float(np.sqrt(np.mean(trace**2)))
+    """The truth, and δ of each hidden effect: √(2/N) of the nats by which the truth beats the truth without it.
+
+    Densities are identified anew beside either, so what a density takes up counts for nothing.
+    """
+    story = found.story
+    subject = replace(found.first.subject, effects=())
+    hidden = from_json([{"name": name, "parameters": values} for name, values in label.effects.items()])
+
+    def worth(effects: tuple[Effect, ...]) -> float:
+        given = found.first.subject.hysteresis
+        like = found.first.refitted
+        return density_anew(story, replace(subject, effects=effects), given, like)[1].log_evidence
+
+    whole = worth(hidden) if hidden else 0.0
+    n = sum(len(r) for r in story.kinds)
+    deltas = {
+        name: float(np.sqrt(2 * max(whole - worth(tuple(e for e in hidden if e is not one)), 0.0) / n))
+        for name, one in zip(label.effects, hidden)
+    }
     return _truth(label) | {"delta": deltas}

@@ -1,0 +1,91 @@
+"""From the current to what the hysteresis feels: room, amplifier, heat, and the effects on the way.
+
+Looks at the hysteresis only where an effect does (a moment tells the output); a ``Blind`` moment tells none, so what
+is felt under one is the same whatever the hysteresis. Knows no output map and no sensor.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from smarig.model.actuator import Actuator
+from smarig.model.effect import Hook, Moment, Stage
+from smarig.model.given import heating_of
+
+FINE_K, MOST_PARTS = 1.0, 50  # of a tick of any length, where heat depends on the output
+EARLY = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, Stage.LAG, Stage.INPUT)
+
+
+@dataclass(slots=True)
+class Blind:
+    """A moment before the hysteresis moves: of output, austenite, travel and cycles it has no attribute."""
+
+    t_s: float = 0.0
+    dt_s: float = 0.1
+    command_A: float = 0.0
+    current_A: float = 0.0
+    resistance: float = 1.0
+    ambient_K: float = 0.0
+    source_K: float = 0.0
+    input_K: float = 0.0
+    felt_K: float = 0.0
+
+
+class Warming:
+    """Temperatures of the wire(s), and what the effects of the early stages make of them."""
+
+    def __init__(
+        self, actuator: Actuator, chains: Mapping[Stage, tuple[Hook, ...]], now: "Moment | Blind"
+    ) -> None:
+        self.heating = heating_of(actuator, now.dt_s)
+        self.now = now
+        self._chains = {stage: chains[stage] for stage in EARLY}
+        self._couples = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
+
+    def parts(self, current_A: float, dt_s: float) -> int:
+        """How often a tick is cut, so that the heat of a transformation or of another wire acts as it goes."""
+        heating = self.heating
+        heating.tick(dt_s)
+        if not self._couples:
+            return 1
+        ends = heating.ends(heating.source(current_A))
+        far = max(abs(end - now) for end, now in zip(ends, heating.wire_K)) * (1 - heating.decay)
+        parts = min(1 + int(far / FINE_K), MOST_PARTS)
+        if parts > 1:
+            heating.tick(dt_s / parts)
+        return parts
+
+    def felt(self, current_A: float, disturbance_K: float, t_s: float) -> float:
+        """One tick; the moment tells all that led to it."""
+        now, at, heating = self.now, self._chains, self.heating
+        now.t_s, now.command_A = t_s, current_A
+        now.ambient_K = through(at[Stage.AMBIENT], 0.0, now)
+        now.current_A = through(at[Stage.CURRENT], current_A, now)
+        now.resistance = through(at[Stage.RESISTANCE], 1.0, now)
+        now.input_K = heating.input_K  # before the tick, above the room: what heat is lost and stored by
+        now.source_K = through(at[Stage.SOURCE], heating.source(now.current_A) * now.resistance, now)
+        room_K = 0.0 if heating.two_wire else now.ambient_K  # common to both wires: T₁ − T₂ does not see it
+        now.input_K = heating.relax(now.source_K, *self._lags()) + room_K + disturbance_K
+        now.felt_K = through(at[Stage.INPUT], now.input_K, now)
+        return now.felt_K
+
+    def _lags(self) -> tuple[float, ...]:
+        """The lag of each wire, none when nothing changes it.
+
+        Wires cool by themselves: to each its own temperature and its own end stand for the source and the input.
+        """
+        hooks, now, heating = self._chains[Stage.LAG], self.now, self.heating
+        if not hooks:
+            return ()
+        lags, source_K = [], now.source_K
+        for k in range(2 if heating.two_wire else 1):
+            now.source_K, now.input_K = heating.ends(source_K)[k], heating.wire_K[k]
+            lags.append(through(hooks, 1.0, now))
+        now.source_K = source_K
+        return tuple(lags)
+
+
+def through(hooks: tuple[Hook, ...], value: float, now: "Moment | Blind") -> float:
+    """A value past the hooks of one stage."""
+    for hook in hooks:
+        value = hook(value, now)  # pyright: ignore[reportArgumentType] - who asks a blind one for more, is told
+    return value

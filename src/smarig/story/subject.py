@@ -1,0 +1,30 @@
+"""Who lives through a story: what is believed of the wire, and of the state it begins in. Knows no story."""
+
+from dataclasses import dataclass
+
+from smarig.model.actuator import Actuator
+from smarig.model.effect import Effect, Planted
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """Constants, hysteresis, the state the story begins in, known effects; output units per count, 0 where unknown."""
+
+    actuator: Actuator
+    hysteresis: Everett
+    initial: Initial
+    effects: tuple[Effect, ...] = ()
+    per_count: float = 0.0
+
+    @property
+    def planted(self) -> tuple[Planted, ...]:
+        """Its effects that the catalogue knows."""
+        return tuple(e for e in self.effects if isinstance(e, Planted))
+
+    @property
+    def stroke(self) -> float:
+        """Output between both saturations."""
+        h = self.hysteresis
+        return h.everett(h.upper, h.lower) or 1.0
