@@ -247,7 +247,7 @@ def test_a_named_candidate_has_a_variant_for_every_combination_worth_trying(live
 
 
 def test_generic_candidates_touch_only_the_readings_they_speak_of(lived):
-    story, _, base, _ = lived
+    story, subject, base, _ = lived
     slope = np.ones(base.output.size)
     rows = {}
     at = 0
@@ -255,7 +255,7 @@ def test_generic_candidates_touch_only_the_readings_they_speak_of(lived):
         rows[r.kind] = slice(at, at + len(r))
         at += len(r)
     positions = rows["settled"].stop - rows["settled"].start + rows["moving"].stop - rows["moving"].start
-    found = {c.name: c for c in generic(story, base, slope)}
+    found = {c.name: c for c in generic(story, subject, base, slope)}
     assert {"?time", "?level", "?hold", "?history", "?time of resistance", "?level of room"} <= set(found)
     for name, candidate in found.items():
         assert candidate.generic

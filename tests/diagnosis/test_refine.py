@@ -51,7 +51,7 @@ def walked(tmp_path_factory):
     story = told(runs, wire.actuator.tau_s)
     told_ = retold(story, subject)
     trace = retold(story, subject, [walking(0.1)]).stacked(story) - told_.stacked(story)
-    return story, subject, refit(story, told_, subject, trace[:, None])
+    return story, subject, refit(story, told_, subject, [trace[:, None]])
 
 
 def fitted(walked, strength):

@@ -25,7 +25,7 @@ def subject(hysteresis=None):
 
 
 def refitted(story, subject):
-    return refit(story, retold(story, subject), subject, np.zeros((len(story.settled), 0)))
+    return refit(story, retold(story, subject), subject)
 
 
 def off(story, hysteresis):

@@ -11,4 +11,4 @@ def test_nothing_is_searched_where_nothing_stands_out():
     def judge(subject):
         pytest.fail("a silent critique was judged again")
 
-    assert searched(SimpleNamespace(silent=True), None, judge) == []
+    assert searched(SimpleNamespace(silent=True), None, judge, 0.0) == []

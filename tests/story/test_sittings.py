@@ -144,7 +144,7 @@ def test_no_draught_lasts_from_one_sitting_to_the_next(joined, correlation_s):
 def refitted(runs, **changes):
     subject = replace(believed()[0], per_count=believed()[1], **changes)
     story = told(runs, TAU_S)
-    return refit(story, retold(story, subject), subject, np.zeros((sum(len(r) for r in story.kinds), 0)))
+    return refit(story, retold(story, subject), subject)
 
 
 def test_each_sitting_has_an_encoders_zero_of_its_own(apart):

@@ -22,6 +22,7 @@ from smarig.story.told import Story
 Array = NDArray[np.float64]
 WEAK = 0.25  # of the typical strength: where a trace is still in proportion
 FAR = 3.0  # times a strength that was tried
+EXPECTED = 0.01  # of output and of input range: what may depend on any variable
 SEEN = 4.0  # standard deviations that the largest strength must stand out by
 
 
@@ -40,6 +41,14 @@ class Candidate:
     planted: tuple[Planted, ...] = ()
     depends_on: str = ""
     size: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def typical(self) -> list[Array]:
+        """Raw traces as large as one would expect, those together that go together: each (N, k)."""
+        if self.kind is None:
+            return [self.traces]
+        typical = abs(self.kind.primary.typical)
+        return [t[:, None] * (typical / abs(p.strength)) for t, p in zip(self.traces.T, self.planted)]
 
     @property
     def generic(self) -> bool:
@@ -126,18 +135,19 @@ def _tries(parameter: Parameter, hours: float) -> tuple[float, ...]:
     return tuple(float(np.clip(t * unit, parameter.lower, parameter.upper)) for t in tries)
 
 
-def generic(story: Story, base: Retelling, slope: Array) -> Iterator[Candidate]:
+def generic(story: Story, subject: Subject, base: Retelling, slope: Array) -> Iterator[Candidate]:
     """ "It depends on z", for each z the story knows: added or felt, five smooth functions each; raw traces.
 
     Other channels may depend on time and level by themselves.
     """
-    total = sum(len(r) for r in story.kinds)
+    total, h = sum(len(r) for r in story.kinds), subject.hysteresis
+    added, felt = EXPECTED * subject.stroke, EXPECTED * (h.upper - h.lower)
     at = 0
     for r in story.kinds:
         if r.kind not in ("settled", "moving"):
             for name, z in {"time": r.t_s, "level": story.target_K[r.step]}.items():
                 traces = np.zeros((total, min(5, np.unique(z).size - 1)))
-                traces[at : at + len(r)] = _smooth(z)
+                traces[at : at + len(r)] = EXPECTED * (float(np.ptp(r.value)) or 1.0) * _smooth(z)
                 yield Candidate(f"?{name} of {r.kind}", traces, depends_on=name)
         at += len(r)
     variables = given.variables(story, base) if story.given else _variables(story, base)
@@ -145,11 +155,11 @@ def generic(story: Story, base: Retelling, slope: Array) -> Iterator[Candidate]:
         basis = _smooth(z)
         if not basis.shape[1]:
             continue
-        both = np.column_stack([basis, basis * slope[: z.size, None]])
+        both = np.column_stack([added * basis, felt * basis * slope[: z.size, None]])
         traces = np.zeros((total, both.shape[1]))
         traces[: z.size] = both
         yield Candidate(f"?{name}", traces, depends_on=name)
-    for name, traces in given.rate(story, base, slope) if story.given else ():
+    for name, traces in given.rate(story, base, added, felt * slope) if story.given else ():
         yield Candidate(f"?{name}", traces, depends_on=name)
 
 

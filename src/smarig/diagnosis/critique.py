@@ -87,15 +87,30 @@ def critique(
     alpha: float = ALPHA,
     seed: int = 0,
     like: Critique | None = None,
+    wary: bool = False,
+    noise_of: Critique | None = None,
 ) -> Critique:
-    """Judge a subject by a story against ``count`` nulls at the level α; ``like``: noise as in another, refined."""
+    """Judge a subject by a story against ``count`` nulls at the level α.
+
+    ``like``: noise as in another, refined; ``noise_of``: noise as in another; ``wary``: as little noise as there is
+    when anything may be wrong.
+    """
     told = retold(story, subject)
     known = {effect.kind.name for effect in subject.planted}
     kinds = [kind for kind in kinds if kind.name not in known]
     h: Any = subject.hysteresis  # every hysteresis of a model can be differentiated
     slope = np.array([sensitivity(h, state)[-1] for state in told.states]) * told.follows
-    raw = [*named(story, subject, told, kinds), *generic(story, told, slope)]
-    refitted = refit(story, told, subject, np.column_stack([c.traces for c in raw]), like and like.refitted)
+    raw = [*named(story, subject, told, kinds), *generic(story, subject, told, slope)]
+    suspects = [traces for c in raw for traces in c.typical]
+    refitted = refit(
+        story,
+        told,
+        subject,
+        suspects,
+        like and like.refitted,
+        wary=wary,
+        noise_of=noise_of and noise_of.refitted,
+    )
     empty = nulls(told, subject, refitted, count, seed)
     scores, standard = [], []
     for candidate in (whitened(c, refitted) for c in raw):

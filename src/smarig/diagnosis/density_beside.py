@@ -70,8 +70,7 @@ def _turned(story: Story, start: tuple[Subject, Retelling, Refit]) -> tuple[Subj
 
 
 def _refitted(story: Story, told: Retelling, subject: Subject, like: Refit | None) -> Refit:
-    none = np.zeros((sum(len(r) for r in story.kinds), 0))
-    return refit(story, told, subject, none, like)
+    return refit(story, told, subject, (), like)
 
 
 def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | None) -> FodTable:

@@ -6,6 +6,7 @@ Puts the parts of this folder in order. Refuses to know rigs and pages.
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
 from smarig.diagnosis.density_beside import density_anew, density_beside
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
-from smarig.diagnosis.search import Level, searched
+from smarig.diagnosis.search import GATE_SILENT, Level, searched
 from smarig.diagnosis.verdict import Verdict, decided
 from smarig.diagnosis.visibility import Visibility, visibility
 from smarig.errors import UsageError
@@ -25,6 +26,7 @@ from smarig.identification.origin import provenance
 from smarig.model.effect import Kind
 from smarig.model.given import GivenInput, judgeable
 from smarig.model.planted import kinds, kinds_of
+from smarig.preisach.everett import Everett
 from smarig.record import Run, load_run
 from smarig.story.retelling import numerics, retold
 from smarig.story.subject import Subject
@@ -218,14 +220,9 @@ def diagnose(
     story, subject = _told(given, taught)
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
-    base = density_anew(story, subject, subject.hysteresis)[0]
-    first = critique(story, base, catalogue, count=nulls, alpha=alpha, seed=seed)
-
-    def judge(s: Subject) -> Critique:
-        say("with " + " and ".join(e.kind.name for e in s.planted))
-        return critique(story, s, catalogue, count=nulls, alpha=alpha, seed=seed, like=first)
-
-    levels = searched(first, subject.hysteresis, judge)
+    base, plain = density_anew(story, subject, subject.hysteresis)
+    judge = partial(critique, story, kinds=catalogue, count=nulls, alpha=alpha, seed=seed)
+    first, levels = _searched(judge, base, subject.hysteresis, plain.log_evidence, say)
     verdict = decided(first, levels)
     extended = base
     if levels and verdict.explanations:
@@ -253,6 +250,31 @@ def diagnose(
         nulls,
         time.monotonic() - started,
     )
+
+
+def _searched(
+    judge: Callable[..., Critique],
+    base: Subject,
+    given: Everett,
+    evidence: float,
+    say: Callable[[str], None],
+) -> tuple[Critique, list[Level]]:
+    """The base's critique and what the search finds.
+
+    Where nothing stands out, a large effect may have passed for noise: with as little noise as there may be, an
+    explanation that is beyond doubt is looked for, and if there is one, the noise is what it leaves.
+    """
+    first = judge(base)
+
+    def judged(subject: Subject) -> Critique:
+        say("with " + " and ".join(e.kind.name for e in subject.planted))
+        return judge(subject, like=first)
+
+    if not first.silent:
+        return first, searched(first, given, judged, evidence)
+    levels = searched(judge(base, wary=True), given, judged, evidence, GATE_SILENT)
+    again = judge(base, noise_of=levels[0].critique) if levels else first
+    return (first, []) if again.silent else (again, levels)
 
 
 def _check(alpha: float, nulls: int) -> None:

@@ -70,8 +70,11 @@ def variables(story: Story, base: Retelling) -> dict[str, Array]:
     }
 
 
-def rate(story: Story, base: Retelling, slope: Array) -> Iterator[tuple[str, Array]]:
-    """("rate", raw traces (n, 8)) where runs of a clock differ in their rate, else nothing."""
+def rate(story: Story, base: Retelling, added: float, felt: Array) -> Iterator[tuple[str, Array]]:
+    """("rate", raw traces (n, 8)) where runs of a clock differ in their rate, else nothing.
+
+    ``added`` is an output, ``felt`` (n,) what an input adds, as large as may be expected.
+    """
     z = np.log(np.maximum(story.speed, 1e-12))
     if story.given != "clock" or np.ptp(z) < np.log(SPEEDS):
         return
@@ -79,6 +82,6 @@ def rate(story: Story, base: Retelling, slope: Array) -> Iterator[tuple[str, Arr
     y = base.values["settled"]
     level = (y - y.mean()) / (np.std(y) or 1.0)
     sense = np.sign(np.diff(story.target_K, prepend=story.target_K[0]))
-    shapes = (np.ones(z.size), level, slope, slope * sense)
+    shapes = (np.full(z.size, added), added * level, felt, felt * sense)
     waves = (place, (3 * place**2 - 1) / 2)
     yield "rate", np.column_stack([w * s for w in waves for s in shapes])

@@ -6,7 +6,7 @@ How smooth, and how large the noise, are those of largest likelihood. An effect'
 ½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone could. Knows no effects.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,8 @@ from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.instruments import apart, own_means, speed, units
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.posterior import Posterior
-from smarig.diagnosis.spreads import DRAUGHTY, START, bounds_of, likeliest, noise, own
+from smarig.diagnosis.spreads import DRAUGHTY, START, Stack, bounds_of, noise, own
+from smarig.diagnosis.suspects import suspect
 from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import COUPLED, Retelling, retold
 from smarig.story.subject import Subject
@@ -26,8 +27,6 @@ from smarig.story.told import Story
 
 Array = NDArray[np.float64]
 CORRELATIONS_S = (120.0, 30.0, 300.0)
-LEADING = 25  # directions of what may be wrong that noise is not judged by
-_BIG = 30.0  # sd of the strength of a trace that is left out, in ranges
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +84,20 @@ class Refit:
 
 
 def refit(
-    story: Story, told: Retelling, subject: Subject, traces: Array, like: "Refit | None" = None
+    story: Story,
+    told: Retelling,
+    subject: Subject,
+    suspects: Sequence[Array] = (),
+    like: "Refit | None" = None,
+    *,
+    wary: bool = False,
+    noise_of: "Refit | None" = None,
 ) -> Refit:
     """Likelihood-best smoothness and noise for a story as retold, and its readings whitened by them.
 
-    ``traces`` (N, m), of all that may be wrong, are left out of the likelihood (as if each had an unknown
-    strength), so that no hidden effect passes for noise. ``like``: begin where another refit ended.
+    ``suspects``: sets of traces (N, k), of which any one may be in the readings with strengths ~ N(0, 1); the noise
+    is the likeliest with the likeliest of them, or with none, so no hidden effect passes for noise. ``wary``: all
+    may be in at once. ``like``: begin where another refit ended; ``noise_of``: spreads as in another.
     """
     coupled = [r for r in story.kinds if r.kind in COUPLED]
     y = np.concatenate([r.value - told.values[r.kind] for r in coupled])
@@ -100,19 +107,24 @@ def refit(
     white, free, scale, reach = units(story, told, subject, coupled, speed(told, path), added)
     prior = free_density(told, h, path, told.output)
     whole = y + told.follows * (told.output - h.y_lower)  # of any hysteresis, not only a change of this one
-    aside = _leading(traces[:n] / scale[:, None])
     moves = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
-    shapes, fixed = prior.covariances, free + _BIG**2 * aside @ aside.T
-
-    def likeliest_at(memory: Array, start: Array) -> tuple[float, Array]:
-        parts = (*shapes, memory)
-        return likeliest(whole / scale, parts, fixed, white, moves, reach, start, bounds_of(story, subject))
-
-    cost, found, correlation, memory = _remembering(story, told, subject, likeliest_at, like)
+    stack = Stack(whole / scale, prior.covariances, free, white, moves, reach, bounds_of(story, subject))
+    J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
+    memories = [
+        (seconds, propagated(J, times, seconds) / span**2)
+        for seconds in _correlations_s(story, noise_of or like)
+    ]
+    begin, sets = START if like is None else like.spreads, [t[:n] / scale[:, None] for t in suspects]
+    cost, found, correlation, memory = _remembering(stack, memories, begin)
+    if noise_of is not None:
+        found = noise_of.spreads
+    elif sets:
+        aside = np.column_stack(sets) if wary else suspect(stack, memory, (cost, found), sets)
+        if aside is not None:
+            cost, found, correlation, memory = _remembering(stack, memories, found, aside)
     *variances, s_m, s0, s_T = 10.0**found
-    covariance = np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
     noise_part = noise(memory, own(white, moves, s_m, s0), s_T, reach)
-    C = reach[:, None] * covariance * reach + free + noise_part
+    C = stack.covariance(memory, found)
     others = [apart(r, story, told) for r in story.kinds if r.kind not in COUPLED]
     factor, scales, data = _stacked([(C, scale, y), *others])
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
@@ -133,7 +145,7 @@ def refit(
         Posterior(
             prior,
             np.array(variances),
-            covariance,
+            np.sum([w * shape for w, shape in zip(variances, stack.shapes)], axis=0),
             reach,
             factor[:n, :n],
             free,
@@ -146,36 +158,25 @@ def refit(
     )
 
 
+def _correlations_s(story: Story, like: "Refit | None") -> tuple[float, ...]:
+    """Correlation times of remembered noise worth trying."""
+    if like is not None:
+        return (like.noise.correlation_s,)
+    return given.correlations_s(story) if story.given else CORRELATIONS_S
+
+
 def _remembering(
-    story: Story,
-    told: Retelling,
-    subject: Subject,
-    likeliest_at: Callable[[Array, Array], tuple[float, Array]],
-    like: Refit | None,
+    stack: Stack, memories: Sequence[tuple[float, Array]], begin: Array, aside: Array | None = None
 ) -> tuple[float, Array, float, Array]:
     """(cost, spreads, correlation time, remembered noise per K²) of the correlation time that is likeliest."""
-    J, times = remembered(subject.hysteresis, told)  # pyright: ignore[reportArgumentType]
-    if like is not None:
-        memory = propagated(J, times, like.noise.correlation_s) / subject.stroke**2
-        return *likeliest_at(memory, like.spreads), like.noise.correlation_s, memory
     best: tuple[float, Array, float, Array] | None = None
-    for correlation in given.correlations_s(story) if story.given else CORRELATIONS_S:
-        memory = propagated(J, times, correlation) / subject.stroke**2
-        start = START if best is None else np.append(best[1][:-1], DRAUGHTY)
-        cost, found = likeliest_at(memory, start)
+    for seconds, memory in memories:
+        start = begin if best is None else np.append(best[1][:-1], DRAUGHTY)
+        cost, found = stack.likeliest(memory, start, aside)
         if best is None or cost < best[0]:
-            best = (cost, found, correlation, memory)
+            best = (cost, found, seconds, memory)
     assert best is not None  # noqa: S101 - there is always one to try
     return best
-
-
-def _leading(traces: Array) -> Array:
-    """An orthonormal basis (n, r) of the directions most traces share."""
-    if not traces.shape[1]:
-        return np.zeros((traces.shape[0], 0))
-    size = np.sqrt(np.sum(traces**2, axis=0))
-    u = np.linalg.svd(traces[:, size > 0] / size[size > 0], full_matrices=False)[0]
-    return u[:, : min(LEADING, traces.shape[0] // 6)]
 
 
 def _added(story: Story, told: Retelling, subject: Subject) -> Array:

@@ -29,6 +29,7 @@ TURNS = 5  # of effects, then density
 FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a step that was right
 STILL = 0.3  # standard deviations: less is no move
 GATE = 12.0  # nats: an effect that explains less is not worth its name
+GATE_SILENT = 20.0  # nats: the same where nothing stands out of the noise that all might be
 GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
 SHARE_MORE = 0.05  # of the first one's nats, for the same reason
 MOST_MORE = 60.0  # nats that are always enough
@@ -69,10 +70,13 @@ class Level:
         return self.explanations[0].evidence - self.explanations[k].evidence
 
 
-def searched(first: Critique, given: Everett, judge: Judge, most: int = MOST) -> list[Level]:
+def searched(
+    first: Critique, given: Everett, judge: Judge, evidence: float, gate: float = GATE, most: int = MOST
+) -> list[Level]:
     """Levels of one, two, … effects, as long as something stands out and is explained.
 
-    ``given`` is the model's own hysteresis, ``judge`` makes a critique of a subject.
+    ``given`` is the model's own hysteresis, ``judge`` makes a critique of a subject, ``evidence`` is the log
+    likelihood without any effect, ``gate`` (nats) what the first must explain.
     """
     if first.silent:
         return []
@@ -80,7 +84,7 @@ def searched(first: Critique, given: Everett, judge: Judge, most: int = MOST) ->
         (*first.subject.planted, p) for p in _starts(first, TRIED)
     ]  # what the model knew is fitted again
     levels: list[Level] = []
-    now, evidence = first, density_beside(first.story, first.subject, first.refitted)[1].log_evidence
+    now = first
     while starts and len(levels) < most:
         rough, explained = _weighed(first, given, now, starts)
         less = (
@@ -89,7 +93,7 @@ def searched(first: Critique, given: Everett, judge: Judge, most: int = MOST) ->
             else evidence
         )
         gain = explained[0].evidence - max(evidence, less)
-        if gain < _needed(levels):
+        if gain < (_needed(levels) if levels else gate):
             break
         now = judge(explained[0].subject)
         best = refined(explained[0].effects, first.story, now.subject, now.refitted, now.subject.hysteresis)
@@ -103,9 +107,7 @@ def searched(first: Critique, given: Everett, judge: Judge, most: int = MOST) ->
 
 def _needed(levels: Sequence[Level]) -> float:
     """Nats that one effect more must explain."""
-    if levels:
-        return max(GATE_MORE, min(SHARE_MORE * levels[0].gain, MOST_MORE))
-    return GATE
+    return max(GATE_MORE, min(SHARE_MORE * levels[0].gain, MOST_MORE))
 
 
 def _starts(critique: Critique, count: int) -> list[Planted]:

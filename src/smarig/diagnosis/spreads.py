@@ -5,6 +5,9 @@
 Knows no story beyond the bounds it gives.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_solve, cholesky
@@ -40,64 +43,83 @@ def own(white: Array, moves: Array, s_m: float, s0: float) -> Array:
     return white**2 + s_m**2 * moves + np.where(white < 1.0, s0**2, 0.0)
 
 
-def likeliest(
-    y: Array,
-    shapes: tuple[Array, ...],
-    fixed: Array,
-    white: Array,
-    moves: Array,
-    slope: Array,
-    start: Array,
-    bounds: tuple[Array, Array],
-) -> tuple[float, Array]:
-    """(−log likelihood, log₁₀ of the spreads) at its least; ``shapes`` of the density's parts, then memory noise.
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Scaled readings y (n,) and what they spread by: covariances (n, n) of the density's parts, of free constants.
 
-    Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each other.
+    ``white`` (n,) is each reading's own noise, ``moves`` 1 where a position was on its way, ``slope`` (n,) that of a
+    reading to the output in strokes; ``bounds`` those of the spreads.
     """
-    parts = [slope[:, None] * shape * slope for shape in shapes]
-    positions = np.where(white < 1.0, 1.0, 0.0)
 
-    def cost(x: Array) -> tuple[float, Array]:
+    y: Array
+    shapes: tuple[Array, ...]
+    free: Array
+    white: Array
+    moves: Array
+    slope: Array
+    bounds: tuple[Array, Array]
+
+    def covariance(self, memory: Array, spreads: Array) -> Array:
+        """C (n, n)."""
+        *weights, s_m, s0, s_T = 10.0**spreads
+        density = np.sum([w * shape for w, shape in zip(weights, self.shapes)], axis=0)
+        own_noise = own(self.white, self.moves, s_m, s0)
+        return (
+            self.slope[:, None] * density * self.slope + self.free + noise(memory, own_noise, s_T, self.slope)
+        )
+
+    def likeliest(self, memory: Array, start: Array, aside: Array | None = None) -> tuple[float, Array]:
+        """(−log likelihood, log₁₀ of the spreads) at its least; columns ``aside`` (n, k) are in, strengths ~ N(0, 1).
+
+        Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each
+        other.
+        """
+        fixed = self.free if aside is None else self.free + aside @ aside.T
+        parts = [self.slope[:, None] * shape * self.slope for shape in (*self.shapes, memory)]
+        bounds = self.bounds
+
+        def least(start: Array) -> OptimizeResult:
+            return minimize(
+                lambda x: self._cost(x, parts, fixed),
+                np.clip(start, *bounds),
+                jac=True,
+                method="L-BFGS-B",
+                bounds=list(zip(*bounds)),
+                options={"maxiter": 30, "ftol": 1e-5},
+            )
+
+        found = least(start)
+        if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < NEAR:
+            calm = found.x[-1] > DRAUGHTY
+            again = least(np.append(START[:-1], CALM if calm else DRAUGHTY))
+            found = min(found, again, key=lambda f: float(f.fun))
+        return float(found.fun), found.x
+
+    def _cost(self, x: Array, parts: Sequence[Array], fixed: Array) -> tuple[float, Array]:
+        """− log p(y | x) and its gradient."""
         *weights, s_m, s0, s_T = 10.0**x
         weights.append(s_T**2)
         C = fixed.copy()
         for w, part in zip(weights, parts):
             C += w * part
-        C[np.diag_indices_from(C)] += own(white, moves, s_m, s0)
+        C[np.diag_indices_from(C)] += own(self.white, self.moves, s_m, s0)
         try:
             L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
         except LinAlgError:
             return 1e12, np.zeros(x.size)
         inverse = dpotri(L, lower=1)[0]  # its lower half
-        a = cho_solve((L, True), y, check_finite=False)
-        value = 0.5 * float(y @ a) + float(np.log(np.diag(L)).sum())
+        a = cho_solve((L, True), self.y, check_finite=False)
+        value = 0.5 * float(self.y @ a) + float(np.log(np.diag(L)).sum())
         diagonal = np.diag(inverse).copy()
         by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
         alone = diagonal - a * a
         slopes = [w * b for w, b in zip(weights[:-1], by)]
         slopes += [
-            2 * s_m**2 * float(alone @ moves),
-            2 * s0**2 * float(alone @ positions),
+            2 * s_m**2 * float(alone @ self.moves),
+            2 * s0**2 * float(alone @ (self.white < 1.0)),
             2 * s_T**2 * by[-1],
         ]
         return value, 0.5 * np.log(10.0) * np.array(slopes)
-
-    def least(start: Array) -> OptimizeResult:
-        return minimize(
-            cost,
-            np.clip(start, *bounds),
-            jac=True,
-            method="L-BFGS-B",
-            bounds=list(zip(*bounds)),
-            options={"maxiter": 30, "ftol": 1e-5},
-        )
-
-    found = least(start)
-    if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < NEAR:
-        calm = found.x[-1] > DRAUGHTY
-        again = least(np.append(START[:-1], CALM if calm else DRAUGHTY))
-        found = min(found, again, key=lambda f: float(f.fun))
-    return float(found.fun), found.x
 
 
 def bounds_of(story: Story, subject: Subject) -> tuple[Array, Array]:

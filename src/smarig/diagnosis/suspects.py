@@ -1,0 +1,55 @@
+"""What may pass for noise: the one thing most likely to be wrong, set aside while the noise is judged.
+
+    gain of traces T at a covariance C:  ½ bᵀ(1 + G)⁻¹ b − ½ log det(1 + G),   G = Tᵀ C⁻¹ T,   b = Tᵀ C⁻¹ y
+
+finds promising ones at two covariances, what is likeliest with nothing aside and with everything; each of those is
+then weighed with all spreads searched anew. Knows no effect by name.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from smarig.diagnosis.spreads import Stack
+
+Array = NDArray[np.float64]
+TRIED = 4  # sets weighed, of those most promising at each covariance
+
+
+def suspect(stack: Stack, memory: Array, found: tuple[float, Array], sets: Sequence[Array]) -> Array | None:
+    """The set of columns (n, k) with which the readings are likeliest, None where they are without any.
+
+    ``found``: the cost and the spreads with none aside.
+    """
+    cost, spreads = found
+    everything = stack.likeliest(memory, spreads, np.column_stack(sets))[1]
+    promising: dict[int, None] = {}
+    for at in (spreads, everything):
+        gains = _gains(stack, stack.covariance(memory, at), sets)
+        promising |= dict.fromkeys(np.argsort(-gains)[:TRIED].tolist())
+    best = None
+    for k in promising:
+        worth = stack.likeliest(memory, everything, sets[k])[0]
+        if worth < cost:
+            cost, best = worth, sets[k]
+    return best
+
+
+def _gains(stack: Stack, C: Array, sets: Sequence[Array]) -> Array:
+    """Nats (sets,) that each set is worth at a covariance."""
+    factor = cholesky(C, lower=True, check_finite=False)
+    columns = np.column_stack([*sets, stack.y])
+    *whitened, y = np.split(
+        solve_triangular(factor, columns, lower=True, check_finite=False),
+        np.cumsum([s.shape[1] for s in sets]),
+        axis=1,
+    )
+    return np.array([_gain(T, y[:, 0]) for T in whitened])
+
+
+def _gain(T: Array, y: Array) -> float:
+    L = cholesky(np.eye(T.shape[1]) + T.T @ T, lower=True, check_finite=False)
+    b = solve_triangular(L, T.T @ y, lower=True, check_finite=False)
+    return 0.5 * float(b @ b) - float(np.log(np.diag(L)).sum())
