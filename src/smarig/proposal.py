@@ -17,9 +17,9 @@ from typing import Any
 from smarig.config import load_rig
 from smarig.diagnosis.density_beside import density_beside
 from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.explanation import Explanation
 from smarig.diagnosis.refine import refined
 from smarig.diagnosis.refit import Refit
-from smarig.diagnosis.search import Explanation
 from smarig.diagnosis.verdict import TEMPERATURE
 from smarig.errors import SmarigError, UsageError
 from smarig.record import load_run

@@ -17,7 +17,7 @@ START = (walking(0.2), settling(2.0, time_constant_s=600.0))
 
 
 def ended(*effects):
-    return Refined(effects, {}, np.zeros(1), believed()[0], 1.0)
+    return Refined(effects, {}, {}, np.zeros(1), believed()[0], 1.0)
 
 
 def test_beyond_is_so_many_times_as_far_as_the_fit_went():

@@ -22,9 +22,11 @@ from smarig.diagnosis.visibility import visibility
 from smarig.identification.lived import actuator_of, subject_of
 from smarig.model.planted import from_pairs, kinds
 from smarig.record import load_run
+from smarig.report.diagnosed import Replay, place_of
 from smarig.report.diagnosis_page import diagnosis_page
-from smarig.report.figures_diagnosis import Replay
+from smarig.report.figure import BEYOND
 from smarig.report.page import write_page
+from smarig.report.residual_variables import reaches, upright
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 from smarig.story.retelling import retold
@@ -57,7 +59,7 @@ def named(tmp_path_factory) -> Diagnosis:
     base, with_drift = (subject_of(m, story.runs[0]) for m in (model, extended))
     first = critique(story, base, [k for k in kinds() if k.name in COMPETE], count=40, alpha=0.1)
     spread = {("ambient_drift", p.name): 0.1 for p in DRIFT.kind.parameters}
-    best = Refined((DRIFT,), spread, np.zeros(1), base, moved=0.0)
+    best = Refined((DRIFT,), spread, spread, np.zeros(1), base, moved=0.0)
     rival = SimpleNamespace(effects=(SLIP,), names=("slip",))
     level = SimpleNamespace(
         critique=first, explanations=(best, rival), best=best, gain=321.0, lead=lambda k: 14.0 * k
@@ -92,7 +94,7 @@ def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named
     assert "p ≤ 0.024" in page.card("Chance of such an alarm")
     assert "by 40 nulls" in page.card("Chance of such an alarm")
     e = named.error
-    assert f"{e.base:.3g} → {e.extended:.3g} mm" in page.card("Settled points, rms")
+    assert f"{e.base:.3g} → {e.extended:.3g}" in page.card("Settled points, rms (mm)")
     assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable error removed")
 
 
@@ -172,7 +174,7 @@ def test_what_could_be_seen_and_what_not_is_said_of_every_effect(named):
     hidden = named.visibility.names[0]
     assert page_row(page, hidden)[3] == "none"
     after = page.visible[page.visible.index("cannot show at any strength") :]
-    assert after.split("): ")[0].endswith(f"{hidden} ({known[hidden].summary.rstrip('.')}")
+    assert after.split(" What shows it: ")[0].endswith(f"{hidden}. {known[hidden].summary}")
 
 
 def page_row(page: Page, effect: str) -> list[str]:
@@ -194,6 +196,40 @@ def test_every_block_held_out_is_drawn(named):
     page = Page(diagnosis_page(named))
     blocks = unpacked(page.traces("base model")[-1]["x"])
     np.testing.assert_allclose(blocks, np.arange(1, named.gain.blocks + 1))
+
+
+def test_the_rms_of_the_blocks_drawn_make_up_the_whole_every_reading_by_its_own_noise(named):
+    gain = named.gain
+    weight = np.linspace(1.0, 9.0, gain.block.size)
+    weighted = replace(gain, weight=weight)
+    page = Page(diagnosis_page(replace(named, gain=weighted)))
+    drawn = unpacked(page.traces("base model")[-1]["y"])
+    shares = [weight[gain.block == b].sum() for b in np.unique(gain.block)]
+    assert np.sqrt(np.average(drawn**2, weights=shares)) == pytest.approx(weighted.base)
+    assert len(unpacked(page.traces("base model, noisier")[0]["x"])) == np.sum(weight < 9 / 4)
+
+
+def test_an_axis_that_is_finer_than_that_beside_it_says_so():
+    small, large = np.array([-0.1, 0.1]), np.array([-5.0, 5.0])
+    assert reaches([large, small], 0.0) == pytest.approx([5 * BEYOND, 0.1 * BEYOND])
+    assert reaches([small, large], 0.0) == pytest.approx([5 * BEYOND] * 2)
+    assert reaches([large, small], 4.0) == pytest.approx([5 * BEYOND] * 2)
+    assert upright("y", 0.1, [5.0, 0.1])["annotations"][0]["text"] == "axis 50 × finer"
+    assert "annotations" not in upright("y", 5.0, [5.0, 0.1])
+
+
+def test_a_dotted_line_is_told_of_only_where_one_can_be(named):
+    twice = replace(named, story=replace(named.story, runs=named.story.runs * 2))
+    assert "a dotted line" in place_of(twice, dotted=True)[0]
+    assert "a dotted line" not in place_of(twice)[0]
+
+
+def test_a_model_that_misses_more_than_before_is_no_good_news(named):
+    worse = replace(named.error, extended=2 * named.error.base)
+    assert (
+        "misses even the points it was identified from"
+        in Page(diagnosis_page(replace(named, error=worse))).visible
+    )
 
 
 def test_a_page_is_labelled_whole_and_loads_nothing(named, silent, tmp_path):

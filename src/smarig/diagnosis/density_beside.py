@@ -51,6 +51,21 @@ def density_anew(
     return _turned(story, max(starts, key=lambda start: start[2].log_evidence))
 
 
+def density_said(story: Story, subject: Subject, found: Refit) -> Subject:
+    """The subject with the density that its refitted readings speak for, or its own where that is nearer to them."""
+    if story.given:
+        return subject
+    both = subject, replace(subject, hysteresis=found.density)
+    return min(both, key=lambda s: settled_rms(story, s))
+
+
+def settled_rms(story: Story, subject: Subject) -> float:
+    """What a subject misses settled positions by, their zeros aside."""
+    error = story.settled.value - retold(story, subject).values["settled"]
+    own = [error[story.zero == z] for z in np.unique(story.zero)] if story.zero.size else [error]
+    return float(np.std(np.concatenate([e - e.mean() for e in own])))
+
+
 def _start(story: Story, subject: Subject, like: Refit | None) -> tuple[Subject, Retelling, Refit]:
     """A subject, how it retells the story, and its positions refitted."""
     told = retold(story, subject)

@@ -13,7 +13,11 @@ from typing import Any
 import numpy as np
 
 from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
-from smarig.diagnosis.density_beside import density_anew, density_beside
+from smarig.diagnosis.density_beside import (
+    density_anew,
+    density_said,
+    settled_rms,
+)
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
 from smarig.diagnosis.search import GATE_SILENT, Level, searched
@@ -28,12 +32,12 @@ from smarig.model.given import GivenInput, judgeable
 from smarig.model.planted import kinds, kinds_of
 from smarig.preisach.everett import Everett
 from smarig.record import Run, load_run
-from smarig.story.retelling import numerics, retold
+from smarig.story.retelling import numerics
 from smarig.story.subject import Subject
 from smarig.story.told import Story, told
 
 NORMAL_95 = 1.96
-WIDER = 1.3  # intervals, for what linear propagation leaves out: a guess, not yet calibrated
+WIDER = 1.0  # of intervals, for what the evidence leaves out
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,12 +228,14 @@ def diagnose(
     judge = partial(critique, story, kinds=catalogue, count=nulls, alpha=alpha, seed=seed)
     first, levels = _searched(judge, base, subject.hysteresis, plain.log_evidence, say)
     verdict = decided(first, levels)
+    base = density_said(story, base, plain)
     extended = base
     if levels and verdict.explanations:
-        likeliest = levels[-1].explanations[0].subject  # its density bears no marks of what was missing
-        extended = density_beside(story, replace(likeliest, effects=levels[-1].best.effects))[0]
-    noise = (levels[-1].critique if levels else first).refitted.noise
-    gain = measured_gain(taught, judged, base, extended, noise) if judged else None
+        likeliest = levels[-1].explanations[0]
+        extended = density_said(story, likeliest.subject, likeliest.refitted)
+    known = (levels[-1].critique if levels else first).refitted
+    noise, open_density = known.noise, known.posterior.variances
+    gain = measured_gain(taught, judged, base, extended, noise, open_density) if judged else None
     return Diagnosis(
         verdict,
         story,
@@ -239,9 +245,9 @@ def diagnose(
         Error(
             story.unit,
             _floor(noise.white[: len(story.settled)]),
-            _rms(story, subject),
-            _rms(story, base),
-            _rms(story, extended),
+            settled_rms(story, subject),
+            settled_rms(story, base),
+            settled_rms(story, extended),
         ),
         gain,
         _extended(given, extended, taught, verdict) if verdict.word in ("named", "ambiguous") else given,
@@ -313,12 +319,6 @@ def _judgeable(every: list[Kind], story: Story, subject: Subject) -> tuple[list[
     clock = story.given == "clock"
     seen = [k for k in every if not story.given or judgeable(k, subject.hysteresis, clock=clock)]
     return seen, [k.name for k in every if k not in seen]
-
-
-def _rms(story: Story, subject: Subject) -> float:
-    error = story.settled.value - retold(story, subject).values["settled"]
-    own = [error[story.zero == z] for z in np.unique(story.zero)] if story.zero.size else [error]
-    return float(np.std(np.concatenate([e - e.mean() for e in own])))
 
 
 def _floor(noise: np.ndarray) -> float:

@@ -3,7 +3,8 @@
     R = (rms_base² − rms_extended²) / (rms_base² − floor²)        the removable share of the error's square
 
 Both models have densities identified anew from the same training runs, so R is the effects' share alone; the
-encoder's zero is met on the training runs too. Knows no search.
+encoder's zero is met on the training runs too. A position counts by how well the training runs foretell it, 1/σ²:
+σ² is its noise and what they leave open of the density, the floor² its mean. Knows no search.
 """
 
 from collections.abc import Sequence
@@ -11,8 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
 
 from smarig.diagnosis import given
+from smarig.diagnosis.free_density import free_density
+from smarig.diagnosis.instruments import ANY
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.refit import Noise
 from smarig.record import Run
@@ -26,10 +30,10 @@ DRAWS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """Errors (k,) of both models at held-out positions, blocks (k,) they come in, and the noise floor.
+    """Errors (k,) of both models at held-out positions, blocks (k,) they come in, and the floor of any model's.
 
-    ``weight`` (k,), None for equal ones: where readings differ in kind, or the input was measured, a reading counts
-    by its own noise (1/σ²), lest the steepest branch drown the rest.
+    ``weight`` (k,), None for equal ones: a reading counts by how well it can be foretold (1/σ²), lest what the
+    training runs tell nothing of drown the rest.
     """
 
     base_error: Array
@@ -80,9 +84,17 @@ class Gain:
 
 
 def measured_gain(
-    train: Sequence[Run], held_out: Sequence[Run], base: Subject, extended: Subject, noise: Noise
+    train: Sequence[Run],
+    held_out: Sequence[Run],
+    base: Subject,
+    extended: Subject,
+    noise: Noise,
+    variances: Array | None = None,
 ) -> Gain:
-    """Both subjects live through all runs; positions of the held-out ones are judged, settled and on their way."""
+    """Both subjects live through all runs; positions of the held-out ones are judged, settled and on their way.
+
+    ``variances`` (parts,) of the density about the extended subject's; None where none of it is left open.
+    """
     story = told([*train, *held_out], base.actuator.tau_s).placed
     if not noise.moving:  # how well a position on its way is known, nobody knows
         story = replace(story, others=())
@@ -90,13 +102,15 @@ def measured_gain(
     step = np.concatenate([r.step for r in story.kinds])
     judged = np.isin(story.run, [k for k, run in enumerate(story.runs) if id(run) in kept])[step]
     value, sitting = np.concatenate([r.value for r in story.kinds]), story.sitting[step]
-    weighted = bool(story.given) or len(story.kinds) > 1
+    weighted = bool(story.given) or len(story.kinds) > 1 or variances is not None
+    whole = retold(story, extended)
+    square = _square(story, whole, extended, noise)
+    if variances is not None and not story.given:
+        square[judged] = _foretold(whole, extended, square, noise, variances, judged)
+    weight = 1 / square if weighted else np.ones(square.size)
     errors = []
     for subject in (base, extended):
-        whole = retold(story, subject)
-        error = value - whole.stacked(story)
-        square = _square(story, whole, subject, noise)
-        weight = 1 / square if weighted else np.ones(square.size)
+        error = value - retold(story, subject).stacked(story)
         errors.append((error - _zeros(error, weight, judged, sitting))[judged])
     square, weight = square[judged], weight[judged]
     floor = float(np.sqrt(np.average(square, weights=weight)))
@@ -120,6 +134,29 @@ def _square(story: Story, whole: Retelling, subject: Subject, noise: Noise) -> A
     own = [np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in story.kinds]
     square = np.concatenate(own) ** 2 + noise.temperature_K**2 * memory
     return square + given.scatter(story, whole, subject) ** 2 if story.given else square
+
+
+def _foretold(
+    whole: Retelling,
+    subject: Subject,
+    square: Array,
+    noise: Noise,
+    variances: Array,
+    judged: NDArray[np.bool_],
+) -> Array:
+    """Variance (k,) of judged positions when all others are known, but for whatever the density may be."""
+    path = whole.lived(subject.hysteresis, subject.initial, whole.felt_K)
+    shapes = free_density(whole, subject.hysteresis, path, whole.output).covariances
+    J, times = remembered(subject.hysteresis, whole)  # pyright: ignore[reportArgumentType]
+    C = subject.stroke**2 * np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
+    memory = noise.temperature_K**2 * propagated(J, times, noise.correlation_s)
+    C += memory + np.diag(square - np.diag(memory))
+    known = ~judged
+    zero = (ANY * subject.stroke) ** 2  # is the same in all
+    factor = cholesky(C[np.ix_(known, known)] + zero, lower=True, check_finite=False)
+    shared = C[np.ix_(known, judged)] + zero
+    told = np.sum(solve_triangular(factor, shared, lower=True, check_finite=False) ** 2, axis=0)
+    return np.maximum(np.diag(C)[judged] + zero - told, square[judged])
 
 
 def _rms(error: Array, weight: Array | None) -> float:

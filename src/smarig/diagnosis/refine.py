@@ -33,11 +33,13 @@ _STUBBORN = 1.0  # damping beyond which nothing helps any more
 class Refined:
     """Effects with their values, beside the density they were fitted with; standard deviations by (effect, parameter).
 
-    ``rest`` (N,) is what is left, whitened; ``moved`` how far any parameter went from its start, in such deviations.
+    ``alone``: the same if all others were known; ``rest`` (N,) is what is left, whitened; ``moved`` how far any
+    parameter went from its start, in standard deviations.
     """
 
     effects: tuple[Planted, ...]
     spread: dict[tuple[str, str], float]
+    alone: dict[tuple[str, str], float]
     rest: Array
     subject: Subject
     moved: float
@@ -96,10 +98,12 @@ def refined(
             break
         fit.x = moved
         x, r, J = _descend(rest, fit)
-    spread = _spread(J, max(float(r @ r) / r.size, 1.0))
+    variance = max(float(r @ r) / r.size, 1.0)
+    spread, alone = _spread(J, variance), np.sqrt(variance / np.maximum(np.sum(J**2, axis=0), 1e-300))
     began = np.array([p.values[q] for p in start for q in p.values if (p.kind.name, q) in fit.names])
     moved = float(np.max(np.abs(x - began) / np.maximum(spread, 1e-300), initial=0.0))
-    return Refined(fit.at(x), dict(zip(fit.names, spread.tolist())), r, subject, moved)
+    named, named_alone = (dict(zip(fit.names, sd.tolist())) for sd in (spread, alone))
+    return Refined(fit.at(x), named, named_alone, r, subject, moved)
 
 
 def _scanned(rest: Callable[[Array], Array], fit: "_Fit", story: Story, x: Array, r: Array) -> Array | None:

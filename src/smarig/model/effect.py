@@ -180,6 +180,10 @@ class Planted:
         """The primary parameter."""
         return self.values[self.kind.primary.name]
 
+    def at(self, strength: float) -> "Planted":
+        """The same mechanism, as strong as given."""
+        return self.kind(**self.values | {self.kind.primary.name: strength})
+
     def hooks(self, setup: Setup) -> Mapping[Stage, Hook]:
         """The changes, by stage; none at all at zero strength."""
         return self.kind.act(self.values, setup) if self.strength else {}

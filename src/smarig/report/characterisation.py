@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from smarig.diagnosis.diagnose import sentences
 from smarig.identification.choose import POSITIVE
 from smarig.identification.curve_report import NO_CURVES
 from smarig.record import Run
 from smarig.report.conditions import label_of, protocol_of
 from smarig.report.decimate import POINTS
+from smarig.report.diagnosis_words import findings
 from smarig.report.evidence import Evidence
 from smarig.report.figure import Figure
 from smarig.report.figures_density import density_figure, maps_figure
@@ -198,7 +198,7 @@ def _wrong(e: Evidence) -> Parts:
     if e.diagnosis is None:
         return
     quiet = e.diagnosis.verdict.word in ("silent", "not_identifiable")
-    yield notice("good" if quiet else "warning", bullets(sentences(e.diagnosis)))
+    yield notice("good" if quiet else "warning", bullets(findings(e.diagnosis)))
     yield paragraph(
         tag("a", "The evidence: residuals, rivals, noise floor, gain", href="diagnosis/report.html")
     )

@@ -6,6 +6,7 @@ holds no Python objects and no default template. Knows no page and no physics.
 
 import base64
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from smarig.report.html import Html, joined, tag
+from smarig.report.numbers import number
 
 Trace = dict[str, Any]
+BEYOND = 1.15  # how far an axis reaches, over what is drawn
 MARK = {
     "xref": "paper",
     "yref": "paper",
@@ -32,12 +35,16 @@ MARK = {
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot: traces and layout (Plotly schema), height in CSS pixels; ``wide`` takes a whole row."""
+    """One plot: traces and layout (Plotly schema), height in CSS pixels; ``wide`` takes a whole row.
+
+    On pages narrower than ``least_px`` it keeps that width and scrolls inside its frame.
+    """
 
     data: Sequence[Trace]
     layout: Mapping[str, Any]
     height: int = 420
     wide: bool = False
+    least_px: int = 0
 
 
 @dataclass(frozen=True)
@@ -76,7 +83,8 @@ def _panel(panel: Panel, label: str) -> Html:
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
-    return tag("div", script, class_="plot wide" if panel.wide else "plot", style=f"--high:{panel.height}px")
+    size = f"--high:{panel.height}px" + (f";min-width:{panel.least_px}px" if panel.least_px else "")
+    return tag("div", script, class_="plot wide" if panel.wide else "plot", style=size)
 
 
 def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
@@ -122,3 +130,17 @@ def tag_free(text: Any) -> Html:
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """An axis with its quantity and unit."""
     return {"title": {"text": tag_free(title)}} | more
+
+
+def log_axis(title: str, low: float, high: float) -> dict[str, Any]:
+    """A logarithmic axis from ``low`` to ``high`` with plain numbers on it, every one written out.
+
+    >>> log_axis("rms (mm)", 0.004, 0.6)["ticktext"]
+    ['0.005', '0.01', '0.02', '0.05', '0.1', '0.2', '0.5']
+    """
+    fine = high < 10 * low
+    sizes = [m * 10.0**k for k in range(-15, 10) for m in ((1, 1.5, 2, 3, 4, 5, 6, 8) if fine else (1, 2, 5))]
+    ticks = [tick for tick in sizes if low <= tick <= high]
+    texts = [number(tick, 2 if fine else 1).replace(".0 ×", " ×") for tick in ticks]
+    ends = [math.log10(low), math.log10(high)]
+    return axis(title, type="log", range=ends, tickvals=ticks, ticktext=texts)

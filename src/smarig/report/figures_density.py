@@ -8,7 +8,7 @@ from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import label_of, place
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
-from smarig.report.figures_surface import buttons, scene, surface_trace
+from smarig.report.figures_surface import SOLID_PX, buttons, scene, surface_trace
 from smarig.report.identified import density_map, density_triangle, report_of, reversible
 from smarig.report.numbers import number, raised
 from smarig.report.style import DIVERGING, INK, SURFACES
@@ -115,7 +115,7 @@ def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
     layout |= {"updatemenus": [buttons(list(grids), first, keep=0)], "showlegend": False}
     shares = "; ".join(f"{name} {100 * report_of(found[name]).reversible_share:.1f} %" for name in grids)
     return Figure(
-        [Panel(data, layout, 500), _reversible(found, grids, run)],
+        [Panel(data, layout, 500, least_px=SOLID_PX), _reversible(found, grids, run)],
         f"μ(α, β) of the {first} surface, and the reversible part g.",
         [
             "First panel: the same as the map, colours centred at zero; buttons change the surface. Second: "

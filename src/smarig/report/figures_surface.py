@@ -10,6 +10,8 @@ from smarig.report.figure import Figure, Panel, Trace, packed
 from smarig.report.identified import sign, triangle, turning
 from smarig.report.style import INK, SEQUENCE
 
+SOLID_PX = 520  # a narrower figure in three dimensions would lose its sides and buttons
+
 
 def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure:
     """The FOD surface in three dimensions with its data points; buttons change the surface."""
@@ -36,7 +38,7 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         "showlegend": False,
     }
     return Figure(
-        [Panel([points, *surfaces], layout, 520)],
+        [Panel([points, *surfaces], layout, 520, least_px=SOLID_PX)],
         f"FOD surface y(α, β), {chosen}.",
         [
             f"Output after the input turns at {turn} and comes to {here}; "

@@ -5,14 +5,12 @@ Error on data a kind was not fitted to, against the part of its μ that is negat
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from smarig.identification.choose import LEVEL, Choice
 from smarig.identification.identify import Identification
 from smarig.identification.verify import Verification
 from smarig.record import Run
 from smarig.report.conditions import label_of, place
-from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.html import Html, joined
 from smarig.report.identified import report_of
 from smarig.report.style import GOOD, GREY, INK, SURFACES
@@ -83,9 +81,9 @@ def _panel(
 ) -> Panel:
     reach = max(max(share for share, _ in places.values()), 0.1)
     errors = [v for name, (_, rms) in places.items() for v in (rms, *(intervals or {}).get(name, ()))]
-    low, high = np.log10(max(min(errors), 1e-12)) - 0.25, np.log10(max(*errors, 1e-12)) + 0.2
+    low, high = 0.56 * max(min(errors), 1e-12), 1.6 * max(*errors, 1e-12)
     data: list[Trace] = [
-        line([0, 0], [10**low, 10**high], "μ ≥ 0", GOOD, width=1.2, dash="dot", hoverinfo="skip"),
+        line([0, 0], [low, high], "μ ≥ 0", GOOD, width=1.2, dash="dot", hoverinfo="skip"),
     ]
     for name, (share, rms) in places.items():
         data.append(_mark(name, share, rms, name in in_M_P, (intervals or {}).get(name)))
@@ -102,7 +100,7 @@ def _panel(
     }
     layout = {
         "xaxis": axis("Negative part of μ (%)", range=[-_ROOM * reach, (1 + 3 * _ROOM) * reach]),
-        "yaxis": axis(title, type="log", range=[float(low), float(high)]),
+        "yaxis": log_axis(title, low, high),
         "annotations": [corner],
         "showlegend": False,
     }

@@ -8,15 +8,16 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def number(value: float | None, digits: int = 3) -> str:
     """A number with ``digits`` significant digits; '–' where there is none.
 
-    >>> number(0.012345), number(-1.93e-4), number(None), number(12.5404)
-    ('0.0123', '−1.93 × 10⁻⁴', '–', '12.5')
+    >>> number(0.012345), number(-1.93e-4), number(None), number(12.5404), number(1234.5)
+    ('0.0123', '−1.93 × 10⁻⁴', '–', '12.5', '1230')
     """
     if value is None or not math.isfinite(value):
         return "–"
     if value != 0 and not 1e-3 <= abs(value) < 1e5:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
         return f"{mantissa} × 10{raised(int(exponent))}".replace("-", "−")
-    return f"{value:.{digits}g}".replace("-", "−")
+    text = f"{value:.{digits}g}"
+    return (f"{float(text):.0f}" if "e" in text else text).replace("-", "−")
 
 
 def raised(power: int) -> str:

@@ -109,7 +109,8 @@ code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow
 .notice p{margin:.2em 0}.notice.good{border-color:#009E73}.notice.warning{border-color:#E69F00;background:#fff8e8}
 .notice.bad{border-color:#D55E00;background:#fdf0e8}
 figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
-figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px}
+figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px;
+ overflow-x:auto}
 .plot{width:100%;min-width:0;position:relative;height:var(--high)}.plot.wide{grid-column:1/-1}
 .pairs,.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:0 28px;
  align-items:start}
@@ -129,11 +130,13 @@ details{margin:10px 0}summary{cursor:pointer;color:var(--blue)}pre{overflow-x:au
  font:12px/1.45 ui-monospace,Menlo,Consolas,monospace}
 footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding:14px 0 40px}
 @media (max-width:600px){body{font-size:15px}main,header.top{padding:0 14px}nav{padding:7px 14px}
- .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}}
+ .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}
+ caption{max-width:calc(100vw - 28px)}td code{display:block;min-width:17em}}
 /* .printing is set before the figures are fitted to the paper, so that screen and print agree on every width */
 body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
 .printing main,.printing header.top{padding:0;max-width:none}.printing section{margin:20px 0}
-.printing .plot{height:calc(var(--high)*.66)}.printing .cards{grid-template-columns:repeat(5,1fr);gap:6px}
+.printing .plot{height:calc(var(--high)*.66);min-width:0!important}
+.printing .cards{grid-template-columns:repeat(5,1fr);gap:6px}
 .printing .card{padding:6px 8px}.printing .card strong{font-size:12pt}
 .printing .card span,.printing .card small{font-size:8pt}
 .printing .pairs,.printing .columns,.printing .panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:6px}
