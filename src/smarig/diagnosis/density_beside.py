@@ -21,8 +21,8 @@ from smarig.story.subject import Subject
 from smarig.story.told import Story
 
 FAIR = 1e-14  # λ of the measure that begins it
-TURNS = 8
-ENOUGH = 2.0  # nats: a turn that gains less is the last
+TURNS = 5
+ENOUGH = 3.0  # nats: a turn that gains less is the last
 
 
 def density_beside(story: Story, subject: Subject, like: Refit | None = None) -> tuple[Subject, Refit]:

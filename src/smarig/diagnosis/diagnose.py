@@ -20,7 +20,7 @@ from smarig.diagnosis.density_beside import (
 )
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
-from smarig.diagnosis.search import GATE_SILENT, Level, searched
+from smarig.diagnosis.search import DOUBTED, GATE_SILENT, Level, searched
 from smarig.diagnosis.verdict import Verdict, decided
 from smarig.diagnosis.visibility import Visibility, visibility
 from smarig.errors import UsageError
@@ -278,7 +278,7 @@ def _searched(
 
     if not first.silent:
         return first, searched(first, given, judged, evidence)
-    levels = searched(judge(base, wary=True), given, judged, evidence, GATE_SILENT)
+    levels = searched(judge(base, wary=True), given, judged, evidence, GATE_SILENT, DOUBTED)
     again = judge(base, noise_of=levels[0].critique) if levels else first
     return (first, []) if again.silent else (again, levels)
 

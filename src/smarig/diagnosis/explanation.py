@@ -43,22 +43,23 @@ class Explanation:
         return tuple(sorted(p.kind.name for p in self.effects))
 
 
-def strong(story: Story, subject: Subject, given: Everett, like: Refit) -> tuple[Subject, Refit]:
-    """With a density of its own, at the first of once, twice, four times … the last strength that beats the next.
+def strong(
+    story: Story, subject: Subject, refitted: Refit, given: Everett, like: Refit
+) -> tuple[Subject, Refit]:
+    """A start at the first of once, twice, four times … the last effect's strength that is likelier than the next.
 
     A density hides most of what a weak effect does, so a fit beside the wrong one begins too low.
     """
-    found = density_anew(story, subject, given, like)
     while True:
         *others, last = subject.planted
         primary, strength = last.kind.primary, 2 * last.strength
         if not (primary.lower <= strength <= primary.upper and strength):
-            return found
-        subject = replace(subject, effects=(*others, last.at(strength)))
-        again = density_anew(story, subject, given, like)
-        if again[1].log_evidence <= found[1].log_evidence:
-            return found
-        found = again
+            return subject, refitted
+        stronger = replace(subject, effects=(*others, last.at(strength)))
+        again = density_anew(story, stronger, given, like)
+        if again[1].log_evidence <= refitted.log_evidence:
+            return subject, refitted
+        subject, refitted = again
 
 
 def explained(story: Story, subject: Subject, given: Everett, refitted: Refit, turns: int) -> Explanation:

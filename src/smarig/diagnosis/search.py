@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from smarig.diagnosis.critique import Critique
+from smarig.diagnosis.density_beside import density_anew
 from smarig.diagnosis.explanation import TURNS, Explanation, explained, strong, topped, without
 from smarig.diagnosis.refine import Refined, refined
 from smarig.model.effect import Planted
@@ -22,11 +23,13 @@ Start = tuple[Planted, ...]
 TRIED = 6  # single explanations refined
 BESIDE = 3  # further effects tried beside an accepted one, of those that stand out now, and at first
 RIVALS = 3  # explanations kept from size to size
+DOUBLED = 2  # of those weighed, likeliest first, those that are tried twice as strong
 WEIGHED = 4  # explanations whose likelihood is taken
 MOST = 3  # effects at once
-GATE = 12.0  # nats: an effect that explains less is not worth its name
-GATE_SILENT = 20.0  # nats: the same where nothing stands out of the noise that all might be
-GATE_MORE = 20.0  # nats: a further effect, lest it be an echo of the first
+DOUBTED = 3  # the same where nothing stands out of the noise that all might be
+GATE = 18.0  # nats: an effect that explains less is not worth its name
+GATE_SILENT = 25.0  # nats: the same where nothing stands out of the noise that all might be
+GATE_MORE = 25.0  # nats: a further effect, lest it be an echo of the first
 SHARE_MORE = 0.05  # of the first one's nats, for the same reason
 MOST_MORE = 60.0  # nats that are always enough
 BEHIND = 60.0  # nats: an explanation so far behind is not weighed
@@ -54,17 +57,23 @@ class Level:
 
 
 def searched(
-    first: Critique, given: Everett, judge: Judge, evidence: float, gate: float = GATE, most: int = MOST
+    first: Critique,
+    given: Everett,
+    judge: Judge,
+    evidence: float,
+    gate: float = GATE,
+    tried: int = TRIED,
+    most: int = MOST,
 ) -> list[Level]:
     """Levels of one, two, … effects, as long as something stands out and is explained.
 
     ``given`` is the model's own hysteresis, ``judge`` makes a critique of a subject, ``evidence`` is the log
-    likelihood without any effect, ``gate`` (nats) what the first must explain.
+    likelihood without any effect, ``gate`` (nats) what the first must explain, ``tried`` how many are.
     """
     if first.silent:
         return []
     known = first.subject.planted  # is fitted again
-    starts: Sequence[Start] = [(*known, p) for p in _starts(first, TRIED)]
+    starts: Sequence[Start] = [(*known, p) for p in _starts(first, tried)]
     levels: list[Level] = []
     now = first
     while starts and len(levels) < most:
@@ -134,7 +143,9 @@ def _weighed(
         r for r in rough if r.misfit - rough[0].misfit < max(2 * BEHIND, ROUGHLY * (whole - rough[0].misfit))
     ]
     near = (near if len(near) > 1 else rough)[:WEIGHED]
-    begins = [strong(story, r.extended, given, now.refitted) for r in near]
+    begins = [density_anew(story, r.extended, given, now.refitted) for r in near]
+    begins.sort(key=lambda found: -found[1].log_evidence)
+    begins[:DOUBLED] = [strong(story, *begin, given, now.refitted) for begin in begins[:DOUBLED]]
     begins.sort(key=lambda found: -found[1].log_evidence)
     weighed: list[Explanation] = []
     for subject, refitted in begins:

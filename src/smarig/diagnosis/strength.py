@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-MOST = 9  # strengths tried, in all
+MOST = 8  # strengths tried, in all
 FIRST = 2.0  # of the sd that was guessed: how far the first are away
 FARTHER = 1.8  # times as far, where the top lies beyond
 CLOSE = 0.3  # sd: nearer to a strength that was tried no other is

@@ -33,12 +33,12 @@ class Blind:
 class Warming:
     """Temperatures of the wire(s), and what the effects of the early stages make of them."""
 
-    def __init__(
-        self, actuator: Actuator, chains: Mapping[Stage, tuple[Hook, ...]], now: "Moment | Blind"
-    ) -> None:
+    def __init__(self, actuator: Actuator, chains: Mapping[Stage, tuple[Hook, ...]], now: Moment) -> None:
         self.heating = heating_of(actuator, now.dt_s)
         self.now = now
-        self._chains = {stage: chains[stage] for stage in EARLY}
+        self._ambient, self._current, self._resistance, self._source, self._lag, self._input = (
+            chains[stage] for stage in EARLY
+        )
         self._couples = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
 
     def parts(self, current_A: float, dt_s: float) -> int:
@@ -55,27 +55,38 @@ class Warming:
         return parts
 
     def felt(self, current_A: float, disturbance_K: float, t_s: float) -> float:
-        """One tick; the moment tells all that led to it."""
-        now, at, heating = self.now, self._chains, self.heating
+        """One tick; the moment tells all that led to it. Written out, because it is asked for millions of times."""
+        now, heating = self.now, self.heating
         now.t_s, now.command_A = t_s, current_A
-        now.ambient_K = through(at[Stage.AMBIENT], 0.0, now)
-        now.current_A = through(at[Stage.CURRENT], current_A, now)
-        now.resistance = through(at[Stage.RESISTANCE], 1.0, now)
+        ambient_K, resistance = 0.0, 1.0
+        for hook in self._ambient:
+            ambient_K = hook(ambient_K, now)
+        now.ambient_K = ambient_K
+        for hook in self._current:
+            current_A = hook(current_A, now)
+        now.current_A = current_A
+        for hook in self._resistance:
+            resistance = hook(resistance, now)
+        now.resistance = resistance
         now.input_K = heating.input_K  # before the tick, above the room: what heat is lost and stored by
-        now.source_K = through(at[Stage.SOURCE], heating.source(now.current_A) * now.resistance, now)
-        room_K = 0.0 if heating.two_wire else now.ambient_K  # common to both wires: T₁ − T₂ does not see it
-        now.input_K = heating.relax(now.source_K, *self._lags()) + room_K + disturbance_K
-        now.felt_K = through(at[Stage.INPUT], now.input_K, now)
-        return now.felt_K
+        source_K = heating.source(current_A) * resistance
+        for hook in self._source:
+            source_K = hook(source_K, now)
+        now.source_K = source_K
+        room_K = 0.0 if heating.two_wire else ambient_K  # common to both wires: T₁ − T₂ does not see it
+        lags = self._lags() if self._lag else ()
+        felt_K = now.input_K = heating.relax(source_K, *lags) + room_K + disturbance_K
+        for hook in self._input:
+            felt_K = hook(felt_K, now)
+        now.felt_K = felt_K
+        return felt_K
 
     def _lags(self) -> tuple[float, ...]:
-        """The lag of each wire, none when nothing changes it.
+        """The lag of each wire.
 
         Wires cool by themselves: to each its own temperature and its own end stand for the source and the input.
         """
-        hooks, now, heating = self._chains[Stage.LAG], self.now, self.heating
-        if not hooks:
-            return ()
+        hooks, now, heating = self._lag, self.now, self.heating
         lags, source_K = [], now.source_K
         for k in range(2 if heating.two_wire else 1):
             now.source_K, now.input_K = heating.ends(source_K)[k], heating.wire_K[k]
@@ -84,8 +95,8 @@ class Warming:
         return tuple(lags)
 
 
-def through(hooks: tuple[Hook, ...], value: float, now: "Moment | Blind") -> float:
+def through(hooks: tuple[Hook, ...], value: float, now: Moment) -> float:
     """A value past the hooks of one stage."""
     for hook in hooks:
-        value = hook(value, now)  # pyright: ignore[reportArgumentType] - who asks a blind one for more, is told
+        value = hook(value, now)
     return value

@@ -77,7 +77,7 @@ def _walked(
     setup = Setup(actuator, _Range(*span), initial)  # pyright: ignore[reportArgumentType]
     try:
         hooks = chains([kind(**dict(values)) for kind, values in early], setup)
-        return _path(story, Warming(actuator, hooks, Blind()))
+        return _path(story, Warming(actuator, hooks, Blind()))  # pyright: ignore[reportArgumentType]
     except AttributeError:  # it looked for the output
         return None
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix, hstack
+from scipy.sparse import csr_matrix, hstack, vstack
 
 from smarig.errors import DataError
 from smarig.identification.fod_data import FodData
@@ -168,12 +168,21 @@ class Observations:
             (self.sign, (self.term, np.arange(self.sign.size))), shape=(len(self), self.sign.size)
         )
         rows = gather @ values
-        for k, centre, u, sign in self.released:
-            move = _released_row(triangle, centre, u)
-            rows = rows + csr_matrix(([sign], ([k], [0])), shape=(len(self), 1)) @ move
+        if self.released:
+            rows = rows + self._released(triangle)
         free = np.flatnonzero(self.zero != COMMON)
         ones = csr_matrix((np.ones(free.size), (free, self.zero[free])), shape=(len(self), self.offsets))
         return csr_matrix(hstack([rows, ones]))
+
+    def _released(self, triangle: Triangle) -> csr_matrix:
+        """What moves from a diagonal state add to the rows; the same few moves stand in many memories."""
+        moves = list(dict.fromkeys((centre, u) for _, centre, u, _ in self.released))
+        place = {move: k for k, move in enumerate(moves)}
+        sign = [sign for *_, sign in self.released]
+        row = [k for k, *_ in self.released]
+        column = [place[centre, u] for _, centre, u, _ in self.released]
+        chosen = csr_matrix((sign, (row, column)), shape=(len(self), len(moves)))
+        return csr_matrix(chosen @ vstack([_released_row(triangle, *move) for move in moves]))
 
 
 def excursions(u: Array, swing: float) -> Integers:
