@@ -4,7 +4,7 @@ Puts the parts of this folder in order. Refuses to know rigs and pages.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -21,6 +21,7 @@ from smarig.diagnosis.density_beside import (
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
 from smarig.diagnosis.search import DOUBTED, GATE_SILENT, Level, searched
+from smarig.diagnosis.sentences import sentences
 from smarig.diagnosis.verdict import Verdict, decided
 from smarig.diagnosis.visibility import Visibility, visibility
 from smarig.errors import UsageError
@@ -131,49 +132,6 @@ class Diagnosis:
     def __repr__(self) -> str:
         said = " + ".join(str(p) for p in self.best.effects) if self.best else self.verdict.depends_on or ""
         return f"Diagnosis({self.verdict.word}{': ' if said else ''}{said})"
-
-
-def sentences(d: Diagnosis) -> Iterator[str]:
-    """A diagnosis for people."""
-    e, gain, best = d.error, d.gain, d.best
-    p = f"p = {d.first.p_value:.2g} by {d.nulls} nulls"
-    if d.verdict.word in ("silent", "not_identifiable"):
-        if d.first.silent:
-            yield f"Nothing stands out ({p}; an alarm needs p < {d.alpha:g})."
-        else:
-            yield f"Something stands out ({p}), but neither a name nor a variable explains enough to be claimed."
-    if d.verdict.word == "unknown":
-        yield f"Something is wrong ({p}) that depends on {d.verdict.depends_on}; no effect known explains it."
-    if best is not None:
-        said = {"named": "Found", "ambiguous": "One of a set, best"}.get(
-            d.verdict.word, "Nearest, not enough"
-        )
-        for effect in d.effects():
-            values = ", ".join(_value(n, v) for n, v in effect["parameters"].items())
-            yield f"{said}: {effect['name']} ({values}), probability {effect['probability']:.2f}."
-    if d.verdict.word == "ambiguous":
-        yield f"The set that holds the cause with 90 % probability: {', '.join(d.verdict.names)}."
-    yield (
-        f"Settled points, rms: {e.base:.4g} {e.unit} with the density identified anew"
-        + (f", {e.extended:.4g} extended" if best else "")
-        + f"; noise floor {e.noise_floor:.2g}."
-    )
-    if gain is not None and best is not None and gain.removable_share is not None:
-        ends = gain.interval()
-        between = f" (95 %: {ends[0]:.2f} to {ends[1]:.2f})" if ends else ""
-        yield (
-            f"Held out, {gain.blocks} blocks: {gain.base:.4g} → {gain.extended:.4g} {e.unit} rms; "
-            f"{100 * gain.removable_share:.0f} % of what can be removed is{between}."
-        )
-    if d.separating_run:
-        yield d.separating_run["why"]
-    if d.visibility.invisible:
-        yield f"These data cannot show: {', '.join(d.visibility.invisible)}."
-
-
-def _value(name: str, v: dict[str, Any]) -> str:
-    ends = v["ci95"]
-    return f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + f" {v['unit']}"
 
 
 def _effect(planted: Any, best: Refined, verdict: Verdict) -> dict[str, Any]:

@@ -1,0 +1,65 @@
+"""A diagnosis in plain sentences, for a terminal and a notebook. Knows no page, and computes nothing."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from smarig.diagnosis.gain import Gain
+
+if TYPE_CHECKING:
+    from smarig.diagnosis.diagnose import Diagnosis
+
+
+def sentences(d: "Diagnosis") -> Iterator[str]:
+    """A diagnosis for people."""
+    e, gain, best = d.error, d.gain, d.best
+    p = f"p = {d.first.p_value:.2g} by {d.nulls} nulls"
+    if d.verdict.word in ("silent", "not_identifiable"):
+        if d.first.silent:
+            yield f"Nothing stands out ({p}; an alarm needs p < {d.alpha:g})."
+        else:
+            yield f"Something stands out ({p}), but neither a name nor a variable explains enough to be claimed."
+    if d.verdict.word == "unknown":
+        yield f"Something is wrong ({p}) that depends on {d.verdict.depends_on}; no effect known explains it."
+    if best is not None:
+        said = {"named": "Found", "ambiguous": "One of a set, best"}.get(
+            d.verdict.word, "Nearest, not enough"
+        )
+        for effect in d.effects():
+            values = ", ".join(_value(n, v) for n, v in effect["parameters"].items())
+            yield f"{said}: {effect['name']} ({values}), probability {effect['probability']:.2f}."
+    if d.verdict.word == "ambiguous":
+        yield f"The set that holds the cause with 90 % probability: {', '.join(d.verdict.names)}."
+    yield (
+        f"Settled points, rms: {e.base:.4g} {e.unit} with the density identified anew"
+        + (f", {e.extended:.4g} extended" if best else "")
+        + f"; noise floor {e.noise_floor:.2g}."
+    )
+    if gain is not None and d.extended:
+        yield _gained(gain, e.unit)
+    if d.separating_run:
+        yield d.separating_run["why"]
+    if d.visibility.invisible:
+        yield f"These data cannot show: {', '.join(d.visibility.invisible)}."
+
+
+def _value(name: str, v: dict[str, Any]) -> str:
+    ends = v["ci95"]
+    return f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + f" {v['unit']}"
+
+
+def _gained(gain: Gain, unit: str) -> str:
+    """What knowing the effects is worth on runs that taught nothing."""
+    said = f"Held out, {gain.blocks} blocks: {gain.base:.4g} → {gain.extended:.4g} {unit} rms"
+    share, ends = gain.removable_share, gain.interval()
+    if share is None:
+        return f"{said}; the base model is at the floor of what can be foretold already."
+    if share < 0:
+        return f"{said}: the extended model is WORSE there. Judge its parameters before you use it."
+    between = f" (95 %: {_percent(ends[0])} to {_percent(ends[1])})" if ends else ""
+    return f"{said}; {_percent(share)} of what can be removed is{between}."
+
+
+def _percent(share: float) -> str:
+    """To the last figure that is not 100."""
+    places = 0 if abs(share) < 0.995 else 1 if share < 0.9995 else 2
+    return f"{100 * share:.{places}f} %"
