@@ -4,6 +4,8 @@ Positions of one sitting share a zero, a resistance has a zero and a scale of it
 Knows neither density nor draughts.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,13 +56,19 @@ def speed(told: Retelling, path: Array) -> Array:
 
 def raw_noise(story: Story, subject: Subject) -> float:
     """Sd of a single position reading, from the scatter within settled windows; half a count at least."""
+    return float(np.sqrt(max(_scatter(story), (0.5 * subject.per_count) ** 2, 1e-12)))
+
+
+@lru_cache(maxsize=8)
+def _scatter(story: Story) -> float:
+    """Variance of neighbours in settled windows, the usual one; it is asked for at every refit."""
     spread = []
     for run in story.runs:
         for step in run.settled[:: max(1, len(run.settled) // 40)]:
             rows = np.flatnonzero(run["step"] == step.index)[-max(step.n, 1) :]
             if rows.size > 20:
                 spread.append(float(np.var(np.diff(run["position"][rows])) / 2))
-    return float(np.sqrt(max(np.median(spread) if spread else 0.0, (0.5 * subject.per_count) ** 2, 1e-12)))
+    return float(np.median(spread)) if spread else 0.0
 
 
 _FINEST = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: no instrument is better

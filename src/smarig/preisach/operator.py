@@ -238,7 +238,8 @@ class Preisach:
         # by a rounding more than the loop will ask for: it alone decides, by mirror images
         wanted = np.flatnonzero(away[1:] >= furthest[:-1] - 1e-12 * (self._upper - self._lower))
         outputs = np.full(inputs.size, np.nan)
-        outputs[wanted] = s.Y[0] + from_diagonal(self.hysteresis, s.centre, inputs[wanted])
+        if wanted.size:
+            outputs[wanted] = s.Y[0] + from_diagonal(self.hysteresis, s.centre, inputs[wanted])
         return outputs
 
     def _drive(self, inputs: Array, y: Array, released: Array | None = None) -> None:
