@@ -36,8 +36,8 @@ def off(story, hysteresis):
 @pytest.fixture(scope="module")
 def fair(story):
     """A table of no negative mass that foretells the story."""
-    table = refitted(story, subject()).density
-    return refitted(story, subject(table)).density
+    table = refitted(story, subject()).posterior.table()
+    return refitted(story, subject(table)).posterior.table()
 
 
 def later(table, power):
@@ -64,7 +64,7 @@ def least_step(hysteresis):
 
 def test_the_density_of_a_refit_foretells_what_a_wrong_one_missed(story, fair):
     wrong = later(fair, 0.94)
-    found = refitted(story, subject(wrong)).density
+    found = refitted(story, subject(wrong)).posterior.table()
     assert off(story, found) < 0.2 * off(story, wrong)
     assert off(story, fair) < 0.005
     assert np.diff(found.values[:, 0]).max() < 1e-9  # in saturation nothing is on

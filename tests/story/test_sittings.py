@@ -153,14 +153,14 @@ def test_each_sitting_has_an_encoders_zero_of_its_own(apart):
     after = refitted([*apart[0], *(lifted(run, SHIFT_MM) for run in apart[1])])
     assert after.log_evidence == pytest.approx(before.log_evidence, abs=0.05)
     np.testing.assert_allclose(after.spreads, before.spreads, atol=0.02)
-    np.testing.assert_allclose(after.density.values, before.density.values, atol=1e-3)
+    np.testing.assert_allclose(after.posterior.table().values, before.posterior.table().values, atol=1e-3)
     inside = lifted(apart[1][0], SHIFT_MM)  # one run of it only: no zero is free there
     assert refitted([*apart[0], inside, apart[1][1]]).log_evidence < before.log_evidence - 50
 
 
 def test_the_densitys_zero_is_that_of_the_first_sitting(apart):
-    before = refitted([*apart[0], *apart[1]]).density
-    after = refitted([*(lifted(run, SHIFT_MM) for run in apart[0]), *apart[1]]).density
+    before = refitted([*apart[0], *apart[1]]).posterior.table()
+    after = refitted([*(lifted(run, SHIFT_MM) for run in apart[0]), *apart[1]]).posterior.table()
     np.testing.assert_allclose(after.values, before.values + SHIFT_MM, atol=2e-3)
 
 

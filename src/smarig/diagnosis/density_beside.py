@@ -55,7 +55,7 @@ def density_said(story: Story, subject: Subject, found: Refit) -> Subject:
     """The subject with the density that its refitted readings speak for, or its own where that is nearer to them."""
     if story.given:
         return subject
-    both = subject, replace(subject, hysteresis=found.density)
+    both = subject, replace(subject, hysteresis=found.posterior.table(signed=subject.signed))
     return min(both, key=lambda s: settled_rms(story, s))
 
 
@@ -76,7 +76,9 @@ def _turned(story: Story, start: tuple[Subject, Retelling, Refit]) -> tuple[Subj
     """From a start, as many turns as gain something."""
     subject, told, found = start
     for _ in range(TURNS):
-        again = _start(story, replace(subject, hysteresis=found.density), found)
+        again = _start(
+            story, replace(subject, hysteresis=found.posterior.table(signed=subject.signed)), found
+        )
         if again[2].log_evidence < found.log_evidence + ENOUGH:
             break
         subject, told, found = again

@@ -20,7 +20,8 @@ from smarig.diagnosis.density_beside import (
 )
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
-from smarig.diagnosis.search import DOUBTED, GATE_SILENT, Level, searched
+from smarig.diagnosis.refit import Refit
+from smarig.diagnosis.search import DOUBTED, GATE, GATE_SILENT, Level, searched
 from smarig.diagnosis.sentences import sentences
 from smarig.diagnosis.verdict import Verdict, decided
 from smarig.diagnosis.visibility import Visibility, visibility
@@ -182,9 +183,15 @@ def diagnose(
     story, subject = _told(given, taught)
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
-    base, plain = density_anew(story, subject, subject.hysteresis)
     judge = partial(critique, story, kinds=catalogue, count=nulls, alpha=alpha, seed=seed)
+    base, plain = density_anew(story, subject, subject.hysteresis)
     first, levels = _searched(judge, base, subject.hysteresis, plain.log_evidence, say)
+    if not (first.silent or story.given):
+        negative = density_anew(story, replace(subject, signed=True), subject.hysteresis)
+        if negative[1].log_evidence > _explained(plain, levels):
+            say("with a density that is negative somewhere")
+            base, plain = negative
+            first, levels = _searched(judge, base, subject.hysteresis, plain.log_evidence, say)
     verdict = decided(first, levels)
     base = density_said(story, base, plain)
     extended = base
@@ -239,6 +246,11 @@ def _searched(
     levels = searched(judge(base, wary=True), given, judged, evidence, GATE_SILENT, DOUBTED)
     again = judge(base, noise_of=levels[0].critique) if levels else first
     return (first, []) if again.silent else (again, levels)
+
+
+def _explained(plain: Refit, levels: Sequence[Level]) -> float:
+    """The log likelihood that a density must beat which is negative somewhere, as no wire's should be."""
+    return levels[-1].explanations[0].evidence if levels else plain.log_evidence + GATE
 
 
 def _check(alpha: float, nulls: int) -> None:

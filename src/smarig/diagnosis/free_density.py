@@ -82,10 +82,12 @@ class FreeDensity:
         """At the memories, in strokes, (n,), of masses (cells,)."""
         return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
 
-    def renewed(self, variances: Array, pull: Array, mass: Array | None = None) -> Array:
+    def renewed(
+        self, variances: Array, pull: Array, mass: Array | None = None, *, signed: bool = False
+    ) -> Array:
         """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``pull`` (n,) = C⁻¹y.
 
-        From the believed masses, or others; where those are negative they may stay so.
+        From the believed masses, or others; where those are negative they may stay so, and all may be if ``signed``.
         """
         begun = self.mass if mass is None else mass
         felt = _grid(self.triangle, (self.rows.T @ pull)[:, None])[::-1, ::-1]
@@ -97,7 +99,8 @@ class FreeDensity:
             for w, hats in zip(variances, self.hats)
         ]
         grains = variances[len(self.hats)] * self.faint * cells
-        return np.maximum(begun + np.sum(more, axis=0) + grains, np.minimum(self.mass, 0.0))
+        masses = begun + np.sum(more, axis=0) + grains
+        return masses if signed else np.maximum(masses, np.minimum(self.mass, 0.0))
 
 
 def free_density(told: Retelling, hysteresis: Everett, path: Array, y: Array) -> FreeDensity:

@@ -38,20 +38,23 @@ class Posterior:
     y_lower: float
     unit: str
 
-    @property
-    def table(self) -> FodTable:
-        """The hysteresis, in ``unit``."""
-        masses, shift = self._masses()
+    def table(self, *, signed: bool = False) -> FodTable:
+        """The hysteresis, in ``unit``; ``signed``: masses may be negative where they were not."""
+        masses, shift = self._masses(signed)
         tells = self.zero_of > 0
         zero = self.y_lower + float(np.mean(self.zero_of[tells] * shift[tells]))
         return self.prior.triangle.table(self.stroke * masses, zero, self.unit)
 
-    def _masses(self) -> tuple[Array, Array]:
+    def _masses(self, signed: bool) -> tuple[Array, Array]:
         """Masses (cells,) in strokes and zeros (n,), scaled.
 
-        Where a mass would be negative it is none, and others must make up for it: the outputs stay the posterior's.
+        Where a mass would be negative it is none, unless it may be, and others must make up for it: the outputs stay
+        the posterior's.
         """
-        masses, shift = self.prior.renewed(self.variances, self.reach * self.pull), self.free @ self.pull
+        pull, shift = self.reach * self.pull, self.free @ self.pull
+        masses = self.prior.renewed(self.variances, pull, signed=signed)
+        if signed:
+            return masses, shift
         wanted = self.covariance @ (self.reach * self.pull)
         for _ in range(AGAIN):
             lost = wanted - self.prior.outputs(masses - self.prior.mass)

@@ -20,7 +20,6 @@ from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.posterior import Posterior
 from smarig.diagnosis.spreads import DRAUGHTY, START, Stack, bounds_of, noise, own
 from smarig.diagnosis.suspects import suspect
-from smarig.preisach.fod_table import FodTable
 from smarig.story.retelling import COUPLED, Retelling, retold
 from smarig.story.subject import Subject
 from smarig.story.told import Story
@@ -61,11 +60,6 @@ class Refit:
     coupled: int
     spreads: Array
     posterior: Posterior
-
-    @property
-    def density(self) -> FodTable:
-        """The hysteresis that these readings speak for."""
-        return self.posterior.table
 
     def centred(self, rest: Array, story: Story) -> Array:
         """Whitened (N,) readings minus predictions, the free constants of blocks apart taken out as in ``data``."""

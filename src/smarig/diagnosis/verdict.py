@@ -17,7 +17,7 @@ TEMPERATURE = 4.0  # nats
 COVERED = 0.9  # probability of the set
 BETTER = 1.5  # a variable that explains so much more than any name is no name's
 LEFT_OVER = 0.2  # of all nats explained: so much may a variable still explain when all names are in
-GENERIC_GATE = 20.0  # nats beyond chance for "it depends on"
+GENERIC_GATE = 30.0  # nats beyond chance for "it depends on"
 
 
 @dataclass(frozen=True)

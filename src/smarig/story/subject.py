@@ -10,13 +10,17 @@ from smarig.preisach.operator import Initial
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """Constants, hysteresis, the state the story begins in, known effects; output units per count, 0 where unknown."""
+    """Constants, hysteresis, the state the story begins in, known effects; output units per count, 0 where unknown.
+
+    ``signed``: whether its density is believed to be negative somewhere, as surfaces of Table 5.1 are (Prop. 4.6).
+    """
 
     actuator: Actuator
     hysteresis: Everett
     initial: Initial
     effects: tuple[Effect, ...] = ()
     per_count: float = 0.0
+    signed: bool = False
 
     @property
     def planted(self) -> tuple[Planted, ...]:
