@@ -86,7 +86,7 @@ def test_only_the_last_level_is_judged():
 
 
 def test_something_stands_out_that_no_name_explains():
-    found = decided(loud(variable("time", 20.0), variable("hold", 25.0)), [])
+    found = decided(loud(variable("time", 35.0), variable("hold", 40.0)), [])
     assert found == Verdict("unknown", depends_on="hold")
 
 
@@ -103,20 +103,20 @@ def test_a_variable_must_stand_out_as_well_as_gain():
 @pytest.mark.parametrize(("share", "word"), [(0.9, "unknown"), (0.1, "named")])
 def test_a_variable_that_explains_much_more_than_any_name_is_no_names(share, word):
     """45 or 5 nats of 50, less 1 by chance, against 20 by the best name."""
-    found = decided(loud(variable("hold", 20.0, share)), [level((("walking",), 0.0), gain=20.0)])
+    found = decided(loud(variable("hold", 35.0, share)), [level((("walking",), 0.0), gain=20.0)])
     assert found.word == word
     assert found.depends_on == ("hold" if word == "unknown" else None)
     assert found.explanations[0][0] == ("walking",)  # the nearest there is
 
 
 @pytest.mark.parametrize(
-    ("left", "gain", "word"), [(30.0, 40.0, "unknown"), (30.0, 400.0, "named"), (5.0, 20.0, "named")]
+    ("left", "gain", "word"), [(35.0, 40.0, "unknown"), (35.0, 400.0, "named"), (5.0, 20.0, "named")]
 )
 def test_much_that_is_left_when_all_names_are_in_is_no_names(left, gain, word):
-    """Three quarters and a thirteenth of what was explained; and a quarter that is too little by itself."""
+    """Seven eighths and a twelfth of what was explained; and a quarter that is too little by itself."""
     still = score(Candidate("?hold", np.eye(4)[:, 2:3], depends_on="hold"), left)
     after = critique(name(settling, 0.5), still)
-    found = decided(loud(variable("time", 20.0)), [level((("walking",), 0.0), after=after, gain=gain)])
+    found = decided(loud(variable("time", 35.0)), [level((("walking",), 0.0), after=after, gain=gain)])
     assert found.word == word
 
 
