@@ -68,7 +68,7 @@ def named(tmp_path_factory) -> Diagnosis:
     gain = measured_gain(runs[:1], runs[1:], base, with_drift, first.refitted.noise)
     error = Error(story.unit, first.refitted.noise.settled, float(misses[0]), *map(float, misses))
     return Diagnosis(
-        NAMED, story, first, (level,), visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
+        NAMED, story, first, (level,), base, visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
     )  # pyright: ignore[reportArgumentType]
 
 

@@ -12,18 +12,24 @@ from story.sittings import LISTED, LONG, believed, sitting
 ASKING = {"accommodation", "fatigue", "latent_heat", "resistance_phase", "stress_coupling"}  # for the output
 
 
-@pytest.fixture(scope="module", params=["one_wire", "two_wire"])
-def story_and_subject(request, tmp_path_factory):
-    runs = sitting(tmp_path_factory.mktemp(request.param), LONG, LISTED, rig=f"{request.param}_twin")
-    subject, _ = believed(wire=f"gorbet_{request.param}")
-    return told(runs, subject.actuator.tau_s), subject
+WIRES = {"one_wire": kinds("one_wire"), "two_wire": kinds("two_wire")}
+CASES = [pytest.param(wire, kind, id=f"{wire}-{kind.name}") for wire in WIRES for kind in WIRES[wire]]
 
 
-@pytest.mark.parametrize("kind", kinds(), ids=lambda k: k.name)
-def test_both_ways_tell_the_same_to_the_last_bit(story_and_subject, kind):
-    story, subject = story_and_subject
-    if kind.arrangement == "two_wire" and not subject.actuator.two_wire:
-        pytest.skip("needs two wires")
+@pytest.fixture(scope="module")
+def lives(tmp_path_factory):
+    """(story, subject) of each wire."""
+    found = {}
+    for wire in WIRES:
+        runs = sitting(tmp_path_factory.mktemp(wire), LONG, LISTED, rig=f"{wire}_twin")
+        subject, _ = believed(wire=f"gorbet_{wire}")
+        found[wire] = told(runs, subject.actuator.tau_s), subject
+    return found
+
+
+@pytest.mark.parametrize(("wire", "kind"), CASES)
+def test_both_ways_tell_the_same_to_the_last_bit(lives, wire, kind):
+    story, subject = lives[wire]
     effects = (kind(),)
     way = felt(story, subject, effects)
     assert (way is None) == (kind.name in ASKING)

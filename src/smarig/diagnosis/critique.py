@@ -7,7 +7,6 @@ alarm is α, however many candidates compete. Knows no effect by name.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,8 +97,7 @@ def critique(
     told = retold(story, subject)
     known = {effect.kind.name for effect in subject.planted}
     kinds = [kind for kind in kinds if kind.name not in known]
-    h: Any = subject.hysteresis  # every hysteresis of a model can be differentiated
-    slope = np.array([sensitivity(h, state)[-1] for state in told.states]) * told.follows
+    slope = np.array([sensitivity(subject.hysteresis, state)[-1] for state in told.states]) * told.follows
     raw = [*named(story, subject, told, kinds), *generic(story, subject, told, slope)]
     suspects = [traces for c in raw for traces in c.typical]
     refitted = refit(

@@ -39,7 +39,6 @@ from smarig.story.subject import Subject
 from smarig.story.told import Story, told
 
 NORMAL_95 = 1.96
-WIDER = 1.0  # of intervals, for what the evidence leaves out
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,15 +56,17 @@ class Error:
 class Diagnosis:
     """What was found, with the evidence it rests on.
 
-    ``model`` is the extended model where effects were found, else the given one; ``gain`` is None without
-    held-out runs. ``numerics`` is the error of the critic's own time steps at settled points; ``separating_run`` what
-    ``smarig.proposal`` proposes, if it was asked.
+    ``base`` is the wire without them, its density identified anew: what the gain is counted against. ``model`` is the
+    extended model where effects were found, else the given one; ``gain`` is None without held-out runs. ``numerics``
+    is the error of the critic's own time steps at settled points; ``separating_run`` what ``smarig.proposal`` proposes,
+    if it was asked.
     """
 
     verdict: Verdict
     story: Story
     first: Critique
     levels: tuple[Level, ...]
+    base: Subject
     visibility: Visibility
     error: Error
     gain: Gain | None
@@ -155,7 +156,7 @@ def _effect(planted: Any, best: Refined, verdict: Verdict) -> dict[str, Any]:
 def _interval(value: float, spread: float | None) -> list[float] | None:
     if spread is None:
         return None
-    half = NORMAL_95 * WIDER * spread
+    half = NORMAL_95 * spread
     return [value - half, value + half]
 
 
@@ -206,6 +207,7 @@ def diagnose(
         story,
         first,
         tuple(levels),
+        base,
         visibility(first, blind),
         Error(
             story.unit,

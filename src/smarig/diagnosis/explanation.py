@@ -95,9 +95,12 @@ def topped(story: Story, given: Everett, found: Explanation) -> tuple[Refined, E
         start = Top(effect.strength, found.evidence, found, guess)
         best = top(partial(_stronger, story, given, found, k), start, (primary.lower, primary.upper))
         found = best.at
-        wider = max(best.sd / fine.alone[key], 1.0) if np.isfinite(best.sd) else 1.0
+        wider = max(best.sd / fine.alone[key], 1.0)
         spread |= {name: sd * wider for name, sd in fine.spread.items() if name[0] == effect.kind.name}
-    return replace(fine, effects=found.effects, spread=spread, subject=found.subject), found
+    known = {
+        name: sd for name, sd in spread.items() if np.isfinite(sd)
+    }  # none where no end of the evidence was found
+    return replace(fine, effects=found.effects, spread=known, subject=found.subject), found
 
 
 def _stronger(

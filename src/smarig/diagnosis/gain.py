@@ -104,13 +104,14 @@ def measured_gain(
     value, sitting = np.concatenate([r.value for r in story.kinds]), story.sitting[step]
     weighted = bool(story.given) or len(story.kinds) > 1 or variances is not None
     whole = retold(story, extended)
-    square = _square(story, whole, extended, noise)
+    covariance = _noise(story, whole, extended, noise)
+    square = np.diag(covariance).copy()
     if variances is not None and not story.given:
-        square[judged] = _foretold(whole, extended, square, noise, variances, judged)
+        square[judged] = _foretold(whole, extended, covariance, variances, judged)
     weight = 1 / square if weighted else np.ones(square.size)
     errors = []
-    for subject in (base, extended):
-        error = value - retold(story, subject).stacked(story)
+    for told_so in (retold(story, base), whole):
+        error = value - told_so.stacked(story)
         errors.append((error - _zeros(error, weight, judged, sitting))[judged])
     square, weight = square[judged], weight[judged]
     floor = float(np.sqrt(np.average(square, weights=weight)))
@@ -127,36 +128,29 @@ def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], sitting: NDAr
     return zeros
 
 
-def _square(story: Story, whole: Retelling, subject: Subject, noise: Noise) -> Array:
-    """Variance (k,) of the noise at positions: its own, and what the hysteresis remembers."""
-    J, times = remembered(subject.hysteresis, whole)  # pyright: ignore[reportArgumentType]
-    memory = np.diag(propagated(J, times, noise.correlation_s))
+def _noise(story: Story, whole: Retelling, subject: Subject, noise: Noise) -> Array:
+    """Covariance (k, k) of the noise at positions: its own, and what the hysteresis remembers."""
+    J, times = remembered(subject.hysteresis, whole)
     own = [np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in story.kinds]
-    square = np.concatenate(own) ** 2 + noise.temperature_K**2 * memory
-    return square + given.scatter(story, whole, subject) ** 2 if story.given else square
+    square = np.concatenate(own) ** 2
+    if story.given:
+        square = square + given.scatter(story, whole, subject) ** 2
+    return noise.temperature_K**2 * propagated(J, times, noise.correlation_s) + np.diag(square)
 
 
 def _foretold(
-    whole: Retelling,
-    subject: Subject,
-    square: Array,
-    noise: Noise,
-    variances: Array,
-    judged: NDArray[np.bool_],
+    whole: Retelling, subject: Subject, noise: Array, variances: Array, judged: NDArray[np.bool_]
 ) -> Array:
     """Variance (k,) of judged positions when all others are known, but for whatever the density may be."""
     path = whole.lived(subject.hysteresis, subject.initial, whole.felt_K)
     shapes = free_density(whole, subject.hysteresis, path, whole.output).covariances
-    J, times = remembered(subject.hysteresis, whole)  # pyright: ignore[reportArgumentType]
-    C = subject.stroke**2 * np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
-    memory = noise.temperature_K**2 * propagated(J, times, noise.correlation_s)
-    C += memory + np.diag(square - np.diag(memory))
+    C = noise + subject.stroke**2 * np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
     known = ~judged
     zero = (ANY * subject.stroke) ** 2  # is the same in all
     factor = cholesky(C[np.ix_(known, known)] + zero, lower=True, check_finite=False)
     shared = C[np.ix_(known, judged)] + zero
     told = np.sum(solve_triangular(factor, shared, lower=True, check_finite=False) ** 2, axis=0)
-    return np.maximum(np.diag(C)[judged] + zero - told, square[judged])
+    return np.maximum(np.diag(C)[judged] + zero - told, np.diag(noise)[judged])
 
 
 def _rms(error: Array, weight: Array | None) -> float:

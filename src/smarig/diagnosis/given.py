@@ -39,7 +39,7 @@ def bounds(story: Story, span: float, stroke: float) -> tuple[tuple[float, float
 
 def scatter(story: Story, told: Retelling, subject: Subject) -> Array:
     """What the input's own scatter does to each reading, by the local slope, output units (n,)."""
-    slope = [sensitivity(subject.hysteresis, state)[-1] for state in told.states]  # pyright: ignore[reportArgumentType]
+    slope = [sensitivity(subject.hysteresis, state)[-1] for state in told.states]
     return np.abs(np.array(slope)) * story.jitter
 
 

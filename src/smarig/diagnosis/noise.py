@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from smarig.preisach.everett import Differentiable
+from smarig.preisach.everett import Everett
 from smarig.preisach.operator import State
 from smarig.preisach.sensitivity import sensitivity
 from smarig.story.retelling import Retelling
@@ -21,7 +21,7 @@ from smarig.story.retelling import Retelling
 Array = NDArray[np.float64]
 
 
-def remembered(hysteresis: Differentiable, told: Retelling) -> tuple[csr_matrix, Array]:
+def remembered(hysteresis: Everett, told: Retelling) -> tuple[csr_matrix, Array]:
     """(J (n, p), times (p,)): slopes of the n positions to the p remembered inputs, and when those were felt."""
     felt = _ticks_of(told)
     times: dict[float, int] = {}
@@ -53,7 +53,7 @@ def _kept(ticks: list[int], begin: int, mark: int, t_s: Array) -> float | None:
     return float(t_s[ticks[k]]) if k >= 0 and ticks[k] >= begin else None
 
 
-def _slopes(hysteresis: Differentiable, state: State) -> Sequence[tuple[float, float]]:
+def _slopes(hysteresis: Everett, state: State) -> Sequence[tuple[float, float]]:
     """(input, slope) of every remembered extremum and the present input; saturation feels no temperature."""
     inputs = (*state.extrema, state.u)
     ends = (hysteresis.lower, hysteresis.upper)

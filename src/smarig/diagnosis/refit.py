@@ -18,7 +18,7 @@ from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.instruments import apart, own_means, speed, units
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.posterior import Posterior
-from smarig.diagnosis.spreads import DRAUGHTY, START, Stack, bounds_of, noise, own
+from smarig.diagnosis.spreads import DRAUGHTY, START, Stack, bounds_of
 from smarig.diagnosis.suspects import suspect
 from smarig.story.retelling import COUPLED, Retelling, retold
 from smarig.story.subject import Subject
@@ -103,22 +103,20 @@ def refit(
     whole = y + told.follows * (told.output - h.y_lower)  # of any hysteresis, not only a change of this one
     moves = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
     stack = Stack(whole / scale, prior.covariances, free, white, moves, reach, bounds_of(story, subject))
-    J, times = remembered(h, told)  # pyright: ignore[reportArgumentType]
+    J, times = remembered(h, told)
     memories = [
         (seconds, propagated(J, times, seconds) / span**2)
         for seconds in _correlations_s(story, noise_of or like)
     ]
-    begin, sets = START if like is None else like.spreads, [t[:n] / scale[:, None] for t in suspects]
-    cost, found, correlation, memory = _remembering(stack, memories, begin)
     if noise_of is not None:
-        found = noise_of.spreads
-    elif sets:
-        aside = np.column_stack(sets) if wary else suspect(stack, memory, (cost, found), sets)
-        if aside is not None:
-            cost, found, correlation, memory = _remembering(stack, memories, found, aside)
-    *variances, s_m, s0, s_T = 10.0**found
-    noise_part = noise(memory, own(white, moves, s_m, s0), s_T, reach)
-    C = stack.covariance(memory, found)
+        found, (correlation, memory) = noise_of.spreads, memories[0]
+        cost = stack.cost(memory, found)
+    else:
+        begin, sets = START if like is None else like.spreads, [t[:n] / scale[:, None] for t in suspects]
+        cost, found, correlation, memory = _judged(stack, memories, begin, sets, wary)
+    *variances, _, s0, s_T = 10.0**found
+    noise_part, density = stack.noise(memory, found), stack.density(found)
+    C = reach[:, None] * density * reach + free + noise_part
     others = [apart(r, story, told) for r in story.kinds if r.kind not in COUPLED]
     factor, scales, data = _stacked([(C, scale, y), *others])
     whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
@@ -139,7 +137,7 @@ def refit(
         Posterior(
             prior,
             np.array(variances),
-            np.sum([w * shape for w, shape in zip(variances, stack.shapes)], axis=0),
+            density,
             reach,
             factor[:n, :n],
             free,
@@ -157,6 +155,17 @@ def _correlations_s(story: Story, like: "Refit | None") -> tuple[float, ...]:
     if like is not None:
         return (like.noise.correlation_s,)
     return given.correlations_s(story) if story.given else CORRELATIONS_S
+
+
+def _judged(
+    stack: Stack, memories: Sequence[tuple[float, Array]], begin: Array, sets: Sequence[Array], wary: bool
+) -> tuple[float, Array, float, Array]:
+    """As ``_remembering``, with the likeliest suspect aside, or with all."""
+    found = _remembering(stack, memories, begin)
+    if not sets:
+        return found
+    aside = np.column_stack(sets) if wary else suspect(stack, found[3], found[:2], sets)
+    return found if aside is None else _remembering(stack, memories, found[1], aside)
 
 
 def _remembering(

@@ -21,12 +21,12 @@ from smarig.story.told import Story
 Judge = Callable[[Subject], Critique]
 Start = tuple[Planted, ...]
 TRIED = 6  # single explanations refined
+DOUBTED = 3  # the same where nothing stands out of the noise that all might be
 BESIDE = 3  # further effects tried beside an accepted one, of those that stand out now, and at first
 RIVALS = 3  # explanations kept from size to size
 DOUBLED = 2  # of those weighed, likeliest first, those that are tried twice as strong
 WEIGHED = 4  # explanations whose likelihood is taken
 MOST = 3  # effects at once
-DOUBTED = 3  # the same where nothing stands out of the noise that all might be
 GATE = 18.0  # nats: an effect that explains less is not worth its name
 GATE_SILENT = 25.0  # nats: the same where nothing stands out of the noise that all might be
 GATE_MORE = 25.0  # nats: a further effect, lest it be an echo of the first

@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from smarig.diagnosis.gain import Gain
 
 if TYPE_CHECKING:
@@ -55,11 +57,16 @@ def _gained(gain: Gain, unit: str) -> str:
         return f"{said}; the base model is at the floor of what can be foretold already."
     if share < 0:
         return f"{said}: the extended model is WORSE there. Judge its parameters before you use it."
-    between = f" (95 %: {_percent(ends[0])} to {_percent(ends[1])})" if ends else ""
-    return f"{said}; {_percent(share)} of what can be removed is{between}."
+    between = f" (95 %: {share_words(ends[0])} to {share_words(ends[1])})" if ends else ""
+    return f"{said}, so {share_words(share)}{between} of what can be removed is gone (R)."
 
 
-def _percent(share: float) -> str:
-    """To the last figure that is not 100."""
-    places = 0 if abs(share) < 0.995 else 1 if share < 0.9995 else 2
-    return f"{100 * share:.{places}f} %"
+def share_words(share: float) -> str:
+    """R with two decimals, or as many as tell it from one.
+
+    >>> share_words(0.937), share_words(0.99986), share_words(-20.8193)
+    ('0.94', '0.9999', '−20.82')
+    """
+    left = 1 - share
+    digits = int(np.clip(np.ceil(-np.log10(left)), 2, 5)) if left > 0 else 2
+    return f"{share:.{digits}f}".replace("-", "−")

@@ -59,14 +59,23 @@ class Stack:
     slope: Array
     bounds: tuple[Array, Array]
 
+    def density(self, spreads: Array) -> Array:
+        """Covariance (n, n) of the outputs, in strokes²."""
+        return np.sum([w * shape for w, shape in zip(10.0**spreads, self.shapes)], axis=0)
+
+    def noise(self, memory: Array, spreads: Array) -> Array:
+        """Σ (n, n)."""
+        s_m, s0, s_T = 10.0 ** spreads[-3:]
+        return noise(memory, own(self.white, self.moves, s_m, s0), s_T, self.slope)
+
     def covariance(self, memory: Array, spreads: Array) -> Array:
         """C (n, n)."""
-        *weights, s_m, s0, s_T = 10.0**spreads
-        density = np.sum([w * shape for w, shape in zip(weights, self.shapes)], axis=0)
-        own_noise = own(self.white, self.moves, s_m, s0)
-        return (
-            self.slope[:, None] * density * self.slope + self.free + noise(memory, own_noise, s_T, self.slope)
-        )
+        density = self.slope[:, None] * self.density(spreads) * self.slope
+        return density + self.free + self.noise(memory, spreads)
+
+    def cost(self, memory: Array, spreads: Array) -> float:
+        """− log likelihood at given spreads, with nothing aside."""
+        return self._cost(spreads, self._parts(memory), self.free)[0]
 
     def likeliest(self, memory: Array, start: Array, aside: Array | None = None) -> tuple[float, Array]:
         """(−log likelihood, log₁₀ of the spreads) at its least; columns ``aside`` (n, k) are in, strengths ~ N(0, 1).
@@ -75,8 +84,7 @@ class Stack:
         other.
         """
         fixed = self.free if aside is None else self.free + aside @ aside.T
-        parts = [self.slope[:, None] * shape * self.slope for shape in (*self.shapes, memory)]
-        bounds = self.bounds
+        parts, bounds = self._parts(memory), self.bounds
 
         def least(start: Array) -> OptimizeResult:
             return minimize(
@@ -94,6 +102,9 @@ class Stack:
             again = least(np.append(START[:-1], CALM if calm else DRAUGHTY))
             found = min(found, again, key=lambda f: float(f.fun))
         return float(found.fun), found.x
+
+    def _parts(self, memory: Array) -> list[Array]:
+        return [self.slope[:, None] * shape * self.slope for shape in (*self.shapes, memory)]
 
     def _cost(self, x: Array, parts: Sequence[Array], fixed: Array) -> tuple[float, Array]:
         """− log p(y | x) and its gradient."""

@@ -35,15 +35,12 @@ class Stage(IntEnum):
 
 
 @dataclass(slots=True)
-class Moment:
-    """What an effect may look at: the plant's present, before the stage it acts on.
+class Blind:
+    """The part of a moment that asks nothing of the hysteresis.
 
-    ``source_K`` is the steady temperature of the present current, ``input_K`` the wire's; ``output`` the
-    operator's, ``austenite`` its share of the stroke in [0, 1] and ``travel`` the strokes it has made in all,
-    there and back counting two.
+    ``source_K`` is the steady temperature of the present current, ``input_K`` the wire's.
     """
 
-    tick: int = 0
     t_s: float = 0.0
     dt_s: float = 0.1
     command_A: float = 0.0
@@ -53,6 +50,17 @@ class Moment:
     source_K: float = 0.0
     input_K: float = 0.0
     felt_K: float = 0.0
+
+
+@dataclass(slots=True)
+class Moment(Blind):
+    """What an effect may look at: the plant's present, before the stage it acts on.
+
+    ``output`` is the operator's, ``austenite`` its share of the stroke in [0, 1] and ``travel`` the strokes it has made
+    in all, there and back counting two.
+    """
+
+    tick: int = 0
     output: float = 0.0
     austenite: float = 0.0
     travel: float = 0.0

@@ -1,11 +1,10 @@
 """From the current to what the hysteresis feels: room, amplifier, heat, and the effects on the way.
 
-Looks at the hysteresis only where an effect does (a moment tells the output); a ``Blind`` moment tells none, so what
-is felt under one is the same whatever the hysteresis. Knows no output map and no sensor.
+Looks at the hysteresis only where an effect does (its moment tells the output); under a moment that is ``Blind`` what
+is felt is the same whatever the hysteresis. Knows no output map and no sensor.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Hook, Moment, Stage
@@ -13,21 +12,6 @@ from smarig.model.given import heating_of
 
 FINE_K, MOST_PARTS = 1.0, 50  # of a tick of any length, where heat depends on the output
 EARLY = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, Stage.LAG, Stage.INPUT)
-
-
-@dataclass(slots=True)
-class Blind:
-    """A moment before the hysteresis moves: of output, austenite, travel and cycles it has no attribute."""
-
-    t_s: float = 0.0
-    dt_s: float = 0.1
-    command_A: float = 0.0
-    current_A: float = 0.0
-    resistance: float = 1.0
-    ambient_K: float = 0.0
-    source_K: float = 0.0
-    input_K: float = 0.0
-    felt_K: float = 0.0
 
 
 class Warming:

@@ -7,17 +7,19 @@ swept back from it (∂F/∂α and ∂y/∂β of the hysteresis). Noise in past 
 by these slopes. Knows no noise.
 """
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.errors import UsageError
-from smarig.preisach.everett import Differentiable
+from smarig.preisach.everett import Differentiable, Everett
 from smarig.preisach.state import State
 
 Array = NDArray[np.float64]
 
 
-def sensitivity(hysteresis: Differentiable, state: State) -> Array:
+def sensitivity(hysteresis: Everett | Differentiable, state: State) -> Array:
     """∂y/∂(each of ``state.extrema``) and, last, ∂y/∂u of the present input; shape (len(extrema) + 1,).
 
     The base is held: its slope is 0, for saturation forgets where beyond u₋ the input was and the centre ℓ
@@ -31,25 +33,30 @@ def sensitivity(hysteresis: Differentiable, state: State) -> Array:
     >>> sensitivity(wire.hysteresis, wire.state).round(4).tolist()     # base, the maximum 90, now
     [0.0, 0.0504, 0.165]
     """
-    if np.size(getattr(hysteresis, "steps", ())) or not hasattr(hysteresis, "strip_alpha"):
-        raise UsageError(
-            f"{type(hysteresis).__name__} has no slopes: sensitivities need a surface or a table."
-        )
+    surface = _with_slopes(hysteresis)
     path = np.array([*state.extrema, state.u])
     slope = np.zeros(path.size)
     first = 1
     if state.diagonal:
-        slope[1] += _leaving(hysteresis, path[0], path[1])
+        slope[1] += _leaving(surface, path[0], path[1])
         first = 2
     before, after = path[first - 1 : -1], path[first:]
     rises = after > before
     alpha, beta = np.maximum(before, after), np.minimum(before, after)
-    by_alpha = np.asarray(hysteresis.strip_alpha(alpha, beta))
-    by_beta = np.asarray(hysteresis.strip_beta(alpha, beta))
+    by_alpha = np.asarray(surface.strip_alpha(alpha, beta))
+    by_beta = np.asarray(surface.strip_beta(alpha, beta))
     slope[first:] += np.where(rises, by_alpha, by_beta)
     slope[first - 1 : -1] -= np.where(rises, by_beta, by_alpha)
     slope[0] = 0.0
     return slope
+
+
+def _with_slopes(hysteresis: Everett | Differentiable) -> Differentiable:
+    if np.size(getattr(hysteresis, "steps", ())) or not hasattr(hysteresis, "strip_alpha"):
+        raise UsageError(
+            f"{type(hysteresis).__name__} has no slopes: sensitivities need a surface or a table."
+        )
+    return cast(Differentiable, hysteresis)
 
 
 def _leaving(hysteresis: Differentiable, centre: float, u: float) -> float:

@@ -34,7 +34,7 @@ class Replay:
     def of(cls, d: Diagnosis) -> "Replay":
         """Lived through once more where there is an extended model."""
         after = retold(d.story, subject_of(d.model, d.story.runs[0])) if d.extended else None
-        return cls(d, d.first.told, after)
+        return cls(d, retold(d.story, d.base), after)
 
     @property
     def told(self) -> tuple[tuple[Retelling, str, str], ...]:
@@ -67,7 +67,7 @@ def noise_of(d: Diagnosis, kind: str) -> tuple[float, float]:
     if kind not in COUPLED:
         own = rms(fitted.scale[here])
         return own, own
-    J, times = remembered(critic.subject.hysteresis, critic.told)  # pyright: ignore[reportArgumentType]
+    J, times = remembered(critic.subject.hysteresis, critic.told)
     share = np.diag(propagated(J, times, fitted.noise.correlation_s))[here] * critic.told.follows[here] ** 2
     own = rms(fitted.noise.white[here])
     return own, float(np.hypot(own, fitted.noise.temperature_K * np.sqrt(share.mean())))
@@ -76,7 +76,7 @@ def noise_of(d: Diagnosis, kind: str) -> tuple[float, float]:
 def slopes(d: Diagnosis) -> Array:
     """∂y/∂u to the input (k,) of the base model at the settled points."""
     states = d.first.told.states[: len(d.story.settled)]
-    return np.array([sensitivity(d.first.subject.hysteresis, state)[-1] for state in states])  # pyright: ignore[reportArgumentType]
+    return np.array([sensitivity(d.first.subject.hysteresis, state)[-1] for state in states])
 
 
 def models_words(replay: Replay, reaches: Sequence[float]) -> str:

@@ -6,8 +6,9 @@ Draws nothing; decides nothing.
 from collections.abc import Iterator
 
 from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.sentences import share_words
 from smarig.report.conditions import exact_unit
-from smarig.report.diagnosis_words import findings, share_words, verdict_sentence
+from smarig.report.diagnosis_words import findings, verdict_sentence
 from smarig.report.html import Html, bullets, cards, notice, paragraph, tag
 
 _Card = tuple[str, str, str]

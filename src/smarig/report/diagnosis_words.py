@@ -6,11 +6,10 @@ Knows nothing of pages and figures.
 import re
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-
-from smarig.diagnosis.diagnose import NORMAL_95, WIDER, Diagnosis
+from smarig.diagnosis.diagnose import NORMAL_95, Diagnosis
 from smarig.diagnosis.gain import Gain
 from smarig.diagnosis.refine import Refined
+from smarig.diagnosis.sentences import share_words
 from smarig.model.effect import Kind, Parameter, Planted
 from smarig.report.conditions import exact_unit
 from smarig.report.html import Html, joined, tag
@@ -66,7 +65,7 @@ def _value(planted: Planted, parameter: Parameter, spread: Spread) -> str:
     """A parameter, with its 95 % interval where its standard deviation is known."""
     value, unit = planted.values[parameter.name], unit_of(parameter.unit)
     sd = spread.get((planted.kind.name, parameter.name))
-    half = None if sd is None else NORMAL_95 * WIDER * sd
+    half = None if sd is None else NORMAL_95 * sd
     ends = "" if half is None else f" (95 %: {number(value - half)} to {number(value + half)})"
     return f"{_plain(parameter)} {number(value)}{unit}{ends}"
 
@@ -100,24 +99,12 @@ def gain_words(gain: Gain, d: Diagnosis) -> str:
         )
     share, ends = gain.removable_share, gain.interval()
     if share is None:
-        return (
-            f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}: the base model is at the noise floor already."
-        )
+        rms = f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}"
+        return f"{rms}: the base model is at the floor of what can be foretold already."
     between = (
         f" (95 % by drawing blocks again: {share_words(ends[0])} to {share_words(ends[1])})" if ends else ""
     )
     return (
         f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_words(share)}{between}: the share of the "
-        "squared error above the noise floor that the effects remove."
+        "squared error above the floor that the effects remove."
     )
-
-
-def share_words(share: float) -> str:
-    """R with two decimals, or as many as tell it from one.
-
-    >>> share_words(0.937), share_words(0.99986), share_words(-20.8193)
-    ('0.94', '0.9999', '−20.82')
-    """
-    left = 1 - share
-    digits = int(np.clip(np.ceil(-np.log10(left)), 2, 5)) if left > 0 else 2
-    return f"{share:.{digits}f}".replace("-", "−")

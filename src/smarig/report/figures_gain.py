@@ -45,11 +45,11 @@ def _caption(gain: Gain, d: Diagnosis, unit: str) -> list[str]:
     return [
         f"n = {gain.block.size} points in {gain.blocks} blocks; a block is one excursion out and back. The zero is "
         "that of the training runs, and both densities are from those runs alone. First panel: every error; second: "
-        f"rms of each block. Noise floor {gain.floor:.2g} {unit}: readings and draughts as remembered.",
+        f"rms of each block. Floor {gain.floor:.2g} {unit}: noise, and what training leaves open of the density.",
         ""
         if gain.weight is None
-        else "Each reading counts by its own noise (1/σ²), in every rms and in the floor.",
-        "Pale: readings of more than twice the least noise, such as positions on their way."
+        else "Each reading counts by how well it can be foretold (1/σ²), in every rms and in the floor.",
+        "Pale: readings of more than twice the least σ, such as positions on their way."
         if _pale(gain).any()
         else "",
         gain_words(gain, d),
@@ -64,7 +64,7 @@ def _blocks(gain: Gain) -> Array:
 
 def _error_panel(gain: Gain, models: _Models, x: dict[str, Any], unit: str) -> Panel:
     data: list[Trace] = [
-        band(x["range"][0], x["range"][1], 2 * gain.floor, "± 2 × noise floor"),
+        band(x["range"][0], x["range"][1], 2 * gain.floor, "± 2 × floor"),
         line(x["range"], [0, 0], "zero", GREY, width=1, showlegend=False),
     ]
     for (name, colour, error), shift in zip(models, (-_BESIDE, _BESIDE)):
@@ -76,7 +76,7 @@ def _size_panel(gain: Gain, models: _Models, x: dict[str, Any], unit: str) -> Pa
     blocks = np.arange(1.0, gain.blocks + 1)
     sizes = [_by_block(gain, error) for _, _, error in models]
     data: list[Trace] = [
-        line(x["range"], [gain.floor] * 2, "noise floor", GREY, dash="dash", width=1.4),
+        line(x["range"], [gain.floor] * 2, "floor", GREY, dash="dash", width=1.4),
         *_links(blocks, sizes),
         *(dots(blocks, size, name, colour, size=8) for (name, colour, _), size in zip(models, sizes)),
     ]
@@ -85,14 +85,14 @@ def _size_panel(gain: Gain, models: _Models, x: dict[str, Any], unit: str) -> Pa
 
 
 def _by_block(gain: Gain, error: Array) -> Array:
-    """Rms of each block, as the whole's: every reading by its own noise."""
+    """Rms of each block, as the whole's: every reading by its weight."""
     block = _blocks(gain)
     weight = np.ones(error.size) if gain.weight is None else gain.weight
     return np.array([rms(error[block == b], weight[block == b]) for b in np.unique(block)])
 
 
 def _errors(gain: Gain, x: Array, error: Array, name: str, colour: str) -> Iterator[Trace]:
-    """Every error; those of readings with more than twice the least noise pale."""
+    """Every error; those of readings with more than twice the least σ pale."""
     pale = _pale(gain)
     if pale.any():
         yield dots(x[pale], error[pale], f"{name}, noisier", colour, size=5, opacity=_PALE, showlegend=False)

@@ -13,7 +13,7 @@ from smarig.report.conditions import exact_unit, label_of
 from smarig.report.diagnosed import Array, Replay, models_words, noise_of, place_of, rms, slopes
 from smarig.report.figure import Figure, Panel, Trace, dots, line, packed
 from smarig.report.numbers import number
-from smarig.report.residual_variables import against, beginnings, plainest_position, reaches, upright
+from smarig.report.residual_variables import against, laid_out, plainest_position, reaches, upright
 from smarig.report.style import GREY
 
 _STEEP = 0.25  # of a steep place's slope: where a residual is worth telling as a temperature
@@ -82,7 +82,4 @@ def _offset_panel(
         line(ends, [0, 0], "zero", GREY, width=1, showlegend=False),
         dots(x[steep], offset[0], style[0], style[1], size=5, error_y=bars),
     ]
-    layout = {"xaxis": x_axis} | y_layout
-    if name == "time":
-        layout["shapes"] = beginnings(d.story)
-    return Panel(data, layout, 340)
+    return Panel(data, laid_out(d, name, x_axis, y_layout), 340)

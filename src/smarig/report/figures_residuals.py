@@ -13,7 +13,7 @@ from smarig.report.diagnosed import Array, Replay, models_words, noise_of, place
 from smarig.report.figure import Figure, Panel, Trace, dots, line
 from smarig.report.figures_representation import band
 from smarig.report.numbers import number
-from smarig.report.residual_variables import against, beginnings, plainest_position, reaches, upright
+from smarig.report.residual_variables import against, laid_out, plainest_position, reaches, upright
 from smarig.report.style import GREY
 from smarig.story.retelling import COUPLED
 
@@ -123,7 +123,4 @@ def _missed_panel(
         line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False),
         dots(x, error, style[0], style[1], size=5),
     ]
-    layout = {"xaxis": x_axis} | y_layout
-    if name == "time":
-        layout["shapes"] = beginnings(d.story)
-    return Panel(data, layout, 360)
+    return Panel(data, laid_out(d, name, x_axis, y_layout), 360)

@@ -84,6 +84,12 @@ def beginnings(story: Story) -> list[dict[str, Any]]:
     ]
 
 
+def laid_out(d: Diagnosis, name: str, x_axis: dict[str, Any], y_layout: dict[str, Any]) -> dict[str, Any]:
+    """A panel's layout; against time with a mark where each run begins."""
+    marks = {"shapes": beginnings(d.story)} if name == "time" else {}
+    return {"xaxis": x_axis} | y_layout | marks
+
+
 def reaches(errors: Sequence[Array], least: float) -> list[float]:
     """How far up and down each panel's axis reaches: as far as the first, but its own where that is many times finer.
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.model.actuator import Actuator
-from smarig.model.effect import Effect, Kind, Planted, Setup, Stage, chains
-from smarig.model.warming import EARLY, Blind, Warming
+from smarig.model.effect import Blind, Effect, Kind, Planted, Setup, Stage, chains
+from smarig.model.warming import EARLY, Warming
 from smarig.preisach.operator import Initial
 from smarig.story.subject import Subject
 from smarig.story.told import Story

@@ -53,9 +53,7 @@ def _by_ticks(story: Story, subject: Subject, effects: Sequence[Effect]) -> Life
         plant.advance(i, now - before)
         before = now
         felt_K[k] = plant.felt_K
-        counts = plant.sensed(
-            plant.position / per_count
-        )  # at every tick, because the sensor may have a memory
+        counts = plant.sensed(plant.position / per_count)  # at every tick: a sensor may have a memory
         if mark:
             at = plant.now
             rows.append((counts, plant.operator.y, at.resistance, i, plant.current(i), at.ambient_K))

@@ -18,7 +18,7 @@ from smarig.record import Run, Step
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FIRST_S, GROWTH, LONGEST_S = 0.1, 1.3, 8.0  # time steps after a change of the current
-FINE = ((3.5, 0.25), (9.0, 0.6))  # time constants: until when the wire moves, and the longest step until then
+FINE = ((4.0, 0.15), (9.0, 0.4))  # time constants: until when the wire moves, and the longest step until then
 MOVING = (0.4, 1.2, 3.0)  # time constants after a step, where a moving position is read
 ENOUGH = 220  # readings of one other kind
 DENSE = 12  # samples in a hold that make it a transient

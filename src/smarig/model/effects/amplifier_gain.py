@@ -13,7 +13,7 @@ from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Val
 def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     gain, offset = 1 + p["gain_percent"] / 100, p["offset_A"]
 
-    def current(i: float, now: Moment) -> float:  # noqa: ARG001
+    def current(i: float, _now: Moment) -> float:
         return gain * i + offset if i else i
 
     return {Stage.CURRENT: current}

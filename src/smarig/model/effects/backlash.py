@@ -14,7 +14,7 @@ def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     half = p["play_percent"] / 200 * setup.stroke
     held: float | None = None
 
-    def output(y: float, now: Moment) -> float:  # noqa: ARG001
+    def output(y: float, _now: Moment) -> float:
         nonlocal held
         held = y if held is None else min(max(held, y - half), y + half)
         return held

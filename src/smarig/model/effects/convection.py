@@ -21,7 +21,7 @@ def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     def loss(u: float) -> float:
         return u * (max(u, _COLD_K) / reference_K) ** n
 
-    def source(u: float, now: Moment) -> float:  # noqa: ARG001
+    def source(u: float, _now: Moment) -> float:
         return copysign(reference_K * (abs(u) / reference_K) ** (1 / (1 + n)), u)
 
     def lag(tau: float, now: Moment) -> float:

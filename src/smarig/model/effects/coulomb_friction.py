@@ -14,7 +14,7 @@ def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     half = p["half_width_K"]
     held: float | None = None
 
-    def felt(u: float, now: Moment) -> float:  # noqa: ARG001
+    def felt(u: float, _now: Moment) -> float:
         nonlocal held
         held = u if held is None else min(max(held, u - half), u + half)
         return held

@@ -14,7 +14,7 @@ from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Val
 def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     below = p["below_A"]
 
-    def current(i: float, now: Moment) -> float:  # noqa: ARG001
+    def current(i: float, _now: Moment) -> float:
         return copysign(max(0.0, abs(i) - below), i)
 
     return {Stage.CURRENT: current}

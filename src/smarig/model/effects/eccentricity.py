@@ -14,7 +14,7 @@ def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     radius = wire.file.transmission.radius.value if wire.unit == "mm" else degrees(1)
     height, phase = p["share_percent"] / 100 * radius, 2 * pi * p["phase"]
 
-    def output(y: float, now: Moment) -> float:  # noqa: ARG001
+    def output(y: float, _now: Moment) -> float:
         return y + height * (sin(y / radius + phase) - sin(phase))
 
     return {Stage.OUTPUT: output}

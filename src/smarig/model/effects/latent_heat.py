@@ -40,7 +40,7 @@ class _Ledger:
         self._lag = min(max(lag, self._capacity), _LARGEST)
         return u
 
-    def lag(self, tau: float, now: Moment) -> float:  # noqa: ARG002
+    def lag(self, tau: float, _now: Moment) -> float:
         """The same for both wires: their difference is what transforms."""
         return tau * self._lag
 

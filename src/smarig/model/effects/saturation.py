@@ -11,7 +11,7 @@ from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Val
 def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     most = (1 - p["clip_percent"] / 100) * setup.largest_A
 
-    def current(i: float, now: Moment) -> float:  # noqa: ARG001
+    def current(i: float, _now: Moment) -> float:
         return min(max(i, -most), most)
 
     return {Stage.CURRENT: current}

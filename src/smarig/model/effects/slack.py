@@ -13,7 +13,7 @@ from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Val
 def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     floor = setup.y_lower + p["floor_percent"] / 100 * setup.stroke
 
-    def output(y: float, now: Moment) -> float:  # noqa: ARG001
+    def output(y: float, _now: Moment) -> float:
         return max(y, floor)
 
     return {Stage.OUTPUT: output}

@@ -19,7 +19,7 @@ def _act(p: Values, setup: Setup) -> Mapping[Stage, Hook]:
     complete = setup.hysteresis.upper - 3 * width
     heating, turn, held, arrest = True, float("-inf"), 0.0, float("-inf")
 
-    def felt(u: float, now: Moment) -> float:  # noqa: ARG001
+    def felt(u: float, _now: Moment) -> float:
         nonlocal heating, turn, held, arrest
         if heating and u < turn - _REVERSAL_K:
             heating, arrest = False, turn if turn < complete else float("-inf")

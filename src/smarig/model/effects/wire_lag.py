@@ -11,7 +11,7 @@ from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Val
 def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     factor = 1 + p["change_percent"] / 100
 
-    def lag(tau: float, now: Moment) -> float:  # noqa: ARG001
+    def lag(tau: float, _now: Moment) -> float:
         return tau * factor
 
     return {Stage.LAG: lag}
