@@ -15,7 +15,7 @@ from smarig.diagnosis.candidates import Candidate, generic, named, whitened
 from smarig.diagnosis.nulls import nulls
 from smarig.diagnosis.refit import Refit, refit
 from smarig.model.effect import Kind
-from smarig.preisach.sensitivity import sensitivity
+from smarig.preisach.sensitivity import sensitivities
 from smarig.story.retelling import Retelling, retold
 from smarig.story.subject import Subject
 from smarig.story.told import Story
@@ -97,7 +97,7 @@ def critique(
     told = retold(story, subject)
     known = {effect.kind.name for effect in subject.planted}
     kinds = [kind for kind in kinds if kind.name not in known]
-    slope = np.array([sensitivity(subject.hysteresis, state)[-1] for state in told.states]) * told.follows
+    slope = np.array([s[-1] for s in sensitivities(subject.hysteresis, told.states)]) * told.follows
     raw = [*named(story, subject, told, kinds), *generic(story, subject, told, slope)]
     suspects = [traces for c in raw for traces in c.typical]
     refitted = refit(

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.sensitivity import sensitivity
+from smarig.preisach.sensitivity import sensitivities
 from smarig.story.given import noise_of
 from smarig.story.retelling import Retelling
 from smarig.story.subject import Subject
@@ -39,7 +39,7 @@ def bounds(story: Story, span: float, stroke: float) -> tuple[tuple[float, float
 
 def scatter(story: Story, told: Retelling, subject: Subject) -> Array:
     """What the input's own scatter does to each reading, by the local slope, output units (n,)."""
-    slope = [sensitivity(subject.hysteresis, state)[-1] for state in told.states]
+    slope = [s[-1] for s in sensitivities(subject.hysteresis, told.states)]
     return np.abs(np.array(slope)) * story.jitter
 
 

@@ -7,15 +7,13 @@ t_k when that extremum was reached. Readings of one step share their past. Knows
 """
 
 from bisect import bisect_right
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from smarig.preisach.everett import Everett
-from smarig.preisach.operator import State
-from smarig.preisach.sensitivity import sensitivity
+from smarig.preisach.sensitivity import sensitivities
 from smarig.story.retelling import Retelling
 
 Array = NDArray[np.float64]
@@ -27,10 +25,12 @@ def remembered(hysteresis: Everett, told: Retelling) -> tuple[csr_matrix, Array]
     times: dict[float, int] = {}
     rows, columns, slopes = [], [], []
     begins = [told.begins[sitting] for sitting in told.sitting]
-    for k, (state, mark, begin) in enumerate(zip(told.states, told.marks.tolist(), begins)):
-        for u, slope in _slopes(hysteresis, state):
+    own = sensitivities(hysteresis, told.states)
+    ends = (hysteresis.lower, hysteresis.upper)  # saturation feels no temperature
+    for k, (state, slope_of, mark, begin) in enumerate(zip(told.states, own, told.marks.tolist(), begins)):
+        for u, slope in zip((*state.extrema, state.u), slope_of.tolist()):
             t = told.t_s[mark] if u == state.u else _kept(felt.get(u, []), begin, mark, told.t_s)
-            if t is None or slope == 0.0:
+            if t is None or u in ends or slope == 0.0:
                 continue
             rows.append(k)
             columns.append(times.setdefault(float(t), len(times)))
@@ -51,13 +51,6 @@ def _kept(ticks: list[int], begin: int, mark: int, t_s: Array) -> float | None:
     """When a remembered input was felt last before a mark, in the sitting that began at a tick."""
     k = bisect_right(ticks, mark) - 1
     return float(t_s[ticks[k]]) if k >= 0 and ticks[k] >= begin else None
-
-
-def _slopes(hysteresis: Everett, state: State) -> Sequence[tuple[float, float]]:
-    """(input, slope) of every remembered extremum and the present input; saturation feels no temperature."""
-    inputs = (*state.extrema, state.u)
-    ends = (hysteresis.lower, hysteresis.upper)
-    return [(u, 0.0 if u in ends else s) for u, s in zip(inputs, sensitivity(hysteresis, state).tolist())]
 
 
 def propagated(J: csr_matrix, times_s: Array, correlation_s: float) -> Array:

@@ -7,6 +7,7 @@ swept back from it (∂F/∂α and ∂y/∂β of the hysteresis). Noise in past 
 by these slopes. Knows no noise.
 """
 
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -33,22 +34,32 @@ def sensitivity(hysteresis: Everett | Differentiable, state: State) -> Array:
     >>> sensitivity(wire.hysteresis, wire.state).round(4).tolist()     # base, the maximum 90, now
     [0.0, 0.0504, 0.165]
     """
+    return sensitivities(hysteresis, [state])[0]
+
+
+def sensitivities(hysteresis: Everett | Differentiable, states: Sequence[State]) -> list[Array]:
+    """``sensitivity`` of each state, all corners at once."""
     surface = _with_slopes(hysteresis)
-    path = np.array([*state.extrema, state.u])
+    sizes = [len(state.extrema) + 1 for state in states]
+    path = np.array([u for state in states for u in (*state.extrema, state.u)])
     slope = np.zeros(path.size)
-    first = 1
-    if state.diagonal:
-        slope[1] += _leaving(surface, path[0], path[1])
-        first = 2
-    before, after = path[first - 1 : -1], path[first:]
+    base = np.cumsum([0, *sizes[:-1]]) if states else np.empty(0, dtype=np.int64)
+    strip = np.ones(path.size, dtype=bool)  # whether a strip was swept on the way here
+    strip[base] = False
+    for k, state in zip(base.tolist(), states):
+        if state.diagonal:
+            slope[k + 1] += _leaving(surface, path[k], path[k + 1])
+            strip[k + 1] = False
+    here = np.flatnonzero(strip)
+    before, after = path[here - 1], path[here]
     rises = after > before
     alpha, beta = np.maximum(before, after), np.minimum(before, after)
     by_alpha = np.asarray(surface.strip_alpha(alpha, beta))
     by_beta = np.asarray(surface.strip_beta(alpha, beta))
-    slope[first:] += np.where(rises, by_alpha, by_beta)
-    slope[first - 1 : -1] -= np.where(rises, by_beta, by_alpha)
-    slope[0] = 0.0
-    return slope
+    slope[here] += np.where(rises, by_alpha, by_beta)
+    slope[here - 1] -= np.where(rises, by_beta, by_alpha)
+    slope[base] = 0.0
+    return np.split(slope, base[1:])
 
 
 def _with_slopes(hysteresis: Everett | Differentiable) -> Differentiable:

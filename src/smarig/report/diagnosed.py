@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from smarig.diagnosis.diagnose import Diagnosis
 from smarig.diagnosis.noise import propagated, remembered
 from smarig.identification.lived import subject_of
-from smarig.preisach.sensitivity import sensitivity
+from smarig.preisach.sensitivity import sensitivities
 from smarig.report.conditions import label_of, protocol_of
 from smarig.report.numbers import number
 from smarig.report.style import INK, MODEL
@@ -76,7 +76,7 @@ def noise_of(d: Diagnosis, kind: str) -> tuple[float, float]:
 def slopes(d: Diagnosis) -> Array:
     """∂y/∂u to the input (k,) of the base model at the settled points."""
     states = d.first.told.states[: len(d.story.settled)]
-    return np.array([sensitivity(d.first.subject.hysteresis, state)[-1] for state in states])
+    return np.array([s[-1] for s in sensitivities(d.first.subject.hysteresis, states)])
 
 
 def models_words(replay: Replay, reaches: Sequence[float]) -> str:

@@ -84,8 +84,12 @@ def _remembered(subject: Subject, felt_K: Array, at: NDArray[np.int64]) -> tuple
     turns[at] = True
     kept = np.flatnonzero(turns)
     output, states = [], []
-    for part in np.split(felt_K[kept], np.searchsorted(kept, at) + 1)[: at.size]:
-        output.append(operator.follow(part)[-1])
+    begin, path = 0, felt_K[kept].tolist()
+    for end in (np.searchsorted(kept, at) + 1).tolist():
+        for u in path[begin:end]:
+            operator.step(u)
+        begin = end
+        output.append(operator.y)
         states.append(operator.state)
     return np.array(output), tuple(states)
 

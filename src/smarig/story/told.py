@@ -114,10 +114,12 @@ class Story:
         """All readings, settled positions first."""
         return (self.settled, *self.others)
 
-    @property
+    @cached_property
     def placed(self) -> "Story":
-        """The same with nothing but positions read."""
+        """The same with nothing but positions read; always the same one, for paths felt are kept by story."""
         others = tuple(r for r in self.others if r.kind == "moving")
+        if others == self.others:
+            return self
         return replace(self, others=others, sittings=tuple(s.placed for s in self.sittings))
 
     @cached_property
