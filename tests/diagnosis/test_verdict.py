@@ -110,14 +110,21 @@ def test_a_variable_that_explains_much_more_than_any_name_is_no_names(share, wor
 
 
 @pytest.mark.parametrize(
-    ("left", "gain", "word"), [(35.0, 40.0, "unknown"), (35.0, 400.0, "named"), (5.0, 20.0, "named")]
+    ("left", "other", "word"), [(35.0, 0.5, "unknown"), (35.0, 30.0, "named"), (5.0, 0.5, "named")]
 )
-def test_much_that_is_left_when_all_names_are_in_is_no_names(left, gain, word):
-    """Seven eighths and a twelfth of what was explained; and a quarter that is too little by itself."""
+def test_much_that_is_left_when_all_names_are_in_is_no_names(left, other, word):
+    """Unless another name would explain nearly as much of it; and a little is nothing."""
     still = score(Candidate("?hold", np.eye(4)[:, 2:3], depends_on="hold"), left)
-    after = critique(name(settling, 0.5), still)
-    found = decided(loud(variable("time", 35.0)), [level((("walking",), 0.0), after=after, gain=gain)])
-    assert found.word == word
+    after = critique(name(settling, other), still)
+    found = decided(loud(variable("time", 35.0)), [level((("walking",), 0.0), after=after, gain=400.0)])
+    assert (found.word, found.depends_on) == (word, "time" if word == "unknown" else None)
+
+
+def test_what_is_left_says_what_it_depends_on_where_nothing_did_at_first():
+    """An amplifier's dead zone hides behind a gain: straight lines see no variable until that is in."""
+    still = score(Candidate("?level", np.eye(4)[:, 2:3], depends_on="level"), 35.0)
+    found = decided(loud(), [level((("walking",), 0.0), after=critique(name(settling, 0.5), still))])
+    assert (found.word, found.depends_on) == ("unknown", "level")
 
 
 LEADS = (

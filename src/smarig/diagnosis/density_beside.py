@@ -22,7 +22,7 @@ from smarig.story.told import Story
 
 FAIR = 1e-14  # λ of the measure that begins it
 TURNS = 5
-ENOUGH = 3.0  # nats: a turn that gains less is the last
+ENOUGH = 10.0  # nats: a turn that gains less is the last, for the next would gain a tenth of it
 
 
 def density_beside(story: Story, subject: Subject, like: Refit | None = None) -> tuple[Subject, Refit]:
@@ -79,9 +79,11 @@ def _turned(story: Story, start: tuple[Subject, Retelling, Refit]) -> tuple[Subj
         again = _start(
             story, replace(subject, hysteresis=found.posterior.table(signed=subject.signed)), found
         )
-        if again[2].log_evidence < found.log_evidence + ENOUGH:
+        gained = again[2].log_evidence - found.log_evidence
+        if gained > 0:
+            subject, told, found = again
+        if gained < ENOUGH:
             break
-        subject, told, found = again
     positions_alone = len(story.placed.kinds) == len(story.kinds)
     return subject, found if positions_alone else _refitted(story, told, subject, found)
 

@@ -21,6 +21,7 @@ from smarig.story.told import Story
 TURNS = 4  # of effects, then density
 FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a step that was right
 STILL = 0.3  # standard deviations: less is no move
+TOO_SURE = 1.7  # times: what deviations by evidence fell short of on tuning boxes; a prior is a model too
 LEAST_STEP = 0.01  # of a strength: what a fit may at least be wrong by
 
 
@@ -95,11 +96,9 @@ def topped(story: Story, given: Everett, found: Explanation) -> tuple[Refined, E
         start = Top(effect.strength, found.evidence, found, guess)
         best = top(partial(_stronger, story, given, found, k), start, (primary.lower, primary.upper))
         found = best.at
-        wider = max(best.sd / fine.alone[key], 1.0)
+        wider = TOO_SURE * max(best.sd / fine.alone[key], 1.0)
         spread |= {name: sd * wider for name, sd in fine.spread.items() if name[0] == effect.kind.name}
-    known = {
-        name: sd for name, sd in spread.items() if np.isfinite(sd)
-    }  # none where no end of the evidence was found
+    known = {name: sd for name, sd in spread.items() if np.isfinite(sd)}  # the evidence had an end
     return replace(fine, effects=found.effects, spread=known, subject=found.subject), found
 
 

@@ -16,7 +16,6 @@ Word = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 TEMPERATURE = 4.0  # nats
 COVERED = 0.9  # probability of the set
 BETTER = 1.5  # a variable that explains so much more than any name is no name's
-LEFT_OVER = 0.2  # of all nats explained: so much may a variable still explain when all names are in
 GENERIC_GATE = 30.0  # nats beyond chance for "it depends on"
 
 
@@ -56,8 +55,9 @@ def decided(first: Critique, levels: list[Level]) -> Verdict:
     if not levels:
         return Verdict("unknown", depends_on=_name(variable)) if variable else Verdict("silent")
     explanations = _probabilities(levels[-1])
-    if variable and _unnamed(first, levels, variable):
-        return Verdict("unknown", explanations, _name(variable))
+    nameless = _nameless(first, levels)
+    if nameless:
+        return Verdict("unknown", explanations, _name(variable or nameless))
     verdict = Verdict("named", explanations)
     return verdict if set(verdict.names) == set(explanations[0][0]) else Verdict("ambiguous", explanations)
 
@@ -76,15 +76,15 @@ def _variable(critique: Critique) -> Score | None:
     return best[0] if best and best[0].net >= GENERIC_GATE and best[0].standard > critique.threshold else None
 
 
-def _unnamed(first: Critique, levels: list[Level], variable: Score) -> bool:
-    """Whether a plain variable explains much more than any name does, or much is left when all names are in."""
-    data = first.refitted.data
-    plain = 0.5 * float(variable.candidate.explained(data)[0]) * float(data @ data) - variable.median
-    if plain > BETTER * max(levels[0].rough, levels[0].gain):
-        return True
+def _nameless(first: Critique, levels: list[Level]) -> Score | None:
+    """A plain variable that explains much more than any name does: at first, or of what is left when all are in."""
+    data, variable = first.refitted.data, _variable(first)
+    if variable:
+        plain = 0.5 * float(variable.candidate.explained(data)[0]) * float(data @ data) - variable.median
+        if plain > BETTER * max(levels[0].rough, levels[0].gain):
+            return variable
     left, named = _variable(levels[-1].critique), levels[-1].critique.best(1)
-    explained = sum(level.gain for level in levels)
-    return bool(left) and left.net > max(LEFT_OVER * explained, BETTER * (named[0].net if named else 0.0))
+    return left if left and left.net > BETTER * (named[0].net if named else 0.0) else None
 
 
 def _probabilities(level: Level) -> tuple[tuple[tuple[str, ...], float], ...]:
