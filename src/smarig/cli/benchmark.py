@@ -27,9 +27,9 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.command("benchmark", epilog=EPILOG)
 @click.argument("name")
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
-@click.option("--boxes", type=int, help="diagnosis: how many sealed boxes.")
-@click.option("--seed", type=int, help="diagnosis: seed of the boxes.")
-@click.option("--workers", type=int, help="diagnosis: processes.")
+@click.option("--boxes", type=int, help="diagnosis, mystery: how many.")
+@click.option("--seed", type=int, help="diagnosis, mystery, critic: seed.")
+@click.option("--workers", type=int, help="diagnosis, mystery: processes.")
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
 @click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, gone on with when it exists.")
 @json_option

@@ -21,7 +21,7 @@ from smarig.story.told import Story
 TURNS = 4  # of effects, then density
 FARTHER, FASTER = 1.7, 1.4  # what a fit says, times; and that again after a step that was right
 STILL = 0.3  # standard deviations: less is no move
-TOO_SURE = 1.7  # times: what deviations by evidence fell short of on tuning boxes; a prior is a model too
+TOO_SURE = 2.5  # times: what deviations by evidence fell short of on tuning boxes; a prior is a model too
 LEAST_STEP = 0.01  # of a strength: what a fit may at least be wrong by
 
 

@@ -6,13 +6,16 @@ A box is the same whoever opens it and in whatever order, and so is its answer.
 import os
 import tempfile
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from smarig.benchmark.blind.ranges import in_range
 from smarig.benchmark.boxes import Label, Sealed, draw, generate
+from smarig.benchmark.boxes.relays import Hysteresis
 from smarig.diagnosis.density_beside import density_anew
 from smarig.diagnosis.diagnose import Diagnosis, diagnose
 from smarig.errors import SmarigError
@@ -36,12 +39,12 @@ def trial(seed: int, number: int, nulls: int = 400) -> Record:
         try:
             found = _answer(sealed, without, nulls, number)
         except SmarigError as error:
-            return {"number": number, "error": str(error)} | _truth(sealed.label)
+            return {"number": number, "error": str(error)} | _truth(sealed.label, sealed.label.effects)
     seconds = time.process_time() - started
     return (
         {"number": number, "seconds": seconds, "commitment": sealed.commitment}
         | _said(found)
-        | _opened(sealed.label, found)
+        | _opened(sealed.label, box.hysteresis, found)
     )
 
 
@@ -63,10 +66,10 @@ def _said(found: Diagnosis) -> Record:
     }
 
 
-def _truth(label: Label) -> Record:
+def _truth(label: Label, effects: Mapping[str, Mapping[str, float]]) -> Record:
     return {
         "category": label.category,
-        "hidden": label.effects,
+        "hidden": effects,
         "left_out": label.left_out,
         "arrangement": label.arrangement,
         "channels": list(label.channels),
@@ -74,14 +77,16 @@ def _truth(label: Label) -> Record:
     }
 
 
-def _opened(label: Label, found: Diagnosis) -> Record:
+def _opened(label: Label, relays: Hysteresis, found: Diagnosis) -> Record:
     """The truth, and δ of each hidden effect: √(2/N) of the nats by which the truth beats the truth without it.
 
     Densities are identified anew beside either, so what a density takes up counts for nothing.
     """
     story = found.story
     subject = replace(found.first.subject, effects=())
-    hidden = from_json([{"name": name, "parameters": values} for name, values in label.effects.items()])
+    seen = subject.hysteresis
+    effects = in_range(label.effects, (relays.lower, relays.upper), (seen.lower, seen.upper))
+    hidden = from_json([{"name": name, "parameters": values} for name, values in effects.items()])
 
     def worth(effects: tuple[Effect, ...]) -> float:
         given = found.first.subject.hysteresis
@@ -92,6 +97,6 @@ def _opened(label: Label, found: Diagnosis) -> Record:
     n = sum(len(r) for r in story.kinds)
     deltas = {
         name: float(np.sqrt(2 * max(whole - worth(tuple(e for e in hidden if e is not one)), 0.0) / n))
-        for name, one in zip(label.effects, hidden)
+        for name, one in zip(effects, hidden)
     }
-    return _truth(label) | {"delta": deltas}
+    return _truth(label, effects) | {"delta": deltas}
