@@ -29,6 +29,7 @@ from smarig.story.told import Story, told
 from smarig.whole_file import whole_file
 
 SURE = 12.0  # nats ahead: the odds of being wrong are then a twentieth, even tempered
+VAIN = 1.0  # nats: a run that tells less is not worth its hours
 RIVALS = 3  # explanations that compete
 MENU: tuple[tuple[str, dict[str, Any]], ...] = (
     ("wiping_out", {}),
@@ -104,17 +105,17 @@ class Proposal:
 
 
 def proposed(found: Diagnosis, progress: Callable[[str], None] | None = None) -> Proposal | None:
-    """The next run for a diagnosis, on its model's rig; None where nothing is left to be told apart.
+    """The next run for a diagnosis, on its model's rig; None where nothing is left to be told apart, or no run would.
 
     Raises UsageError when the model names no rig that runs could be imagined on.
     """
     if not found.model.rig:
         raise UsageError(f"Model '{found.model.name}' names no rig, so no run can be imagined on it.")
-    rivals = _rivals(found)
+    rivals, say = _rivals(found), progress or (lambda _: None)
     if len(rivals) < 2:
+        say("Nothing is left to be told apart.")
         return None
     rig = load_rig(found.model.rig)
-    say = progress or (lambda _: None)
     options = []
     with tempfile.TemporaryDirectory() as folder:
         for k, (protocol, settings) in enumerate(MENU):
@@ -125,7 +126,10 @@ def proposed(found: Diagnosis, progress: Callable[[str], None] | None = None) ->
                 continue
             options.append(Option(protocol, settings, cost.duration_s / 3600, nats))
             say(f"{protocol}{_said(settings)}: {nats:.0f} nats in {options[-1].hours:.1f} h")
-    if not options:
+    if max((o.nats for o in options), default=0.0) < VAIN:
+        say(
+            f"No run that this rig can do would tell {' or '.join(' + '.join(e.names) for e in rivals)} apart."
+        )
         return None
     return Proposal(_best(options), tuple(options), tuple(e.names for e in rivals))
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from smarig.benchmark.boxes import draw, generate
+from smarig.benchmark.boxes.catalogue import EFFECTS
 from smarig.diagnosis.diagnose import Diagnosis, diagnose
 from smarig.identification.identify import identify
 from smarig.record import load_run
@@ -12,10 +13,16 @@ from smarig.record import load_run
 SEED, NULLS, ALPHA = 7, 100, 0.03
 
 
+def strength(effect: str, times: float) -> dict[str, float]:
+    """So many times what is usual, within its bounds."""
+    kind = EFFECTS[effect]
+    return {kind.strength: min(max(times * kind.typical, kind.lower), kind.upper)}
+
+
 @cache
-def answer(number: int, hidden=None, channels=(), without=()) -> Diagnosis:
-    """Of a box with an effect at its usual strength hidden in it, "hard_null", or nothing."""
-    contents = hidden if hidden == "hard_null" else {hidden: {}} if hidden else {}
+def answer(number: int, hidden=None, channels=(), without=(), times=1.0) -> Diagnosis:
+    """Of a box with an effect hidden in it, so many times as strong as usual, "hard_null", or nothing."""
+    contents = hidden if hidden == "hard_null" else {hidden: strength(hidden, times)} if hidden else {}
     with TemporaryDirectory() as folder:
         box = generate(draw(SEED, number, hidden=contents, channels=channels), Path(folder))
         train = [load_run(path) for path in box.train]

@@ -30,11 +30,6 @@ def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_bett
     assert found.model.effects[0]["name"] == "walking"
 
 
-def test_heat_loss_cannot_be_seen_in_settled_positions_of_one_load():
-    """The gauge theorem: it is another classical density."""
-    assert answer(1, "convection").verdict.word in ("silent", "not_identifiable")
-
-
 def test_what_no_channel_shows_is_said_to_be_invisible():
     invisible = answer(3).visibility.invisible
     assert {"wire_lag", "sensor_lag", "latent_heat"} <= set(invisible)

@@ -1,10 +1,12 @@
 """Which run to do next: the quickest that settles it, else the one that gains most an hour; and its campaign file."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from smarig.config import CampaignFile, load
 from smarig.diagnosis.verdict import TEMPERATURE
-from smarig.proposal import SURE, Option, Proposal, _best, write_campaign
+from smarig.proposal import SURE, Option, Proposal, _best, proposed, write_campaign
 
 QUICK = Option("wiping_out", {}, 0.5, SURE + 1)
 LONG = Option("first_order_descending", {}, 1.2, SURE + 80)
@@ -41,3 +43,26 @@ def test_the_json_names_what_it_would_separate():
     assert data["protocol"] == "wiping_out"
     assert [o["protocol"] for o in data["options"]] == ["wiping_out", "congruency"]
     assert "walking or fatigue" in data["why"]
+
+
+def diagnosed(*names):
+    """A diagnosis on the one-wire twin with these explanations left."""
+    explanations = tuple(SimpleNamespace(names=(name,)) for name in names)
+    return SimpleNamespace(
+        model=SimpleNamespace(rig="one_wire_twin", name="wire"),
+        levels=[SimpleNamespace(explanations=explanations)],
+    )
+
+
+@pytest.mark.parametrize(("nats", "worth"), [(-4.0, False), (0.5, False), (5.0, True)])
+def test_a_run_that_tells_nothing_is_not_proposed(monkeypatch, nats, worth):
+    monkeypatch.setattr("smarig.proposal._separated", lambda *_: nats)
+    said = []
+    assert (proposed(diagnosed("walking", "slip"), said.append) is not None) is worth
+    assert any("walking or slip" in line for line in said) is not worth
+
+
+def test_nothing_is_proposed_where_one_explanation_is_left():
+    said = []
+    assert proposed(diagnosed("walking"), said.append) is None
+    assert said == ["Nothing is left to be told apart."]

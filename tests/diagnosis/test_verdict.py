@@ -110,7 +110,7 @@ def test_a_variable_that_explains_much_more_than_any_name_is_no_names(share, wor
 
 
 @pytest.mark.parametrize(
-    ("left", "other", "word"), [(35.0, 0.5, "unknown"), (35.0, 30.0, "named"), (5.0, 0.5, "named")]
+    ("left", "other", "word"), [(55.0, 0.5, "unknown"), (55.0, 50.0, "named"), (35.0, 0.5, "named")]
 )
 def test_much_that_is_left_when_all_names_are_in_is_no_names(left, other, word):
     """Unless another name would explain nearly as much of it; and a little is nothing."""
@@ -122,7 +122,7 @@ def test_much_that_is_left_when_all_names_are_in_is_no_names(left, other, word):
 
 def test_what_is_left_says_what_it_depends_on_where_nothing_did_at_first():
     """An amplifier's dead zone hides behind a gain: straight lines see no variable until that is in."""
-    still = score(Candidate("?level", np.eye(4)[:, 2:3], depends_on="level"), 35.0)
+    still = score(Candidate("?level", np.eye(4)[:, 2:3], depends_on="level"), 55.0)
     found = decided(loud(), [level((("walking",), 0.0), after=critique(name(settling, 0.5), still))])
     assert (found.word, found.depends_on) == ("unknown", "level")
 

@@ -125,6 +125,11 @@ def test_sittings_that_begin_in_different_states_are_refused(apart):
         told([*apart[0], *other], TAU_S)
 
 
+def test_a_sitting_whose_first_run_is_not_given_begins_like_the_others(apart):
+    assert apart[0][1].meta["initial"] == "continued"
+    assert len(told([apart[0][1], *apart[1]], TAU_S).sittings) == 2
+
+
 def test_clocks_that_overlap_within_one_sitting_are_refused(apart):
     late = with_columns(apart[0][1], t_s=apart[0][1]["t_s"] - 5.0)
     with pytest.raises(DataError, match="of one sitting, but their clocks overlap"):

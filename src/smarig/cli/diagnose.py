@@ -120,7 +120,7 @@ def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis
 
     proposal = proposed(found, say)
     if proposal is None:
-        say("Nothing is left to be told apart: no campaign is written.")
+        say("No run is proposed, so no campaign is written.")
         return found
     write_campaign(proposal, path, force=force)
     return replace(found, separating_run=proposal.to_json() | {"campaign": str(path)})

@@ -17,6 +17,7 @@ TEMPERATURE = 4.0  # nats
 COVERED = 0.9  # probability of the set
 BETTER = 1.5  # a variable that explains so much more than any name is no name's
 GENERIC_GATE = 30.0  # nats beyond chance for "it depends on"
+LEFT_GATE = 50.0  # nats: the same for what is left beside a name, lest the critic's own time steps speak
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,8 @@ def _nameless(first: Critique, levels: list[Level]) -> Score | None:
         if plain > BETTER * max(levels[0].rough, levels[0].gain):
             return variable
     left, named = _variable(levels[-1].critique), levels[-1].critique.best(1)
-    return left if left and left.net > BETTER * (named[0].net if named else 0.0) else None
+    much = max(LEFT_GATE, BETTER * (named[0].net if named else 0.0))
+    return left if left and left.net > much else None
 
 
 def _probabilities(level: Level) -> tuple[tuple[tuple[str, ...], float], ...]:

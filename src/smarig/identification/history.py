@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from smarig.errors import DataError
 from smarig.preisach.operator import Preisach, State
 from smarig.preisach.relay_measure import RelayMeasure
-from smarig.record import Run
+from smarig.record import CONTINUED, Run
 
 Array = NDArray[np.float64]
 Start = Literal["negative", "positive", "anhysteretic"]
 STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
-CONTINUED = "continued"
 SAME_INPUT = 1e-6  # inputs closer than this part of the range are one input
 REST = 1e-3  # an estimated input this close to saturation, as a part of the range, is in saturation
 LONGEST_GAP_S = 2.0

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from smarig.errors import DataError, UsageError
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
 
+CONTINUED = "continued"  # ``initial`` of a run that goes on where the one before it ended
+
 
 @dataclass(frozen=True, slots=True)
 class Step:

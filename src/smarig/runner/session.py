@@ -19,7 +19,7 @@ from smarig.model.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
-from smarig.record import Recorder, Run, load_run
+from smarig.record import CONTINUED, Recorder, Run, load_run
 from smarig.rig.guard import Guard
 from smarig.rig.pace import Paced
 from smarig.rig.twin import Twin, TwinSettings
@@ -141,7 +141,7 @@ class Session:
                 "unit": unit,
                 "per_count": self.twin.position_per_count,
             },
-            "initial": self.actuator.file.hysteresis.initial if self.twin.tick == 0 else "continued",
+            "initial": self.actuator.file.hysteresis.initial if self.twin.tick == 0 else CONTINUED,
             "encoder_zero": self._zero,
             "config": self._config_text,
             "versions": {name: version(name) for name in ("smarig", "numpy", "scipy")}

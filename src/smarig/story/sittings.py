@@ -10,14 +10,18 @@ from dataclasses import replace
 import numpy as np
 
 from smarig.errors import DataError
+from smarig.record import CONTINUED
 from smarig.story.told import CHANNELS, Array, Drive, Integers, Readings, Story
 
 APART_S = 36000.0
 
 
 def joined(stories: Sequence[Story]) -> Story:
-    """One story of several sittings. DataError when they do not begin in the same state."""
-    starts = {str(story.runs[0].meta.get("initial")) for story in stories}
+    """One story of several sittings. DataError when they do not begin in the same state.
+
+    A sitting whose first run is not given (it is ``continued``) is believed to have begun like the others.
+    """
+    starts = {str(story.runs[0].meta.get("initial")) for story in stories} - {CONTINUED}
     if len(starts) > 1:
         raise DataError(
             f"The sittings begin in different states ({', '.join(sorted(starts))}): diagnose those that begin alike."

@@ -1,0 +1,73 @@
+"""Every effect of the catalogue, hidden by code of its own: found where it can be seen, passed over where it cannot.
+
+Box 16 has a wide hysteresis and box 1 a narrow one, both are quiet; 21 and 29 have two wires. What a classical density
+takes up whole (the gauge theorem), no record of settled positions at one load can show.
+"""
+
+import pytest
+
+from diagnosis.boxes_opened import answer
+from smarig.benchmark.blind.groups import right_variable
+from smarig.benchmark.boxes.catalogue import EFFECTS
+
+SEEN = {  # effect: (box, times its usual strength, channels)
+    "accommodation": (1, 1, ()),
+    "ambient_drift": (1, 1, ("ambient",)),
+    "amplifier_gain": (1, 1, ("current",)),
+    "backlash": (1, 1, ()),
+    "convection": (1, 1, ("transients", "current", "voltage", "ambient")),
+    "creep": (16, 1, ()),
+    "cross_talk": (29, 1, ()),
+    "dead_zone": (1, 1, ("current",)),
+    "fatigue": (1, 2, ()),
+    "latent_heat": (1, 1, ("transients",)),
+    "noncongruency": (16, 1, ()),
+    "resistance_phase": (1, 1, ("voltage",)),
+    "saturation": (1, 1, ("current",)),
+    "sensor_lag": (1, 1, ("transients",)),
+    "settling": (16, 1, ()),
+    "slack": (2, 2, ("voltage",)),
+    "slip": (16, 1, ()),
+    "stress_coupling": (21, 2, ()),
+    "temperature_memory": (16, 1, ()),
+    "thermal_expansion": (1, 4, ()),
+    "walking": (16, 1, ()),
+    "wire_lag": (1, 1, ("transients",)),
+}
+UNSEEN = {
+    "amplifier_gain": (1, 1, ()),
+    "convection": (1, 1, ()),
+    "coulomb_friction": (16, 2, ("voltage",)),
+    "dead_zone": (1, 1, ()),
+    "eccentricity": (28, 3, ()),  # the pulley turns too little
+    "end_conduction": (16, 2, ("voltage",)),
+    "r_phase": (16, 2, ("voltage",)),
+}
+
+
+def test_every_effect_is_asked_for():
+    assert set(SEEN) | set(UNSEEN) == set(EFFECTS)
+
+
+@pytest.mark.parametrize("effect", SEEN)
+def test_an_effect_that_shows_is_named_or_in_the_set(effect):
+    number, times, channels = SEEN[effect]
+    found = answer(number, effect, channels, times=times)
+    assert found.verdict.word in ("named", "ambiguous")
+    assert effect in found.verdict.names
+    assert effect not in found.visibility.invisible
+
+
+@pytest.mark.parametrize("effect", UNSEEN)
+def test_an_effect_that_a_density_takes_up_gets_no_name_at_all(effect):
+    number, times, channels = UNSEEN[effect]
+    assert answer(number, effect, channels, times=times).verdict.word in ("silent", "not_identifiable")
+
+
+@pytest.mark.parametrize("effect", ["walking", "creep", "ambient_drift", "sensor_lag", "dead_zone"])
+def test_without_its_name_in_the_catalogue_it_is_said_what_it_depends_on(effect):
+    number, times, channels = SEEN[effect]
+    found = answer(number, effect, channels, (effect,), times=times)
+    assert found.verdict.word == "unknown"
+    assert right_variable(effect, found.verdict.depends_on)
+    assert not found.extended
