@@ -51,8 +51,8 @@ def test_the_first_command_characterises_the_twin(tmp_path):
 
 def test_the_second_command_is_the_one_ci_runs():
     tests = next(line for line in lines_of("sh", "venv") if "pytest" in line)
-    assert "-m pytest -n auto" in tests
-    assert "-m pytest -n auto" in (ROOT / ".ci/run").read_text(encoding="utf-8")
+    assert "-m pytest -n auto --dist worksteal" in tests
+    assert "-m pytest -n auto --dist worksteal" in (ROOT / ".ci/run").read_text(encoding="utf-8")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="bash completion")
