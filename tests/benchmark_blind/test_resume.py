@@ -8,6 +8,7 @@ import pytest
 
 from benchmark_blind.records import record
 from smarig.benchmark import diagnosis
+from smarig.benchmark.boxes import draw
 from smarig.cli import run as smarig
 from smarig.errors import UsageError
 
@@ -153,6 +154,18 @@ def test_what_was_stopped_half_way_has_kept_what_was_answered(asked, tmp_path, m
     assert asked[:2] == [2, 3]
 
 
+def test_boxes_with_an_unknown_effect_alone_can_be_asked_for(asked, tmp_path):
+    out = tmp_path / "answers.jsonl"
+    found = diagnosis.run(boxes=80, seed=7, out=out, left_out=True)
+    assert found["boxes"] == len(asked) > 1
+    assert all(draw(7, number).left_out for number in asked)
+    rest = set(range(80)) - set(asked)
+    assert not any(draw(7, number).left_out for number in rest)
+    asked.clear()
+    diagnosis.run(boxes=80, seed=7, out=out)
+    assert set(asked) == rest, "what is known is not asked again"
+
+
 def test_quick_is_a_few_boxes(asked):
     assert diagnosis.run(quick=True)["boxes"] == len(asked) == diagnosis.QUICK
 
@@ -174,7 +187,8 @@ def test_the_command_line_hands_its_options_on(asked, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "option", [["--boxes", "3"], ["--seed", "1"], ["--workers", "2"], ["--out", "answers.jsonl"]]
+    "option",
+    [["--boxes", "3"], ["--seed", "1"], ["--workers", "2"], ["--out", "answers.jsonl"], ["--left-out"]],
 )
 def test_options_of_another_benchmark_are_refused_with_a_sentence(capsys, option):
     status = smarig(["benchmark", "forward", *option])

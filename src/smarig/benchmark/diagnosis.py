@@ -14,9 +14,11 @@ from typing import Any
 
 from smarig.benchmark.blind.table import scored
 from smarig.benchmark.blind.trial import Record, trial
+from smarig.benchmark.boxes import draw
 from smarig.errors import UsageError
 
 QUICK = 6
+PATIENCE_S = 10
 
 
 def run(
@@ -27,15 +29,17 @@ def run(
     dask: str = "",
     out: Path | None = None,
     nulls: int = 400,
+    left_out: bool = False,
 ) -> dict[str, Any]:
     """The table of ``scored`` over boxes 0 … ``boxes`` − 1 of a seed.
 
     ``workers`` processes, or the scheduler at address ``dask``; ``out``: a file of answers, one JSON line a box,
-    that is gone on with when it exists.
+    that is gone on with when it exists. ``left_out``: only those boxes whose effect the diagnosis does not know.
     """
     if boxes < 1 or workers < 1:
         raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
-    wanted = range(QUICK if quick else boxes)
+    numbers = range(QUICK if quick else boxes)
+    wanted = [k for k in numbers if draw(seed, k).left_out] if left_out else numbers
     done = _kept(out, seed, nulls)
     missing = [k for k in wanted if k not in done]
     for record in _answers(seed, missing, workers, dask, nulls):
@@ -84,6 +88,10 @@ def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Ite
         from distributed import as_completed as as_done  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
-    with Client(address) as client:
+    try:
+        client = Client(address, timeout=PATIENCE_S)
+    except (OSError, ValueError, TypeError) as error:
+        raise UsageError(f"No Dask scheduler answers at '{address}': {error}.") from None
+    with client:
         for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
             yield answer.result()

@@ -30,6 +30,7 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.option("--boxes", type=int, help="diagnosis, mystery: how many.")
 @click.option("--seed", type=int, help="diagnosis, mystery, critic: seed.")
 @click.option("--workers", type=int, help="diagnosis, mystery: processes.")
+@click.option("--left-out", is_flag=True, default=None, help="diagnosis: only boxes with an unknown effect.")
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
 @click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, gone on with when it exists.")
 @json_option
@@ -43,6 +44,6 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     given = {key: value for key, value in settings.items() if value is not None}
     for key in given:
         if key not in signature(run).parameters:
-            raise UsageError(f"Benchmark '{name}' has no --{key}.")
+            raise UsageError(f"Benchmark '{name}' has no --{key.replace('_', '-')}.")
     found = run(quick=quick, **given)
     emit(found, json.dumps(found, indent=2))
