@@ -13,15 +13,11 @@ from typing import Any
 import numpy as np
 
 from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
-from smarig.diagnosis.density_beside import (
-    density_anew,
-    density_said,
-    settled_rms,
-)
+from smarig.diagnosis.density_beside import density_said, settled_rms
+from smarig.diagnosis.either_density import found
 from smarig.diagnosis.gain import Gain, measured_gain
 from smarig.diagnosis.refine import Refined
-from smarig.diagnosis.refit import Refit
-from smarig.diagnosis.search import DOUBTED, GATE, GATE_SILENT, Level, searched
+from smarig.diagnosis.search import Level
 from smarig.diagnosis.sentences import sentences
 from smarig.diagnosis.verdict import Verdict, decided
 from smarig.diagnosis.visibility import Visibility, visibility
@@ -32,7 +28,6 @@ from smarig.identification.origin import provenance
 from smarig.model.effect import Kind
 from smarig.model.given import GivenInput, judgeable
 from smarig.model.planted import kinds, kinds_of
-from smarig.preisach.everett import Everett
 from smarig.record import Run, load_run
 from smarig.story.retelling import numerics
 from smarig.story.subject import Subject
@@ -185,16 +180,10 @@ def diagnose(
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
     judge = partial(critique, story, kinds=catalogue, count=nulls, alpha=alpha, seed=seed)
-    base, plain = density_anew(story, subject, subject.hysteresis)
-    first, levels = _searched(judge, base, subject.hysteresis, plain.log_evidence, say)
-    if not (first.silent or story.given):
-        negative = density_anew(story, replace(subject, signed=True), subject.hysteresis)
-        if negative[1].log_evidence > _explained(plain, levels):
-            say("with a density that is negative somewhere")
-            base, plain = negative
-            first, levels = _searched(judge, base, subject.hysteresis, plain.log_evidence, say)
+    seen = found(story, subject, judge, say)
+    base, first, levels = seen.base, seen.first, seen.levels
     verdict = decided(first, levels)
-    base = density_said(story, base, plain)
+    base = density_said(story, base, seen.plain)
     extended = base
     if levels and verdict.explanations:
         likeliest = levels[-1].explanations[0]
@@ -223,36 +212,6 @@ def diagnose(
         nulls,
         time.monotonic() - started,
     )
-
-
-def _searched(
-    judge: Callable[..., Critique],
-    base: Subject,
-    given: Everett,
-    evidence: float,
-    say: Callable[[str], None],
-) -> tuple[Critique, list[Level]]:
-    """The base's critique and what the search finds.
-
-    Where nothing stands out, a large effect may have passed for noise: with as little noise as there may be, an
-    explanation that is beyond doubt is looked for, and if there is one, the noise is what it leaves.
-    """
-    first = judge(base)
-
-    def judged(subject: Subject) -> Critique:
-        say("with " + " and ".join(e.kind.name for e in subject.planted))
-        return judge(subject, like=first)
-
-    if not first.silent:
-        return first, searched(first, given, judged, evidence)
-    levels = searched(judge(base, wary=True), given, judged, evidence, GATE_SILENT, DOUBTED)
-    again = judge(base, noise_of=levels[0].critique) if levels else first
-    return (first, []) if again.silent else (again, levels)
-
-
-def _explained(plain: Refit, levels: Sequence[Level]) -> float:
-    """The log likelihood that a density must beat which is negative somewhere, as no wire's should be."""
-    return levels[-1].explanations[0].evidence if levels else plain.log_evidence + GATE
 
 
 def _check(alpha: float, nulls: int) -> None:

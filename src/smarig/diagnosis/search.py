@@ -37,6 +37,10 @@ FAR_BEHIND = 0.25  # of the nats that the best explains: nor is one so far behin
 ROUGHLY = 0.5  # of what the best explains: straight lines are no better a judge of large effects
 
 
+class Outdone(Exception):
+    """No single effect explains as much as a rival does."""
+
+
 @dataclass(frozen=True, eq=False)
 class Level:
     """Explanations of one size, likeliest first; ``critique`` judges the wire with the best, ``best`` its parameters.
@@ -63,12 +67,14 @@ def searched(
     evidence: float,
     gate: float = GATE,
     tried: int = TRIED,
+    rival: float = float("-inf"),
     most: int = MOST,
 ) -> list[Level]:
     """Levels of one, two, … effects, as long as something stands out and is explained.
 
     ``given`` is the model's own hysteresis, ``judge`` makes a critique of a subject, ``evidence`` is the log
-    likelihood without any effect, ``gate`` (nats) what the first must explain, ``tried`` how many are.
+    likelihood without any effect, ``gate`` (nats) what the first must explain, ``tried`` how many are. Raises Outdone
+    when no single one comes near ``rival``, the log likelihood of something else.
     """
     if first.silent:
         return []
@@ -83,6 +89,8 @@ def searched(
             less = max(evidence, without(first.story, best, now.refitted))
         if best.evidence - less < (_needed(levels) if levels else gate):
             break
+        if best.evidence < rival - GATE and not levels:
+            raise Outdone
         fine, found = _topped(first.story, given, found)
         now = judge(found[0].subject)
         levels.append(Level(now, found, fine, found[0].evidence - less, rough))
