@@ -3,6 +3,7 @@
 import json
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
@@ -152,6 +153,13 @@ def test_what_was_stopped_half_way_has_kept_what_was_answered(asked, tmp_path, m
     asked.clear()
     assert diagnosis.run(boxes=4, out=out) == diagnosis.run(boxes=4)
     assert asked[:2] == [2, 3]
+
+
+@pytest.mark.parametrize("out", [Path("/dev/full"), Path("/dev/zero"), Path(".")])
+def test_what_is_no_file_keeps_no_answers(asked, out):
+    with pytest.raises(UsageError, match="is no file that answers could be kept in"):
+        diagnosis.run(boxes=1, out=out)
+    assert asked == []
 
 
 def test_boxes_with_an_unknown_effect_alone_can_be_asked_for(asked, tmp_path):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from smarig.preisach.operator import Preisach
+from smarig.preisach.operator import Initial, Preisach
 from smarig.story.retelling import Retelling
 
 
-def felt(hysteresis, inputs, t_s=None, initial="negative"):
+def felt(hysteresis, inputs, t_s=None, initial: Initial = "negative"):
     """Each input is one tick, and every tick is read."""
     operator = Preisach(hysteresis, initial)
     states = []

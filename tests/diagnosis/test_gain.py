@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from smarig.diagnosis.free_density import free_density
 from smarig.diagnosis.gain import Gain, measured_gain
+from smarig.diagnosis.noise import propagated, remembered
 from smarig.diagnosis.refit import Noise
+from smarig.story.retelling import retold
+from smarig.story.told import told
 from story.sittings import LISTED, LONG, believed, sitting
 
 
@@ -127,3 +131,52 @@ def test_a_draught_that_the_hysteresis_remembers_is_part_of_the_floor(walked):
     squares = np.square(floors) - 0.01**2
     assert squares[1] > 0
     assert squares[2] == pytest.approx(4 * squares[1])
+
+
+VARIANCES = np.array([0.1, 0.02, 1e-4])  # of broad and fine factors of the density, and of grains
+ZERO = 30.0  # sd of the encoder's zero, in strokes
+
+
+def positions(runs, subject):
+    """Settled positions of runs, as they are told and as a subject retells them."""
+    story = replace(told(runs, subject.actuator.tau_s).placed, others=())
+    return story, retold(story, subject)
+
+
+def jointly(whole, subject, noise, variances):
+    """Covariance of all positions when density, zero, draughts and readings are what they may be."""
+    h, n = subject.hysteresis, whole.output.size
+    path = whole.lived(h, subject.initial, whole.felt_K)
+    shapes = free_density(whole, h, path, whole.output).covariances
+    density = sum(v * shape for v, shape in zip(variances, shapes)) + ZERO**2
+    draught = propagated(*remembered(h, whole), noise.correlation_s)
+    return subject.stroke**2 * density + noise.temperature_K**2 * draught + noise.settled**2 * np.eye(n)
+
+
+@pytest.mark.parametrize("temperature_K", [0.0, 0.1])
+def test_a_position_counts_by_how_well_the_training_runs_foretell_it(walked, temperature_K):
+    """Its variance when theirs are known: of a Gaussian, the inverse of its own block of the joint precision."""
+    (train, judged), base, extended, per_count = walked
+    noise = Noise(np.empty(0), temperature_K, 60.0, 0.4 * per_count)
+    story, whole = positions([train, judged], extended)
+    precision = np.linalg.inv(jointly(whole, extended, noise, VARIANCES))
+    held_out = story.run == 1
+    conditional = np.diag(np.linalg.inv(precision[np.ix_(held_out, held_out)]))
+    g = measured_gain([train], [judged], base, extended, noise, VARIANCES)
+    assert g.weight is not None
+    np.testing.assert_allclose(1 / g.weight, conditional, rtol=1e-4)
+    assert conditional.max() > 1.5 * conditional.min()
+    assert conditional.max() > 3 * noise.settled**2
+    assert g.floor == pytest.approx(np.sqrt(g.weight.size / np.sum(g.weight)))
+
+
+def test_the_floor_rises_with_what_is_left_open_of_the_density(walked):
+    (train, judged), base, extended, _ = walked
+    noise = Noise(np.empty(0), 0.0, 60.0, 0.01)
+    floors = [
+        measured_gain([train], [judged], base, extended, noise, open_density * VARIANCES).floor
+        for open_density in (0.0, 1.0, 10.0)
+    ]
+    zero = 0.01 * np.sqrt(1 + 1 / len(train.settled))  # is met on the training runs, with their own noise
+    assert floors[0] == pytest.approx(zero, rel=1e-3)
+    assert zero < floors[1] < floors[2]

@@ -1,5 +1,7 @@
 """Temperature noise at a reversal is in every later reading, until the reversal is wiped out."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -116,3 +118,41 @@ def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
     assert abs(C[3, 7]) < 1e-9 * np.sqrt(C[3, 3] * C[7, 7])
     lasting = propagated(J, times, 1e9)
     assert lasting[3, 7] > 0.9 * np.sqrt(lasting[3, 3] * lasting[7, 7])
+
+
+def two_sittings(first, second, initial):
+    """Every tick is read, and the second sitting begins anew, much later."""
+    hysteresis = surface("one_e")
+    one = felt(hysteresis, first, initial=initial)
+    other = felt(hysteresis, second, 1e5 + np.arange(1.0, len(second) + 1), initial)
+    n = len(first)
+    return hysteresis, replace(
+        one,
+        t_s=np.append(one.t_s, other.t_s),
+        felt_K=np.append(one.felt_K, other.felt_K),
+        states=(*one.states, *other.states),
+        output=np.append(one.output, other.output),
+        marks=np.append(one.marks, n + other.marks),
+        follows=np.append(one.follows, other.follows),
+        begins=(0, n),
+    )
+
+
+def test_an_input_felt_in_an_earlier_sitting_is_not_remembered_from_there():
+    """90 and 70 are in the memory that both begin with; the first sitting feels them again, the second never."""
+    operator = Preisach(surface("one_e"))
+    operator.simulate([90.0, 70.0])
+    hysteresis, told = two_sittings([110.0, 90.0, 70.0, 85.0, 75.0], [80.0, 75.0], operator.state)
+    assert {90.0, 70.0} <= set(told.states[6].extrema)
+    J, times = remembered(hysteresis, told)
+    slope = J.toarray()
+    assert not slope[5:, times < 1e5].any()
+    assert sorted(times[slope[6] != 0]) == [1e5 + 1, 1e5 + 2]
+    assert sorted(times[slope[4] != 0]) == [1.0, 3.0, 4.0, 5.0]
+
+    alone = felt(hysteresis, [80.0, 75.0], 1e5 + np.arange(1.0, 3.0), operator.state)
+    np.testing.assert_allclose(
+        propagated(J, times, CORRELATION_S)[5:, 5:],
+        propagated(*remembered(hysteresis, alone), CORRELATION_S),
+        rtol=1e-12,
+    )

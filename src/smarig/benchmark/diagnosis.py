@@ -61,6 +61,8 @@ def _kept(out: Path | None, seed: int, nulls: int) -> dict[int, Record]:
     found: dict[int, Record] = {}
     if out is None or not out.exists():
         return found
+    if not out.is_file():
+        raise UsageError(f"{out} is no file that answers could be kept in.")
     for line in out.read_text(encoding="utf-8").splitlines():
         try:
             record = json.loads(line)

@@ -89,7 +89,7 @@ def searched(
             less = max(evidence, without(first.story, best, now.refitted))
         if best.evidence - less < (_needed(levels) if levels else gate):
             break
-        if best.evidence < rival - GATE and not levels:
+        if best.evidence < rival - GATE:
             raise Outdone
         fine, found = _topped(first.story, given, found)
         now = judge(found[0].subject)

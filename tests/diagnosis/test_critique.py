@@ -1,0 +1,167 @@
+"""False alarms are as rare as promised, however many candidates compete, each by a gain of its own size."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from smarig.diagnosis import critique as module
+from smarig.diagnosis.critique import LEAST_SPREAD, Critique, Score, critique
+from smarig.model.effects.settling import settling
+from smarig.model.effects.walking import walking
+from smarig.story.subject import Subject
+
+NAMES = "abcdefgh"
+STORY: Any = "a story"
+NOTHING: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """A candidate whose gains on data and on each null are known."""
+
+    name: str
+    data: float
+    nulls: np.ndarray
+    generic: bool = False
+    typical: tuple = ()
+
+    def gain(self, data):
+        return self.nulls if data == "nulls" else np.array([self.data])
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """A critique of candidates by their gains, (candidates,) on the data and (candidates, count) on nulls."""
+    told = SimpleNamespace(states=(), follows=np.empty(0))
+
+    def refit(story, told, subject, suspects, like, *, wary, noise_of):
+        return SimpleNamespace(data="data", like=like, wary=wary, noise_of=noise_of)
+
+    stands = {
+        "retold": lambda story, subject: told,
+        "sensitivities": lambda hysteresis, states: [],
+        "generic": lambda *args: [],
+        "refit": refit,
+        "nulls": lambda told, subject, refitted, count, seed: "nulls",
+        "whitened": lambda candidate, refitted: candidate,
+    }
+    for name, stand in stands.items():
+        monkeypatch.setattr(module, name, stand)
+
+    def of(data, nulls, alpha=0.1, **settings) -> Any:
+        nulls = np.atleast_2d(nulls)
+        candidates = [Gains(*those) for those in zip(NAMES, np.atleast_1d(data).tolist(), nulls)]
+        monkeypatch.setattr(module, "named", lambda *args: candidates)
+        subject = Subject(NOTHING, NOTHING, "negative")
+        return critique(STORY, subject, [], count=nulls.shape[1], alpha=alpha, **settings)
+
+    return of
+
+
+SIZES = np.array([2.0, 5.0, 40.0, 300.0])  # nats: by chance some candidates gain much more than others
+
+
+def by_chance(rng, count):
+    """Gains on data and on nulls of the same kind, correlated between candidates."""
+    shared = rng.gamma(0.5, 1.0, count + 1)
+    gains = SIZES[:, None] * (shared + rng.gamma(0.5, 1.0, (SIZES.size, count + 1)))
+    return gains[:, 0], gains[:, 1:]
+
+
+def test_the_chance_of_any_false_alarm_is_alpha_and_p_is_uniform(judged):
+    rng, cases = np.random.default_rng(6), 400
+    found = [judged(*by_chance(rng, 99)) for _ in range(cases)]
+    p = np.array([f.p_value for f in found])
+    assert 0.05 < np.mean([not f.silent for f in found]) < 0.16
+    for share in (0.1, 0.25, 0.5, 0.75):
+        assert np.mean(p <= share) == pytest.approx(
+            share, abs=4 * np.sqrt(share * (1 - share) / cases) + 0.01
+        )
+
+
+@pytest.mark.parametrize("larger", [0, 1, 2, 3, 10, 98, 99])
+@pytest.mark.parametrize("alpha", [0.01, 0.03, 0.1])
+def test_p_is_the_share_of_lives_as_odd_with_the_one_that_was_measured(judged, larger, alpha):
+    """So it is never 0, at most 1, and something stands out where it is no more than α."""
+    nulls = np.random.default_rng(2).permutation(np.arange(1.0, 100.0))  # 1 … 99 nats
+    found = judged(99.5 - larger, nulls, alpha)
+    assert found.p_value == (1 + larger) / 100
+    assert found.silent is ((1 + larger) / 100 > alpha)
+
+
+@pytest.mark.parametrize("times", [1.0, 3.0, 100.0])
+def test_a_candidate_that_gains_more_by_chance_hides_no_other(judged, times):
+    """However large its gains are, on data and nulls alike."""
+    rng = np.random.default_rng(8)
+    nulls = rng.gamma(1.0, 5.0, (2, 199))
+    data = np.array([30.0, 10.0])
+    usual, larger = (judged(by * data, by[:, None] * nulls) for by in (np.ones(2), np.array([1.0, times])))
+    assert larger.p_value == usual.p_value
+    assert larger.threshold == pytest.approx(usual.threshold)
+    assert not larger.silent
+    assert larger.largest.candidate.name == "a"
+
+
+def test_the_more_candidates_compete_the_farther_one_must_stand_out(judged):
+    nulls = np.random.default_rng(3).gamma(1.0, 5.0, (8, 199))
+    thresholds = [judged(np.zeros(k), nulls[:k]).threshold for k in (1, 3, 8)]
+    assert thresholds[0] < thresholds[1] < thresholds[2]
+
+
+def test_a_score_is_told_by_its_own_nulls(judged):
+    """50 and 95 nats are their median and 95 % point; data gain 45 nats more than that again."""
+    (score,) = judged(140.0, np.arange(0.0, 101.0)).scores
+    assert (score.gain, score.median, score.high) == pytest.approx((140, 50, 95))
+    assert (score.net, score.standard) == pytest.approx((90, 2))
+
+
+def test_nothing_is_told_by_a_hair(judged):
+    """A candidate that never gains anything by chance stands out by nats, not by spreads of nearly nothing."""
+    nulls = np.stack([np.linspace(0.0, 0.001, 101), np.linspace(0.0, 10.0, 101)])
+    found = judged([0.8 * LEAST_SPREAD, 0.0], nulls)
+    assert found.scores[0].standard == pytest.approx(0.8, abs=0.001)
+    assert found.silent
+
+
+def test_what_is_in_already_is_no_candidate(judged, monkeypatch):
+    nulls, asked = np.arange(50.0), []
+
+    def named(story, subject, told, kinds):
+        asked.extend(kinds)
+        return [Gains("a", 1.0, nulls)]
+
+    monkeypatch.setattr(module, "named", named)
+    critique(STORY, Subject(NOTHING, NOTHING, "negative", (walking(0.3),)), [walking, settling], count=50)
+    assert asked == [settling]
+
+
+def test_noise_is_as_in_another_critique_where_one_is_given(judged):
+    nulls = np.arange(50.0)
+    other = judged(0.0, nulls)
+    like, noise_of = (
+        judged(0.0, nulls, **given).refitted for given in ({"like": other}, {"noise_of": other})
+    )
+    assert (like.like, like.noise_of) == (other.refitted, None)
+    assert (noise_of.like, noise_of.noise_of) == (None, other.refitted)
+    assert judged(0.0, nulls, wary=True).refitted.wary
+
+
+def test_the_best_are_by_turns_those_that_gain_most_and_those_that_stand_out_most():
+    def score(name, net, spread, generic=False):
+        candidate: Any = Gains(name, 0.0, np.empty(0), generic)
+        return Score(candidate, net + 5.0, 5.0, 5.0 + spread)
+
+    scores = (
+        score("a", 90.0, 90.0),
+        score("b", 50.0, 5.0),
+        score("c", 20.0, 10.0),
+        score("d", -1.0, 2.0),
+        score("?", 99.0, 2.0, generic=True),
+    )
+    found = Critique(NOTHING, NOTHING, NOTHING, NOTHING, scores, 3.0, 0.5)
+    assert [s.candidate.name for s in found.best(9)] == ["a", "b", "c"]
+    assert [s.candidate.name for s in found.best(1)] == ["a"]
+    assert [s.candidate.name for s in found.best(9, generic=True)] == ["?"]
