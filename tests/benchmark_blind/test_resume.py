@@ -155,7 +155,7 @@ def test_what_was_stopped_half_way_has_kept_what_was_answered(asked, tmp_path, m
     assert asked[:2] == [2, 3]
 
 
-@pytest.mark.parametrize("out", [Path("/dev/full"), Path("/dev/zero"), Path(".")])
+@pytest.mark.parametrize("out", [Path("/dev/full"), Path("/dev/zero"), Path()])
 def test_what_is_no_file_keeps_no_answers(asked, out):
     with pytest.raises(UsageError, match="is no file that answers could be kept in"):
         diagnosis.run(boxes=1, out=out)
