@@ -199,6 +199,17 @@ def test_masses_become_no_more_negative_than_they_were_whatever_pulls_at_them(pa
         assert np.max(masses) > 2 * about_believed.mass.max()
 
 
+def test_of_either_sign_masses_move_the_outputs_as_far_as_the_covariance_says(path, about_believed):
+    C, negative = np.sum([v * part for v, part in zip(VARIANCES, about_believed.covariances)], axis=0), []
+    pull = 1e3 * np.random.default_rng(3).standard_normal(len(path))
+    for p in (pull, -pull):
+        masses = about_believed.renewed(VARIANCES, p, signed=True)
+        moved = Preisach(about_believed.triangle.table(masses, 0.0)).simulate(path)
+        np.testing.assert_allclose(moved - outputs(believed(), path), C @ p, rtol=1e-9, atol=1e-9)
+        negative.append(masses.min())
+    assert min(negative) < -0.1 * about_believed.mass.max()
+
+
 def test_without_a_pull_the_density_is_the_believed_one(path, about_believed):
     masses = about_believed.renewed(VARIANCES, np.zeros(len(path)))
     kept = Preisach(about_believed.triangle.table(masses, 0.0))

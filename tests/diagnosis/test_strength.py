@@ -60,3 +60,17 @@ def test_roughness_of_a_nat_does_not_mislead():
     found, _ = searched(evidence, 2.0, 1.0)
     assert abs(found.strength - 3.0) < 1.5
     assert 0.6 < found.sd < 1.8
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_evidence_much_broader_than_guessed_is_tried_far_enough_to_tell(seed):
+    """Near the top a tenth of a nat of roughness is all there is."""
+    rng = np.random.default_rng(seed)
+    rough = {}
+
+    def evidence(s):
+        return rough.setdefault(s, -0.5 * (s - 3.0) ** 2 + rng.uniform(-0.05, 0.05))
+
+    found, asked = searched(evidence, 3.0, 0.1)
+    assert found.sd == pytest.approx(1.0, rel=0.3)
+    assert max(abs(s - 3.0) for s in asked) > 1.0

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from smarig.diagnosis.spreads import START, Stack
-from smarig.diagnosis.suspects import suspect
+from smarig.diagnosis.suspects import TRIED, _gains, suspect
 
 N = 120
 LOW, HIGH = np.array([-6.0, -6.0, -9.0, -5.0, -5.0, -3.0]), np.array([2.0, 2.0, 0.0, -1.0, -1.0, 0.0])
@@ -21,19 +22,13 @@ def made():
         walk + 1e-12 * np.eye(N)
     ) @ rng.standard_normal(N)
 
-    def stack(more):
-        zeros = np.zeros((N, N))
-        return Stack(
-            noise + more,
-            (zeros, zeros, zeros),
-            np.zeros((N, N)),
-            np.full(N, 1e-4),
-            np.zeros(N),
-            np.ones(N),
-            (LOW, HIGH),
-        )
+    return lambda more: positions(noise + more), walk, [*smooth, *steps]
 
-    return stack, walk, [*smooth, *steps]
+
+def positions(y):
+    """Readings with no density at all."""
+    zeros, n = np.zeros((y.size, y.size)), y.size
+    return Stack(y, (zeros, zeros, zeros), zeros, np.full(n, 1e-4), np.zeros(n), np.ones(n), (LOW, HIGH))
 
 
 def test_what_is_wrong_is_set_aside(made):
@@ -49,3 +44,49 @@ def test_nothing_is_set_aside_where_nothing_is_wrong(made):
     stack, walk, sets = made
     one = stack(0.0)
     assert suspect(one, walk, one.likeliest(walk, START), sets) is None
+
+
+def test_a_gain_is_how_much_likelier_readings_are_when_a_trace_may_be_in_them():
+    rng = np.random.default_rng(8)
+    root, y = rng.standard_normal((40, 40)), 2.0 * rng.standard_normal(40)
+    C = root @ root.T / 40 + 0.3 * np.eye(40)
+    sets = [rng.standard_normal((40, k)) for k in (1, 1, 2, 5)] + [0.7 * y[:, None]]
+
+    def log_density(C):
+        return multivariate_normal(np.zeros(40), C).logpdf(y)
+
+    gains = [log_density(C + T @ T.T) - log_density(C) for T in sets]
+    assert min(gains) < 0 < max(gains)
+    np.testing.assert_allclose(_gains(positions(y), C, sets), gains, rtol=1e-9)
+
+
+def worth(stack, sets):
+    """Nats for each set in turn, at the spreads that are likeliest with nothing aside and with everything."""
+    calm = np.zeros((stack.y.size, stack.y.size))
+    found = stack.likeliest(calm, START)
+    everything = stack.likeliest(calm, START, np.column_stack(sets))[1]
+    gains = [_gains(stack, stack.covariance(calm, at), sets) for at in (found[1], everything)]
+    return calm, found, *gains
+
+
+def test_what_passes_for_noise_is_found_though_its_likes_look_likelier_in_that_noise():
+    rng = np.random.default_rng(0)
+    wrong = 0.002 * rng.standard_normal((60, 1))
+    likes = [5 * wrong + 0.002 * rng.standard_normal((60, 1)) for _ in range(TRIED)]
+    one = positions(6.0 * wrong[:, 0] + 2e-4 * rng.standard_normal(60))
+    calm, found, plain, bare = worth(one, [*likes, wrong])
+    assert np.argmin(plain) == TRIED
+    assert np.argmax(bare) == TRIED
+    assert suspect(one, calm, found, [*likes, wrong]) is wrong
+
+
+def test_what_is_wrong_is_found_though_all_suspects_at_once_leave_no_noise_at_all():
+    """Where no noise is left, who has many traces explains most."""
+    rng = np.random.default_rng(0)
+    wrong = 0.02 * np.where(np.arange(60) < 30, -1.0, 1.0)[:, None]
+    many = [0.01 * rng.standard_normal((60, 45)) for _ in range(TRIED)]
+    one = positions(0.5 * wrong[:, 0] + 0.01 * rng.standard_normal(60))
+    calm, found, plain, bare = worth(one, [*many, wrong])
+    assert np.argmax(plain) == TRIED
+    assert np.argmin(bare) == TRIED
+    assert suspect(one, calm, found, [*many, wrong]) is wrong

@@ -1,0 +1,70 @@
+"""The density that readings speak for: a normal's conditional mean, or as near to it as a measure can come."""
+
+import numpy as np
+import pytest
+from scipy.linalg import cho_solve, cholesky
+
+from diagnosis.made_memories import felt
+from smarig.diagnosis.free_density import free_density
+from smarig.diagnosis.posterior import Posterior
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
+
+WIRE = surface("one_c")  # nowhere negative
+STROKE = WIRE.everett(WIRE.upper, WIRE.lower)
+NOISE, ANY, ZERO = 1e-4, 30.0, 0.3  # strokes
+VARIANCES = np.array([1.0, 0.2, 1e-4])
+
+
+def least_mass(table):
+    """Of all cells off the diagonal."""
+    y = table.values
+    mass = y[1:, 1:] - y[1:, :-1] - y[:-1, 1:] + y[:-1, :-1]
+    return mass[np.tri(len(mass), k=-1, dtype=bool)].min()
+
+
+@pytest.fixture(scope="module")
+def path():
+    """Through both saturations, then to and fro where the wire moves."""
+    levels = np.linspace(0.0, WIRE.upper, 41)
+    return np.array([levels[-1], levels[0], *levels[np.random.default_rng(2).integers(12, 28, 60)]])
+
+
+def outputs(hysteresis, inputs):
+    return Preisach(hysteresis).simulate(inputs)
+
+
+@pytest.fixture(scope="module")
+def read(path):
+    """Readings of a wire that transforms at lower temperatures, above a zero of the encoder's own."""
+    return outputs(WIRE, WIRE.upper * (path / WIRE.upper) ** 0.75) + ZERO * STROKE
+
+
+@pytest.fixture(scope="module")
+def posterior(path, read):
+    told, n = felt(WIRE, path), path.size
+    prior = free_density(told, WIRE, told.output, told.output)
+    density = np.sum([v * part for v, part in zip(VARIANCES, prior.covariances)], axis=0)
+    free = np.full((n, n), ANY**2)
+    factor = cholesky(density + free + NOISE**2 * np.eye(n), lower=True)
+    pull = cho_solve((factor, True), (read - told.output) / STROKE)
+    ones = np.ones(n)
+    return Posterior(
+        prior, VARIANCES, density, ones, factor, free, pull, STROKE * ones, STROKE, WIRE.y_lower, "mm"
+    )
+
+
+def test_where_masses_may_be_negative_outputs_and_zero_are_the_conditional_mean(path, read, posterior):
+    believed = outputs(WIRE, path)
+    shared = posterior.covariance + posterior.free
+    mean = shared @ np.linalg.solve(shared + NOISE**2 * np.eye(path.size), read - believed)
+    table = posterior.table(signed=True)
+    np.testing.assert_allclose(outputs(table, path) - believed, mean, atol=1e-6 * STROKE)
+    assert least_mass(table) < -1e-6 * STROKE
+    assert table.y_lower == pytest.approx(WIRE.y_lower + ZERO * STROKE, abs=1e-3 * STROKE)
+
+
+def test_where_they_may_not_none_is_and_the_outputs_stay(path, read, posterior):
+    table = posterior.table()
+    assert least_mass(table) > -1e-9 * STROKE
+    assert np.sqrt(np.mean((outputs(table, path) - read) ** 2)) < 0.001 * STROKE
