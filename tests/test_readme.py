@@ -97,3 +97,11 @@ def test_other_peoples_data(tmp_path, shared_data):
         (tmp_path / name).write_bytes((shared_data / "ferrite_nested" / name).read_bytes())
     for command in lines_of("sh", "--format forc"):
         in_shell(command, tmp_path)
+
+
+def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    code = next(body for kind, body in BLOCKS if kind == "python" and "smarig.diagnose" in body)
+    exec(compile(code, "README.md", "exec"), {})
+    assert "Found: walking (percent_per_cycle 0.4" in capsys.readouterr().out
+    assert (tmp_path / "walking.extended.model.json").is_file()

@@ -31,6 +31,7 @@ from smarig.whole_file import whole_file
 SURE = 12.0  # nats ahead: the odds of being wrong are then a twentieth, even tempered
 VAIN = 1.0  # nats: a run that tells less is not worth its hours
 RIVALS = 3  # explanations that compete
+UNLIKELY = 1e-3  # probability: what is less likely is told apart already
 MENU: tuple[tuple[str, dict[str, Any]], ...] = (
     ("wiping_out", {}),
     ("congruency", {}),
@@ -48,6 +49,11 @@ class Option:
     settings: dict[str, Any]
     hours: float
     nats: float
+
+    def sentence(self) -> str:
+        """For a person."""
+        worth = f"{self.nats:.0f} nats ahead" if self.nats >= VAIN else "would tell nothing"
+        return f"{self.protocol}{_said(self.settings)}, {self.hours:.1f} h on the rig: {worth}"
 
     @property
     def odds(self) -> float:
@@ -125,7 +131,7 @@ def proposed(found: Diagnosis, progress: Callable[[str], None] | None = None) ->
             except SmarigError:  # a rig that cannot do it
                 continue
             options.append(Option(protocol, settings, cost.duration_s / 3600, nats))
-            say(f"{protocol}{_said(settings)}: {nats:.0f} nats in {options[-1].hours:.1f} h")
+            say(f"imagined {k + 1} of {len(MENU)}: {options[-1].sentence()}")
     if max((o.nats for o in options), default=0.0) < VAIN:
         say(
             f"No run that this rig can do would tell {' or '.join(' + '.join(e.names) for e in rivals)} apart."
@@ -148,13 +154,14 @@ def _best(options: Sequence[Option]) -> Option:
 
 
 def _rivals(found: Diagnosis) -> list[Explanation]:
-    """The likeliest explanations of different causes."""
+    """The likeliest explanations of different causes, of those that are likely at all."""
     if not found.levels:
         return []
-    level = found.levels[-1]
+    likely = {names for names, p in found.verdict.explanations if p >= UNLIKELY}
     distinct: dict[tuple[str, ...], Explanation] = {}
-    for explanation in level.explanations:
-        distinct.setdefault(explanation.names, explanation)
+    for explanation in found.levels[-1].explanations:
+        if explanation.names in likely:
+            distinct.setdefault(explanation.names, explanation)
     return list(distinct.values())[:RIVALS]
 
 

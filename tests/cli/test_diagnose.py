@@ -140,3 +140,70 @@ def test_clocks_of_one_sitting_that_overlap_are_refused(sitting, capsys):
     twice = ["diagnose", str(sitting / "wire.model.json"), "--train", train, "--train", train]
     assert cli(twice) == 4
     assert "of one sitting" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["wire.model.json", "wiping_out.run.sqlite", "validation.run.sqlite"])
+def test_a_proposal_is_never_written_over_an_input(sitting, name, capsys):
+    before = (sitting / name).read_bytes()
+    assert cli(command(sitting, "--propose", str(sitting / name), "--force")) == 2
+    assert "both input and output" in capsys.readouterr().err
+    assert (sitting / name).read_bytes() == before
+
+
+def test_nor_is_a_diagnosis(sitting, tmp_path, capsys):
+    model = tmp_path / "extended.model.json"
+    model.write_bytes((sitting / "wire.model.json").read_bytes())
+    words = command(sitting, "-o", str(tmp_path), "--force")
+    words[1] = str(model)
+    assert cli(words) == 2
+    assert "both input and output" in capsys.readouterr().err
+
+
+def test_a_campaign_that_could_not_be_written_is_refused_before_anything_is_computed(
+    sitting, tmp_path, capsys
+):
+    assert cli(command(sitting, "--propose", str(tmp_path / "none" / "next.toml"))) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "cannot be written" in err
+    assert "settled points" not in err
+
+
+def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(sitting, tmp_path, monkeypatch):
+    def fails(found, progress):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("smarig.proposal.proposed", fails)
+    out = tmp_path / "out"
+    words = ["-o", str(out), "--propose", str(tmp_path / "next.toml"), "--nulls", "40"]
+    assert cli(command(sitting, *words)) == 130
+    assert {"diagnosis.json", "extended.model.json", "report.html"} <= {p.name for p in out.iterdir()}
+
+
+def test_a_copy_of_a_training_run_is_no_judge(sitting, tmp_path, capsys):
+    copy = tmp_path / "copy.run.sqlite"
+    copy.write_bytes((sitting / "congruency.run.sqlite").read_bytes())
+    words = command(sitting)
+    words[-1] = str(copy)
+    assert cli(words) == 2
+    assert "A run cannot teach and judge" in capsys.readouterr().err
+
+
+def verified(capsys, model, run):
+    capsys.readouterr()
+    assert cli(["verify", str(model), str(run), "--json"]) == 0
+    (result,) = json.loads(capsys.readouterr().out)["runs"]
+    return result["rms"], " ".join(result["warnings"])
+
+
+def test_an_extended_model_is_verified_along_the_whole_sitting_or_says_what_is_missing(
+    found, sitting, tmp_path, capsys
+):
+    run = sitting / "validation.run.sqlite"
+    rms, warnings = verified(capsys, found["model"], run)
+    assert "earlier in the sitting" not in warnings
+    moved = tmp_path / "moved.model.json"
+    moved.write_text((sitting / "out/extended.model.json").read_text().replace(str(sitting), "/nowhere"))
+    astray, warnings = verified(capsys, moved, run)
+    assert "what came earlier in the sitting counts, but /nowhere/" in warnings
+    assert astray > 2 * rms

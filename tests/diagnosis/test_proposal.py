@@ -45,12 +45,13 @@ def test_the_json_names_what_it_would_separate():
     assert "walking or fatigue" in data["why"]
 
 
-def diagnosed(*names):
-    """A diagnosis on the one-wire twin with these explanations left."""
-    explanations = tuple(SimpleNamespace(names=(name,)) for name in names)
+def diagnosed(**probabilities):
+    """A diagnosis on the one-wire twin with these explanations left, as likely as given."""
+    explanations = tuple(SimpleNamespace(names=(name,)) for name in probabilities)
     return SimpleNamespace(
         model=SimpleNamespace(rig="one_wire_twin", name="wire"),
         levels=[SimpleNamespace(explanations=explanations)],
+        verdict=SimpleNamespace(explanations=tuple(((name,), p) for name, p in probabilities.items())),
     )
 
 
@@ -58,11 +59,13 @@ def diagnosed(*names):
 def test_a_run_that_tells_nothing_is_not_proposed(monkeypatch, nats, worth):
     monkeypatch.setattr("smarig.proposal._separated", lambda *_: nats)
     said = []
-    assert (proposed(diagnosed("walking", "slip"), said.append) is not None) is worth
+    assert (proposed(diagnosed(walking=0.6, slip=0.4), said.append) is not None) is worth
     assert any("walking or slip" in line for line in said) is not worth
 
 
-def test_nothing_is_proposed_where_one_explanation_is_left():
+@pytest.mark.parametrize("left", [{"walking": 1.0}, {"walking": 0.9999, "slip": 1e-4}])
+def test_nothing_is_proposed_where_one_explanation_is_left(left):
+    """What is hardly likely is told apart already."""
     said = []
-    assert proposed(diagnosed("walking"), said.append) is None
+    assert proposed(diagnosed(**left), said.append) is None
     assert said == ["Nothing is left to be told apart."]

@@ -1,14 +1,17 @@
 """Effects from command lines, model files and seeds; the rig that hides one."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from smarig.cli import run
+from smarig.config import load_rig
 from smarig.errors import DataError, UsageError
 from smarig.model.planted import from_json, from_pairs, kinds, mystery
 from smarig.record import load_run
 from smarig.rig.twin import Twin
+from smarig.runner.preview import preview
 
 
 def test_pairs_name_strengths_and_parameters():
@@ -93,3 +96,21 @@ def test_run_plants_effects_on_a_twin_and_records_them(tmp_path):
     ]
     assert run([*line, "--force", "--effect", "walkin=0.5"]) == 2
     assert load_run(out).meta["effects"]  # what was there stays
+
+
+@pytest.mark.parametrize(
+    ("pairs", "said"),
+    [
+        (["backlash."], "not NAME=NUMBER"),
+        (["backlash=1", "backlash=2"], "a second time"),
+        (["backlash=1", "backlash.play_percent=1"], "a second time"),
+    ],
+)
+def test_what_is_said_twice_or_half_is_refused(pairs, said):
+    with pytest.raises(UsageError, match=said):
+        from_pairs(pairs)
+
+
+def test_a_preview_tells_nothing_of_a_mystery():
+    plain, hidden = (preview("wiping_out", load_rig(name)) for name in ("one_wire_twin", "mystery"))
+    assert replace(hidden, protocol=plain.protocol) == plain

@@ -19,6 +19,7 @@ from smarig.errors import UsageError
 
 QUICK = 6
 PATIENCE_S = 10
+KEYS = {"seed", "nulls", "number", "category", "hidden", "left_out", "channels"}  # of every answer
 
 
 def run(
@@ -38,7 +39,7 @@ def run(
     """
     if boxes < 1 or workers < 1:
         raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
-    numbers = range(QUICK if quick else boxes)
+    numbers = range(min(QUICK, boxes) if quick else boxes)
     wanted = [k for k in numbers if draw(seed, k).left_out] if left_out else numbers
     done = _kept(out, seed, nulls)
     missing = [k for k in wanted if k not in done]
@@ -63,14 +64,24 @@ def _kept(out: Path | None, seed: int, nulls: int) -> dict[int, Record]:
         return found
     if not out.is_file():
         raise UsageError(f"{out} is no file that answers could be kept in.")
-    for line in out.read_text(encoding="utf-8").splitlines():
-        try:
-            record = json.loads(line)
-        except ValueError:
-            continue
-        if isinstance(record, dict) and (record.get("seed"), record.get("nulls")) == (seed, nulls):
+    lines = out.read_bytes().splitlines()
+    answers = [record for line in lines if (record := _answer_of(line)) is not None]
+    if lines and not answers:
+        raise UsageError(f"{out} holds something else than answers; give another name.")
+    for record in answers:
+        if (record["seed"], record["nulls"]) == (seed, nulls):
             found[record["number"]] = record
     return found
+
+
+def _answer_of(line: bytes) -> Record | None:
+    """An answer as it was written, None where the line is none."""
+    try:
+        record = json.loads(line)
+    except ValueError:
+        return None
+    whole = isinstance(record, dict) and record.keys() >= KEYS and ("verdict" in record or "error" in record)
+    return record if whole else None
 
 
 def _answers(seed: int, numbers: Sequence[int], workers: int, dask: str, nulls: int) -> Iterator[Record]:

@@ -70,7 +70,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
-        return report_error("Interrupted; the rig is safe.", Interrupted.exit_status)
+        return report_error("Interrupted.", Interrupted.exit_status)
     except MemoryError:
         return report_error("This needs more memory than there is; ask for less.", 4)
     except BrokenPipeError:
@@ -79,6 +79,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
         return report_error(f"{what}{error.strerror or error}.", 4)
+    except ArithmeticError as error:
+        return report_error(f"A number in these files is beyond what can be computed with: {error}.", 4)
     except Exception as error:
         if os.environ.get("SMARIG_DEBUG"):
             raise

@@ -1,5 +1,6 @@
 """``smarig diagnose``: what the simulation gets wrong, why, and what it gains to know."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,7 +75,7 @@ def command(
 ) -> None:
     """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
     from smarig.diagnosis.diagnose import diagnose
-    from smarig.diagnosis.files import folder_ready, write_diagnosis, write_transient
+    from smarig.diagnosis.files import FILES, PAGE, folder_ready, write_diagnosis, write_transient
     from smarig.diagnosis.thermal import diagnose_transient
     from smarig.report.diagnosis_page import diagnosis_page
     from smarig.report.page import write_page
@@ -96,22 +97,41 @@ def command(
         raise UsageError("A diagnosis needs MODEL and --train RUN…, or --transient RUN.")
     if set(train) & set(held_out):
         raise UsageError("A run cannot teach and judge: the same file is given to --train and --held-out.")
+    inputs = (model, *train, *held_out)
     if out is not None:
-        distinct(out, model, *train, *held_out)
+        for name in FILES:
+            distinct(out / name, *inputs, propose)
         folder_ready(out, force=force)
-    if propose is not None and propose.exists() and not force:
-        raise UsageError(f"{propose} exists; give another name or --force to replace it.")
+    if propose is not None:
+        distinct(propose, *inputs)
+        _writable(propose, force=force)
     found = diagnose(
         model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
     )
+
+    def kept(found: "Diagnosis", *, force: bool) -> dict[str, Any]:
+        if out is None:
+            return {}
+        paths = write_diagnosis(found, out, force=force)
+        write_page(diagnosis_page(found), out / PAGE, force=force)
+        return paths | {"report": str(out / PAGE)}
+
+    paths = kept(found, force=force)  # before hours of imagined runs
     if propose is not None:
         found = _with_proposal(found, propose, force=force)
-    data = found.to_json()
-    if out is not None:
-        data |= write_diagnosis(found, out, force=force)
-        write_page(diagnosis_page(found), out / "report.html", force=force)
-        data["report"] = str(out / "report.html")
-    emit(data, found.text())
+        paths = kept(found, force=True) if found.separating_run else paths
+    emit(found.to_json() | paths, found.text())
+
+
+def _writable(path: Path, *, force: bool) -> None:
+    """Before anything is computed: UsageError where a file could not be written, or would be replaced."""
+    if path.exists() and not force:
+        raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    folder = path.resolve().parent
+    if path.is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise UsageError(
+            f"{path} cannot be written: there is no such folder, or it is not yours to write to."
+        )
 
 
 def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":

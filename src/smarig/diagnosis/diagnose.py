@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
+from smarig.diagnosis.comparable import comparable
 from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
 from smarig.diagnosis.density_beside import density_said, settled_rms
 from smarig.diagnosis.either_density import found
@@ -24,7 +26,7 @@ from smarig.diagnosis.visibility import Visibility, visibility
 from smarig.errors import UsageError
 from smarig.identification.lived import subject_of, wire_of
 from smarig.identification.model_file import Model, load_model
-from smarig.identification.origin import provenance
+from smarig.identification.origin import file_hash, provenance
 from smarig.model.effect import Kind
 from smarig.model.given import GivenInput, judgeable
 from smarig.model.planted import kinds, kinds_of
@@ -34,6 +36,7 @@ from smarig.story.subject import Subject
 from smarig.story.told import Story, told
 
 NORMAL_95 = 1.96
+LEAST_ALPHA = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +82,15 @@ class Diagnosis:
         return self.levels[-1].best if self.levels and said else None
 
     @property
+    def left(self) -> str | None:
+        """What the readings still depend on beside the effects that were found, None where nothing stands out."""
+        last = self.levels[-1].critique if self.levels and self.extended else None
+        if last is None or last.silent:
+            return None
+        plain = last.best(1, generic=True)
+        return plain[0].candidate.depends_on if plain else last.largest.candidate.name
+
+    @property
     def extended(self) -> bool:
         """Whether ``model`` is an extended one."""
         return self.verdict.word in ("named", "ambiguous")
@@ -96,6 +108,7 @@ class Diagnosis:
         """The CLI's JSON object."""
         e, gain = self.error, self.gain
         held_out = gain and {
+            "given": gain.given,
             "base": gain.base,
             "extended": gain.extended,
             "noise_floor": gain.floor,
@@ -140,7 +153,7 @@ def _effect(planted: Any, best: Refined, verdict: Verdict) -> dict[str, Any]:
         "parameters": {
             p.name: {
                 "value": planted.values[p.name],
-                "ci95": _interval(planted.values[p.name], fitted.get(p.name)),
+                "ci95": _interval(planted.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
                 "unit": p.unit,
             }
             for p in kind.parameters
@@ -148,11 +161,11 @@ def _effect(planted: Any, best: Refined, verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _interval(value: float, spread: float | None) -> list[float] | None:
+def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -> list[float] | None:
     if spread is None:
         return None
     half = NORMAL_95 * spread
-    return [value - half, value + half]
+    return [max(value - half, bounds[0]), min(value + half, bounds[1])]
 
 
 def diagnose(
@@ -172,11 +185,27 @@ def diagnose(
     ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
     when the runs hold no settled steps or overlap, UsageError for settings that make no sense.
     """
-    started, say = time.monotonic(), progress or (lambda _: None)
-    _check(alpha, nulls)
+    with threadpool_limits(1, user_api="blas"):  # matrices of hundreds: threads would wait for each other
+        return _diagnosed(model, train, held_out, alpha, nulls, seed, without, progress or (lambda _: None))
+
+
+def _diagnosed(
+    model: Model | str | Path,
+    train: Any,
+    held_out: Any,
+    alpha: float,
+    nulls: int,
+    seed: int,
+    without: Sequence[str],
+    say: Callable[[str], None],
+) -> Diagnosis:
+    started = time.monotonic()
+    _check(alpha, nulls, seed)
     given = model if isinstance(model, Model) else load_model(model)
     taught, judged = _runs(train), _runs(held_out)
     story, subject = _told(given, taught)
+    if judged:
+        _judges(given, taught, judged)
     catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
     say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
     judge = partial(critique, story, kinds=catalogue, count=nulls, alpha=alpha, seed=seed)
@@ -190,7 +219,7 @@ def diagnose(
         extended = density_said(story, likeliest.subject, likeliest.refitted)
     known = (levels[-1].critique if levels else first).refitted
     noise, open_density = known.noise, known.posterior.variances
-    gain = measured_gain(taught, judged, base, extended, noise, open_density) if judged else None
+    gain = measured_gain(taught, judged, base, extended, noise, open_density, subject) if judged else None
     return Diagnosis(
         verdict,
         story,
@@ -214,9 +243,11 @@ def diagnose(
     )
 
 
-def _check(alpha: float, nulls: int) -> None:
-    if not 0 < alpha < 0.5:
+def _check(alpha: float, nulls: int, seed: int) -> None:
+    if not LEAST_ALPHA <= alpha < 0.5:
         raise UsageError(f"The chance of a false alarm lies between 0 and 0.5, not at {alpha:g}.")
+    if seed < 0:
+        raise UsageError(f"Seed {seed} is negative; give a whole number from 0 up.")
     if nulls < 1 / alpha:
         raise UsageError(
             f"{nulls} nulls cannot tell a chance of {alpha:g}; at least {int(1 / alpha) + 1} can."
@@ -228,9 +259,18 @@ def _runs(given: Any) -> list[Run]:
     return [run if isinstance(run, Run) else load_run(run) for run in several]
 
 
+def _judges(model: Model, taught: list[Run], judged: list[Run]) -> None:
+    """Raises, before anything is computed, where held-out runs cannot judge."""
+    if {file_hash(run) for run in taught} & {file_hash(run) for run in judged} - {""}:
+        raise UsageError("A run cannot teach and judge: a copy of a training run is held out.")
+    comparable(model, [*taught, *judged])
+    told([*taught, *judged], wire_of(model, taught[0]).tau_s)
+
+
 def _told(model: Model, runs: list[Run]) -> tuple[Story, Subject]:
     if not runs:
         raise UsageError("A diagnosis needs at least one run to learn from.")
+    comparable(model, runs)
     story = told(runs, wire_of(model, runs[0]).tau_s)
     return story, subject_of(model, story.runs[0])
 

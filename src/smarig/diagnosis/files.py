@@ -9,7 +9,7 @@ from smarig.diagnosis.thermal import ThermalDiagnosis
 from smarig.errors import StorageError, UsageError
 from smarig.whole_file import whole_file
 
-JSON, MODEL, PAGE = "diagnosis.json", "extended.model.json", "report.html"
+FILES = JSON, MODEL, PAGE = "diagnosis.json", "extended.model.json", "report.html"
 
 
 def folder_ready(out: Path, *, force: bool) -> None:
@@ -18,7 +18,7 @@ def folder_ready(out: Path, *, force: bool) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StorageError(f"Folder {out} cannot be made: {error.strerror or error}.") from None
-    for name in (JSON, MODEL, PAGE):
+    for name in FILES:
         if (out / name).exists() and not force:
             raise UsageError(f"{out / name} exists; give another folder or --force to replace it.")
 

@@ -33,7 +33,7 @@ class Gain:
     """Errors (k,) of both models at held-out positions, blocks (k,) they come in, and the floor of any model's.
 
     ``weight`` (k,), None for equal ones: a reading counts by how well it can be foretold (1/σ²), lest what the
-    training runs tell nothing of drown the rest.
+    training runs tell nothing of drown the rest. ``given_error`` (k,) is that of the model as it was given.
     """
 
     base_error: Array
@@ -41,6 +41,12 @@ class Gain:
     block: NDArray[np.int64]
     floor: float
     weight: Array | None = None
+    given_error: Array | None = None
+
+    @property
+    def given(self) -> float | None:
+        """Rms of the model as it was given, where that was asked."""
+        return None if self.given_error is None else _rms(self.given_error, self.weight)
 
     @property
     def base(self) -> float:
@@ -90,10 +96,12 @@ def measured_gain(
     extended: Subject,
     noise: Noise,
     variances: Array | None = None,
+    given: Subject | None = None,
 ) -> Gain:
     """Both subjects live through all runs; positions of the held-out ones are judged, settled and on their way.
 
-    ``variances`` (parts,) of the density about the extended subject's; None where none of it is left open.
+    ``variances`` (parts,) of the density about the extended subject's; None where none of it is left open; ``given``
+    is the model as it was given, for comparison.
     """
     story = told([*train, *held_out], base.actuator.tau_s).placed
     if not noise.moving:  # how well a position on its way is known, nobody knows
@@ -110,12 +118,13 @@ def measured_gain(
         square[judged] = _foretold(whole, extended, covariance, variances, judged)
     weight = 1 / square if weighted else np.ones(square.size)
     errors = []
-    for told_so in (retold(story, base), whole):
+    for told_so in (retold(story, base), whole, *([retold(story, given)] if given else [])):
         error = value - told_so.stacked(story)
         errors.append((error - _zeros(error, weight, judged, sitting))[judged])
     square, weight = square[judged], weight[judged]
     floor = float(np.sqrt(np.average(square, weights=weight)))
-    return Gain(errors[0], errors[1], story.block[step][judged], floor, weight if weighted else None)
+    weight = weight if weighted else None
+    return Gain(errors[0], errors[1], story.block[step][judged], floor, weight, *errors[2:])
 
 
 def _zeros(error: Array, weight: Array, judged: NDArray[np.bool_], sitting: NDArray[np.int64]) -> Array:

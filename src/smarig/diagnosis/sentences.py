@@ -7,6 +7,8 @@ import numpy as np
 
 from smarig.diagnosis.gain import Gain
 
+ASTRAY = 10.0  # times what a density of its own misses: the model is not of this wire, or not of this state
+
 if TYPE_CHECKING:
     from smarig.diagnosis.diagnose import Diagnosis
 
@@ -32,16 +34,23 @@ def sentences(d: "Diagnosis") -> Iterator[str]:
     if d.verdict.word == "ambiguous":
         yield f"The set that holds the cause with 90 % probability: {', '.join(d.verdict.names)}."
     yield (
-        f"Settled points, rms: {e.base:.4g} {e.unit} with the density identified anew"
-        + (f", {e.extended:.4g} extended" if best else "")
-        + f"; noise floor {e.noise_floor:.2g}."
+        f"Settled points, rms: {e.given:.4g} {e.unit} by the model as given, {e.base:.4g} with its density identified "
+        + ("anew" if best is None else f"anew, {e.extended:.4g} extended")
+        + f"; noise {e.noise_floor:.2g}."
     )
+    if e.given > ASTRAY * max(min(e.base, e.extended), e.noise_floor):
+        yield "The model as given is far from these data, whatever is hidden in them: identify it again from them."
+    if d.left is not None:
+        yield (
+            f"More is left beside {'it' if len(d.effects()) == 1 else 'them'} than noise leaves, and it goes with "
+            f"{d.left}: the name explains most, but sizes may be wrong by more than their intervals say."
+        )
     if gain is not None and d.extended:
         yield _gained(gain, e.unit)
     if d.separating_run:
         yield d.separating_run["why"]
     if d.visibility.invisible:
-        yield f"These data cannot show: {', '.join(d.visibility.invisible)}."
+        yield f"These data cannot show, however large: {', '.join(d.visibility.invisible)}."
 
 
 def _value(name: str, v: dict[str, Any]) -> str:
@@ -52,13 +61,18 @@ def _value(name: str, v: dict[str, Any]) -> str:
 def _gained(gain: Gain, unit: str) -> str:
     """What knowing the effects is worth on runs that taught nothing."""
     said = f"Held out, {gain.blocks} blocks: {gain.base:.4g} → {gain.extended:.4g} {unit} rms"
+    if gain.given is not None:
+        said += f" (the model as given: {gain.given:.4g})"
     share, ends = gain.removable_share, gain.interval()
+    if gain.extended > max(gain.base, gain.floor):
+        return f"{said}: the extended model is WORSE there. Judge its parameters before you use it."
     if share is None:
         return f"{said}; the base model is at the floor of what can be foretold already."
-    if share < 0:
-        return f"{said}: the extended model is WORSE there. Judge its parameters before you use it."
     between = f" (95 %: {share_words(ends[0])} to {share_words(ends[1])})" if ends else ""
-    return f"{said}, so {share_words(share)}{between} of what can be removed is gone (R)."
+    words = f"{said}, so {share_words(share)}{between} of what can be removed is gone (R)."
+    if gain.given is not None and gain.given < gain.extended:
+        words += " The model as given foretells them better than the extended one: believe the name, keep the model."
+    return words
 
 
 def share_words(share: float) -> str:

@@ -18,7 +18,7 @@ from smarig.identification.origin import file_hash, provenance
 from smarig.model.actuator import Actuator
 from smarig.model.given import GivenInput
 from smarig.model.planted import from_json
-from smarig.record import Run, load_run
+from smarig.record import CONTINUED, Run, load_run
 from smarig.story.given import driven_by_input, told_by_input
 from smarig.story.retelling import positions, retold
 from smarig.story.subject import Subject
@@ -101,6 +101,24 @@ def earlier(model: Model, runs: Sequence[Run]) -> list[Run]:
             run = load_run(p.run)
             found += [run] if file_hash(run) == p.sha256 else []
     return found
+
+
+def untold(model: Model, runs: Sequence[Run]) -> list[str]:
+    """What came earlier in the sittings of runs, but is neither among them nor found where it was."""
+    known = [*runs, *earlier(model, runs)]
+    hashes = {file_hash(run) for run in known}
+    sittings = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
+    missing = [
+        p.run
+        for p in model.provenance
+        if p.start_epoch is not None
+        and (p.start_epoch, p.encoder_zero) in sittings
+        and p.sha256 not in hashes
+    ]
+    first = min(known, key=lambda run: float(run["t_s"][0]) if run.has("t_s") else 0.0)
+    if not missing and first.meta.get("initial") == CONTINUED:
+        missing = [f"what was run before {first.path.name}"]
+    return missing
 
 
 def along(model: Model, run: Run) -> Array:

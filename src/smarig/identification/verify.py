@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from smarig.errors import DataError, UsageError
 from smarig.identification.fod_data import FORC_PROTOCOL, located
 from smarig.identification.history import named_start
+from smarig.identification.lived import untold
 from smarig.identification.model_file import Model
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.origin import file_hash, provenance
@@ -109,7 +110,10 @@ def verify(
             )
     chosen = _chosen(several, select)
     predictions = simulate_in_turn(model, several)
-    judged = [_judged(model, run, p, c, select, offset) for run, p, c in zip(several, predictions, chosen)]
+    missing = untold(model, several) if model.effects else []
+    judged = [
+        _judged(model, run, p, c, select, offset, missing) for run, p, c in zip(several, predictions, chosen)
+    ]
     return Verification(model.name, model.unit, tuple(judged))
 
 
@@ -128,7 +132,13 @@ def _chosen(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
 
 
 def _judged(
-    model: Model, run: Run, predicted: Array, chosen: NDArray[np.bool_], select: str | None, offset: Offset
+    model: Model,
+    run: Run,
+    predicted: Array,
+    chosen: NDArray[np.bool_],
+    select: str | None,
+    offset: Offset,
+    missing: Sequence[str],
 ) -> RunVerification:
     inputs, measured = run.points()
     counts = chosen & np.isfinite(predicted)
@@ -152,7 +162,7 @@ def _judged(
         measured=measured,
         predicted=predicted + shift,
         judged=counts,
-        warnings=(*_fair(model, run), *_warnings(model, early, outside, kind)),
+        warnings=(*_fair(model, run), *_warnings(model, early, outside, kind, missing)),
     )
 
 
@@ -224,7 +234,7 @@ def _fair(model: Model, run: Run) -> list[str]:
     return found
 
 
-def _warnings(model: Model, unknown: int, outside: int, kind: str) -> tuple[str, ...]:
+def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequence[str]) -> tuple[str, ...]:
     found = []
     if unknown:
         found.append(f"{unknown} points come before the memory is known and are not judged.")
@@ -234,10 +244,10 @@ def _warnings(model: Model, unknown: int, outside: int, kind: str) -> tuple[str,
             f"{outside} points lie outside the model's range [{h.lower:g}, {h.upper:g}] {model.input.unit}; "
             "the model saturates there."
         )
-    if model.effects:
+    if missing:
         found.append(
-            "The model's effects may depend on the clock and on cycles: earlier runs of the sitting count, so give "
-            "all of them, or leave those it was made from where they were."
+            f"The model's effects may depend on the clock and on cycles, so what came earlier in the sitting counts, "
+            f"but {', '.join(missing)} is neither given nor where it was: these figures may mean nothing. Give all."
         )
     if kind == "fitted":
         found.append("The encoder's zero is not known for this run: one additive offset was fitted.")

@@ -35,16 +35,19 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Planted, ...]:
     values: dict[str, dict[str, float]] = {}
     for pair in pairs:
         key, equals, text = pair.partition("=")
-        name, _, parameter = key.strip().partition(".")
+        name, dot, parameter = key.strip().partition(".")
         kind: Kind = find(PACKAGE, name)
         mine = values.setdefault(name, {})
-        if not equals and not parameter:
+        if not equals and not dot:
             continue
         try:
             number = float(text)
         except ValueError:
             raise UsageError(f"'{pair}' is not NAME=NUMBER or NAME.PARAMETER=NUMBER.") from None
-        mine[parameter or kind.primary.name] = number
+        parameter = parameter if dot else kind.primary.name
+        if parameter in mine:
+            raise UsageError(f"'{pair}' gives {name}.{parameter} a second time.")
+        mine[parameter] = number
     return tuple(find(PACKAGE, name)(**mine) for name, mine in values.items())
 
 

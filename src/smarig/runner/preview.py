@@ -76,7 +76,8 @@ def preview(
     ``chooser`` is for protocols that take one.
     """
     actuator = Actuator.named(rig.actuator)
-    twin = Twin(rig, actuator, TwinSettings(noise=False))
+    nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not tell a secret
+    twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
         Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)], control

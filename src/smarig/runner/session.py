@@ -77,7 +77,7 @@ class Session:
         self,
         protocol: str,
         settings: Mapping[str, Any],
-        out: Path,
+        out: str | Path,
         *,
         listeners: Sequence[Listener] = (),
         force: bool = False,
@@ -89,6 +89,7 @@ class Session:
 
         ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one.
         """
+        out = Path(out)
         generator = build(protocol, self.setup, settings, chooser)
         cost = expected or preview(protocol, self.file, settings, self.control, chooser)
         _check_free_space(out, cost.bytes)
@@ -187,4 +188,4 @@ def run(
     that take one (``smarig.identification.adaptive.informed``).
     """
     with Session(rig, seed=seed, wire=wire) as session:
-        return load_run(session.run(protocol, settings, Path(out), force=force, chooser=chooser))
+        return load_run(session.run(protocol, settings, out, force=force, chooser=chooser))

@@ -1,0 +1,75 @@
+"""Runs that cannot be compared with a model are refused in a sentence that names the file."""
+
+import sqlite3
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from smarig.diagnosis.comparable import comparable
+from smarig.errors import DataError
+from smarig.record import load_run
+from smarig.runner.session import Session
+
+MODEL: Any = SimpleNamespace(unit="mm")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("comparable") / "steps.run.sqlite"
+    with Session("one_wire_twin", wire="comparable") as session:
+        session.run("validation", {"points": 3}, path)
+    return path
+
+
+@pytest.fixture
+def edited(recorded, tmp_path):
+    """The run after an SQL statement."""
+
+    def edit(statement):
+        path = tmp_path / "edited.run.sqlite"
+        path.write_bytes(recorded.read_bytes())
+        with sqlite3.connect(path) as db:
+            db.execute(statement)
+        db.close()
+        return load_run(path)
+
+    return edit
+
+
+def test_a_run_as_it_was_recorded_is_compared(recorded):
+    comparable(MODEL, [load_run(recorded)])
+
+
+def test_another_unit_is_refused(recorded):
+    with pytest.raises(DataError, match=r"steps.run.sqlite measures in 'mm', the model in 'deg'"):
+        comparable(SimpleNamespace(unit="deg"), [load_run(recorded)])  # type: ignore[arg-type]
+
+
+def test_several_wires_are_refused(recorded, edited):
+    other = edited("""update run set value = '"another"' where key = 'wire'""")
+    with pytest.raises(DataError, match=r"of one wire, .*steps.run.sqlite of 'comparable'.*of 'another'"):
+        comparable(MODEL, [load_run(recorded), other])
+
+
+@pytest.mark.parametrize(
+    ("statement", "said"),
+    [
+        ("update sample set t_s = 0", "does not run forward"),
+        ("update sample set t_s = -t_s", "does not run forward"),
+        ("update sample set t_s = t_s * 1e9", "years by its clock"),
+        ("update sample set position = 1e300", "values of position are larger than any rig measures"),
+        ("update sample set position = 9e999", "values of position are larger than any rig measures"),
+        ("update sample set current_A = -1e10", "values of current_A are larger"),
+        ("update step set t_end_s = 9e999", "is not within the clock"),
+        ("update step set t_end_s = t_start_s", "is not within the clock"),
+        ("update step set t_start_s = -1e9", "is not within the clock"),
+        ("update step set n = 0", "is a mean of 0"),
+        ("update step set n = 1000000000000000000", "is a mean of 1000000000000000000"),
+        ("update step set target = 9e999", "has a target or a position that no rig has"),
+        ("update step set position = -9e999", "has a target or a position that no rig has"),
+    ],
+)
+def test_what_cannot_be_is_refused(edited, statement, said):
+    with pytest.raises(DataError, match=f"edited.run.sqlite.*{said}"):
+        comparable(MODEL, [edited(statement)])
