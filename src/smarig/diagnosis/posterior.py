@@ -55,12 +55,12 @@ class Posterior:
         masses = self.prior.renewed(self.variances, pull, signed=signed)
         if signed:
             return masses, shift
-        wanted = self.covariance @ (self.reach * self.pull)
+        wanted = self.reach * (self.covariance @ pull) + shift
         for _ in range(AGAIN):
-            lost = wanted - self.prior.outputs(masses - self.prior.mass)
-            if np.sqrt(np.mean(lost**2)) < LOST:
+            lost = wanted - self.reach * self.prior.outputs(masses - self.prior.mass) - shift
+            if np.sqrt(np.mean(lost**2) / np.mean(self.reach**2)) < LOST:
                 break
-            more = cho_solve((self.factor, True), self.reach * lost, check_finite=False)
+            more = cho_solve((self.factor, True), lost, check_finite=False)
             masses = self.prior.renewed(self.variances, self.reach * more, masses)
             shift = shift + self.free @ more
         return masses, shift
