@@ -162,10 +162,11 @@ def test_nor_is_a_diagnosis(sitting, tmp_path, capsys):
 def test_a_campaign_that_could_not_be_written_is_refused_before_anything_is_computed(
     sitting, tmp_path, capsys
 ):
+    (tmp_path / "none").write_text("no folder")
     assert cli(command(sitting, "--propose", str(tmp_path / "none" / "next.toml"))) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert "cannot be written" in err
+    assert "none is not a folder" in err
     assert "settled points" not in err
 
 

@@ -12,6 +12,7 @@ from smarig.record import load_run
 from smarig.runner.session import Session
 
 MODEL: Any = SimpleNamespace(unit="mm")
+OTHER_UNIT: Any = SimpleNamespace(unit="deg")
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_a_run_as_it_was_recorded_is_compared(recorded):
 
 def test_another_unit_is_refused(recorded):
     with pytest.raises(DataError, match=r"steps.run.sqlite measures in 'mm', the model in 'deg'"):
-        comparable(SimpleNamespace(unit="deg"), [load_run(recorded)])  # type: ignore[arg-type]
+        comparable(OTHER_UNIT, [load_run(recorded)])
 
 
 def test_several_wires_are_refused(recorded, edited):

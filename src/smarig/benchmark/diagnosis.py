@@ -97,8 +97,8 @@ def _answers(seed: int, numbers: Sequence[int], workers: int, dask: str, nulls: 
 
 def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Iterator[Record]:
     try:
-        from distributed import Client  # pyright: ignore[reportMissingImports]
-        from distributed import as_completed as as_done  # pyright: ignore[reportMissingImports]
+        from distributed import Client
+        from distributed import as_completed as as_done
     except ImportError:
         raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
     try:

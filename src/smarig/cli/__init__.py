@@ -55,7 +55,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices of hundreds: threads would wait for each other
     _interrupt_on("SIGTERM", "SIGHUP")
     try:
         status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)

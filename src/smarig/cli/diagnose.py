@@ -1,6 +1,5 @@
 """``smarig diagnose``: what the simulation gets wrong, why, and what it gains to know."""
 
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -75,23 +74,15 @@ def command(
 ) -> None:
     """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
     from smarig.diagnosis.diagnose import diagnose
-    from smarig.diagnosis.files import FILES, PAGE, folder_ready, write_diagnosis, write_transient
-    from smarig.diagnosis.thermal import diagnose_transient
-    from smarig.report.diagnosis_page import diagnosis_page
-    from smarig.report.page import write_page
+    from smarig.diagnosis.files import FILES, folder_ready
+    from smarig.whole_file import may_be_written
 
     if transient is not None:
         if model or train or held_out or propose:
             raise UsageError(
                 "--transient diagnoses one run's temperature: leave out MODEL, --train, --held-out and --propose."
             )
-        if out is not None:
-            folder_ready(out, force=force)
-        thermal = diagnose_transient(
-            transient, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
-        )
-        written = write_transient(thermal, out, force=force) if out is not None else {}
-        emit(thermal.to_json() | written, thermal.text())
+        _transient(transient, out, force, alpha=alpha, nulls=nulls, seed=seed, without=without)
         return
     if model is None or not train:
         raise UsageError("A diagnosis needs MODEL and --train RUN…, or --transient RUN.")
@@ -104,34 +95,40 @@ def command(
         folder_ready(out, force=force)
     if propose is not None:
         distinct(propose, *inputs)
-        _writable(propose, force=force)
+        may_be_written(propose, force=force)
     found = diagnose(
         model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
     )
-
-    def kept(found: "Diagnosis", *, force: bool) -> dict[str, Any]:
-        if out is None:
-            return {}
-        paths = write_diagnosis(found, out, force=force)
-        write_page(diagnosis_page(found), out / PAGE, force=force)
-        return paths | {"report": str(out / PAGE)}
-
-    paths = kept(found, force=force)  # before hours of imagined runs
+    paths = _written(found, out, force=force)  # before hours of imagined runs
     if propose is not None:
         found = _with_proposal(found, propose, force=force)
-        paths = kept(found, force=True) if found.separating_run else paths
+        paths = _written(found, out, force=True) if found.separating_run else paths
     emit(found.to_json() | paths, found.text())
 
 
-def _writable(path: Path, *, force: bool) -> None:
-    """Before anything is computed: UsageError where a file could not be written, or would be replaced."""
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists; give another name or --force to replace it.")
-    folder = path.resolve().parent
-    if path.is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise UsageError(
-            f"{path} cannot be written: there is no such folder, or it is not yours to write to."
-        )
+def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> None:
+    """The thermal record of one run instead of a model."""
+    from smarig.diagnosis.files import folder_ready, write_transient
+    from smarig.diagnosis.thermal import diagnose_transient
+
+    if out is not None:
+        folder_ready(out, force=force)
+    thermal = diagnose_transient(run, **settings, progress=say)
+    written = write_transient(thermal, out, force=force) if out is not None else {}
+    emit(thermal.to_json() | written, thermal.text())
+
+
+def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
+    """Write the folder of a diagnosis, where one is wanted; returns its paths."""
+    from smarig.diagnosis.files import PAGE, write_diagnosis
+    from smarig.report.diagnosis_page import diagnosis_page
+    from smarig.report.page import write_page
+
+    if out is None:
+        return {}
+    paths = write_diagnosis(found, out, force=force)
+    write_page(diagnosis_page(found), out / PAGE, force=force)
+    return paths | {"report": str(out / PAGE)}
 
 
 def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":

@@ -9,6 +9,7 @@ import numpy as np
 
 from smarig.errors import DataError
 from smarig.identification.model_file import Model
+from smarig.identification.simulate import check_output
 from smarig.record import Run, Step
 
 LONGEST_S = 3.2e8  # ten years
@@ -19,10 +20,7 @@ COLUMNS = ("current_command_A", "current_A", "voltage_V", "position", "input")
 def comparable(model: Model, runs: Sequence[Run]) -> None:
     """DataError where they may not."""
     for run in runs:
-        if run.unit != model.unit:
-            raise DataError(
-                f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
-            )
+        check_output(model, run)
         _readings(run)
         if run.has("t_s"):
             _clock(run)

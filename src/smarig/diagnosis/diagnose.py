@@ -168,6 +168,7 @@ def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -
     return [max(value - half, bounds[0]), min(value + half, bounds[1])]
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # matrices of hundreds: threads would wait for each other
 def diagnose(
     model: Model | str | Path,
     train: Sequence[Run | str | Path] | Run | str | Path,
@@ -185,24 +186,11 @@ def diagnose(
     ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
     when the runs hold no settled steps or overlap, UsageError for settings that make no sense.
     """
-    with threadpool_limits(1, user_api="blas"):  # matrices of hundreds: threads would wait for each other
-        return _diagnosed(model, train, held_out, alpha, nulls, seed, without, progress or (lambda _: None))
-
-
-def _diagnosed(
-    model: Model | str | Path,
-    train: Any,
-    held_out: Any,
-    alpha: float,
-    nulls: int,
-    seed: int,
-    without: Sequence[str],
-    say: Callable[[str], None],
-) -> Diagnosis:
-    started = time.monotonic()
+    started, say = time.monotonic(), progress or (lambda _: None)
     _check(alpha, nulls, seed)
     given = model if isinstance(model, Model) else load_model(model)
     taught, judged = _runs(train), _runs(held_out)
+    comparable(given, [*taught, *judged])
     story, subject = _told(given, taught)
     if judged:
         _judges(given, taught, judged)
@@ -263,7 +251,6 @@ def _judges(model: Model, taught: list[Run], judged: list[Run]) -> None:
     """Raises, before anything is computed, where held-out runs cannot judge."""
     if any(_same(a, b) for a in taught for b in judged):
         raise UsageError("A run cannot teach and judge: a copy of a training run is held out.")
-    comparable(model, [*taught, *judged])
     told([*taught, *judged], wire_of(model, taught[0]).tau_s)
 
 
@@ -275,7 +262,6 @@ def _same(a: Run, b: Run) -> bool:
 def _told(model: Model, runs: list[Run]) -> tuple[Story, Subject]:
     if not runs:
         raise UsageError("A diagnosis needs at least one run to learn from.")
-    comparable(model, runs)
     story = told(runs, wire_of(model, runs[0]).tau_s)
     return story, subject_of(model, story.runs[0])
 

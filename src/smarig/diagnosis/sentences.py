@@ -7,10 +7,10 @@ import numpy as np
 
 from smarig.diagnosis.gain import Gain
 
-ASTRAY = 10.0  # times what a density of its own misses: the model is not of this wire, or not of this state
-
 if TYPE_CHECKING:
     from smarig.diagnosis.diagnose import Diagnosis
+
+ASTRAY = 10.0  # times what a density of its own misses: the model is not of this wire, or not of this state
 
 
 def sentences(d: "Diagnosis") -> Iterator[str]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from smarig.config import ActuatorFile, check
 from smarig.errors import DataError
 from smarig.identification.history import named_start
-from smarig.identification.model_file import Model
+from smarig.identification.model_file import Model, Provenance
 from smarig.identification.origin import file_hash, provenance
 from smarig.model.actuator import Actuator
 from smarig.model.given import GivenInput
@@ -92,33 +92,29 @@ def _by_input(model: Model, runs: Sequence[Run]) -> list[Array]:
 
 def earlier(model: Model, runs: Sequence[Run]) -> list[Run]:
     """Runs of the same sitting that the model was made from, not given and found where they were."""
-    sittings = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
-    given = {file_hash(run) for run in runs}
-    found = []
-    for p in model.provenance:
-        same = p.start_epoch is not None and (p.start_epoch, p.encoder_zero) in sittings
-        if same and p.sha256 not in given and Path(p.run).is_file():
-            run = load_run(p.run)
-            found += [run] if file_hash(run) == p.sha256 else []
-    return found
+    there = [(p, load_run(p.run)) for p in _beside(model, runs) if Path(p.run).is_file()]
+    return [run for p, run in there if file_hash(run) == p.sha256]
 
 
 def untold(model: Model, runs: Sequence[Run]) -> list[str]:
     """What came earlier in the sittings of runs, but is neither among them nor found where it was."""
     known = [*runs, *earlier(model, runs)]
-    hashes = {file_hash(run) for run in known}
-    sittings = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
-    missing = [
-        p.run
-        for p in model.provenance
-        if p.start_epoch is not None
-        and (p.start_epoch, p.encoder_zero) in sittings
-        and p.sha256 not in hashes
-    ]
+    missing = [p.run for p in _beside(model, known)]
     first = min(known, key=lambda run: float(run["t_s"][0]) if run.has("t_s") else 0.0)
     if not missing and first.meta.get("initial") == CONTINUED:
         missing = [f"what was run before {first.path.name}"]
     return missing
+
+
+def _beside(model: Model, runs: Sequence[Run]) -> list[Provenance]:
+    """What the model was made from in the sittings of runs, beside those runs."""
+    sittings = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
+    given = {file_hash(run) for run in runs}
+    return [
+        p
+        for p in model.provenance
+        if p.start_epoch is not None and (p.start_epoch, p.encoder_zero) in sittings and p.sha256 not in given
+    ]
 
 
 def along(model: Model, run: Run) -> Array:

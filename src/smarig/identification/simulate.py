@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import UsageError
+from smarig.errors import DataError, UsageError
 from smarig.identification.fod_data import FORC_PROTOCOL
 from smarig.identification.history import REST, SAME_INPUT, continues, named_start
 from smarig.identification.lived import along, settled_in_turn
@@ -77,6 +77,14 @@ def out_of_range(model: Model, inputs: Array) -> NDArray[np.bool_]:
     h = model.hysteresis
     tolerance = REST * (h.upper - h.lower)
     return (inputs < h.lower - tolerance) | (inputs > h.upper + tolerance)
+
+
+def check_output(model: Model, run: Run) -> None:
+    """DataError when a run measures in another unit than the model speaks."""
+    if run.unit != model.unit:
+        raise DataError(
+            f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
+        )
 
 
 def _check_input(model: Model, run: Run) -> None:

@@ -20,7 +20,7 @@ from smarig.identification.model_file import Model
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.origin import file_hash, provenance
 from smarig.identification.selection import matches
-from smarig.identification.simulate import out_of_range, simulate_along, simulate_in_turn
+from smarig.identification.simulate import check_output, out_of_range, simulate_along, simulate_in_turn
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -104,10 +104,7 @@ def verify(
     """
     several = [runs] if isinstance(runs, Run) else list(runs)
     for run in several:
-        if run.unit != model.unit:
-            raise DataError(
-                f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
-            )
+        check_output(model, run)
     chosen = _chosen(several, select)
     predictions = simulate_in_turn(model, several)
     missing = untold(model, several) if model.effects else []

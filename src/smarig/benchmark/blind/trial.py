@@ -3,7 +3,6 @@
 A box is the same whoever opens it and in whatever order, and so is its answer.
 """
 
-import os
 import tempfile
 import time
 from collections.abc import Mapping
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from smarig.benchmark.blind.ranges import in_range
 from smarig.benchmark.boxes import Label, Sealed, draw, generate
@@ -28,9 +28,9 @@ Record = dict[str, Any]
 SURFACE = "positive"
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def trial(seed: int, number: int, nulls: int = 400) -> Record:
     """A box's answer and its truth, as plain values."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     started = time.process_time()
     box = draw(seed, number)
     with tempfile.TemporaryDirectory() as folder:
