@@ -162,7 +162,7 @@ def _analyse(
         warnings=tuple(
             dict.fromkeys(
                 [
-                    *_by_construction(runs),
+                    *_by_construction(runs, hidden=load_rig(rig).hidden_effect),
                     *refused,
                     *refused_too,
                     *results[chosen].warnings,
@@ -227,9 +227,13 @@ def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
     return tuple(remnant(rig, method).sentence() for method in ("none", "thesis", "planned"))
 
 
-def _by_construction(runs: Mapping[str, Run]) -> list[str]:
+def _by_construction(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
     """What a twin cannot prove: it is itself the kind of model that is fitted to it."""
     names = {load_actuator(run.meta["actuator"]).hysteresis.surface for run in runs.values() if run.twin}
+    if hidden:
+        return [
+            "An effect may be hidden in this twin: which surface fits best says little before it is found."
+        ]
     return [
         f"This twin's hysteresis is the surface {name} of Table 5.1: that a Preisach model fits, and which surface "
         "fits best, is so by construction. It shows that the software works, not that a wire is a Preisach system."

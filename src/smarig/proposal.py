@@ -52,7 +52,11 @@ class Option:
 
     def sentence(self) -> str:
         """For a person."""
-        worth = f"{self.nats:.0f} nats ahead" if self.nats >= VAIN else "would tell nothing"
+        worth = (
+            f"would name the right one with probability {self.odds:.2f}"
+            if self.nats >= VAIN
+            else "would tell nothing"
+        )
         return f"{self.protocol}{_said(self.settings)}, {self.hours:.1f} h on the rig: {worth}"
 
     @property

@@ -1,11 +1,13 @@
 """``smarig benchmark``: found by name, one JSON object, and the figures the design promises are there."""
 
 import json
+from importlib import import_module
 
 import numpy as np
 import pytest
 
 from smarig.benchmark import forward, inverse
+from smarig.catalogue import names
 from smarig.cli import run
 from smarig.preisach.compiled import available
 
@@ -84,3 +86,11 @@ def test_the_baseline_is_the_relays_definition():
     u = np.array([0.0, 1.0, 2.5, 3.0, 1.5, 1.0, 0.5, 0.0])
     by_hand = [-1111.0, -1109.0, 911.0, 1111.0, -889.0, -1089.0, -1089.0, -1111.0]
     assert forward.relay_array(measure, u).tolist() == by_hand
+
+
+def test_the_help_names_every_benchmark(capsys):
+    status, out, _ = call(capsys, "benchmark", "--help")
+    assert status == 0
+    said = out.split("NAME:")[1].split(".")[0].replace("\n", " ")
+    there = [n for n in names("smarig.benchmark") if hasattr(import_module(f"smarig.benchmark.{n}"), "run")]
+    assert [n.strip() for n in said.split(",")] == sorted(there)

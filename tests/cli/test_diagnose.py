@@ -170,6 +170,11 @@ def test_a_campaign_that_could_not_be_written_is_refused_before_anything_is_comp
     assert "settled points" not in err
 
 
+def test_an_option_is_no_file(sitting, capsys):
+    assert cli(["diagnose", str(sitting / "wire.model.json"), "--train", "--json"]) == 2
+    assert "A file is missing before --json." in capsys.readouterr().err
+
+
 def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(sitting, tmp_path, monkeypatch):
     def fails(found, progress):
         raise KeyboardInterrupt

@@ -8,7 +8,7 @@ So such an effect keeps return-point memory and congruency exactly, and no refit
 import numpy as np
 import pytest
 
-from effects.driven import CATALOGUE, WIRES, driven, kind, settled
+from effects.driven import CATALOGUE, WIRES, driven, kind, settled, wire_of
 from smarig.model.effect import Setup
 from smarig.model.plant import Plant
 from smarig.preisach.operator import Preisach
@@ -305,7 +305,7 @@ def test_creep_has_no_part_in_where_the_output_begins(rig, name):
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_a_plant_stands_at_first_where_it_stays_without_current(name):
     """An encoder zeroed before the first tick does not see the maps of the output as a move."""
-    for rig in ("one_wire", "two_wire"):
+    for rig in {"two_wire", wire_of(name)}:
         wire, hysteresis, _ = WIRES[rig]
         initial = "anhysteretic" if rig == "two_wire" else "negative"
         plant = Plant(wire, hysteresis, initial, 0.1, [kind(name)()])

@@ -53,6 +53,20 @@ def test_a_model_file_gives_back_what_was_written():
             from_json([record])  # pyright: ignore[reportArgumentType]
 
 
+def test_what_is_there_twice_or_has_more_to_say_is_no_effect():
+    creep = {"name": "creep", "parameters": {"percent_per_decade": 1.0}}
+    with pytest.raises(DataError, match="creep is there twice"):
+        from_json([creep, creep])
+    with pytest.raises(DataError, match="unexpected keyword"):
+        from_json([creep | {"since": 1997}])
+
+
+def test_one_wire_has_no_other_that_would_warm_it():
+    with pytest.raises(UsageError, match="cross_talk needs two wires, and this rig has one"):
+        Twin.named("one_wire_twin", effects=from_pairs(["cross_talk=2"]))
+    assert Twin.named("two_wire_twin", effects=from_pairs(["cross_talk=2"]))
+
+
 def test_kinds_of_a_rig_leave_out_what_needs_another():
     assert {k.name for k in kinds()} - {k.name for k in kinds("one_wire")} == {"cross_talk", "training"}
     assert {k.name for k in kinds()} - {k.name for k in kinds("two_wire")} == {

@@ -83,6 +83,11 @@ def test_nothing_is_overwritten_unasked(tmp_path, model):
         (lambda d: d["hysteresis"].update(kind="neural"), "unknown kind of hysteresis 'neural'"),
         (lambda d: d["hysteresis"]["x"].pop("x3"), "has parameters x2, x3"),
         (lambda d: d["hysteresis"]["x"].update(x3="steep"), "x3 is 'steep', expected a number"),
+        (lambda d: d["hysteresis"]["x"].update(x3=1e308), "x3 is 1e.308, beyond any wire"),
+        (
+            lambda d: d.update(effects=[{"name": "creep", "parameters": {"a": 1}}]),
+            "creep has no parameter .a.",
+        ),
         (lambda d: d["hysteresis"].pop("upper"), "'upper' is missing"),
         (lambda d: d["hysteresis"].update(upper=-1.0), "range is empty"),
         (lambda d: d["hysteresis"]["x"].update(x4=0.0), "give no output range"),

@@ -98,6 +98,15 @@ def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named
     assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable error removed")
 
 
+def test_steps_that_had_not_settled_are_told(named):
+    run = named.story.runs[0]
+    late = [replace(step, verdict="timed_out") if k in (1, 4) else step for k, step in enumerate(run.steps)]
+    told_late = replace(named.story, runs=(replace(run, steps=tuple(late)), *named.story.runs[1:]))
+    words = f"2 of {len(named.story.settled)} settled points had not settled when their time was over."
+    assert words in replace(named, story=told_late).text()
+    assert "had not settled" not in named.text()
+
+
 def test_a_gain_below_nothing_is_said_loudly(named):
     worse = replace(named.gain, extended_error=3 * named.gain.base_error)
     better = replace(named.gain, extended_error=0.5 * named.gain.base_error)

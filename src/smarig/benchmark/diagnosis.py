@@ -27,7 +27,7 @@ def run(
     boxes: int = 100,
     seed: int = 0,
     workers: int = 1,
-    dask: str = "",
+    dask: str | None = None,
     out: Path | None = None,
     nulls: int = 400,
     left_out: bool = False,
@@ -84,8 +84,10 @@ def _answer_of(line: bytes) -> Record | None:
     return record if whole else None
 
 
-def _answers(seed: int, numbers: Sequence[int], workers: int, dask: str, nulls: int) -> Iterator[Record]:
-    if dask:
+def _answers(
+    seed: int, numbers: Sequence[int], workers: int, dask: str | None, nulls: int
+) -> Iterator[Record]:
+    if dask is not None:
         yield from _by_dask(seed, numbers, dask, nulls)
     elif workers == 1:
         yield from (trial(seed, k, nulls) for k in numbers)

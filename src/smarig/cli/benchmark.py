@@ -35,7 +35,10 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, gone on with when it exists.")
 @json_option
 def command(name: str, quick: bool, **settings: Any) -> None:
-    """Measure speed, memory and exactness as ratios in one run; NAME is forward, inverse, …"""
+    """Measure speed, memory and exactness as ratios in one run, or how well diagnosis does on sealed boxes.
+
+    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, mystery.
+    """
     known = names("smarig.benchmark")
     run = _run_of(name) if name in known else None
     if run is None:

@@ -35,6 +35,8 @@ class _Several(click.Option):
 
 def _gathering(process: Any) -> Any:
     def gather(value: str, state: Any) -> None:
+        if value.startswith("--"):
+            raise UsageError(f"A file is missing before {value}.")
         process(value, state)
         while state.rargs and not state.rargs[0].startswith("-"):
             process(state.rargs.pop(0), state)

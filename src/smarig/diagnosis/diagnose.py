@@ -133,6 +133,7 @@ class Diagnosis:
             "separating_run": self.separating_run,
             "alpha": self.alpha,
             "p_value": self.first.p_value,
+            "stands_out": not self.first.silent,
             "nulls": self.nulls,
             "model": self.model.name,
             "numerics": self.numerics,

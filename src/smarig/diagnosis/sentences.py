@@ -38,6 +38,9 @@ def sentences(d: "Diagnosis") -> Iterator[str]:
         + ("anew" if best is None else f"anew, {e.extended:.4g} extended")
         + f"; noise {e.noise_floor:.2g}."
     )
+    late = [step for run in d.story.runs for step in run.settled if step.verdict == "timed_out"]
+    if late:
+        yield f"{len(late)} of {len(d.story.settled)} settled points had not settled when their time was over."
     if e.given > ASTRAY * max(min(e.base, e.extended), e.noise_floor):
         yield "The model as given is far from these data, whatever is hidden in them: identify it again from them."
     if d.left is not None:

@@ -15,6 +15,8 @@ from smarig.preisach.fod_table import FodTable
 from smarig.preisach.forc_table import ForcTable
 from smarig.preisach.mirrored import Mirrored
 
+LARGEST = 1e12  # squares of it can still be computed with
+
 
 class _Kind(NamedTuple):
     of: type
@@ -70,6 +72,8 @@ def _load_surface(data: dict[str, Any]) -> FodSurface:
 def _finite(value: Any, key: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
         raise DataError(f"hysteresis key {key} is {value!r}, expected a number")
+    if abs(value) > LARGEST:
+        raise DataError(f"hysteresis key {key} is {value:g}, beyond any wire's")
     return float(value)
 
 

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from smarig.errors import DataError, UsageError
 from smarig.identification.hysteresis_json import dump_hysteresis, load_hysteresis
+from smarig.model.planted import from_json
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
 from smarig.whole_file import whole_file
@@ -204,6 +205,7 @@ def _from_file(file: _File) -> Model:
     size = len(file.parameters)
     if len(file.covariance) != size or any(len(row) != size for row in file.covariance):
         raise DataError(f"'covariance' is not {size} × {size}, one row for each of 'parameters'")
+    from_json(file.effects)  # raises where they are none
     covariance = np.array(file.covariance, dtype=float).reshape(size, size)
     rest |= {
         "hysteresis": load_hysteresis(file.hysteresis),

@@ -56,7 +56,7 @@ class Representation:
         """What it means for a Preisach model."""
         share = 100 * self.max_abs / self.span if self.span else float("nan")
         if self.holds:
-            return "At this precision nothing speaks against a classical Preisach model."
+            return "At this precision this test does not speak against a classical Preisach model."
         return (
             f"A classical Preisach model cannot represent this difference; expect it to be wrong by up to "
             f"{share:.1f} % of the travel wherever such histories occur."

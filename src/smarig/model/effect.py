@@ -137,6 +137,9 @@ class Parameter:
         return number
 
 
+TWO_WIRE = "two_wire"
+
+
 @dataclass(frozen=True)
 class Kind:
     """A mechanism, described; called with values it becomes an ``Effect``.
@@ -158,7 +161,7 @@ class Kind:
     separated_by: str
     parameters: tuple[Parameter, ...]
     act: Callable[[Values, Setup], Mapping[Stage, Hook]] = field(repr=False)
-    arrangement: str = ""  # "two_wire" where it needs two wires
+    arrangement: str = ""  # TWO_WIRE where it needs two wires
 
     @property
     def primary(self) -> Parameter:
@@ -193,8 +196,12 @@ class Planted:
         return self.kind(**self.values | {self.kind.primary.name: strength})
 
     def hooks(self, setup: Setup) -> Mapping[Stage, Hook]:
-        """The changes, by stage; none at all at zero strength."""
-        return self.kind.act(self.values, setup) if self.strength else {}
+        """The changes, by stage; none at all at zero strength. UsageError on one wire where two are needed."""
+        if not self.strength:
+            return {}
+        if self.kind.arrangement == TWO_WIRE and not setup.actuator.two_wire:
+            raise UsageError(f"{self.kind.name} needs two wires, and this rig has one.")
+        return self.kind.act(self.values, setup)
 
     def to_json(self) -> dict[str, Any]:
         """{"name", "parameters"}, as in model files."""

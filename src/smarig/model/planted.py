@@ -4,6 +4,7 @@ Knows the catalogue in ``model/effects`` by its file names only.
 """
 
 import random
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -54,11 +55,19 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Planted, ...]:
 def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Planted, ...]:
     """Effects of a model file, {"name", "parameters"} each; DataError when they are not."""
     try:
-        return tuple(find(PACKAGE, str(r["name"]))(**dict(r["parameters"])) for r in records)
+        planted = tuple(_read(**r) for r in records)
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"an effect is not {{name, parameters}}: {error}") from None
     except UsageError as error:
         raise DataError(str(error).rstrip(".")) from None
+    twice = next((name for name, n in Counter(p.kind.name for p in planted).items() if n > 1), None)
+    if twice:
+        raise DataError(f"effect {twice} is there twice")
+    return planted
+
+
+def _read(name: str, parameters: Mapping[str, float]) -> Planted:
+    return find(PACKAGE, str(name))(**dict(parameters))
 
 
 def mystery(seed: int, arrangement: str) -> tuple[Planted, ...]:

@@ -19,7 +19,7 @@ _MARK_PX = 24  # high is the mark that nothing was measured: a legend stands abo
 
 
 def detection_figure(d: Diagnosis) -> Figure:
-    """Every candidate's gain in spreads of its own null against the threshold of their largest."""
+    """Every candidate's gain, standardised by its own null, against the threshold of their largest."""
     seen = sorted((s for s in d.first.scores if s.candidate.traces.shape[1]), key=lambda s: s.standard)
     top, rows = d.first.threshold, np.arange(float(len(seen)))
     data: list[Trace] = [
@@ -30,7 +30,7 @@ def detection_figure(d: Diagnosis) -> Figure:
         _scores(seen, rows, generic=False),
         _scores(seen, rows, generic=True),
     ]
-    title = "Gain (spreads of own null)"
+    title = "Gain (1: 95 % point of own null)"
     layout = layout_of_rows([called(s) for s in seen], rows, title, [-1.0, top, *(s.standard for s in seen)])
     layout |= {
         "showlegend": True,
@@ -43,7 +43,8 @@ def detection_figure(d: Diagnosis) -> Figure:
         [
             f"Each of {len(seen)} candidates by its gain over the base model, (g − median)/(95 % point − median) of "
             f"its own gains on {d.nulls} nulls: the base model's story lived again with noise and nothing hidden. "
-            f"Band: from a null's median (0) to its 95 % point (1; at least {LEAST_SPREAD:g} nats).",
+            f"Band: from a null's median (0) to its 95 % point (1; at least {LEAST_SPREAD:g} nats, units of "
+            "log likelihood).",
             f"Dashed: {top:.3g}, which the largest of all candidates exceeds in {100 * d.alpha:g} % of nulls, so many "
             f"candidates do not make a false alarm likelier. Above it: {above}. p = {d.first.p_value:.2g}, "
             f"where {1 / (d.nulls + 1):.2g} is the least that {d.nulls} nulls can tell.",
@@ -57,7 +58,7 @@ def detection_figure(d: Diagnosis) -> Figure:
 def _scores(seen: Sequence[Score], rows: Array, *, generic: bool) -> Trace:
     """The named or the generic candidates as dots, with their numbers to hover over."""
     mine = [(s, row) for s, row in zip(seen, rows.tolist()) if s.candidate.generic is generic]
-    words = [f"{called(s)}: {s.standard:.3g} spreads, {nats(s.net)} nats" for s, _ in mine]
+    words = [f"{called(s)}: {s.standard:.3g} of its null, {nats(s.net)} nats" for s, _ in mine]
     name, colour = ("depends on a variable", GENERIC) if generic else ("effect of the catalogue", NAMED)
     x, y = [np.arcsinh(s.standard) for s, _ in mine], [row for _, row in mine]
     return dots(x, y, name, colour, size=8, text=words, hoverinfo="text")

@@ -53,8 +53,8 @@ def temperature_figure(replay: Replay) -> Figure | None:
             f"{100 * _STEEP:.0f} % of its 90 % quantile: {int(steep.sum())} of {steep.size} points, slopes "
             f"{slope[steep].min():.2g} to {slope[steep].max():.2g} {unit}/{u}; "
             f"rms {sizes} {u}{models_words(replay, reach)}.",
-            f"Bars: ± 2 σ of a reading over that slope. Draughts of {_draught(d)} {u} are not in the bars. "
-            "A disturbance of the input would lie on one curve here, but for what the density has taken up.",
+            f"Bars: ± 2 σ of a reading over that slope. Noise of the temperature ({_draught(d)} {u}) is not in the "
+            "bars. A disturbance of the input would lie on one curve here, but for what the density has taken up.",
             *place_of(d, dotted=True),
         ],
         label_of(*d.story.runs),

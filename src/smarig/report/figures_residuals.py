@@ -75,7 +75,7 @@ def _missed_figure(replay: Replay, kind: str, names: Sequence[str], title: str) 
     zero = "" if kind == "current" else ", less its mean (the zero is free)"
     draughts = (
         f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms); "
-        f"light band: ± 2 σ with draughts as the hysteresis remembers them (σ = {whole:.2g} {unit}, rms)."
+        f"light band: ± 2 σ with noise of the temperature as the hysteresis remembers it (σ = {whole:.2g} {unit}, rms)."
         if whole > _DRAUGHTY * own
         else f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms)."
     )

@@ -25,9 +25,9 @@ def rivals_figure(d: Diagnosis) -> Figure:
         lead = [level.lead(k) for k in range(len(level.explanations))]
         panels.insert(0, _behind([" + ".join(r.names) for r in level.explanations], lead))
         behind = (
-            "First panel: the explanations that competed last, all parameters fitted, by how many nats they fit worse "
-            f"than the best; {TEMPERATURE:g} nats cost a factor e in probability. Second panel, by another measure "
-            "(the noise as believed before any effect was in):"
+            "First panel: the explanations that competed last, all parameters fitted, by how many nats (units of log "
+            f"likelihood) they fit worse than the best; {TEMPERATURE:g} nats cost a factor e in probability. "
+            "Second panel, by another measure (the noise as believed before any effect was in):"
         )
     each = "each candidate by itself" if behind else "Each candidate by itself"
     return Figure(
