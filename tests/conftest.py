@@ -1,4 +1,4 @@
-"""What every chapter shares: a private lock folder, deterministic properties, the folder of others' data."""
+"""What every chapter shares: private locks and wire histories, deterministic properties, others' data."""
 
 import os
 
@@ -18,6 +18,7 @@ settings.load_profile("ci")
 def _private_locks(tmp_path_factory):
     """Test processes run side by side: each has its own idea of which wires are in use."""
     os.environ["SMARIG_LOCK_DIR"] = str(tmp_path_factory.mktemp("locks"))
+    os.environ["SMARIG_HISTORY_DIR"] = str(tmp_path_factory.mktemp("wires"))
 
 
 @pytest.fixture(scope="session")

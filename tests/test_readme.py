@@ -103,5 +103,9 @@ def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     code = next(body for kind, body in BLOCKS if kind == "python" and "smarig.diagnose" in body)
     exec(compile(code, "README.md", "exec"), {})
-    assert "Found: walking (percent_per_cycle 0.4" in capsys.readouterr().out
+    found = re.search(r"Found: walking \(percent_per_cycle (\S+) \[(\S+), (\S+)\]", capsys.readouterr().out)
+    assert found, "walking is found"
+    size, low, high = map(float, found.groups())
+    assert low <= 0.4 <= high
+    assert abs(size - 0.4) < 0.02
     assert (tmp_path / "walking.extended.model.json").is_file()

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from smarig.record.run import load_run as load_run
     from smarig.report.notebook import plot as plot
     from smarig.rig.twin import Twin as Twin
+    from smarig.runner.resume import resume as resume
     from smarig.runner.session import run as run
 
 _HOME = {
@@ -30,9 +31,21 @@ _HOME = {
     "load_model": "smarig.identification.model_file",
     "load_run": "smarig.record.run",
     "plot": "smarig.report.notebook",
+    "resume": "smarig.runner.resume",
     "run": "smarig.runner.session",
 }
-__all__ = ["FodSurface", "Preisach", "Twin", "diagnose", "identify", "load_model", "load_run", "plot", "run"]
+__all__ = [
+    "FodSurface",
+    "Preisach",
+    "Twin",
+    "diagnose",
+    "identify",
+    "load_model",
+    "load_run",
+    "plot",
+    "resume",
+    "run",
+]
 
 
 def __getattr__(name: str) -> Any:

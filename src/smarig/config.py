@@ -108,6 +108,7 @@ class LimitsFile(Section):
     current_max_A: Number
     current_rate_A_per_s: Number = Field(gt=0)
     temperature_max_K: Number = Field(gt=0)
+    cycles_max: int | None = Field(default=None, strict=True, gt=0)  # of the wire, over all its runs
 
     @model_validator(mode="after")
     def _ordered(self) -> "LimitsFile":
@@ -135,11 +136,58 @@ class EncoderFile(Section):
     noise_counts: Number = Field(ge=0, le=1e6)
 
 
+class LinkFile(Section):
+    """[links.DEVICE]: which driver talks to a device, by which framing, and where it is.
+
+    ``url`` is a serial port or a URL of pyserial's (``socket://``, ``rfc2217://``), ``tcp://HOST:PORT`` for Modbus
+    TCP; it may be left out where a simulator says it. ``address`` is Modbus's; 0 means the device's own.
+    """
+
+    driver: str
+    framing: Literal["lines", "modbus_tcp", "modbus_rtu"]
+    url: str = ""
+    baud: int = Field(default=115200, ge=300, le=4_000_000)
+    address: int = Field(default=0, ge=0, le=247)
+    timeout_s: Number = Field(default=0.3, gt=0, le=5)
+
+
+class LinksFile(Section):
+    """[links]: the two devices of a bench."""
+
+    amplifier: LinkFile
+    encoder_daq: LinkFile
+
+
+class ProtectionFile(Section):
+    """[protection]: limits that the amplifier keeps by itself, beside those of [limits] and the lease."""
+
+    slew_max_A_per_s: Number = Field(gt=0)
+    resistance_min_ohm: Number = Field(ge=0)
+    resistance_max_ohm: Number = Field(gt=0)
+    heat_max_A2s: Number = Field(gt=0)
+    heat_settle_s: Number = Field(gt=0)
+
+
+class SimulatorFile(Section):
+    """[simulator]: the devices are started by the command itself; ``speed`` × real time, 0 for as fast as asked.
+
+    ``faults``: file of what goes wrong; ``library``: the C firmware built for this machine, in place of the devices in
+    Python; ``trace``: file for what the wire felt. Without ``start`` they are running already, where the links say.
+    """
+
+    start: bool = True
+    speed: Number = Field(default=0.0, ge=0, le=1e6)
+    faults: str = ""
+    library: str = ""
+    trace: str = ""
+
+
 class RigFile(Section):
-    """configs/rigs/NAME.toml"""
+    """configs/rigs/NAME.toml; ``base`` names another rig file whose tables this one takes where it has none."""
 
     name: str
-    kind: Literal["twin"]
+    kind: Literal["twin", "bench"]
+    base: str = ""
     actuator: str
     wire: str = Field(min_length=1, max_length=200)
     period_s: Number = Field(ge=1e-3, le=60)
@@ -151,6 +199,19 @@ class RigFile(Section):
     limits: LimitsFile
     amplifier: AmplifierFile
     encoder: EncoderFile
+    links: LinksFile | None = None
+    protection: ProtectionFile | None = None
+    simulator: SimulatorFile | None = None
+
+    @model_validator(mode="after")
+    def _reaches_something(self) -> "RigFile":
+        if self.kind == "bench" and (self.links is None or self.protection is None):
+            raise ValueError(
+                "a bench needs the tables [links.amplifier], [links.encoder_daq] and [protection]"
+            )
+        if self.kind == "twin" and (self.links or self.simulator):
+            raise ValueError('a twin has no links: kind = "bench" has')
+        return self
 
     @model_validator(mode="after")
     def _reachable(self) -> "RigFile":
@@ -229,7 +290,31 @@ def load_actuator(name: str) -> ActuatorFile:
 
 def load_rig(name: str) -> RigFile:
     """A rig by name or path."""
-    return load(RigFile, locate("rigs", name))
+    files = _rig_files(name)
+    raw: dict[str, Any] = {}
+    for _, table in files:
+        raw = table | raw
+    return check(RigFile, raw, str(files[0][0]))
+
+
+def rig_text(name: str) -> str:
+    """The files that a rig is made of, as they are."""
+    return "\n".join(path.read_text(encoding="utf-8") for path, _ in _rig_files(name))
+
+
+def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
+    """A rig's file, that of its base, and so on."""
+    found: list[tuple[Path, dict[str, Any]]] = []
+    while name:
+        path = locate("rigs", name)
+        if path in (known for known, _ in found):
+            raise ConfigError(f"{path} is its own base.")
+        raw = read_toml(path)
+        found.append((path, raw))
+        name = raw.get("base", "")
+        if not isinstance(name, str):
+            raise ConfigError(f"{path}: base: name another rig file.")
+    return found
 
 
 def load_campaign(name: str) -> CampaignFile:

@@ -45,10 +45,10 @@ def recorded(tmp_path, capsys):
 
 def test_a_read_back_that_is_no_number_trips_at_once():
     class Blind:
-        period_s = 0.1
+        period_s, tick = 0.1, 0
 
-        def step(self, current_A):
-            return tuple(s._replace(current_A=math.nan) for s in twin.step(current_A))
+        def step(self, current_A, at_most=1):
+            return tuple(s._replace(current_A=math.nan) for s in twin.step(current_A, at_most))
 
         def safe(self):
             twin.safe()

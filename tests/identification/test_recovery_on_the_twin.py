@@ -33,9 +33,9 @@ def recovered(tmp_path, rig, truth_name, form):
 
 def one(tmp_path, rig, truth, form, seed):
     with Session(rig, twin=TwinSettings(seed=seed, hysteresis=truth)) as session:
-        zero = round(session.twin.plant.position / session.twin.position_per_count)
+        zero = round(session.rig.specimen.plant.position / session.rig.position_per_count)
         path = session.run("first_order_descending", {}, tmp_path / "fod.run.sqlite", force=True)
-        offset = zero * session.twin.position_per_count  # what the relative encoder calls zero
+        offset = zero * session.rig.position_per_count  # what the relative encoder calls zero
     data = fod_data(load_run(path))
     fit = fit_surface(data, form)
     error = fit.surface.y(data.alpha, data.beta) + offset - truth.y(data.alpha, data.beta)

@@ -5,17 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from rig.rig_contract import CHECKS, MAKERS, drive
+from rig.rig_contract import drive
 from smarig.errors import UsageError
 from smarig.preisach.gorbet_1997 import surface
 from smarig.rig.noise import Noise
 from smarig.rig.twin import Twin
-
-
-@pytest.mark.parametrize("maker", MAKERS.values(), ids=MAKERS.keys())
-@pytest.mark.parametrize("check", CHECKS, ids=lambda c: c.__name__.removeprefix("check_"))
-def test_contract(maker, check):
-    check(maker)
 
 
 def test_noise_free_position_follows_heating_and_hysteresis_in_closed_form():

@@ -100,7 +100,7 @@ def test_a_full_disk_stops_the_run_and_keeps_what_was_written(tmp_path, monkeypa
     with Session("one_wire_twin", speed=2000) as session:
         with pytest.raises(StorageError, match="cannot be written"):
             session.run("first_order_descending", {}, out, listeners=[Watch(on_sample=fill_up_at_200)])
-        assert session.twin.output_A == 0.0
+        assert session.rig.rig.output_A == 0.0
     run = smarig.load_run(out)
     assert len(run) >= 200
     assert "cannot be written" in run.cause
@@ -129,7 +129,7 @@ def test_an_exception_in_a_listener_closes_the_run_with_its_cause(tmp_path):
     run = smarig.load_run(out)
     assert run.cause == "failed: ZeroDivisionError: viewer bug"
     assert len(run) == 50
-    assert session.twin.output_A == 0.0
+    assert session.rig.output_A == 0.0
 
 
 def test_one_runner_per_wire():

@@ -73,12 +73,12 @@ def test_effects_given_beside_the_subject_act_as_its_own_do(told_by):
         ("settling", "moving", 0.05),
         ("sensor_lag", "moving", 0.05),
         ("nothing", "resistance", 1e-5),
-        ("amplifier_gain", "current", 1e-9),
+        ("amplifier_gain", "current", 1.5e-6),
         ("ambient_drift", "room", 0.01),
     ],
 )
 def test_readings_of_every_kind_are_the_twins(told_by, name, kind, within):
-    """Within mm, ohm, A and K; a thermometer shows more than how far the room is from where it began."""
+    """Within mm, ohm, A (whole µA) and K; a thermometer shows more than how far the room is from where it began."""
     _, story, subject, _ = told_by(name)
     readings = next(r for r in story.others if r.kind == kind)
     apart = retold(story, subject).values[kind] - readings.value

@@ -2,6 +2,8 @@
 
 import importlib
 import json
+import os
+import tempfile
 from collections.abc import Callable
 from inspect import signature
 from typing import Any
@@ -37,7 +39,7 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and exactness as ratios in one run, or how well diagnosis does on sealed boxes.
 
-    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, mystery.
+    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, mystery, soak.
     """
     known = names("smarig.benchmark")
     run = _run_of(name) if name in known else None
@@ -48,5 +50,7 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     for key in given:
         if key not in signature(run).parameters:
             raise UsageError(f"Benchmark '{name}' has no --{key.replace('_', '-')}.")
-    found = run(quick=quick, **given)
+    with tempfile.TemporaryDirectory() as wires:
+        os.environ.setdefault("SMARIG_HISTORY_DIR", wires)  # a benchmark's wires are nobody's
+        found = run(quick=quick, **given)
     emit(found, json.dumps(found, indent=2))

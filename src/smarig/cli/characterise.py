@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from smarig.cli._notify import notified, notify_option
 from smarig.cli._output import emit, json_option, json_wanted, say
 from smarig.cli._progress import ProgressLine
 from smarig.cli._types import FOLDER, RIG, Named
@@ -19,8 +20,9 @@ from smarig.cli._types import FOLDER, RIG, Named
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the twin's noise.")
 @click.option("--wire", default="", help="Identity of the wire, if not the rig file's.")
 @click.option("--force", is_flag=True, help="Replace what is in the folder.")
+@notify_option
 @json_option
-def command(rig: str, out: Path, campaign: str, seed: int, wire: str, force: bool) -> None:
+def command(rig: str, out: Path, campaign: str, seed: int, wire: str, force: bool, notify: str) -> None:
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
     from smarig.characterise import characterise
 
@@ -30,9 +32,10 @@ def command(rig: str, out: Path, campaign: str, seed: int, wire: str, force: boo
             yield progress
         say(cost.sentence())
 
-    done = characterise(
-        rig, out, campaign=campaign, seed=seed, wire=wire, force=force, watching=watching, progress=say
-    )
+    with notified(notify, out):
+        done = characterise(
+            rig, out, campaign=campaign, seed=seed, wire=wire, force=force, watching=watching, progress=say
+        )
     found = done.to_json()
     diagnosis = done.evidence.diagnosis
     emit(found, _text(found, diagnosis.text() if diagnosis else ""))

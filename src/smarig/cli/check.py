@@ -1,15 +1,22 @@
 """``smarig check``: is the rig fit to run, and what would a protocol cost?"""
 
+import time
+from typing import Any
+
 import click
 
-from smarig.cli._output import emit, json_option
+from smarig.cli._output import emit, json_option, say
 from smarig.cli._types import PROTOCOL, RIG
-from smarig.config import load_rig
-from smarig.errors import LeaseExpired
+from smarig.config import RigFile, load_rig
+from smarig.errors import LeaseExpired, RigFault, UsageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import parse_pairs
 from smarig.protocols._setup import Setup
-from smarig.rig.twin import Twin
+from smarig.rig.bench import Bench
+from smarig.rig.bring_up import Check, bring_up
+from smarig.rig.opening import opened
+from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.lock import wire_lock
 from smarig.runner.preview import preview
 
 
@@ -21,13 +28,15 @@ from smarig.runner.preview import preview
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
 )
+@click.option("--no-current", "preview_only", is_flag=True, help="Bench: look at files only, move nothing.")
+@click.option("--yes", is_flag=True, help="Bench: the wire may be heated; do not ask.")
 @json_option
-def command(rig: str, protocol: str | None, pairs: tuple[str, ...]) -> None:
-    """Check a rig's file, constants and lease; preview a protocol on its twin."""
+def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
+    """Check a rig's file, constants and lease, bring a bench up; preview a protocol on its twin."""
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
-    found = {
+    found: dict[str, Any] = {
         "rig": file.name,
         "kind": file.kind,
         "actuator": actuator.name,
@@ -36,14 +45,57 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...]) -> None:
         "input_range_K": [setup.lower_K, setup.upper_K],
         "position_per_count": actuator.position_per_count(file.encoder.counts_per_rev),
         "unit": actuator.unit,
-        "lease_trips": _lease_trips(Twin.named(rig)),
     }
+    if file.kind == "twin":
+        found["lease_trips"] = _lease_trips(Twin.named(rig))
     lines = [f"{key:>20}: {_short(value)}" for key, value in found.items()]
     if protocol:
         cost = preview(protocol, file, parse_pairs(pairs))
         found["preview"] = cost.__dict__
         lines.append(f"{'preview':>20}: {cost.sentence()}")
+    fit = True
+    if file.kind == "bench" and not preview_only:
+        _ask_leave(file, yes)
+        checks = _brought_up(rig, file, actuator)
+        fit = all(c.passed for c in checks)
+        found["checks"] = [c._asdict() for c in checks]
+        lines += ["", *_list(file, checks)]
     emit(found, "\n".join(lines))
+    if not fit:
+        raise RigFault("The rig is not fit to run: see the list.")
+
+
+def _ask_leave(file: RigFile, yes: bool) -> None:
+    """Hardware moves: somebody must have said that it may."""
+    if file.simulator is None and not yes:
+        words = f"The wire of {file.name} will be heated gently and its lease let run out. Go on?"
+        if not click.confirm(words, default=False, err=True):
+            raise UsageError(
+                "Nothing was done. Give --yes to be asked no more, --no-current to look at files only."
+            )
+
+
+def _brought_up(rig: str, file: RigFile, actuator: Actuator) -> list[Check]:
+    with wire_lock(file.wire), opened(rig, file, actuator, TwinSettings()) as bench:
+        assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
+        return bring_up(bench, file, say)
+
+
+def _list(file: RigFile, checks: list[Check]) -> list[str]:
+    """To be printed and signed."""
+    now = time.strftime("%Y-%m-%d %H:%M")
+    rows = [f"[{'x' if c.passed else ' '}] {c.name}: {c.seen}" for c in checks]
+    hands = [
+        "[ ] cut-out: pressed with current flowing, and the current was gone",
+        "[ ] guard and load: in place",
+    ]
+    return [
+        f"Bring-up of {file.name}, wire '{file.wire}', {now}",
+        *rows,
+        *hands,
+        "",
+        "Signed: ____________________",
+    ]
 
 
 def _short(value: object) -> str:

@@ -8,6 +8,7 @@ from smarig.config import listed, load_actuator, load_campaign, load_rig
 from smarig.exchange.mapping import load_mapping
 from smarig.model.planted import kinds
 from smarig.protocols._settings import described
+from smarig.record.wire_history import histories
 
 
 def _protocols() -> dict[str, str]:
@@ -35,6 +36,10 @@ def _effects() -> dict[str, str]:
     return {k.name: k.summary for k in kinds()}
 
 
+def _wires() -> dict[str, str]:
+    return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in histories()}
+
+
 _KINDS = {
     "effects": _effects,
     "rigs": _rigs,
@@ -42,6 +47,7 @@ _KINDS = {
     "protocols": _protocols,
     "campaigns": _campaigns,
     "imports": _imports,
+    "wires": _wires,
 }
 
 
@@ -62,7 +68,7 @@ def _settings(group: str, name: str) -> list[str]:
 )
 @json_option
 def command(kind: str, settings: bool) -> None:
-    """What there is: rigs, actuators, protocols, campaigns, import mappings, effects."""
+    """What there is: rigs, actuators, protocols, campaigns, import mappings, effects, and wires used."""
     found: dict[str, dict] = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
     lines = []
     for group, entries in found.items():

@@ -5,7 +5,9 @@ from pathlib import Path
 import click
 
 from smarig.catalogue import names, suggestion
-from smarig.cli._output import emit, json_option, say
+from smarig.cli._keys import keys
+from smarig.cli._notify import notified, notify_option
+from smarig.cli._output import emit, json_option, json_wanted, say
 from smarig.cli._progress import ProgressLine
 from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG
 from smarig.config import CampaignFile, CampaignStep, listed, load_campaign, load_rig
@@ -14,7 +16,7 @@ from smarig.model.planted import from_pairs
 from smarig.protocols._settings import parse_pairs
 from smarig.record import Run, load_run
 from smarig.rig.twin import TwinSettings
-from smarig.runner.preview import preview
+from smarig.runner.preview import Preview, preview
 from smarig.runner.session import Session
 from smarig.sample import Quality
 
@@ -50,6 +52,7 @@ Examples:
 @click.option("--dry-run", is_flag=True, help="Only say what it would cost.")
 @click.option("--force", is_flag=True, help="Replace existing run files.")
 @click.option("--quiet", is_flag=True, help="No progress line.")
+@notify_option
 @json_option
 def command(
     experiment: str,
@@ -64,6 +67,7 @@ def command(
     dry_run: bool,
     force: bool,
     quiet: bool,
+    notify: str,
 ) -> None:
     """Run a protocol or a campaign on a rig and record it."""
     from smarig.identification.adaptive import informed
@@ -85,24 +89,34 @@ def command(
         if target.exists() and not force:
             raise UsageError(f"{target} exists; give another name or --force to replace it.")
     twin = TwinSettings(seed=seed, effects=planted)
-    with Session(rig, twin=twin, speed=speed, wire=wire) as session:
+    session = Session(rig, twin=twin, speed=speed, wire=wire)
+    with notified(notify) as told, session, keys(session.control, quiet=quiet or json_wanted()):
         for step, target, cost in zip(steps, targets, costs, strict=True):
-            with ProgressLine(cost, quiet) as progress:
-                session.run(
-                    step.protocol,
-                    step.set,
-                    target,
-                    listeners=[progress],
-                    force=force,
-                    notes=notes,
-                    expected=cost,
-                    chooser=informed,
-                )
-            say(f"{step.protocol}: {target}")
+            told.run = target
+            _run_one(session, step, target, cost, quiet=quiet, force=force, notes=notes)
     runs = [load_run(t) for t in targets]
-    for warning in (w for r in runs for w in _marked(r)):
+    for warning in (w for r in runs for w in marked(r)):
         say(f"Warning: {warning}")
-    emit({"runs": [_summary(r) for r in runs]}, "\n".join(repr(r) for r in runs))
+    emit({"runs": [summarised(r) for r in runs]}, "\n".join(repr(r) for r in runs))
+
+
+def _run_one(
+    session: Session, step: CampaignStep, out: Path, cost: Preview, *, quiet: bool, force: bool, notes: str
+) -> None:
+    from smarig.identification.adaptive import informed
+
+    with ProgressLine(cost, quiet) as progress:
+        session.run(
+            step.protocol,
+            step.set,
+            out,
+            listeners=[progress],
+            force=force,
+            notes=notes,
+            expected=cost,
+            chooser=informed,
+        )
+    say(f"{step.protocol}: {out}")
 
 
 def _plan(experiment: str, settings: dict) -> CampaignFile:
@@ -121,7 +135,7 @@ def _plan(experiment: str, settings: dict) -> CampaignFile:
     return load_campaign(experiment)
 
 
-def _marked(run: Run) -> list[str]:
+def marked(run: Run) -> list[str]:
     """Honest numbers: what a person must know although the run is done."""
     late = sum(s.verdict == "timed_out" for s in run.steps)
     saturated = int(((run["quality"].astype(int) & Quality.SATURATED) > 0).sum())
@@ -129,13 +143,15 @@ def _marked(run: Run) -> list[str]:
     return found + ([f"{run.path.name}: {saturated} samples were saturated."] if saturated else [])
 
 
-def _summary(run: Run) -> dict:
+def summarised(run: Run) -> dict:
+    """A run for --json."""
     return {
         "run": str(run.path),
         "protocol": run.meta["protocol"],
         "samples": len(run),
         "steps": len(run.steps),
+        "void": sum(s.void for s in run.steps),
         "timed_out": sum(s.verdict == "timed_out" for s in run.steps),
-        "warnings": _marked(run),
+        "warnings": marked(run),
         "cause": run.cause,
     }

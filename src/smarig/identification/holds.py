@@ -15,6 +15,7 @@ from smarig.sample import Quality
 Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step
 _FEWEST = 10  # readings
+_GAP_S = 2.0  # a recorded run whose clock leaps by more was interrupted there
 _SPOILT = Quality.STALE | Quality.TRIPPED  # a saturated command is still a measured current
 
 
@@ -49,9 +50,17 @@ def holds(run: Run) -> list[Hold]:
     found = []
     for begin, end in pairwise(edges):
         level = drive[begin:end]
+        if _leapt(run, begin):
+            continue  # what the wire did in between, nobody saw
         if end - begin >= _FEWEST and np.nanmax(level) - np.nanmin(level) <= 2 * _STEP * size:
             found.append(Hold(begin, end, float(drive[begin - 1]), float(np.nanmean(level))))
     return found
+
+
+def _leapt(run: Run, row: int) -> bool:
+    """Whether a run with ticks of its own was interrupted just before a row."""
+    t = run["t_s"]
+    return bool(run.meta.get("period_s")) and bool(t[row] - t[row - 1] > _GAP_S)
 
 
 def good(run: Run) -> NDArray[np.bool_]:

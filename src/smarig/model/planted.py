@@ -52,6 +52,15 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Planted, ...]:
     return tuple(find(PACKAGE, name)(**mine) for name, mine in values.items())
 
 
+def to_pairs(effects: Iterable[Planted]) -> list[str]:
+    """The texts that ``from_pairs`` reads the same effects from.
+
+    >>> to_pairs(from_pairs(["settling=3"]))
+    ['settling.share_percent=3.0', 'settling.time_constant_s=600.0']
+    """
+    return [f"{e.kind.name}.{name}={value!r}" for e in effects for name, value in e.values.items()]
+
+
 def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Planted, ...]:
     """Effects of a model file, {"name", "parameters"} each; DataError when they are not."""
     try:

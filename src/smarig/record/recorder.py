@@ -18,6 +18,8 @@ from typing import Any
 from smarig.command import StepResult
 from smarig.errors import StorageError, UsageError
 from smarig.record import schema
+from smarig.record.clock import ClockWatch
+from smarig.record.going_on import GoingOn, reopened
 from smarig.sample import Sample
 
 COMMIT_INTERVAL_S = 0.5
@@ -27,17 +29,25 @@ RESERVE_BYTES = 8_000_000  # stop while there is still room to close the run
 class Recorder:
     """One run file being written. ``close(cause)`` makes it one finished file; idempotent."""
 
-    def __init__(self, path: Path, meta: dict[str, Any], *, force: bool = False) -> None:
+    def __init__(
+        self,
+        path: Path,
+        meta: dict[str, Any],
+        *,
+        force: bool = False,
+        going_on: GoingOn | None = None,
+        clock: ClockWatch | None = None,
+    ) -> None:
         self.path = path
+        self._clock = clock or ClockWatch()
         self._rows: deque[tuple] = deque()  # appended in the tick, popped by the writer: both atomic
         self._statements: list[tuple[str, tuple]] = []
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closing = False
         self._failure: str | None = None
-        self._db = _create(
-            path, {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}, force
-        )
+        meta = {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}
+        self._db = _create(path, meta, force) if going_on is None else reopened(path, meta, going_on)
         self._thread = threading.Thread(target=self._write_until_closed, name="recorder", daemon=True)
         self._thread.start()
 
@@ -51,12 +61,20 @@ class Recorder:
             (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
         )
 
-    def step(self, result: StepResult, *, branch: str, target: float | None, attempt: int = 0) -> None:
+    def step(
+        self,
+        result: StepResult,
+        *,
+        branch: str,
+        target: float | None,
+        attempt: int = 0,
+        void: bool = False,
+    ) -> None:
         """One finished step; committed at once."""
         row = (
             result.index,
             attempt,
-            0,
+            int(void),
             branch,
             target,
             result.t_start_s,
@@ -76,6 +94,11 @@ class Recorder:
         """Set a key of the run table."""
         self._execute(schema.UPSERT_KEY, (key, json.dumps(value)))
 
+    def shift(self, ticks: tuple[int, int], first_step: int, counts: int, per_count: float) -> None:
+        """These samples, and steps from one on, were counted from another zero: add what lies between the two."""
+        self._execute(schema.SHIFT_SAMPLES, (counts, counts * per_count, *ticks))
+        self._execute(schema.SHIFT_STEPS, (counts * per_count, first_step))
+
     def _execute(self, sql: str, row: tuple) -> None:
         with self._lock:
             self._statements.append((sql, row))
@@ -94,9 +117,12 @@ class Recorder:
                 return
 
     def _commit(self) -> None:
-        rows = [self._rows.popleft() for _ in range(len(self._rows))]
-        with self._lock:
+        with self._lock:  # statements first: a step that is in the file has all its samples there
             statements, self._statements = self._statements, []
+        rows = [self._rows.popleft() for _ in range(len(self._rows))]
+        jump = self._clock.jump(rows[-1][1]) if rows else ""
+        if jump:
+            statements.append((schema.INSERT_EVENT, (rows[-1][1], "warning", "clock", jump, "{}")))
         if not rows and not statements:
             return
         try:

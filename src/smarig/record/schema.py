@@ -49,3 +49,8 @@ INSERT_SAMPLE = f"INSERT INTO sample VALUES ({','.join('?' * len(SAMPLE_COLUMNS)
 INSERT_STEP = f"INSERT OR REPLACE INTO step VALUES ({','.join('?' * len(STEP_COLUMNS))})"
 INSERT_EVENT = "INSERT INTO event VALUES (?,?,?,?,?)"
 UPSERT_KEY = "INSERT OR REPLACE INTO run VALUES (?,?)"
+SHIFT_SAMPLES = """UPDATE sample SET counts = counts + ?, position = position + ?
+WHERE tick BETWEEN ? AND ?"""
+SHIFT_STEPS = 'UPDATE step SET position = position + ? WHERE "index" >= ?'
+VOID_STEPS = "UPDATE step SET void = 1"
+DELETE_KEY = "DELETE FROM run WHERE key = ?"

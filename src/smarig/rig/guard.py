@@ -11,7 +11,8 @@ from smarig.config import LimitsFile
 from smarig.errors import LimitExceeded
 from smarig.model.actuator import Actuator
 from smarig.model.heating import Heating
-from smarig.rig.rig import Rig
+from smarig.rig.plausibility import Plausibility
+from smarig.rig.rig import Alarm, Rig
 from smarig.sample import Sample
 
 _ROUNDING = 1e-9
@@ -20,8 +21,12 @@ _ROUNDING = 1e-9
 class Guard:
     """A rig that refuses what its limits forbid; ``input_K`` is the predicted hysteresis input."""
 
-    def __init__(self, rig: Rig, limits: LimitsFile, actuator: Actuator) -> None:
-        self.rig, self.limits = rig, limits
+    def __init__(
+        self, rig: Rig, limits: LimitsFile, actuator: Actuator, plausibility: Plausibility | None = None
+    ) -> None:
+        self.rig, self.limits, self._plausibility = rig, limits, plausibility
+        self._alarms: list[Alarm] = []
+        self._last_tick = rig.tick
         self.heating = Heating(actuator, rig.period_s)
         self.tripped = ""
         self._last_A = 0.0
@@ -37,11 +42,11 @@ class Guard:
         """Predicted hysteresis input now: kelvin above ambient, T₁ − T₂ for two wires."""
         return self.heating.input_K
 
-    def to_go_K(self, current_A: float) -> float:
-        """How far the heating model still is from its steady state at a current, kelvin."""
-        return abs(self.heating.source(current_A) - self.heating.input_K)
+    def goal_K(self, current_A: float) -> float:
+        """Where the heating model comes to rest at a current, kelvin."""
+        return self.heating.source(current_A)
 
-    def step(self, current_A: float) -> list[tuple[Sample, float]]:
+    def step(self, current_A: float, at_most: int = 1) -> list[tuple[Sample, float]]:
         """Check, apply, and pair each sample with the predicted input at its tick.
 
         A temperature trip makes the rig safe at once and is left in ``tripped``, so that the samples that
@@ -52,8 +57,12 @@ class Guard:
         self._last_A = current_A
         heat, limit = self.heating, self.limits.temperature_max_K
         answer = []
-        for sample in self.rig.step(current_A):
+        for sample in self.rig.step(current_A, at_most):
+            for _ in range(self._last_tick + 1, sample.tick):  # lost ones: the wire was heated all the same
+                heat.step(sample.current_A)
+            self._last_tick = sample.tick
             answer.append((sample, heat.step(sample.current_A)))
+            self._judge(sample)
             if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # NaN is no temperature to rely on
                 self.tripped = (
                     f"Predicted wire temperature {max(heat.wire_K):.1f} K above ambient exceeds the limit "
@@ -63,6 +72,19 @@ class Guard:
                 )
                 self.safe()
         return answer
+
+    def _judge(self, sample: Sample) -> None:
+        """Trip on readings that cannot be."""
+        for alarm in self._plausibility.looked(sample, self.heating.input_K) if self._plausibility else ():
+            self._alarms.append(alarm)
+            if alarm.level == "error" and not self.tripped:
+                self.tripped = f"{alarm.text} The current is at zero."
+                self.safe()
+
+    def alarms(self) -> list[Alarm]:
+        """The rig's, and what its readings gave away."""
+        own, self._alarms = self._alarms, []
+        return [*self.rig.alarms(), *own]
 
     def raise_if_tripped(self) -> None:
         """LimitExceeded if a limit has tripped."""
@@ -86,8 +108,18 @@ class Guard:
     def zero(self) -> None:
         """Zero the encoder."""
         self.rig.zero()
+        if self._plausibility:
+            self._plausibility.zeroed()
 
     def safe(self) -> None:
         """Current to zero, whatever it was."""
         self.rig.safe()
         self._last_A = 0.0
+
+    def arm(self) -> None:
+        """Clear a latched trip, the device's and our own; the current stays at zero until the next step."""
+        self.rig.arm()
+        self.tripped = ""
+        self._last_A = 0.0
+        if self._plausibility:
+            self._plausibility.rearmed()

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 
 from smarig.errors import UsageError
-from smarig.rig.rig import Rig
+from smarig.rig.rig import Alarm, Rig
 from smarig.sample import Sample
 
 _SLOWEST, _FASTEST = 1e-3, 1e6
@@ -33,7 +33,7 @@ class Paced:
         """Length of a tick in device time."""
         return self.rig.period_s
 
-    def step(self, current_A: float) -> tuple[Sample, ...]:
+    def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Wait for the tick, then step; a late caller is not made to catch up."""
         now = self._clock()
         self._next_s = max(self._next_s + self._tick_s, now)
@@ -41,7 +41,25 @@ class Paced:
             self._while_waiting()
             self._sleep(min(self._next_s - now, 0.1))
             now = self._clock()
-        return self.rig.step(current_A)
+        return self.rig.step(current_A, at_most)
+
+    @property
+    def tick(self) -> int:
+        """The tick of the last sample."""
+        return self.rig.tick
+
+    @property
+    def position_per_count(self) -> float:
+        """mm or degrees of one count."""
+        return self.rig.position_per_count
+
+    def alarms(self) -> list[Alarm]:
+        """The rig's."""
+        return self.rig.alarms()
+
+    def close(self) -> None:
+        """Close the rig."""
+        self.rig.close()
 
     def zero(self) -> None:
         """Zero the encoder."""
@@ -50,3 +68,7 @@ class Paced:
     def safe(self) -> None:
         """Current to zero."""
         self.rig.safe()
+
+    def arm(self) -> None:
+        """Clear a latched trip."""
+        self.rig.arm()

@@ -3,17 +3,26 @@
 Refuses to know protocols and files.
 """
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from smarig.sample import Sample
+
+
+class Alarm(NamedTuple):
+    """What a rig has to say beside its samples: severity (info, warning, error), kind, one sentence."""
+
+    level: str
+    kind: str
+    text: str
 
 
 class Rig(Protocol):
     """A rig: one verb moves it one tick, one makes it safe.
 
     ``step`` sends a current and returns the samples that have arrived since (one for a twin; several
-    when a bench reads its ring in a block), in tick order. ``safe`` brings the current to zero, never
-    raises, and may be called any number of times. Silence longer than the lease does the same.
+    when a bench reads its ring in a block), in tick order; no more than ``at_most`` ticks pass meanwhile,
+    unless time passes by itself. ``safe`` brings the current to zero, never raises, and may be called any
+    number of times. Silence longer than the lease does the same.
     """
 
     @property
@@ -21,7 +30,17 @@ class Rig(Protocol):
         """Length of a tick."""
         ...
 
-    def step(self, current_A: float) -> tuple[Sample, ...]:
+    @property
+    def tick(self) -> int:
+        """The tick of the last sample."""
+        ...
+
+    @property
+    def position_per_count(self) -> float:
+        """mm or degrees of one count."""
+        ...
+
+    def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on; raises RigFault when tripped or lost."""
         ...
 
@@ -31,4 +50,16 @@ class Rig(Protocol):
 
     def safe(self) -> None:
         """Current to zero. Never raises; idempotent."""
+        ...
+
+    def arm(self) -> None:
+        """Clear a latched trip; the current stays at zero until the next step."""
+        ...
+
+    def alarms(self) -> list[Alarm]:
+        """What happened since this was last asked."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the devices. Never raises."""
         ...

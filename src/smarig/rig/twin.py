@@ -1,37 +1,16 @@
-"""The software twin: plant and instruments in place of hardware, behind the same seam.
+"""The software twin: a specimen in place of hardware, behind the same seam.
 
 Time is the twin's own integer tick, advanced only when asked (lock-step), so eight hours take
 seconds. It has the lease of the real devices: left alone for longer, its output goes off and stays off.
 """
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 from smarig.config import RigFile, load_rig
 from smarig.errors import LeaseExpired, UsageError
 from smarig.model.actuator import Actuator
-from smarig.model.effect import Effect
-from smarig.model.plant import Plant
-from smarig.model.planted import mystery
-from smarig.preisach.everett import Everett
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.operator import Initial
-from smarig.rig.noise import Noise
+from smarig.rig.rig import Alarm
+from smarig.rig.specimen import Specimen, TwinSettings, scales
 from smarig.sample import NAN, Quality, Sample
-
-_COUNTS, _CURRENT, _VOLTAGE, _DRAUGHT = range(4)
-
-
-@dataclass(frozen=True)
-class TwinSettings:
-    """What may differ between two twins of one rig file."""
-
-    seed: int = 0
-    noise: bool = True
-    hysteresis: Everett | None = None
-    initial: Initial | None = None
-    effects: Sequence[Effect] = ()
+from smarig.wire.register import load_map
 
 
 class Twin:
@@ -44,31 +23,14 @@ class Twin:
     """
 
     def __init__(self, rig: RigFile, actuator: Actuator, settings: TwinSettings | None = None) -> None:
-        s = settings or TwinSettings()
-        if s.seed < 0:
-            raise UsageError(f"Seed {s.seed} is negative; give a whole number from 0 up.")
-        self.file, self.actuator, self.settings = rig, actuator, s
-        self.tick = 0
-        self.output_A = 0.0
+        self.file, self.actuator, self.settings = rig, actuator, settings or TwinSettings()
+        self.output_A = self._command_A = self._on_wire_A = 0.0
         self.tripped = ""
-        hysteresis = actuator.file.hysteresis
-        hidden = mystery(s.seed, actuator.file.arrangement) if rig.hidden_effect else ()
-        self.plant = Plant(
-            actuator,
-            s.hysteresis or surface(hysteresis.surface),
-            s.initial or hysteresis.initial,
-            rig.period_s,
-            (*hidden, *s.effects),
-        )
-        self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
-        self._noise = [Noise(s.seed, channel) for channel in range(4)]
-        scale = 1.0 if s.noise else 0.0
-        self._sd_counts = scale * rig.encoder.noise_counts
-        self._sd_A = scale * rig.amplifier.current_noise_A
-        self._sd_V = scale * rig.amplifier.voltage_noise_V
-        self._sd_K = scale * rig.temperature_noise_K
-        self._draught_K, self._draught_decay = 0.0, math.exp(-rig.period_s / rig.temperature_noise_time_s)
-        self._zero_counts = round(self._counts_now())
+        self.specimen = Specimen(rig, actuator, self.settings)
+        self.position_per_count = self.specimen.position_per_count
+        self._asked = load_map("amplifier")["current"].value
+        self._scales = scales()
+        self._zero_counts = 0
 
     @classmethod
     def named(cls, rig: str, **settings) -> "Twin":
@@ -77,22 +39,28 @@ class Twin:
         return cls(file, Actuator.named(file.actuator), TwinSettings(**settings))
 
     @property
+    def tick(self) -> int:
+        """Ticks since power-up."""
+        return self.specimen.tick
+
+    @property
     def period_s(self) -> float:
         """Length of a tick."""
         return self.file.period_s
 
-    def step(self, current_A: float) -> tuple[Sample, ...]:
+    def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current for the next tick and return its sample."""
+        del at_most  # a twin is asked tick by tick: nothing is saved by blocks
         if self.tripped:
             raise LeaseExpired(
                 f"{self.file.name} has switched its output off: {self.tripped} Re-arm it with arm()."
             )
         if current_A != current_A:
             raise UsageError("The twin was given NaN as its current.")
-        limit = self.file.amplifier.saturation_A
-        self.output_A = min(max(current_A, -limit if self.actuator.two_wire else 0.0), limit)
-        quality = Quality.SATURATED if self.output_A != current_A else Quality.GOOD
-        return (self._advance(current_A, int(quality)),)
+        if current_A != self._command_A:
+            self._command_A, self._on_wire_A = current_A, self._asked.rounded(current_A)
+        self.output_A = self._on_wire_A
+        return (self._advance(current_A),)
 
     def idle(self, seconds: float) -> None:
         """Let device time pass with the host silent; the lease trips when it runs out."""
@@ -102,7 +70,7 @@ class Twin:
             if k >= lease and not self.tripped:
                 self.output_A = 0.0
                 self.tripped = f"nothing was heard from the host for {self.file.lease_s:g} s."
-            self._advance(self.output_A, int(Quality.TRIPPED) if self.tripped else 0)
+            self._advance(self.output_A, Quality.TRIPPED if self.tripped else Quality.GOOD)
 
     def arm(self) -> None:
         """Clear a latched trip; the output stays at zero until the next step."""
@@ -110,45 +78,31 @@ class Twin:
 
     def zero(self) -> None:
         """Zero the relative encoder where it stands."""
-        self._zero_counts = math.floor(self._counts_now() + 0.5)
+        self._zero_counts = self.specimen.counts_now()
 
     def safe(self) -> None:
         """Output to zero."""
         self.output_A = 0.0
 
-    def _advance(self, command_A: float, quality: int) -> Sample:
-        self.tick = tick = self.tick + 1
-        current = self.output_A
-        if self._sd_K:
-            kick = self._noise[_DRAUGHT].at(tick) * math.sqrt(1 - self._draught_decay**2)
-            self._draught_K = self._draught_K * self._draught_decay + self._sd_K * kick
-        self.plant.step(current, self._draught_K)
-        counts = self.plant.sensed(self._counts_now())
-        if self._sd_counts:
-            counts += self._sd_counts * self._noise[_COUNTS].at(tick)
-        whole = math.floor(counts + 0.5) - self._zero_counts
-        current = self.plant.current(current)
-        measured = current + self._sd_A * self._noise[_CURRENT].at(tick) if self._sd_A else current
-        voltage = current * self._resistance_ohm(current)
-        if self._sd_V:
-            voltage += self._sd_V * self._noise[_VOLTAGE].at(tick)
+    def alarms(self) -> list[Alarm]:
+        """It has none."""
+        return []
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _advance(self, command_A: float, quality: Quality = Quality.GOOD) -> Sample:
+        reading, s = self.specimen.advance(self.output_A), self._scales
+        counts = reading.counts - self._zero_counts
         return Sample(
-            tick,
-            tick * self.file.period_s,
+            self.tick,
+            self.tick * self.file.period_s,
             command_A,
-            measured,
-            voltage,
+            reading.current / s.per_A,
+            reading.voltage / s.per_V,
             NAN,
-            whole,
-            whole * self.position_per_count,
-            self.file.ambient_degC + self.plant.now.ambient_K,
-            quality,
+            counts,
+            counts * self.position_per_count,
+            reading.ambient / s.per_degC,
+            int(quality) | int(Quality.SATURATED) if reading.saturated else int(quality),
         )
-
-    def _counts_now(self) -> float:
-        return self.plant.position / self.position_per_count
-
-    def _resistance_ohm(self, current_A: float) -> float:
-        austenite = self.plant.austenite
-        factor = self.plant.now.resistance
-        return factor * self.actuator.resistance_at_ohm(1 - austenite if current_A < 0 else austenite)

@@ -24,7 +24,8 @@ from smarig.errors import UsageError
 from smarig.rig.guard import Guard
 from smarig.runner.control import Control
 from smarig.runner.listener import Listener
-from smarig.runner.settling import SettleWindow
+from smarig.runner.settling import Approach, SettleWindow
+from smarig.runner.shift import Shift
 from smarig.sample import Sample
 
 
@@ -43,8 +44,10 @@ class Runner:
         self.position_per_count = position_per_count
         self.steps_done = 0
         self.t_s = 0.0
+        self.shift = Shift()
         self._step: int | None = None
         self._last: Sample | None = None
+        self._was_paused = False
 
     def run(self, protocol: Protocol) -> None:
         """Carry out a protocol to its end; the rig is safe afterwards, whatever happened."""
@@ -68,9 +71,12 @@ class Runner:
                 return self._waveform(command)
             case Drive(current_A):
                 self._tick(current_A, None)
+                while self._paused():
+                    self._tick(current_A, None)
                 return self._last
             case Zero():
                 self.rig.zero()
+                self.shift.counts = 0
                 self._tell("zero", "Encoder zeroed.")
             case Mark(label, data):
                 self._tell("mark", label, **data)
@@ -86,12 +92,13 @@ class Runner:
             case Settled(timeout_s=timeout_s, approach_K=approach_K):
                 limit_s, at_limit = timeout_s, Verdict.TIMED_OUT
         limit = max(1, round(limit_s / self.rig.period_s))
-        start_s, ticks, arrived = self.t_s, 0, False
+        start_s, ticks = self.t_s, 0
+        approach = Approach(self.rig.goal_K(command.current_A), approach_K, self.rig.input_K)
         self._step = self.steps_done
-        while ticks < limit and not window.settled:
-            arrived = arrived or self.rig.to_go_K(command.current_A) < approach_K
-            got = self._tick(command.current_A, window, arrived)
-            ticks += 0 if self.control.paused else got
+        while (paused := self._paused()) or (ticks < limit and not window.settled):
+            at_most = 1 if paused else min(limit - ticks, window.soonest)
+            got = self._tick(command.current_A, window, approach, at_most)
+            ticks += 0 if paused else got
         verdict = Verdict.SETTLED if window.settled else at_limit
         return self._finish(window, verdict, start_s, command.branch, command.target)
 
@@ -105,9 +112,19 @@ class Runner:
         for k in range(ticks):
             current_A = command.currents_A[min(int(k * per_tick + 1e-9), last)]
             self._tick(current_A, window)
-            while self.control.paused:
+            while self._paused():
                 self._tick(current_A, window)
         return self._finish(window, Verdict.ELAPSED, start_s, command.branch, None)
+
+    def _paused(self) -> bool:
+        """Whether somebody asked to stay at this current; told when it changes."""
+        if self.control.paused != self._was_paused:
+            self._was_paused = self.control.paused
+            if self._was_paused:
+                self._tell("paused", "Paused by the operator: the current stays, sampling goes on.")
+            else:
+                self._tell("unpaused", "The operator let it go on.")
+        return self._was_paused
 
     def _finish(
         self, window: SettleWindow, verdict: Verdict, start_s: float, branch: str, target: float | None
@@ -121,15 +138,25 @@ class Runner:
         self._step = None
         return result
 
-    def _tick(self, current_A: float, window: SettleWindow | None, heated: bool = True) -> int:
+    def _tick(
+        self,
+        current_A: float,
+        window: SettleWindow | None,
+        approach: Approach | None = None,
+        at_most: int = 1,
+    ) -> int:
         self.control.raise_if_stopped()
-        arrived = self.rig.step(current_A)
-        for sample, input_K in arrived:
+        arrived = self.rig.step(current_A, at_most)
+        for measured, input_K in arrived:
+            sample = self.shift.told(measured, self.rig.period_s, self.position_per_count)
             self.t_s, self._last = sample.t_s, sample
+            heated = approach is None or approach.passed(input_K)
             if window is not None:
                 window.add(sample.counts, heated)
             for listener in self.listeners:
                 listener.sample(sample, self._step, input_K)
+        for alarm in self.rig.alarms():
+            self._tell(alarm.kind, alarm.text, level=alarm.level)
         self.rig.raise_if_tripped()
         return len(arrived)
 

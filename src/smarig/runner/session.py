@@ -4,33 +4,38 @@ The wire's memory, the device's ticks and the encoder's zero go on from run to r
 closed with its cause, whatever that was. Knows rigs, protocols and records; refuses to know analyses.
 """
 
-import platform
 import shutil
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from importlib.metadata import version
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Self
 
-from smarig.config import RigFile, load_rig, locate
-from smarig.errors import Interrupted, SmarigError, StorageError
+from smarig.command import Protocol
+from smarig.config import LimitsFile, RigFile, load_rig, rig_text
+from smarig.errors import LimitExceeded, SmarigError, StorageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.record import CONTINUED, Recorder, Run, load_run
+from smarig.record.clock import ClockWatch
+from smarig.record.wire_history import Wear, WireHistory, load_history
 from smarig.rig.guard import Guard
-from smarig.rig.pace import Paced
-from smarig.rig.twin import Twin, TwinSettings
+from smarig.rig.opening import opened
+from smarig.rig.plausibility import Plausibility
+from smarig.rig.rig import Rig
+from smarig.rig.twin import TwinSettings
 from smarig.runner.control import Control
+from smarig.runner.description import BEGUN_WITH, begun_with, cause_of, described, source_of
 from smarig.runner.endings import safe_endings
 from smarig.runner.listener import Listener, Watch
 from smarig.runner.lock import wire_lock
 from smarig.runner.preview import Preview, preview
 from smarig.runner.runner import Runner
-
-_ONE_WIRE_INPUT = "wire temperature above ambient"
+from smarig.runner.shift import Shift
+from smarig.sample import Sample
 
 
 class Session:
@@ -47,30 +52,39 @@ class Session:
         control: Control | None = None,
     ) -> None:
         self.file: RigFile = load_rig(rig)
-        self._config_text = locate("rigs", rig).read_text(encoding="utf-8")
+        self._name, self._config_text = rig, rig_text(rig)
         self.actuator = Actuator.named(self.file.actuator)
         self.wire = wire or self.file.wire
-        settings = twin or TwinSettings(seed=seed)
-        self.seed = settings.seed
+        self.settings = twin or TwinSettings(seed=seed)
+        self._speed = speed
         self.control = control or Control()
         self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
-        self.twin = Twin(self.file, self.actuator, settings)
-        self._guard = Guard(
-            Paced(self.twin, speed, while_waiting=self.control.raise_if_stopped) if speed else self.twin,
-            self.file.limits,
-            self.actuator,
-        )
         self._zero = "power-up"
         self._epoch = time.time()
+        self.wear = self.fresh_wear()
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
         self._open.enter_context(wire_lock(self.wire))
-        self._open.enter_context(safe_endings(self.control))
+        try:
+            self._open.enter_context(safe_endings(self.control))
+            self.rig: Rig = self._open.enter_context(
+                opened(
+                    self._name,
+                    self.file,
+                    self.actuator,
+                    self.settings,
+                    speed=self._speed,
+                    while_waiting=self.control.raise_if_stopped,
+                )
+            )
+        except BaseException:
+            self._open.close()
+            raise
+        self.guard = Guard(self.rig, self.file.limits, self.actuator, Plausibility(self.file, self.actuator))
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._guard.safe()
         self._open.close()
 
     def run(
@@ -92,76 +106,126 @@ class Session:
         out = Path(out)
         generator = build(protocol, self.setup, settings, chooser)
         cost = expected or preview(protocol, self.file, settings, self.control, chooser)
-        _check_free_space(out, cost.bytes)
-        recorder = Recorder(out, self._describe(protocol, settings, notes), force=force)
-        runner = Runner(
-            self._guard,
-            self.twin.position_per_count,
-            [recorder, *listeners, Watch(on_event=self._note)],
-            self.control,
-        )
-        runner.t_s = self.twin.tick * self.file.period_s
-        cause = "done"
+        check_free_space(out, cost.bytes)
+        before = self.history()
+        check_worn(before, self.file.limits)
+        meta = self._describe(protocol, settings, notes)
+        if before is not None:
+            meta["wire_history"] = before.sentence()
+        recorder = Recorder(out, meta, force=force, clock=self.clock())
+        runner = self.runner([recorder, *listeners])
         recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
+        self.carry_out(recorder, runner, generator, new_run=True)
+        return out
+
+    def runner(self, listeners: Sequence[Listener], shift: Shift | None = None) -> Runner:
+        """Ready to go on from the device's last tick, as ``shift`` tells it."""
+        watch = Watch(on_event=self._note, on_sample=self._worn)
+        runner = Runner(self.guard, self.rig.position_per_count, [*listeners, watch], self.control)
+        runner.shift = shift or Shift()
+        runner.t_s = (self.rig.tick + runner.shift.ticks) * self.file.period_s
+        return runner
+
+    def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
+        """Run to whatever end, and close the record with its cause."""
+        cause = "done"
         try:
-            runner.run(generator)
+            runner.run(protocol)
         except BaseException as error:
-            cause = _cause(error)
+            cause = cause_of(error)
             raise
         finally:
             recorder.describe("encoder_zero", self._zero)
+            recorder.describe("shift", asdict(runner.shift))
+            self._remember(recorder, runner.t_s, new_run)
             recorder.close(cause, t_s=runner.t_s)
-        return out
+
+    def clock(self) -> ClockWatch:
+        """For recorders: hardware's seconds are ours."""
+        return ClockWatch(real_time=self.source == "bench")
+
+    def history(self) -> WireHistory | None:
+        """What the wire has been through; None for a simulation, which has no wire."""
+        if self.source == "simulation":
+            return None
+        return load_history(self.wire, twin=self.source == "twin")
+
+    def _worn(self, s: Sample, _step: int | None, input_K: float) -> None:
+        self.wear.add(s.tick, input_K)
+
+    def _remember(self, recorder: Recorder, t_s: float, new_run: bool) -> None:
+        """Add what was done to the wire's history; that it cannot be written is told, and ends nothing."""
+        wear, self.wear = self.wear, self.fresh_wear()
+        try:
+            history = self.history()
+            if history is not None:
+                history.after(wear, new_run=new_run).save()
+                if wear.last_tick:
+                    recorder.describe("history_until_tick", wear.last_tick)
+        except SmarigError as error:
+            recorder.event(t_s, "history", f"The wire's history was not kept: {error}", level="warning")
+
+    def count_unkept(self, run: Run) -> None:
+        """Begin with what a process that was killed did not live to add to the wire's history."""
+        kept = int(run.meta.get("history_until_tick", 0))
+        for tick, input_K in zip(run["tick"].tolist(), run["input"].tolist()):
+            if tick > kept:
+                self.wear.add(int(tick), input_K)
+
+    def fresh_wear(self) -> Wear:
+        """Nothing added up yet."""
+        return Wear(max(self.setup.upper_K, -self.setup.lower_K), self.file.period_s)
 
     def _note(self, kind: str, t_s: float) -> None:
         if kind == "zero":
             self._zero = f"zeroed at {t_s:g} s"
 
+    @property
+    def source(self) -> str:
+        """Whose data these are: "bench", "twin" or "simulation"."""
+        return source_of(self.file, self.settings)
+
+    @property
+    def device(self) -> str:
+        """What keeps ticks and the encoder's zero: the same text, the same device since the same boot."""
+        sensor = getattr(self.rig, "sensor", None)
+        of_ours = "" if self.source == "bench" else f"session of {self._epoch}"
+        return " ".join(part for part in (sensor.identity if sensor else "", of_ours) if part)
+
+    @property
+    def initial(self) -> str:
+        """The state that the wire is in now, as far as it is known."""
+        return self.actuator.file.hysteresis.initial if self.rig.tick == 0 else CONTINUED
+
     def _describe(self, protocol: str, settings: Mapping[str, Any], notes: str) -> dict[str, Any]:
-        unit = self.actuator.unit
-        return {
-            "protocol": protocol,
-            "settings": {k: str(v) for k, v in settings.items()},
+        per_count = self.rig.position_per_count
+        return described(self.actuator, self.settings, per_count, protocol, settings) | {
             "rig": self.file.name,
             "wire": self.wire,
-            "actuator": self.actuator.name,
-            "source": "simulation" if self.twin.settings.hysteresis else "twin",
-            "seed": self.seed,
-            "effects": [repr(e) for e in self.twin.settings.effects],
+            "source": self.source,
             "start_epoch": self._epoch,
             "period_s": self.file.period_s,
-            "input": {
-                "quantity": "wire temperature difference T₁ − T₂"
-                if self.actuator.two_wire
-                else _ONE_WIRE_INPUT,
-                "unit": "K",
-                "from": "heating model along the measured current",
-            },
-            "output": {
-                "quantity": "shaft angle" if unit == "deg" else "displacement",
-                "unit": unit,
-                "per_count": self.twin.position_per_count,
-            },
-            "initial": self.actuator.file.hysteresis.initial if self.twin.tick == 0 else CONTINUED,
+            "initial": self.initial,
             "encoder_zero": self._zero,
             "config": self._config_text,
-            "versions": {name: version(name) for name in ("smarig", "numpy", "scipy")}
-            | {"python": platform.python_version()},
             "notes": notes,
+            "device": self.device,
+            BEGUN_WITH: begun_with(self._name, self.file.wire, self._speed, self.settings, settings),
         }
 
 
-def _cause(error: BaseException) -> str:
-    if isinstance(error, Interrupted):
-        return str(error)
-    if isinstance(error, KeyboardInterrupt):
-        return "interrupted by the keyboard (Ctrl-C, twice)"
-    if isinstance(error, SmarigError):
-        return f"stopped: {error}"
-    return f"failed: {type(error).__name__}: {error}"
+def check_worn(history: WireHistory | None, limits: LimitsFile) -> None:
+    """LimitExceeded where a wire has had as many cycles as it may."""
+    most = limits.cycles_max
+    if history is not None and most is not None and history.cycles >= most:
+        raise LimitExceeded(
+            f"Wire '{history.wire}' has done {history.cycles} cycles, its limit is cycles_max = {most}: nothing was "
+            "started. Put in a new wire and name it, or raise the limit in the rig file."
+        )
 
 
-def _check_free_space(out: Path, needed: int) -> None:
+def check_free_space(out: Path, needed: int) -> None:
+    """StorageError where a run would not fit on the disk."""
     folder = next(p for p in (out.resolve().parent, *out.resolve().parent.parents) if p.exists())
     free = shutil.disk_usage(folder).free
     # Twice the data (the write-ahead log holds it once more) and a margin to close the run.

@@ -13,6 +13,20 @@ from smarig.command import Elapsed, Settled
 BLOCKS = 25
 
 
+class Approach:
+    """Whether the heating model has come near its steady state; once there, it counts as there."""
+
+    def __init__(self, goal_K: float, near_K: float, input_K: float) -> None:
+        self._goal_K, self._near_K = goal_K, near_K
+        self._input_K, self._arrived = input_K, False
+
+    def passed(self, input_K: float) -> bool:
+        """Whether it had arrived before a tick that ends at ``input_K``."""
+        self._arrived = self._arrived or abs(self._goal_K - self._input_K) < self._near_K
+        self._input_K = input_K
+        return self._arrived
+
+
 class SettleWindow:
     """Watches counts during one hold; ``settled`` and the statistics of the window."""
 
@@ -37,6 +51,12 @@ class SettleWindow:
             self._sum = self._filled = 0
             if self._band is not None and len(self._means) == BLOCKS:
                 self.settled = max(self._means) - min(self._means) <= self._band
+
+    @property
+    def soonest(self) -> int:
+        """Ticks that pass at least before it can have settled."""
+        blocks = max(BLOCKS - len(self._means), 1)
+        return blocks * self._block - self._filled
 
     @property
     def progress(self) -> float:

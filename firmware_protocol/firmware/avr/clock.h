@@ -1,0 +1,11 @@
+/* Milliseconds since boot, and the boot count. */
+#ifndef SMARIG_AVR_CLOCK_H
+#define SMARIG_AVR_CLOCK_H
+
+#include <stdint.h>
+
+void clock_start(void);
+uint16_t clock_ms(void); /* goes round; only differences mean anything */
+uint16_t clock_count_boot(void);
+
+#endif

@@ -1,0 +1,28 @@
+/*
+ * The hardware behind the firmware. Here it is a struct in SRAM, which the simulator fills and reads; on a board these
+ * functions talk to the ADC, the encoder counter and the current source instead, and nothing else changes.
+ */
+#ifndef SMARIG_AVR_HAL_H
+#define SMARIG_AVR_HAL_H
+
+#include <stdint.h>
+
+/* simavr/runner.c knows this layout: little-endian, without gaps. */
+struct plant {
+    uint8_t tick;  /* goes up when `output_uA` of a new tick is there */
+    uint8_t taken; /* 1 while the firmware copies the inputs: the outside waits, or it would be torn */
+    int32_t output_uA;
+    int32_t first;  /* current in uA, or raw counts */
+    int32_t second; /* voltage in uV; not used by the DAQ */
+    int16_t temperature;
+    uint16_t hardware;
+};
+
+extern volatile struct plant plant;
+
+void hal_drive(int32_t current_uA);
+void hal_mark_tick(void);
+void hal_measure(int32_t *first, int32_t *second, int16_t *temperature, uint16_t *hardware);
+int32_t hal_counts(void);
+
+#endif

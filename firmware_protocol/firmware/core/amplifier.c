@@ -1,0 +1,234 @@
+#include "amplifier.h"
+
+#include <string.h>
+
+#include "block.h"
+#include "words.h"
+
+static const struct value COMMAND[] = {
+    VALUE(AMP_SEQUENCE, 1),  VALUE(AMP_ORDER, 1),     VALUE(AMP_CURRENT, 2),
+    VALUE(AMP_RING_NEXT, 2), VALUE(AMP_RING_WANT, 1),
+};
+
+static const struct value SETTINGS[] = {
+    VALUE(AMP_PERIOD, 1),         VALUE(AMP_LEASE, 1),          VALUE(AMP_CURRENT_MIN, 2),
+    VALUE(AMP_CURRENT_MAX, 2),    VALUE(AMP_SLEW_MAX, 2),       VALUE(AMP_RESISTANCE_MIN, 2),
+    VALUE(AMP_RESISTANCE_MAX, 2), VALUE(AMP_HEAT_MAX, 2),       VALUE(AMP_HEAT_SETTLE, 1),
+};
+
+/* A record of the ring: current (2 words), voltage (2), temperature, marks. */
+enum { RECORD_CURRENT = 0, RECORD_VOLTAGE = 2, RECORD_TEMPERATURE = 4, RECORD_MARKS = 5 };
+
+/* Places in the command block. */
+#define AT(name) ((name)-AMP_COMMAND_FIRST)
+
+static bool inside_value(uint16_t address)
+{
+    if (address >= AMP_RING) {
+        const uint16_t at = (uint16_t)((address - AMP_RING) % AMP_RING_RECORD_WORDS);
+        return at == RECORD_CURRENT + 1 || at == RECORD_VOLTAGE + 1;
+    }
+    return address == AMP_MAP_HASH + 1 || address == AMP_TICK + 1 || address == AMP_OUTPUT + 1 ||
+           address == AMP_HEAT + 1 || address == AMP_RING_FIRST + 1;
+}
+
+static const struct map MAP = {BLOCK(COMMAND), BLOCK(SETTINGS), AMP_STATUS_FIRST, AMP_STATUS_WORDS, inside_value};
+
+void amplifier_boot(struct amplifier *a, uint16_t boot_count)
+{
+    memset(a, 0, sizeof *a); /* off, output 0, no sequence heard */
+    a->boot_count = boot_count;
+    block_boot(&MAP.command, a->command);
+    block_boot(&MAP.settings, a->settings);
+}
+
+static void trip(struct amplifier *a, uint16_t cause)
+{
+    a->output_uA = 0;
+    a->state = AMP_STATE_TRIPPED;
+    a->trip = cause;
+}
+
+/* --- ticks --- */
+
+static void keep_sample(struct amplifier *a, const struct amplifier_inputs *in)
+{
+    uint16_t *record = a->ring[(a->tick + 1) % AMPLIFIER_RING_SIZE];
+    words_put32(record + RECORD_CURRENT, (uint32_t)in->current_uA);
+    words_put32(record + RECORD_VOLTAGE, (uint32_t)in->voltage_uV);
+    record[RECORD_TEMPERATURE] = (uint16_t)in->temperature;
+    record[RECORD_MARKS] = (uint16_t)((in->hardware & AMPLIFIER_SATURATED ? AMP_RING_MARKS_SATURATED : 0u) |
+                                      (a->state == AMP_STATE_TRIPPED ? AMP_RING_MARKS_TRIPPED : 0u));
+}
+
+void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in)
+{
+    guard_warm(a, in->current_uA);
+    const uint16_t cause = a->state == AMP_STATE_ARMED ? guard_tick(a, in) : 0;
+    if (cause)
+        trip(a, cause);
+    keep_sample(a, in);
+    a->tick++;
+}
+
+/* --- checking an exchange --- */
+
+static bool repeated(const struct amplifier *a, const struct exchange *asked)
+{
+    return asked->words[AT(AMP_SEQUENCE)] == a->command[AT(AMP_SEQUENCE)];
+}
+
+static uint16_t order_of(const struct exchange *asked)
+{
+    return asked->write_count > AT(AMP_ORDER) ? asked->words[AT(AMP_ORDER)] : AMP_ORDER_NONE;
+}
+
+static bool arms(uint16_t order)
+{
+    return order == AMP_ORDER_ARM || order == AMP_ORDER_REARM;
+}
+
+static bool order_fits(uint16_t order, uint16_t state)
+{
+    if (order == AMP_ORDER_ARM)
+        return state == AMP_STATE_OFF;
+    return order != AMP_ORDER_REARM || state != AMP_STATE_ARMED;
+}
+
+static bool current_fits(const struct amplifier *a, int32_t current_uA)
+{
+    return current_uA >= words_i32(AMPLIFIER_SETTING(a, AMP_CURRENT_MIN)) &&
+           current_uA <= words_i32(AMPLIFIER_SETTING(a, AMP_CURRENT_MAX));
+}
+
+static uint8_t check_command(const struct amplifier *a, const struct exchange *asked)
+{
+    const uint16_t order = order_of(asked);
+    const bool drives = asked->write_count > AT(AMP_CURRENT) && words_i32(asked->words + AT(AMP_CURRENT)) != 0;
+    if (repeated(a, asked))
+        return ACCEPTED; /* it is not carried out, so nothing in it can come at a wrong time */
+    if (!order_fits(order, a->state) || (drives && a->state != AMP_STATE_ARMED && !arms(order)))
+        return REFUSED_NOW;
+    return drives && !current_fits(a, words_i32(asked->words + AT(AMP_CURRENT))) ? REFUSED_WORD : ACCEPTED;
+}
+
+static uint8_t check(const void *device, const struct exchange *asked)
+{
+    const struct amplifier *a = device;
+    const uint8_t refusal = map_check(&MAP, asked);
+    if (refusal || !asked->write_count)
+        return refusal;
+    if (block_is(&MAP.command, asked->write_at))
+        return check_command(a, asked);
+    return a->state == AMP_STATE_ARMED ? REFUSED_NOW : ACCEPTED;
+}
+
+/* --- carrying it out --- */
+
+static void obey(struct amplifier *a, uint16_t order)
+{
+    if (order == AMP_ORDER_NONE)
+        return;
+    a->state = arms(order) ? AMP_STATE_ARMED : AMP_STATE_OFF;
+    a->trip = 0;
+    a->output_uA = 0;
+    memset(&a->spells, 0, sizeof a->spells);
+}
+
+static void drive(struct amplifier *a, int32_t current_uA)
+{
+    if (a->state != AMP_STATE_ARMED)
+        return;
+    if (guard_slews(a, current_uA))
+        trip(a, AMP_FAULT_SLEW);
+    else
+        a->output_uA = current_uA;
+}
+
+/* Takes the words from `at` on, as far as the exchange has them. */
+static void take(struct amplifier *a, const struct exchange *asked, uint16_t at)
+{
+    if (asked->write_count > at)
+        memcpy(a->command + at, asked->words + at, (asked->write_count - at) * sizeof a->command[0]);
+}
+
+static void carry_out(struct amplifier *a, const struct exchange *asked)
+{
+    take(a, asked, AT(AMP_SEQUENCE));
+    a->command[AT(AMP_ORDER)] = AMP_ORDER_NONE;
+    obey(a, order_of(asked));
+    if (asked->write_count > AT(AMP_CURRENT))
+        drive(a, words_i32(a->command + AT(AMP_CURRENT)));
+}
+
+static void choose_window(struct amplifier *a)
+{
+    a->window = ring_window(a->tick, AMPLIFIER_RING_SIZE, words_u32(a->command + AT(AMP_RING_NEXT)),
+                            a->command[AT(AMP_RING_WANT)]);
+    memset(a->window_words, 0, sizeof a->window_words);
+    for (uint16_t i = 0; i < a->window.count; i++)
+        memcpy(a->window_words[i], a->ring[(a->window.first + i) % AMPLIFIER_RING_SIZE], sizeof a->ring[0]);
+}
+
+static void write(void *device, const struct exchange *asked)
+{
+    struct amplifier *a = device;
+    if (!block_is(&MAP.command, asked->write_at)) {
+        memcpy(a->settings, asked->words, asked->write_count * sizeof a->settings[0]);
+        return;
+    }
+    a->ticks_unfed = 0;
+    if (repeated(a, asked))
+        take(a, asked, AT(AMP_RING_NEXT));
+    else
+        carry_out(a, asked);
+    choose_window(a);
+}
+
+/* --- reading --- */
+
+static uint16_t lease_left_ms(const struct amplifier *a)
+{
+    if (a->state != AMP_STATE_ARMED)
+        return 0;
+    return (uint16_t)((guard_lease_ticks(a) - a->ticks_unfed) * *AMPLIFIER_SETTING(a, AMP_PERIOD));
+}
+
+static void status(const struct amplifier *a, uint16_t *words)
+{
+    words[AMP_ECHO] = a->command[AT(AMP_SEQUENCE)];
+    words[AMP_KIND] = AMP_DEVICE_KIND;
+    words[AMP_VERSION] = AMP_DEVICE_VERSION;
+    words_put32(words + AMP_MAP_HASH, AMP_DEVICE_MAP_HASH);
+    words[AMP_BOOT_COUNT] = a->boot_count;
+    words_put32(words + AMP_TICK, a->tick);
+    words[AMP_STATE] = a->state;
+    words[AMP_TRIP] = a->trip;
+    words_put32(words + AMP_OUTPUT, (uint32_t)a->output_uA);
+    words[AMP_LEASE_LEFT] = lease_left_ms(a);
+    words_put32(words + AMP_HEAT, a->heat);
+    words_put32(words + AMP_RING_FIRST, a->window.first);
+    words[AMP_RING_COUNT] = a->window.count;
+    memcpy(words + AMP_RING, a->window_words, sizeof a->window_words);
+}
+
+static void read(const void *device, uint16_t at, uint16_t count, uint16_t *words)
+{
+    const struct amplifier *a = device;
+    uint16_t all[AMP_STATUS_WORDS];
+    const uint16_t *from = all + at;
+    if (at >= AMP_SETTINGS_FIRST)
+        from = a->settings + (at - AMP_SETTINGS_FIRST);
+    else if (at >= AMP_COMMAND_FIRST)
+        from = a->command + AT(at);
+    else
+        status(a, all);
+    memcpy(words, from, count * sizeof words[0]);
+}
+
+uint16_t amplifier_answer(struct amplifier *a, uint8_t framing, uint8_t address, const uint8_t *request, uint16_t n,
+                          uint8_t *reply, uint16_t room)
+{
+    static const struct served SERVED = {check, write, read};
+    return exchange_answer(&SERVED, a, framing, address, request, n, reply, room);
+}

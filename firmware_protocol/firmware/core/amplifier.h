@@ -1,0 +1,68 @@
+/* The current amplifier: everything it decides, without its hardware. The caller gives the struct. */
+#ifndef SMARIG_AMPLIFIER_H
+#define SMARIG_AMPLIFIER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "../smarig_registers.h"
+#include "ring.h"
+
+#ifndef AMPLIFIER_RING_SIZE
+#define AMPLIFIER_RING_SIZE 256u /* a power of two, so that it survives the tick's wrap */
+#endif
+
+enum { AMPLIFIER_SATURATED = 1, AMPLIFIER_STOP_OPEN = 2 }; /* bits of `hardware` */
+
+/* Bad ticks in a row, of the checks that wait for three. */
+struct amplifier_spells {
+    uint8_t open, short_circuit, resistance;
+};
+
+struct amplifier {
+    uint16_t boot_count;
+    uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` reads 0 */
+    uint16_t settings[AMP_SETTINGS_WORDS];
+    uint16_t state, trip;
+    uint16_t ticks_unfed; /* since the lease was fed or the amplifier armed */
+    struct amplifier_spells spells;
+    uint32_t tick;
+    int32_t output_uA;
+    uint32_t heat; /* 1e-6 A^2 s */
+    struct window window;
+    uint16_t window_words[AMP_RING_RECORDS][AMP_RING_RECORD_WORDS]; /* a copy: later ticks do not change it */
+    uint16_t ring[AMPLIFIER_RING_SIZE][AMP_RING_RECORD_WORDS];
+};
+
+/* What the hardware measured in one tick. */
+struct amplifier_inputs {
+    int32_t current_uA, voltage_uV;
+    int16_t temperature; /* 0.01 degC, or AMP_RING_TEMPERATURE_NONE */
+    uint16_t hardware;
+};
+
+void amplifier_boot(struct amplifier *a, uint16_t boot_count);
+
+/* One tick is over: what was measured while `output_uA` flowed. */
+void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in);
+
+uint16_t amplifier_answer(struct amplifier *a, uint8_t framing, uint8_t address, const uint8_t *request, uint16_t n,
+                          uint8_t *reply, uint16_t room);
+
+#define AMPLIFIER_SETTING(a, name) (&(a)->settings[(name)-AMP_SETTINGS_FIRST])
+
+/* amplifier_guard.c: the checks of a tick */
+
+/* Ticks that the lease lasts. */
+uint16_t guard_lease_ticks(const struct amplifier *a);
+
+/* Adds one tick of the measured current to the heat. */
+void guard_warm(struct amplifier *a, int32_t current_uA);
+
+/* Counts one tick while armed; the fault that trips, 0 for none. */
+uint16_t guard_tick(struct amplifier *a, const struct amplifier_inputs *in);
+
+/* Does a step from the present output change it too fast? */
+bool guard_slews(const struct amplifier *a, int32_t next_uA);
+
+#endif

@@ -1,0 +1,95 @@
+#include "block.h"
+
+
+#include "words.h"
+
+static uint16_t offset(const struct block *block, const struct value *value)
+{
+    return (uint16_t)(value->address - block->values[0].address);
+}
+
+static uint16_t size(const struct block *block)
+{
+    const struct value *last = &block->values[block->count - 1];
+    return (uint16_t)(offset(block, last) + last->words);
+}
+
+static int64_t raw(const struct value *value, const uint16_t *words)
+{
+    if (value->words == 1)
+        return words[0];
+    return value->least < 0 ? (int64_t)words_i32(words) : (int64_t)words_u32(words);
+}
+
+void block_boot(const struct block *block, uint16_t *words)
+{
+    for (uint8_t i = 0; i < block->count; i++) {
+        const struct value *value = &block->values[i];
+        uint16_t *at = words + offset(block, value);
+        if (value->words == 2)
+            words_put32(at, (uint32_t)value->safe);
+        else
+            *at = (uint16_t)value->safe;
+    }
+}
+
+/* Is a value cut by a border before the word at `at`, counted from the block's first? */
+static bool cuts(const struct block *block, uint32_t at)
+{
+    for (uint8_t i = 0; i < block->count; i++)
+        if (block->values[i].words == 2 && at == offset(block, &block->values[i]) + 1u)
+            return true;
+    return false;
+}
+
+/* A write begins with the block's first register, and ends with a whole value. */
+static bool writable(const struct block *block, const struct exchange *asked)
+{
+    return block_is(block, asked->write_at) && asked->write_count <= size(block) && !cuts(block, asked->write_count);
+}
+
+static bool in_range(const struct block *block, const struct exchange *asked)
+{
+    for (uint8_t i = 0; i < block->count; i++) {
+        const struct value *value = &block->values[i];
+        const uint16_t at = offset(block, value);
+        if (at >= asked->write_count)
+            break;
+        const int64_t word = raw(value, asked->words + at);
+        if (word < value->least || word > value->most)
+            return false;
+    }
+    return true;
+}
+
+static bool readable_block(const struct block *block, uint16_t at, uint16_t count)
+{
+    const uint16_t first = block->values[0].address;
+    const uint32_t end = (uint32_t)at + count;
+    return at >= first && end <= (uint32_t)first + size(block) && !cuts(block, (uint32_t)at - first) &&
+           !cuts(block, end - first);
+}
+
+static bool readable_status(const struct map *map, uint16_t at, uint16_t count)
+{
+    const uint32_t end = (uint32_t)at + count;
+    const uint32_t after = (uint32_t)map->status_at + map->status_words;
+    return at >= map->status_at && end <= after && !map->inside_value(at) &&
+           (end == after || !map->inside_value((uint16_t)end));
+}
+
+static bool readable(const struct map *map, uint16_t at, uint16_t count)
+{
+    return readable_status(map, at, count) || readable_block(&map->command, at, count) ||
+           readable_block(&map->settings, at, count);
+}
+
+uint8_t map_check(const struct map *map, const struct exchange *asked)
+{
+    const struct block *block = block_is(&map->command, asked->write_at) ? &map->command : &map->settings;
+    if (asked->write_count && !writable(block, asked))
+        return REFUSED_ADDRESS;
+    if (asked->read_count && !readable(map, asked->read_at, asked->read_count))
+        return REFUSED_ADDRESS;
+    return asked->write_count && !in_range(block, asked) ? REFUSED_WORD : ACCEPTED;
+}

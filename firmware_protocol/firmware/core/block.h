@@ -1,0 +1,45 @@
+/*
+ * What both devices' maps have in common: a status block that is read, a command and a settings block that are also
+ * written. Addresses and limits come from smarig_registers.h, through VALUE; they are written nowhere else.
+ */
+#ifndef SMARIG_BLOCK_H
+#define SMARIG_BLOCK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "exchange.h"
+
+/* A value that may be written. 64 bits hold the limits of signed and unsigned words alike. */
+struct value {
+    uint16_t address;
+    uint8_t words;
+    int64_t least, most, safe;
+};
+#define VALUE(name, words) {name, words, name##_LEAST, name##_MOST, name##_SAFE}
+
+/* Consecutive values, in order of address. */
+struct block {
+    const struct value *values;
+    uint8_t count;
+};
+#define BLOCK(values) {values, sizeof(values) / sizeof((values)[0])}
+
+struct map {
+    struct block command, settings;
+    uint16_t status_at, status_words;
+    bool (*inside_value)(uint16_t address); /* of the status block: is this the low word of a 32-bit value? */
+};
+
+/* Puts every value at what is safe. */
+void block_boot(const struct block *block, uint16_t *words);
+
+static inline bool block_is(const struct block *block, uint16_t address)
+{
+    return block->values[0].address == address;
+}
+
+/* Every check of an exchange that does not depend on the device's state. */
+uint8_t map_check(const struct map *map, const struct exchange *asked);
+
+#endif

@@ -1,0 +1,60 @@
+/*
+ * One exchange: write one block of words (or none), then read one (or none), in one request and one reply.
+ * Knows the two framings, and no device: a device is three functions behind struct served.
+ */
+#ifndef SMARIG_EXCHANGE_H
+#define SMARIG_EXCHANGE_H
+
+#include <stdint.h>
+
+enum framing { FRAMING_RTU = 0, FRAMING_LINES = 1 };
+
+enum {
+    WRITE_MOST = 121,       /* words in one request */
+    READ_MOST = 125,        /* words in one reply */
+    RTU_REQUEST_ROOM = 256, /* bytes */
+    RTU_REPLY_ROOM = 256,
+    LINE_MOST = 1000,       /* characters of a request without its end */
+    LINES_REQUEST_ROOM = LINE_MOST + 2, /* and \r\n */
+    LINES_REPLY_ROOM = 640
+};
+
+/* Why a request is refused: Modbus exceptions, then those that only lines have. */
+enum refusal {
+    ACCEPTED = 0,
+    REFUSED_FUNCTION = 1,
+    REFUSED_ADDRESS = 2,
+    REFUSED_WORD = 3,
+    REFUSED_NOW = 4,
+    REFUSED_CRC = 8,
+    REFUSED_LINE = 9,
+    NOT_ANSWERED = 255
+};
+
+/* What was asked; a count of 0: no such part. */
+struct exchange {
+    uint8_t function; /* RTU only: the reply repeats it */
+    uint16_t write_at, write_count;
+    uint16_t read_at, read_count;
+    uint16_t words[WRITE_MOST];
+};
+
+/* `check` must change nothing; `write` and `read` are called only for what `check` accepted. */
+struct served {
+    uint8_t (*check)(const void *device, const struct exchange *asked);
+    void (*write)(void *device, const struct exchange *asked);
+    void (*read)(const void *device, uint16_t at, uint16_t count, uint16_t *words);
+};
+
+/* Length of the reply, 0 for none. Too little `room` for the longest reply: 0, and nothing is carried out. */
+uint16_t exchange_answer(const struct served *served, void *device, uint8_t framing, uint8_t address,
+                         const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room);
+
+uint8_t rtu_decode(struct exchange *asked, uint8_t address, const uint8_t *frame, uint16_t n);
+uint16_t rtu_encode(const struct exchange *asked, uint8_t address, uint8_t refusal, const uint16_t *words,
+                    uint8_t *frame);
+
+uint8_t lines_decode(struct exchange *asked, const uint8_t *line, uint16_t n);
+uint16_t lines_encode(const struct exchange *asked, uint8_t refusal, const uint16_t *words, uint8_t *line);
+
+#endif

@@ -1,0 +1,286 @@
+/*
+ * Runs the firmware's ELF under simavr, its UART on a pty and its plant struct on stdin and stdout.
+ *
+ *     runner [--unpaced] ELF PLANT_ADDRESS        the address as avr-nm gives it
+ *
+ * Prints `pty PATH` once and `out CURRENT_uA` when a tick begins. Takes, at any time,
+ *     in CURRENT_uA VOLTAGE_uV TEMPERATURE HARDWARE     what an amplifier measures from now on
+ *     in RAW_COUNTS AMBIENT HARDWARE                    what a DAQ sees from now on
+ *     reset                                             the MCU's reset, as after a brown-out
+ *     hang                                              the program stops where it is, until the watchdog resets it
+ * The MCU never waits for the parent: without a line the last inputs stay. It ends when stdin is closed.
+ */
+#define _XOPEN_SOURCE 700
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <simavr/avr_uart.h>
+#include <simavr/sim_avr.h>
+#include <simavr/sim_elf.h>
+
+enum { STEPS_PER_s = 1000, BEHIND_MOST_ns = 50000000 };
+
+/* struct plant of avr/hal.h as bytes in SRAM; the host's int is 32 bits and little-endian like the MCU's words. */
+#pragma pack(push, 1)
+struct plant {
+    uint8_t tick, taken;
+    int32_t output_uA, first, second;
+    int16_t temperature;
+    uint16_t hardware;
+};
+#pragma pack(pop)
+
+static avr_t *avr;
+static avr_irq_t *uart_input;
+static volatile struct plant *plant;
+static struct plant inputs; /* as the parent gave them last */
+static int pty;
+static bool uart_ready;
+
+static void fail(const char *what)
+{
+    fprintf(stderr, "runner: %s%s%s\n", what, errno ? ": " : "", errno ? strerror(errno) : "");
+    exit(1);
+}
+
+/* --- the pty --- */
+
+static void make_raw(int fd)
+{
+    struct termios t;
+    if (tcgetattr(fd, &t))
+        fail("no terminal settings");
+    t.c_iflag = t.c_oflag = t.c_lflag = 0;
+    t.c_cflag = (t.c_cflag & ~(tcflag_t)(CSIZE | PARENB)) | CS8;
+    if (tcsetattr(fd, TCSANOW, &t))
+        fail("no raw terminal");
+}
+
+static void open_pty(void)
+{
+    pty = posix_openpt(O_RDWR | O_NOCTTY);
+    if (pty < 0 || grantpt(pty) || unlockpt(pty))
+        fail("no pty");
+    const char *path = ptsname(pty);
+    const int kept = open(path, O_RDWR | O_NOCTTY); /* stays open, or reading fails whenever no host is there */
+    if (kept < 0)
+        fail(path);
+    make_raw(kept);
+    fcntl(pty, F_SETFL, O_NONBLOCK);
+    printf("pty %s\n", path);
+    fflush(stdout);
+}
+
+/* --- the UART --- */
+
+static void on_byte_sent(struct avr_irq_t *irq, uint32_t value, void *param)
+{
+    const uint8_t byte = (uint8_t)value;
+    (void)irq, (void)param;
+    if (write(pty, &byte, 1) != 1 && errno != EAGAIN) /* nobody reads: the byte is lost, as on a wire */
+        fail("pty");
+}
+
+static void on_ready(struct avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)irq, (void)value;
+    uart_ready = param != NULL;
+}
+
+static void connect_uart(void)
+{
+    static char yes;
+    uint32_t flags = 0; /* neither echo on the console nor sleep where the firmware polls */
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
+    uart_input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte_sent, NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XON), on_ready, &yes);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), on_ready, NULL);
+}
+
+static void feed_uart(void)
+{
+    uint8_t byte;
+    while (uart_ready && read(pty, &byte, 1) == 1)
+        avr_raise_irq(uart_input, byte);
+}
+
+/* --- the MCU's troubles --- */
+
+static const uint8_t RJMP_TO_ITSELF[2] = {0xFF, 0xCF};
+static uint8_t replaced[2];
+static avr_flashaddr_t hung_at; /* 0: not hung */
+
+static void hang(void)
+{
+    if (hung_at)
+        return;
+    hung_at = avr->pc;
+    memcpy(replaced, avr->flash + hung_at, sizeof replaced);
+    memcpy(avr->flash + hung_at, RJMP_TO_ITSELF, sizeof replaced);
+}
+
+static void (*reset_core)(avr_t *);
+
+static void on_reset(avr_t *mcu)
+{
+    if (hung_at)
+        memcpy(mcu->flash + hung_at, replaced, sizeof replaced);
+    hung_at = 0;
+    if (reset_core)
+        reset_core(mcu);
+}
+
+/* --- the plant --- */
+
+static void obey(const char *line)
+{
+    long a, b, c, d;
+    const int given = sscanf(line, "in %ld %ld %ld %ld", &a, &b, &c, &d);
+    if (given == 4)
+        inputs = (struct plant){0, 0, 0, (int32_t)a, (int32_t)b, (int16_t)c, (uint16_t)d};
+    else if (given == 3)
+        inputs = (struct plant){0, 0, 0, (int32_t)a, 0, (int16_t)b, (uint16_t)c};
+    else if (strcmp(line, "reset") == 0)
+        avr_reset(avr);
+    else if (strcmp(line, "hang") == 0)
+        hang();
+    else
+        fprintf(stderr, "runner: what is '%s'?\n", line);
+}
+
+/* Whatever the parent has said; exits when it is gone. */
+static void listen_to_parent(void)
+{
+    static char line[128];
+    static size_t length;
+    char c;
+    ssize_t n;
+    while ((n = read(STDIN_FILENO, &c, 1)) == 1) {
+        if (c != '\n') {
+            if (length < sizeof line - 1)
+                line[length++] = c;
+            continue;
+        }
+        line[length] = 0;
+        length = 0;
+        obey(line);
+    }
+    if (n == 0)
+        exit(0);
+}
+
+static void tell_parent(void)
+{
+    char line[32];
+    const int n = snprintf(line, sizeof line, "out %ld\n", (long)plant->output_uA);
+    if (write(STDOUT_FILENO, line, (size_t)n) < 0 && errno != EAGAIN) /* does not read: it misses a tick */
+        fail("stdout");
+}
+
+static void exchange_plant(void)
+{
+    static uint8_t told;
+    if (!plant->taken) {
+        plant->first = inputs.first;
+        plant->second = inputs.second;
+        plant->temperature = inputs.temperature;
+        plant->hardware = inputs.hardware;
+    }
+    if (told != plant->tick)
+        tell_parent();
+    told = plant->tick;
+}
+
+/* --- time --- */
+
+static void no_sleep(avr_t *ignored, avr_cycle_count_t cycles)
+{
+    (void)ignored, (void)cycles; /* run() keeps the time */
+}
+
+/* Waits until `due`; gives up time that is lost for good, so that the MCU never runs faster than the world for long. */
+static void wait_until(struct timespec *due)
+{
+    struct timespec now;
+    due->tv_nsec += 1000000000L / STEPS_PER_s;
+    if (due->tv_nsec >= 1000000000L) {
+        due->tv_nsec -= 1000000000L;
+        due->tv_sec++;
+    }
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if ((now.tv_sec - due->tv_sec) * 1000000000L + now.tv_nsec - due->tv_nsec > BEHIND_MOST_ns)
+        *due = now;
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, due, NULL);
+}
+
+static void run_cycles(avr_cycle_count_t until)
+{
+    while (avr->cycle < until) {
+        const int state = avr_run(avr);
+        if (state == cpu_Done || state == cpu_Crashed) {
+            errno = 0;
+            fail("the firmware crashed");
+        }
+    }
+}
+
+static void run(bool paced)
+{
+    struct timespec due;
+    avr_cycle_count_t until = avr->cycle;
+    clock_gettime(CLOCK_MONOTONIC, &due);
+    for (;;) {
+        run_cycles(until += F_CPU / STEPS_PER_s);
+        exchange_plant();
+        feed_uart();
+        listen_to_parent();
+        if (paced)
+            wait_until(&due);
+    }
+}
+
+/* simavr says much on stdout, which is the parent's; what is wrong with the MCU shows as a crash. */
+static void say_nothing(avr_t *ignored, const int level, const char *format, va_list ap)
+{
+    (void)ignored, (void)level, (void)format, (void)ap;
+}
+
+static void load(const char *elf)
+{
+    elf_firmware_t firmware;
+    avr_global_logger_set(say_nothing);
+    memset(&firmware, 0, sizeof firmware);
+    avr = avr_make_mcu_by_name(MCU);
+    if (!avr || elf_read_firmware(elf, &firmware))
+        fail(elf);
+    avr_init(avr);
+    firmware.frequency = F_CPU;
+    avr_load_firmware(avr, &firmware);
+    avr->sleep = no_sleep;
+    reset_core = avr->reset;
+    avr->reset = on_reset;
+}
+
+int main(int argc, char **argv)
+{
+    const bool unpaced = argc > 1 && strcmp(argv[1], "--unpaced") == 0;
+    if (argc != 3 + unpaced)
+        fail("usage: runner [--unpaced] ELF PLANT_ADDRESS");
+    load(argv[1 + unpaced]);
+    plant = (volatile struct plant *)(avr->data + (strtoul(argv[2 + unpaced], NULL, 16) & 0xFFFFu));
+    open_pty();
+    connect_uart();
+    fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
+    fcntl(STDOUT_FILENO, F_SETFL, O_NONBLOCK);
+    run(!unpaced);
+}

@@ -1,0 +1,151 @@
+"""``python -m simulators --rig one_wire_twin``: both devices of a rig on ports of this machine.
+
+Says on one line of JSON where they are, serves until standard input ends, then lets the lease run out.
+"""
+
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from simulators.faults import Fault, Unplugged, load_faults
+from simulators.firmware import FirmwareAmplifier, FirmwareDaq, open_library
+from simulators.framing import Framing
+from simulators.line import Line
+from simulators.line_troubles import LineTroubles
+from simulators.lines import Lines
+from simulators.modbus import Rtu, Tcp
+from simulators.pace import LockStep, Pace, RealTime
+from simulators.server import Server
+from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
+from simulators.trace import Trace
+from simulators.transports import Port, Pty, TcpPort
+from simulators.world import AMPLIFIER, DAQ, World
+from smarig.config import RigFile, load_rig
+from smarig.errors import SmarigError, UsageError
+from smarig.model.actuator import Actuator
+from smarig.model.planted import from_pairs
+from smarig.rig.specimen import Specimen, TwinSettings
+from smarig.wire.register import load_map
+
+AFTER_LEASE = 5  # ticks for which the trip may be watched once the host is gone
+FRAMINGS = ("lines", "modbus_tcp", "modbus_rtu")
+FILE = click.Path(path_type=Path, dir_okay=False)
+FOLDER = click.Path(path_type=Path, file_okay=False)
+
+
+@click.command()
+@click.option("--rig", required=True, help="Rig file, by name or path.")
+@click.option(
+    "--framing", type=click.Choice(FRAMINGS), help="Of both devices; else the rig file's, or lines."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="As in smarig simulate.")
+@click.option("--lock-step", is_flag=True, help="Time waits for the host to ask for samples.")
+@click.option("--speed", type=click.FloatRange(min=1e-3, max=1e6), help="Times real time; 1 if not given.")
+@click.option("--faults", "faults_file", type=FILE, help="What goes wrong: TOML, see faults.py.")
+@click.option("--folder", type=FOLDER, help="Where ptys get names that outlive unplugging.")
+@click.option("--trace", "trace_file", type=FILE, help="CSV of every tick.")
+@click.option("--device-library", type=FILE, help="The C firmware in place of the Python devices.")
+def main(
+    rig: str,
+    framing: str | None,
+    seed: int,
+    effects: tuple[str, ...],
+    lock_step: bool,
+    speed: float | None,
+    faults_file: Path | None,
+    folder: Path | None,
+    trace_file: Path | None,
+    device_library: Path | None,
+) -> None:
+    """Simulated amplifier and encoder DAQ behind real bytes."""
+    try:
+        if lock_step and speed is not None:
+            raise UsageError("Time waits for the host (--lock-step) or passes by itself (--speed), not both.")
+        file = load_rig(rig)
+        faults = load_faults(faults_file) if faults_file else ()
+        framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
+        settings = TwinSettings(seed=seed, effects=from_pairs(effects))
+        world = _world(file, settings, faults, *_devices(framings, device_library))
+        trace = Trace(trace_file) if trace_file else None
+        lines = [_line(world, name, faults, folder) for name in framings]
+    except (SmarigError, OSError) as error:
+        click.echo(f"Error: {error}", err=True)
+        sys.exit(error.exit_status if isinstance(error, SmarigError) else UsageError.exit_status)
+
+    def tick() -> None:
+        world.tick()
+        if trace:
+            trace.write(world)
+
+    pace: Pace = (
+        LockStep(world, tick)
+        if lock_step
+        else RealTime(tick, file.period_s / (speed or 1.0), time.monotonic())
+    )
+    _serve(world, lines, pace, (file.lease_s + AFTER_LEASE * file.period_s) / (speed or 1.0))
+
+
+def _framing(file: RigFile, device: str, chosen: str | None) -> Framing:
+    link = getattr(file.links, device) if file.links else None
+    name = chosen or (link.framing if link else FRAMINGS[0])
+    address = (link.address if link else 0) or load_map(device).device.default_address
+    return {"lines": Lines(), "modbus_tcp": Tcp(address), "modbus_rtu": Rtu(address)}[name]
+
+
+def _devices(framings: dict[str, Framing], library: Path | None) -> tuple[AmplifierStation, DaqStation]:
+    if library is None:
+        return PythonAmplifier(framings[AMPLIFIER]), PythonDaq(framings[DAQ])
+    opened = open_library(library)
+    return FirmwareAmplifier(opened, framings[AMPLIFIER]), FirmwareDaq(opened, framings[DAQ])
+
+
+def _world(
+    file: RigFile,
+    settings: TwinSettings,
+    faults: Sequence[Fault],
+    amplifier: AmplifierStation,
+    daq: DaqStation,
+) -> World:
+    specimen = Specimen(file, Actuator.named(file.actuator), settings)
+    return World(specimen, amplifier, daq, file.period_s, file.encoder.counts_per_rev, faults)
+
+
+def _line(world: World, name: str, faults: Sequence[Fault], folder: Path | None) -> Line:
+    mine = [f for f in faults if f.device == name]
+    framing = world.station(name).framing
+    port: Port
+    if framing.name == "modbus_tcp":
+        port = TcpPort()
+    elif folder is None and any(isinstance(f, Unplugged) for f in mine):
+        raise UsageError(
+            "A pty that is unplugged comes back under another name; give --folder for a lasting one."
+        )
+    elif folder is None:
+        port = Pty()
+    else:
+        folder.mkdir(parents=True, exist_ok=True)
+        port = Pty(folder.resolve() / name)
+    return Line(name, port, framing, world, LineTroubles(mine))
+
+
+def _serve(world: World, lines: list[Line], pace: Pace, afterwards_s: float) -> None:
+    server = Server(world, lines, pace, sys.stdin.fileno(), afterwards_s)
+    signal.signal(signal.SIGTERM, lambda *_: server.stop())
+    where = {line.name: {"url": line.port.url} for line in lines}
+    click.echo(json.dumps({**where, "pid": os.getpid()}))
+    try:
+        server.run()
+    finally:
+        for line in lines:
+            line.port.unplug()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""One device's line: its port, its receivers, and what goes wrong between them. Requests out, replies in."""
+
+import heapq
+from itertools import count
+from typing import NamedTuple
+
+from simulators.framing import Framing, Receiver
+from simulators.line_troubles import LineTroubles
+from simulators.transports import Port
+from simulators.world import World
+
+FRAME_END_s = 0.002  # of silence: more than 3.5 characters, and what a computer can keep to
+
+
+class _Late(NamedTuple):
+    """A reply that is kept back; ``number`` keeps replies of one moment in order."""
+
+    due_s: float
+    number: int
+    channel: int
+    data: bytes
+
+
+class Line:
+    """Between a port and the device ``name`` of the world."""
+
+    def __init__(self, name: str, port: Port, framing: Framing, world: World, troubles: LineTroubles) -> None:
+        self.name, self.port = name, port
+        self._framing, self._world, self._troubles = framing, world, troubles
+        self._receivers: dict[int, Receiver] = {}
+        self._quiet_at_s: dict[int, float] = {}
+        self._late: list[_Late] = []
+        self._numbers = count()
+
+    def channels(self) -> list[int]:
+        """What to poll, after plugging or unplugging what is due."""
+        if self._troubles.plugged(self._world.time_s, self._world.exchanges[self.name]):
+            self.port.plug()
+        elif self.port.channels():
+            self.port.unplug()
+            self._receivers, self._quiet_at_s, self._late = {}, {}, []
+        return self.port.channels()
+
+    def requests(self, channel: int, now_s: float) -> list[bytes]:
+        """What is ready on a channel, as whole requests; an ended channel forgets what it had begun."""
+        data = self.port.read(channel)
+        if data is None:
+            self._receivers.pop(channel, None)
+            self._quiet_at_s.pop(channel, None)
+            return []
+        receiver = self._receivers.get(channel) or self._receivers.setdefault(
+            channel, self._framing.receiver()
+        )
+        whole = receiver.take(data)
+        if receiver.waits_for_silence:
+            self._quiet_at_s[channel] = now_s + FRAME_END_s
+        else:
+            self._quiet_at_s.pop(channel, None)
+        return whole
+
+    def arrived(self, request: bytes) -> list[bytes]:
+        """What of a request reaches the device."""
+        self._world.exchanges[self.name] += 1
+        return self._troubles.requests(request, *self._moment())
+
+    def send(self, channel: int, reply: bytes, now_s: float) -> None:
+        """A reply on its way to the host, now or late."""
+        for delay_s, data in self._troubles.replies(reply, *self._moment()):
+            if delay_s:
+                heapq.heappush(self._late, _Late(now_s + delay_s, next(self._numbers), channel, data))
+            else:
+                self.port.write(channel, data)
+
+    def due(self, now_s: float) -> list[tuple[int, bytes]]:
+        """Late replies go out; requests that silence has ended come back, by channel."""
+        while self._late and self._late[0].due_s <= now_s:
+            late = heapq.heappop(self._late)
+            if late.channel in self.port.channels():
+                self.port.write(late.channel, late.data)
+        quiet = [channel for channel, at_s in self._quiet_at_s.items() if at_s <= now_s]
+        return [
+            (channel, request)
+            for channel in quiet
+            if self._quiet_at_s.pop(channel)
+            for request in self._receivers[channel].silence()
+        ]
+
+    def next_due_s(self) -> float | None:
+        """When ``due`` has something to do."""
+        moments = [*self._quiet_at_s.values(), *(late.due_s for late in self._late[:1])]
+        return min(moments, default=None)
+
+    def _moment(self) -> tuple[float, int]:
+        return self._world.time_s, self._world.exchanges[self.name]

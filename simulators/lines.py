@@ -1,0 +1,90 @@
+"""The text framing, from the device's side: one line asks, one line answers.
+
+    w 0100 0001 0000 000F 4240 r 0000 000C *3B7A
+
+Refuses to know what registers mean.
+"""
+
+import re
+
+from simulators.framing import Heard
+from simulators.layout import BAD_CHECK, BAD_VALUE, NOT_READABLE, fits
+from smarig.wire.crc import crc16
+from smarig.wire.exchange import Exchange, Refusal
+
+LONGEST = 1000  # characters of a request
+
+_CHECKED = re.compile(rb"(?P<body>.*) \*(?P<check>[0-9A-Fa-f]{4})", re.DOTALL)
+_NUMBER = rb"[0-9A-Fa-f]{1,4}"
+_BODY = re.compile(rb"(?:w (?P<write>%b(?: %b)+))?(?P<both> (?=r))?(?:r (?P<read>%b %b))?" % ((_NUMBER,) * 4))
+
+
+class Lines:
+    """One device per line: no addresses."""
+
+    name = "lines"
+
+    def receiver(self) -> "LineReceiver":
+        """Cuts at the ends of lines."""
+        return LineReceiver()
+
+    def decode(self, request: bytes) -> Heard | None:
+        r"""A line without its ``\n``; empty ones are not answered."""
+        line = request.removesuffix(b"\r")
+        return Heard(_asks(line)) if line else None
+
+    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+        """Words in upper case, always with a check word."""
+        del heard
+        if isinstance(answer, Refusal):
+            body = f"! {answer.code:X}".encode()
+        else:
+            body = ("=" + "".join([f" {word:04X}" for word in answer])).encode()
+        return body + f" *{crc16(body):04X}\n".encode()
+
+
+def _asks(line: bytes) -> Exchange | Refusal:
+    if len(line) > LONGEST:
+        return Refusal(NOT_READABLE)
+    checked = _CHECKED.fullmatch(line)
+    if checked and crc16(checked["body"]) != int(checked["check"], 16):
+        return Refusal(BAD_CHECK)
+    body = _BODY.fullmatch(checked["body"] if checked else line)
+    if not body or not (body["write"] or body["read"]) or _glued(body):
+        return Refusal(NOT_READABLE)
+    write_at, *words = _numbers(body["write"]) or [0]
+    read_at, count = _numbers(body["read"]) or [0, 0]
+    if words and not checked:
+        return Refusal(BAD_CHECK)
+    exchange = Exchange(read_at, count, write_at, tuple(words))
+    if (body["read"] and not count) or not fits(exchange):
+        return Refusal(BAD_VALUE)
+    return exchange
+
+
+def _glued(body: re.Match) -> bool:
+    """One blank stands between the two parts, and only there."""
+    return bool(body["both"]) != bool(body["write"] and body["read"])
+
+
+def _numbers(text: bytes | None) -> list[int]:
+    return [int(number, 16) for number in (text or b"").split()]
+
+
+class LineReceiver:
+    """Collects characters until the line ends; keeps no more of a line than shows that it is too long."""
+
+    waits_for_silence = False
+
+    def __init__(self) -> None:
+        self._begun = b""
+
+    def take(self, data: bytes) -> list[bytes]:
+        """Whole lines without their ends."""
+        *lines, begun = (self._begun + data).split(b"\n")
+        self._begun = begun[: LONGEST + 2]  # one too many, and a carriage return
+        return lines
+
+    def silence(self) -> list[bytes]:
+        """A person may think as long as they like."""
+        return []

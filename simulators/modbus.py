@@ -1,0 +1,175 @@
+"""Modbus from the server's side: requests of functions 3, 16 and 23 and their replies, in RTU frames or over TCP.
+
+Refuses to know what registers mean, and which bytes were noise: what is not whole or not for this
+device is not answered.
+"""
+
+import struct
+
+from simulators.framing import Heard
+from simulators.layout import BAD_VALUE, NO_FUNCTION, fits
+from smarig.wire.crc import crc16
+from smarig.wire.exchange import Exchange, Refusal
+
+READ, WRITE, BOTH = 3, 16, 23
+LONGEST_PDU = 253
+LONGEST_FRAME = 256
+
+# Bytes of a request up to and with the count of data bytes, from the function on; READ has none.
+_HEAD = {READ: 5, WRITE: 6, BOTH: 10}
+
+
+def pdu_length(pdu: bytes) -> int | None:
+    """How long a request is by its own word; None where that cannot be known (yet)."""
+    head = _HEAD.get(pdu[0]) if pdu else None
+    if head is None or len(pdu) < head:
+        return None
+    return head if pdu[0] == READ else head + pdu[head - 1]
+
+
+def asks(pdu: bytes) -> Exchange | Refusal:
+    """What a request asks, from the function on."""
+    if pdu[0] not in _HEAD:
+        return Refusal(NO_FUNCTION)
+    if pdu_length(pdu) != len(pdu):
+        return Refusal(BAD_VALUE)
+    read_at = count = write_at = written = 0
+    if pdu[0] != WRITE:
+        read_at, count = struct.unpack_from(">HH", pdu, 1)
+    if pdu[0] != READ:
+        write_at, written, size = struct.unpack_from(">HHB", pdu, _HEAD[pdu[0]] - 5)
+        if size != 2 * written:
+            return Refusal(BAD_VALUE)
+    exchange = Exchange(
+        read_at, count, write_at, struct.unpack(f">{written}H", pdu[len(pdu) - 2 * written :])
+    )
+    missing = (pdu[0] != WRITE and not count) or (pdu[0] != READ and not written)
+    return Refusal(BAD_VALUE) if missing or not fits(exchange) else exchange
+
+
+def reply(request: bytes, answer: list[int] | Refusal) -> bytes:
+    """The reply to a request, both from the function on."""
+    if isinstance(answer, Refusal):
+        return bytes([request[0] | 0x80, answer.code])
+    if request[0] == WRITE:
+        return request[:5]
+    return struct.pack(f">BB{len(answer)}H", request[0], 2 * len(answer), *answer)
+
+
+class Rtu:
+    """Frames of one address with a check word."""
+
+    name = "modbus_rtu"
+
+    def __init__(self, address: int) -> None:
+        self.address = address
+
+    def receiver(self) -> "RtuReceiver":
+        """Cuts at the length that a frame says of itself, or at silence."""
+        return RtuReceiver()
+
+    def decode(self, request: bytes) -> Heard | None:
+        """Only whole frames for this address."""
+        if not 4 <= len(request) <= LONGEST_FRAME or request[0] != self.address or not _whole(request):
+            return None
+        pdu = request[1:-2]
+        return Heard(asks(pdu), pdu)
+
+    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+        """A frame from this address."""
+        frame = bytes([self.address]) + reply(heard.envelope, answer)
+        return frame + struct.pack("<H", crc16(frame))
+
+
+def _whole(frame: bytes) -> bool:
+    return crc16(frame[:-2]) == frame[-2] | frame[-1] << 8
+
+
+class RtuReceiver:
+    """Frames by their own length where the check word agrees; anything else waits for silence to end it."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+
+    @property
+    def waits_for_silence(self) -> bool:
+        """Something has begun."""
+        return bool(self._begun)
+
+    def take(self, data: bytes) -> list[bytes]:
+        """Frames that are whole already."""
+        self._begun += data
+        frames = []
+        while frame := self._first():
+            frames.append(frame)
+            self._begun = self._begun[len(frame) :]
+        self._begun = self._begun[: LONGEST_FRAME + 1]
+        return frames
+
+    def silence(self) -> list[bytes]:
+        """What stands there is one frame, good or bad."""
+        frame, self._begun = self._begun, b""
+        return [frame] if frame else []
+
+    def _first(self) -> bytes:
+        length = pdu_length(self._begun[1:])
+        frame = self._begun[: length + 3] if length else b""
+        return frame if length and len(frame) == length + 3 and _whole(frame) else b""
+
+
+class Tcp:
+    """Requests in MBAP headers: transaction, protocol 0, length, unit."""
+
+    name = "modbus_tcp"
+
+    def __init__(self, address: int) -> None:
+        self.address = address
+
+    def receiver(self) -> "MbapReceiver":
+        """Cuts by the header's length."""
+        return MbapReceiver()
+
+    def decode(self, request: bytes) -> Heard | None:
+        """Only for this unit; the header goes into the reply."""
+        if len(request) < 8 or request[6] != self.address or _mbap_length(request) != len(request):
+            return None
+        return Heard(asks(request[7:]), request)
+
+    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+        """With the transaction of the request."""
+        pdu = reply(heard.envelope[7:], answer)
+        return heard.envelope[:4] + struct.pack(">HB", len(pdu) + 1, self.address) + pdu
+
+
+def _mbap_length(header: bytes) -> int | None:
+    """Length of a whole request; None where this is no header."""
+    protocol, length = struct.unpack_from(">HH", header, 2)
+    return 6 + length if protocol == 0 and 2 <= length <= LONGEST_PDU + 1 else None
+
+
+class MbapReceiver:
+    """A stream of headers and requests; after a wrong header there is no telling where the next one is."""
+
+    waits_for_silence = False
+
+    def __init__(self) -> None:
+        self._begun = b""
+
+    def take(self, data: bytes) -> list[bytes]:
+        """Whole requests; what follows a wrong header is thrown away."""
+        self._begun += data
+        requests = []
+        while len(self._begun) >= 6:
+            length = _mbap_length(self._begun)
+            if length is None:
+                self._begun = b""
+                break
+            if len(self._begun) < length:
+                break
+            requests.append(self._begun[:length])
+            self._begun = self._begun[length:]
+        return requests
+
+    def silence(self) -> list[bytes]:
+        """TCP loses nothing: the rest will come."""
+        return []

@@ -1,0 +1,60 @@
+"""What an amplifier watches in each tick: measured current and voltage, heat, silence. Whole numbers, as the firmware.
+
+Knows settings by their register names. Refuses to know what is done about a cause.
+"""
+
+from collections.abc import Mapping
+
+IN_A_ROW = 3  # ticks, before contact faults are believed
+ENOUGH_uA = 50_000  # below it resistance says nothing
+MOST_HEAT = 2**32 - 1
+
+
+class Protection:
+    """Heat and counts of suspicious ticks; ``cause`` names the first fault of a tick, or none."""
+
+    def __init__(self) -> None:
+        self.heat = 0
+        self._rows = {"open": 0, "short": 0, "resistance": 0}
+
+    def warm(self, s: Mapping[str, int], current_uA: int) -> None:
+        """The i²t integral of one tick; it goes on whether armed or not."""
+        period_ms, settle_ms = s["period"], s["heat_settle"]
+        lost = self.heat if period_ms > settle_ms else self.heat * period_ms // settle_ms
+        current_mA = abs(current_uA) // 1000
+        self.heat = min(self.heat - lost + current_mA * current_mA * period_ms // 1000, MOST_HEAT)
+
+    def forget_rows(self) -> None:
+        """Three in a row are three while armed."""
+        self._rows = dict.fromkeys(self._rows, 0)
+
+    def cause(
+        self, s: Mapping[str, int], output_uA: int, current_uA: int, voltage_uV: int, stop: bool, silent: int
+    ) -> str:
+        """The first cause of a tick while armed, "" for none; ``silent``: ticks since anything was heard."""
+        self._count_rows(s, output_uA, abs(current_uA), abs(voltage_uV))
+        if stop:
+            return "stop"
+        beyond = max(s["current_max"], -s["current_min"]) // 20
+        if not s["current_min"] - beyond <= current_uA <= s["current_max"] + beyond:
+            return "over_current"
+        in_a_row = next((name for name, ticks in self._rows.items() if ticks >= IN_A_ROW), "")
+        if in_a_row:
+            return in_a_row
+        if self.heat > s["heat_max"]:
+            return "heat"
+        return "lease" if silent > lease_ticks(s) else ""
+
+    def _count_rows(self, s: Mapping[str, int], output_uA: int, current_uA: int, voltage_uV: int) -> None:
+        enough = current_uA >= ENOUGH_uA
+        seen = {
+            "open": abs(output_uA) >= ENOUGH_uA and 2 * current_uA < abs(output_uA),
+            "short": enough and 1000 * voltage_uV < s["resistance_min"] * current_uA,
+            "resistance": enough and 1000 * voltage_uV > s["resistance_max"] * current_uA,
+        }
+        self._rows = {name: self._rows[name] + 1 if now else 0 for name, now in seen.items()}
+
+
+def lease_ticks(s: Mapping[str, int]) -> int:
+    """How many ticks may pass in silence: to the nearest whole number, halves up, at least one."""
+    return max((2 * s["lease"] + s["period"]) // (2 * s["period"]), 1)

@@ -1,0 +1,81 @@
+"""Faults that act on what flows and on what is measured: the wire, the shunt, the encoder. Knows no bytes."""
+
+from collections.abc import Iterable
+
+from simulators.faults import (
+    DriftingShunt,
+    Fault,
+    JumpingEncoder,
+    OpenWire,
+    SlippingEncoder,
+    StuckEncoder,
+)
+from smarig.rig.specimen import Reading
+from smarig.wire.register import SPANS, load_map
+
+_FIELDS = {f.name: f for f in load_map("amplifier")["ring"].field}
+
+
+class WireTroubles:
+    """An open wire and a shunt that drifts."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self._open = tuple(f for f in faults if isinstance(f, OpenWire))
+        self._shunt = tuple(f for f in faults if isinstance(f, DriftingShunt))
+
+    def interrupted(self, time_s: float, exchange: int) -> OpenWire | None:
+        """The break in the wire, where there is one now."""
+        return next((f for f in self._open if f.active(time_s, exchange)), None)
+
+    def measured(self, reading: Reading, output_uA: int, time_s: float, exchange: int) -> Reading:
+        """What the amplifier sees of a reading."""
+        broken = self.interrupted(time_s, exchange)
+        if broken and output_uA:
+            volts = broken.supply_V if output_uA > 0 else -broken.supply_V
+            reading = reading._replace(voltage=_FIELDS["voltage"].encode(volts), saturated=True)
+        for f in self._shunt:
+            if f.active(time_s, exchange):
+                gain = 1 + f.gain_per_s * (time_s - f.from_s)
+                low, high = SPANS[_FIELDS["current"].type]
+                reading = reading._replace(current=min(max(round(reading.current * gain), low), high))
+        return reading
+
+
+class EncoderTroubles:
+    """An encoder that sticks, slips or jumps; what is lost stays lost."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        of_encoder = (StuckEncoder, SlippingEncoder, JumpingEncoder)
+        self._faults = tuple(f for f in faults if isinstance(f, of_encoder))
+        self._jumped: set[int] = set()
+        self._lost_counts = 0.0
+        self._held: int | None = None
+        self._before: int | None = None
+
+    def sample(self, raw_counts: int, time_s: float, exchange: int) -> int:
+        """What the encoder says at the end of a tick."""
+        stuck = False
+        moved = 0 if self._before is None else raw_counts - self._before
+        for number, f in enumerate(self._faults):
+            if not f.active(time_s, exchange):
+                continue
+            if isinstance(f, StuckEncoder):
+                stuck = True
+            elif isinstance(f, SlippingEncoder):
+                self._lost_counts += f.share * moved
+            elif isinstance(f, JumpingEncoder) and number not in self._jumped:
+                self._jumped.add(number)
+                self._lost_counts -= f.counts
+        self._before = raw_counts
+        if not stuck:
+            self._held = None
+        elif self._held is None:
+            self._held = self._true(raw_counts)
+        return self.now(raw_counts)
+
+    def now(self, raw_counts: int) -> int:
+        """What it says between two ticks."""
+        return self._true(raw_counts) if self._held is None else self._held
+
+    def _true(self, raw_counts: int) -> int:
+        return raw_counts - round(self._lost_counts)

@@ -1,0 +1,114 @@
+"""What both devices do alike: judge an exchange, carry it out or not at all, answer from registers.
+
+Knows maps, sequence words and ring windows. Refuses to know what orders and settings mean, and how words travel.
+"""
+
+from simulators.layout import Layout
+from simulators.ring import NOTHING_YET, Ring, Window
+from smarig.wire.exchange import Exchange, Refusal
+from smarig.wire.register import Map, load_map, to_words
+
+
+class RegisterDevice:
+    """A device with a map, a ring and no time of its own; ``accept`` answers, subclasses say what is done."""
+
+    def __init__(self, name: str, boot_count: int, ring_samples: int) -> None:
+        self.map: Map = load_map(name)
+        self._layout = Layout(self.map)
+        self._ring_samples = ring_samples
+        status = self.map.blocks["status"]
+        self._header = tuple((r.name, r.words) for r in status if not r.field)
+        self._window_words = status[-1].words
+        device = self.map.device
+        self._always = {"kind": device.kind, "version": device.version, "map_hash": self.map.hash}
+        self.boot(boot_count)
+
+    def boot(self, boot_count: int) -> None:
+        """Begin anew, with nothing remembered but how often that has happened."""
+        self.boot_count = boot_count & 0xFFFF
+        self.echo = 0
+        self.ring = Ring(self._ring_samples)
+        self.stored = {r.name: r.safe or 0 for r in self.map.registers.values() if r.access == "rw"}
+        self._window: Window = NOTHING_YET
+
+    @property
+    def newest_tick(self) -> int:
+        """Samples since boot."""
+        return self.ring.newest
+
+    def accept(self, exchange: Exchange) -> list[int] | Refusal:
+        """Write, then read; a refusal leaves everything as it was."""
+        refusal = self._layout.refuses(exchange)
+        if refusal is None and exchange.words:
+            refusal = self._write(exchange)
+        return refusal or self._read(exchange)
+
+    def _write(self, exchange: Exchange) -> Refusal | None:
+        values = self._layout.values(exchange)
+        if isinstance(values, Refusal):
+            return values
+        return self._command(values) if "sequence" in values else self._settings(values)
+
+    def _settings(self, values: dict[str, int]) -> Refusal | None:
+        refusal = self.refuses_settings()
+        if refusal is None:
+            self.stored.update(values)
+        return refusal
+
+    def _command(self, values: dict[str, int]) -> Refusal | None:
+        if values["sequence"] == self.echo:  # heard before: only the window may be another
+            values = {name: raw for name, raw in values.items() if name in ("ring_next", "ring_want")}
+        else:
+            refusal = self.refuses_command(values)
+            if refusal:
+                return refusal
+            self.carry_out(values)
+            self.echo = values["sequence"]
+        self.stored.update(values)
+        self.stored["order"] = self.map["order"].safe or 0  # done with; reads as none
+        self.heard()
+        self._window = self.ring.window(self.stored["ring_next"], self.stored["ring_want"])
+        return None
+
+    def _read(self, exchange: Exchange) -> list[int]:
+        if not exchange.count:
+            return []
+        block = self._layout.block(exchange.read_at)
+        words = self._status_words() if block == "status" else self.map.encode(block, self.stored)
+        at = exchange.read_at - self._layout.starts[block]
+        return words[at : at + exchange.count]
+
+    def _status_words(self) -> list[int]:
+        window = self._window
+        values = {
+            **self._always,
+            "echo": self.echo,
+            "boot_count": self.boot_count,
+            "tick": self.newest_tick,
+            "ring_first": window.first,
+            "ring_count": window.count,
+            **self.status(),
+        }
+        words: list[int] = []
+        for name, size in self._header:
+            words += to_words(values[name], size)
+        return words + window.words + [0] * (self._window_words - len(window.words))
+
+    def status(self) -> dict[str, int]:
+        """Registers of the status block that only this device has."""
+        raise NotImplementedError
+
+    def refuses_command(self, values: dict[str, int]) -> Refusal | None:
+        """Why what is written to the command block cannot be done now."""
+        raise NotImplementedError
+
+    def refuses_settings(self) -> Refusal | None:
+        """Why settings cannot be written now."""
+        return None
+
+    def carry_out(self, values: dict[str, int]) -> None:
+        """Do what a new command says."""
+        raise NotImplementedError
+
+    def heard(self) -> None:
+        """A sequence word was accepted, new or not."""

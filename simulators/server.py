@@ -1,0 +1,83 @@
+"""The one loop of a bench: bytes, ticks and the end of standard input, in one poll and without threads.
+
+Refuses to know framings, faults and physics.
+"""
+
+import contextlib
+import os
+import select
+import time
+from collections.abc import Sequence
+
+from simulators.line import Line
+from simulators.pace import Pace
+from simulators.world import World
+
+LONGEST_SLEEP_s = 0.1  # so that a stop by signal is noticed
+
+
+class Server:
+    """Serves until standard input has ended and ``afterwards_s`` have passed, or until ``stop``."""
+
+    def __init__(
+        self, world: World, lines: Sequence[Line], pace: Pace, host: int, afterwards_s: float
+    ) -> None:
+        self._world, self._lines, self._pace = world, lines, pace
+        self._host, self._afterwards_s = host, afterwards_s
+        self._end_s = float("inf")
+        self._stopped = False
+        self._poll = select.poll()
+        self._polled: dict[int, Line] = {}
+        self._poll.register(host, select.POLLIN)
+
+    def stop(self) -> None:
+        """As soon as the present round is done."""
+        self._stopped = True
+
+    def run(self) -> None:
+        """Rounds until the end."""
+        while not self._stopped and time.monotonic() < self._end_s:
+            self._listen()
+            events = self._poll.poll(1000 * self._sleep_s())
+            now_s = time.monotonic()
+            self._pace.catch_up(now_s)
+            for channel, _ in events:
+                self._serve(channel, now_s)
+            for line in self._lines:
+                for channel, request in line.due(now_s):
+                    self._answer(line, channel, request, now_s)
+
+    def _listen(self) -> None:
+        """Poll what is open now: ports come and go."""
+        wanted = {channel: line for line in self._lines for channel in line.channels()}
+        if wanted.keys() == self._polled.keys():
+            return
+        for channel in self._polled.keys() - wanted.keys():
+            with contextlib.suppress(KeyError):
+                self._poll.unregister(channel)
+        for channel in wanted.keys() - self._polled.keys():
+            self._poll.register(channel, select.POLLIN)
+        self._polled = wanted
+
+    def _sleep_s(self) -> float:
+        moments = [self._pace.next_due_s(), *(line.next_due_s() for line in self._lines)]
+        first_s = min((m for m in moments if m is not None), default=float("inf"))
+        return min(max(first_s - time.monotonic(), 0), LONGEST_SLEEP_s)
+
+    def _serve(self, channel: int, now_s: float) -> None:
+        line = self._polled.get(channel)
+        if line is not None:
+            for request in line.requests(channel, now_s):
+                self._answer(line, channel, request, now_s)
+        elif channel == self._host and not os.read(self._host, 4096):
+            self._poll.unregister(self._host)
+            self._pace.host_gone(now_s)
+            self._end_s = now_s + self._afterwards_s
+
+    def _answer(self, line: Line, channel: int, request: bytes, now_s: float) -> None:
+        for arrived in line.arrived(request):
+            self._pace.heard(now_s)
+            self._pace.asked(line.name, arrived)
+            reply = self._world.answer(line.name, arrived)
+            if reply is not None:
+                line.send(channel, reply, now_s)

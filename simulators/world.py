@@ -1,0 +1,149 @@
+"""One bench: a wire, an amplifier that heats it, an encoder that watches it, and one time for all.
+
+``tick`` lets a period pass; ``answer`` carries one request to a device. When ticks happen is decided in pace.py.
+Knows readings and faults. Refuses to know ports and wall time.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from simulators.amplifier import SATURATED
+from simulators.encoder_daq import INDEX
+from simulators.faults import BrownOut, ClockDrift, Fault, Reboot
+from simulators.reading_troubles import EncoderTroubles, WireTroubles
+from simulators.station import AmplifierStation, DaqStation, Station
+from smarig.rig.specimen import Reading
+from smarig.wire.exchange import Exchange
+from smarig.wire.register import load_map
+
+AMPLIFIER, DAQ = "amplifier", "encoder_daq"
+
+
+class Wire(Protocol):
+    """The physics: smarig.rig.specimen.Specimen, or a test's own."""
+
+    def advance(self, output_A: float) -> Reading:
+        """A tick with this output."""
+        ...
+
+    def counts_now(self) -> int:
+        """Where the encoder stands."""
+        ...
+
+
+class Power:
+    """Reboots, brown-outs and the pace of one device's clock."""
+
+    def __init__(self, faults: Sequence[Fault], name: str) -> None:
+        mine = [f for f in faults if f.device == name]
+        self._drifts = tuple(f for f in mine if isinstance(f, ClockDrift))
+        self._cuts = tuple(f for f in mine if isinstance(f, BrownOut))
+        self._reboots = [f for f in mine if isinstance(f, Reboot)]
+        self._phase = 0.0
+        self._boots = 1
+        self.on = True
+
+    def look(self, station: Station, time_s: float, exchange: int) -> bool:
+        """Boot the device where it is time to; whether it did."""
+        due = [f for f in self._reboots if f.active(time_s, exchange)]
+        self._reboots = [f for f in self._reboots if f not in due]
+        was_on = self.on
+        self.on = not any(f.active(time_s, exchange) for f in self._cuts)
+        booted = bool(due) or (self.on and not was_on)
+        if booted:
+            self._boots += 1
+            station.boot(self._boots)
+        return booted
+
+    def ticks(self, time_s: float, exchange: int) -> int:
+        """How many periods of its own clock pass in one of the bench's."""
+        if not self.on:
+            return 0
+        self._phase += 1 + 1e-6 * sum(f.ppm for f in self._drifts if f.active(time_s, exchange))
+        whole = int(self._phase + 1e-9)
+        self._phase -= whole
+        return whole
+
+
+class World:
+    """Both devices on one wire. ``faults`` act on readings and power; those on bytes belong to the ports."""
+
+    def __init__(
+        self,
+        wire: Wire,
+        amplifier: AmplifierStation,
+        daq: DaqStation,
+        period_s: float,
+        counts_per_rev: int,
+        faults: Sequence[Fault] = (),
+    ) -> None:
+        self.amplifier, self.daq = amplifier, daq
+        self.period_s, self._counts_per_rev = period_s, counts_per_rev
+        self.ticks = 0
+        self.exchanges = {AMPLIFIER: 0, DAQ: 0}
+        self.flowed_uA = 0
+        self.raw_counts = wire.counts_now()
+        self._wire = wire
+        self._amperes = load_map(AMPLIFIER)["output"].value
+        self._stations: dict[str, Station] = {AMPLIFIER: amplifier, DAQ: daq}
+        self._power = {name: Power(faults, name) for name in self._stations}
+        self._wire_troubles, self._encoder_troubles = WireTroubles(faults), EncoderTroubles(faults)
+        self._show_place()
+
+    @property
+    def time_s(self) -> float:
+        """Device time since power-up."""
+        return self.ticks * self.period_s
+
+    def station(self, name: str) -> Station:
+        """A device by its map's name."""
+        return self._stations[name]
+
+    def decoded(self, name: str, request: bytes) -> Exchange | None:
+        """What a request asks of a device, if it is an exchange at all."""
+        heard = self._stations[name].framing.decode(request)
+        return heard.asks if heard and isinstance(heard.asks, Exchange) else None
+
+    def answer(self, name: str, request: bytes) -> bytes | None:
+        """One request arrives; the reply, or silence."""
+        self._look(name)
+        return self._stations[name].answer(request) if self._power[name].on else None
+
+    def tick(self) -> None:
+        """A period passes: the output flows, the wire answers, both devices measure."""
+        for name in self._stations:
+            self._look(name)
+        output_uA = self.amplifier.output_uA if self._power[AMPLIFIER].on else 0
+        broken = self._wire_troubles.interrupted(*self._moment(AMPLIFIER))
+        self.flowed_uA = 0 if broken else output_uA
+        reading = self._wire.advance(self._amperes.decode(self.flowed_uA))
+        self._tick_amplifier(reading, output_uA)
+        self._tick_daq(reading)
+        self.ticks += 1
+
+    def _tick_amplifier(self, reading: Reading, output_uA: int) -> None:
+        moment = self._moment(AMPLIFIER)
+        seen = self._wire_troubles.measured(reading, output_uA, *moment)
+        for _ in range(self._power[AMPLIFIER].ticks(*moment)):
+            hardware = SATURATED if seen.saturated else 0
+            self.amplifier.tick(seen.current, seen.voltage, seen.temperature, hardware)
+
+    def _tick_daq(self, reading: Reading) -> None:
+        moment = self._moment(DAQ)
+        turn = self.raw_counts // self._counts_per_rev
+        self.raw_counts = self._encoder_troubles.sample(reading.counts, *moment)
+        index = INDEX if self.raw_counts // self._counts_per_rev != turn else 0
+        for _ in range(self._power[DAQ].ticks(*moment)):
+            self.daq.tick(self.raw_counts, reading.ambient, index)
+        self._show_place()
+
+    def _look(self, name: str) -> None:
+        booted = self._power[name].look(self._stations[name], *self._moment(name))
+        if booted and name == DAQ:
+            self._show_place()
+
+    def _show_place(self) -> None:
+        self.daq.now(self._encoder_troubles.now(self._wire.counts_now()))
+
+    def _moment(self, name: str) -> tuple[float, int]:
+        return self.time_s, self.exchanges[name]

@@ -1,0 +1,111 @@
+"""Example of a foreign instrument: a laboratory supply in constant-current mode, SCPI text over a serial port.
+
+It has no lease: if the host dies, the current stays on. So it may drive a wire only behind an independent cut-out
+(docs/rig.md), and an operator at the bench. Copy this file for another instrument; its name goes into the rig file.
+"""
+
+import contextlib
+
+import serial
+
+from smarig.config import LinkFile, RigFile
+from smarig.drivers.roles import CurrentReading
+from smarig.errors import ConfigError
+from smarig.links.serial_line import GONE
+from smarig.sample import NAN, Quality
+from smarig.wire.blame import Garbled, Silent, WrongDevice
+
+HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
+
+
+def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
+    """The supply of a rig file: identified, off, its voltage limited."""
+    if rig.protection is None or rig.limits.current_min_A < 0:
+        raise ConfigError(
+            f"Rig '{rig.name}': a supply drives one way only, and needs [protection] for its voltage."
+        )
+    volts = HEADROOM * rig.limits.current_max_A * rig.protection.resistance_max_ohm
+    return ScpiSupply(where, volts)
+
+
+class ScpiSupply:
+    """``CURR``, ``MEAS:CURR?``, ``MEAS:VOLT?``, ``OUTP``; it measures when it is asked, and counts no ticks."""
+
+    def __init__(self, where: LinkFile, voltage_V: float) -> None:
+        self.where = where.url
+        try:
+            self._port = serial.serial_for_url(
+                where.url, where.baud, timeout=where.timeout_s, write_timeout=where.timeout_s
+            )
+        except GONE as error:
+            raise Silent(f"{where.url} cannot be opened: {error}. {Silent.remedy}") from None
+        self.tripped = ""
+        self._voltage_V = voltage_V
+        self.identity = self._ask("*IDN?")
+        if self.identity.count(",") < 2:
+            raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
+        self.arm()
+
+    def arm(self) -> None:
+        """Off, at zero current, its voltage limited."""
+        self.off()
+        self._say(f"VOLT {self._voltage_V:.3f}")
+
+    def set(self, current_A: float) -> None:
+        """Set and switched on; what it took is read back."""
+        self._say(f"CURR {current_A:.6f}")
+        self._say("OUTP ON")
+        taken = self._number("CURR?")
+        if abs(taken - current_A) > 2e-3:
+            self.off()
+            raise Garbled(
+                f"{self.where} took {taken:g} A where {current_A:g} A were asked for. {Garbled.remedy}"
+            )
+
+    def since(self, tick: int, at_most: int) -> list[CurrentReading]:
+        """One measurement for all these ticks; all but the last are marked as stale."""
+        current_A, voltage_V = self._number("MEAS:CURR?"), self._number("MEAS:VOLT?")
+        marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
+        return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
+
+    def tick(self) -> int:
+        """It counts none."""
+        return 0
+
+    def off(self) -> str:
+        """Zero, then off. Without a lease, nobody else does it."""
+        try:
+            self._say("CURR 0")
+            self._say("OUTP OFF")
+        except Silent:
+            return f"The supply at {self.where} could not be told to switch off, and has no lease: do it by hand, now."
+        return ""
+
+    def close(self) -> None:
+        """Let go of the port."""
+        with contextlib.suppress(*GONE):
+            self._port.close()
+
+    def _say(self, text: str) -> None:
+        try:
+            self._port.write(f"{text}\n".encode())
+        except GONE as error:
+            raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
+
+    def _ask(self, text: str) -> str:
+        try:
+            self._port.reset_input_buffer()
+            self._say(text)
+            answer = self._port.read_until(b"\n", 256)
+        except GONE as error:
+            raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
+        if not answer.endswith(b"\n"):
+            raise Silent(f"{self.where} gives no answer to {text}. {Silent.remedy}")
+        return answer.decode("ascii", "replace").strip()
+
+    def _number(self, question: str) -> float:
+        answer = self._ask(question)
+        try:
+            return float(answer)
+        except ValueError:
+            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}") from None

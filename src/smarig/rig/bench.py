@@ -1,0 +1,195 @@
+"""The bench: a current source and an encoder on separate lines, joined by their ticks into samples.
+
+    source tick of encoder tick k = k + offset        offset: read when both were opened, then followed
+
+In lock-step (simulated devices) asking is what lets time pass; on hardware the bench waits for the next tick. Knows the
+roles of instruments and no registers; limits are the guard's and the devices' business.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable
+
+from smarig.config import RigFile
+from smarig.drivers.roles import CurrentReading, CurrentSource, PositionReading, PositionSensor
+from smarig.errors import LeaseExpired
+from smarig.model.actuator import Actuator
+from smarig.rig.rig import Alarm
+from smarig.sample import Quality, Sample
+from smarig.wire.blame import Silent
+
+COMPARED = 300  # ticks between two looks at both clocks
+BLOCK = 16  # samples that are fetched at once
+WAITS_S = 1.0  # until devices in lock-step take us for gone
+PATIENCE_S = 2.0  # without a sample, before the sensor counts as dead
+
+
+class Bench:
+    """A rig behind instruments.
+
+    ``speed``: device seconds per second of the clock, 0 where devices wait for us (lock-step).
+    """
+
+    def __init__(
+        self,
+        rig: RigFile,
+        actuator: Actuator,
+        source: CurrentSource,
+        sensor: PositionSensor,
+        *,
+        speed: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.file, self.actuator = rig, actuator
+        self.source, self.sensor = source, sensor
+        self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
+        self.lock_step = speed == 0
+        self._tick_s = 0.0 if self.lock_step else rig.period_s / speed
+        lease = round(rig.lease_s / rig.period_s)
+        self._block = max(1, min(BLOCK, lease - 1)) if self.lock_step else BLOCK  # nothing is said meanwhile
+        self._clock, self._sleep = clock, sleep
+        self.tick = sensor.tick()
+        self._offset = source.tick() - self.tick
+        self._compare_at = self.tick + COMPARED
+        self._due_s = clock()
+        self._sent_A = 0.0
+        self._before: deque[tuple[int, float]] = deque()  # last tick of a current, and the current
+        self._last: CurrentReading | None = None
+        self._alarms: list[Alarm] = []
+        self._tripped = ""
+        self.untold = ""  # why the source may not know that it is to be off
+
+    @property
+    def period_s(self) -> float:
+        """Length of a tick."""
+        return self.file.period_s
+
+    def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
+        """Apply a current from the next tick on; the samples since the last call, at least one."""
+        if self._tripped:
+            raise LeaseExpired(self._tripped)
+        if current_A != self._sent_A:
+            self._set(current_A)
+        positions = self._positions(min(at_most, self._block))
+        currents = self._currents(positions)
+        self.tick = positions[-1].tick
+        if self._tick_s and self.tick >= self._compare_at:
+            self._follow()
+        samples = tuple(self._joined(p, c) for p, c in zip(positions, currents))
+        if self.source.tripped and samples[-1].quality & Quality.TRIPPED:  # what came before it has been told
+            self._tripped = self.source.tripped
+        return samples
+
+    def _set(self, current_A: float) -> None:
+        """Send it, and keep which current was set before: samples that are still to be read are from then."""
+        last = self.source.set(current_A)
+        if last is not None:
+            self._before.append((last - self._offset, self._sent_A))
+        self._sent_A = current_A
+
+    def _set_at(self, tick: int) -> float:
+        """The current that was set in a tick; those before it are forgotten."""
+        while self._before and self._before[0][0] < tick:
+            self._before.popleft()
+        return self._before[0][1] if self._before else self._sent_A
+
+    def _positions(self, at_most: int) -> list[PositionReading]:
+        """What the encoder read since; waits for its next tick where time passes by itself."""
+        wanted = at_most if self.lock_step else self._block
+        self._due_s += self._tick_s
+        wait_s = self._due_s - self._clock()
+        if wait_s > 0:
+            self._sleep(wait_s)
+        give_up_s = self._clock() + PATIENCE_S
+        while True:
+            found = self.sensor.since(self.tick + 1, wanted)
+            if found:
+                break
+            if self._clock() > give_up_s:
+                raise Silent(f"The encoder gives no new sample in {PATIENCE_S:g} s. {Silent.remedy}")
+            self._due_s = self._clock() + self._tick_s / 8  # it is a little behind our clock: fall in with it
+            self._sleep(self._tick_s / 8)
+        lost = found[0].tick - self.tick - 1
+        if lost:
+            self._alarms.append(
+                Alarm(
+                    "warning", "lost", f"{lost} samples were lost: the encoder's ring was not read in time."
+                )
+            )
+        return found
+
+    def _currents(self, positions: list[PositionReading]) -> list[CurrentReading]:
+        """What the source measured in the same ticks; where it has none, the last, marked as stale."""
+        first = positions[0].tick + self._offset
+        by_tick: dict[int, CurrentReading] = {}
+        for attempt in range(3):
+            more = self.source.since(first + len(by_tick), len(positions) - len(by_tick))
+            by_tick |= {c.tick - self._offset: c for c in more}
+            if all(p.tick in by_tick for p in positions) or not self._tick_s:
+                break
+            self._sleep(self._tick_s / 4 if attempt < 2 else 0)
+        found = []
+        for p in positions:
+            reading = by_tick.get(p.tick)
+            if reading is None:
+                last = self._last or CurrentReading(0, float("nan"), float("nan"), float("nan"), Quality.GOOD)
+                reading = last._replace(quality=last.quality | Quality.STALE)
+                self._offset = min(self.source.tick() - p.tick, self._offset)  # its clock is slower
+            self._last = reading
+            found.append(reading)
+        return found
+
+    def _follow(self) -> None:
+        """Two clocks differ a little: now and then, see by how many ticks; one is where they happened to be read."""
+        self._compare_at = self.tick + COMPARED
+        ahead = self.source.tick() - self.sensor.tick() - self._offset
+        if abs(ahead) > 1:
+            self._offset += ahead - (1 if ahead > 0 else -1)
+
+    def _joined(self, p: PositionReading, c: CurrentReading) -> Sample:
+        return Sample(
+            p.tick,
+            p.tick * self.file.period_s,
+            self._set_at(p.tick),
+            c.current_A,
+            c.voltage_V,
+            c.temperature_degC,
+            p.counts,
+            p.counts * self.position_per_count,
+            p.ambient_degC,
+            int(p.quality | c.quality),
+        )
+
+    def alarms(self) -> list[Alarm]:
+        """What happened since the last call."""
+        alarms, self._alarms = self._alarms, []
+        return alarms
+
+    def zero(self) -> None:
+        """Zero the encoder where it stands."""
+        self.sensor.zero()
+
+    def idle(self, seconds: float) -> None:
+        """Say nothing for so long: the lease must end what flows. Devices that wait for us do so for a second only."""
+        self._sleep(seconds + WAITS_S if self.lock_step else seconds * self._tick_s / self.period_s)
+        self._due_s = self._clock()
+
+    def identity(self) -> list[str]:
+        """Who answers, a line for each device."""
+        return [self.source.identity, self.sensor.identity]
+
+    def arm(self) -> None:
+        """Clear a trip; the output stays at zero until the next step."""
+        self.source.arm()
+        self._sent_A, self._tripped = 0.0, ""
+
+    def safe(self) -> None:
+        """Current to zero. Never raises; the lease does it where no line does."""
+        self._sent_A = 0.0
+        self.untold = self.source.off()
+
+    def close(self) -> None:
+        """Let go of both lines."""
+        self.source.close()
+        self.sensor.close()

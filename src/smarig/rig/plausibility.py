@@ -1,0 +1,122 @@
+"""Do the readings of a rig agree with each other? Trips and warnings from derived quantities, once a tick.
+
+Measured against the wire's own constants and the travel of its hysteresis, as rough as a wire is allowed to differ from
+them. Knows samples; refuses to know devices, and what to do about it: that is the guard's.
+"""
+
+import math
+
+from smarig.config import RigFile
+from smarig.model.actuator import Actuator
+from smarig.preisach.gorbet_1997 import surface
+from smarig.rig.rig import Alarm
+from smarig.sample import Quality, Sample
+
+REST_TAUS = 12.0  # until a wire is at rest, whatever it was before, and whatever its sensors lag behind
+IN_A_ROW = 3  # samples: one may be wrong by itself
+FLOWING_A = 0.05  # less says nothing of a resistance
+READ_BACK = 0.05  # of the largest current: set-point against read-back
+RESISTANCE = (0.5, 2.0)  # times the least and the largest of the wire: beyond is told
+JUMP = 0.25  # of the travel within one tick: no wire is so fast
+STILL = 0.03  # of the travel: no motion
+SLIPPED = 0.25  # of the travel, while the input stays
+STAYS = 0.05  # of the range
+COLD, HOT = 0.2, 0.8  # of the range: heated through
+
+_TRUST = int(Quality.STALE | Quality.TRIPPED)
+
+
+class Plausibility:
+    """``looked(sample, input_K)``: what is wrong with a sample, worst first; errors are reasons to trip."""
+
+    def __init__(self, rig: RigFile, actuator: Actuator) -> None:
+        limits, heating = rig.limits, actuator.file.heating
+        self._largest_A = max(limits.current_max_A, -limits.current_min_A)
+        self._saturation_A = rig.amplifier.saturation_A
+        low, high = heating.resistance_austenite.value, heating.resistance_martensite.value
+        self._ohm = RESISTANCE[0] * min(low, high), RESISTANCE[1] * max(low, high)
+        h = surface(actuator.file.hysteresis.surface)
+        self._range_K = h.upper - h.lower
+        self._lower_K = h.lower
+        travel = abs(h.y_upper - h.y_lower)
+        self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
+        self._last: int | None = None
+        self._rows = {"read_back": 0, "resistance": 0}
+        self._cold_counts: int | None = None  # extent of the position since the wire was last cold
+        self._extent = (0, 0)
+        self._rest = (0.0, 0)  # input and counts where the input came to rest
+        self._rests_after = self._coming = round(REST_TAUS * actuator.tau_s / rig.period_s)  # ticks
+
+    def zeroed(self) -> None:
+        """The encoder counts from here on: what was before says nothing."""
+        self._last = self._cold_counts = None
+
+    def rearmed(self) -> None:
+        """A trip was cleared: what is still wrong must be able to trip again."""
+        self._rows = dict.fromkeys(self._rows, 0)
+        self.zeroed()
+
+    def looked(self, sample: Sample, input_K: float) -> list[Alarm]:
+        """Errors and warnings that this sample is the first to show."""
+        if sample.quality & _TRUST or math.isnan(sample.current_A):
+            return []
+        found = [*self._electrical(sample), *self._motion(sample.counts, input_K)]
+        self._last = sample.counts
+        return found
+
+    def _electrical(self, s: Sample) -> list[Alarm]:
+        asked = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
+        off = abs(s.current_A - asked) > READ_BACK * self._largest_A and not s.quality & Quality.SATURATED
+        ohm = s.voltage_V / s.current_A if abs(s.current_A) >= FLOWING_A else math.nan
+        found = []
+        if self._row("read_back", off):
+            text = f"{s.current_A:.3g} A flow where {asked:.3g} A are set: check amplifier and shunt."
+            found.append(Alarm("error", "read_back", text))
+        if self._row("resistance", not (math.isnan(ohm) or self._ohm[0] <= ohm <= self._ohm[1])):
+            low, high = self._ohm
+            text = f"The wire has {ohm:.3g} ohm, outside {low:.3g}…{high:.3g}: look at clamps and wire."
+            found.append(Alarm("error", "resistance", text))
+        return found
+
+    def _row(self, name: str, wrong: bool) -> bool:
+        """Whether it is wrong for the third time in a row just now."""
+        self._rows[name] = self._rows[name] + 1 if wrong else 0
+        return self._rows[name] == IN_A_ROW
+
+    def _motion(self, counts: int, input_K: float) -> list[Alarm]:
+        if self._last is not None and abs(counts - self._last) > JUMP * self._travel:
+            text = f"The encoder jumped by {counts - self._last} counts in one tick: check cable and disc."
+            self._rest = (input_K, counts)
+            return [Alarm("error", "jump", text)]
+        found = self._heated_through(counts, (input_K - self._lower_K) / self._range_K)
+        return found + self._slipped(counts, input_K)
+
+    def _slipped(self, counts: int, input_K: float) -> list[Alarm]:
+        """Once a wire and slow sensors have had time to come to rest, they stay there while the input does."""
+        if self._last is None or abs(input_K - self._rest[0]) > STAYS * self._range_K:
+            self._rest, self._coming = (input_K, counts), self._rests_after
+        if self._coming > 0:
+            self._coming -= 1
+            self._rest = (self._rest[0], counts)
+        moved = counts - self._rest[1]
+        if abs(moved) <= SLIPPED * self._travel:
+            return []
+        self._rest = (input_K, counts)
+        text = f"The position moved by {moved} counts without heating: is the wire slipping?"
+        return [Alarm("error", "slip", text)]
+
+    def _heated_through(self, counts: int, share: float) -> list[Alarm]:
+        """From cold to hot the wire must move."""
+        if share < COLD:
+            self._cold_counts, self._extent = counts, (counts, counts)
+        low, high = self._extent
+        self._extent = low, high = min(low, counts), max(high, counts)
+        if share < HOT or self._cold_counts is None:
+            return []
+        self._cold_counts = None
+        if high - low >= STILL * self._travel:
+            return []
+        text = (
+            "The wire was heated through and did not move: is the encoder stuck or off, or the wire broken?"
+        )
+        return [Alarm("error", "still", text)]

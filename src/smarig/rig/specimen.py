@@ -1,0 +1,141 @@
+"""The wire on its rig, in software: plant and instruments, one tick at a time, in the words that instruments say.
+
+Behind the in-process twin and behind the simulated devices alike, so that both say the same. Readings are the whole
+numbers of ``firmware_protocol``: what is finer than a register is lost here already.
+Knows no commands, leases or links.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from smarig.config import RigFile
+from smarig.errors import UsageError
+from smarig.model.actuator import Actuator
+from smarig.model.effect import Effect
+from smarig.model.plant import Plant
+from smarig.model.planted import mystery
+from smarig.preisach.everett import Everett
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Initial
+from smarig.rig.noise import Noise
+from smarig.wire.register import load_map
+
+_COUNTS, _CURRENT, _VOLTAGE, _DRAUGHT = range(4)
+
+
+@dataclass(frozen=True)
+class TwinSettings:
+    """What may differ between two twins of one rig file."""
+
+    seed: int = 0
+    noise: bool = True
+    hysteresis: Everett | None = None
+    initial: Initial | None = None
+    effects: Sequence[Effect] = ()
+
+
+class Reading(NamedTuple):
+    """What the instruments of one tick read, as registers hold it; ``counts`` since power-up."""
+
+    current: int
+    voltage: int
+    counts: int
+    ambient: int
+    temperature: int
+    saturated: bool
+
+
+class Scales(NamedTuple):
+    """Words per unit of a reading."""
+
+    per_A: float
+    per_V: float
+    per_degC: float
+    no_temperature: int
+
+
+def scales() -> Scales:
+    """Of the registers that readings go into."""
+    amplifier = {f.name: f for f in load_map("amplifier")["ring"].field}
+    ambient = next(f for f in load_map("encoder_daq")["ring"].field if f.name == "ambient")
+    none = amplifier["temperature"].none
+    return Scales(
+        amplifier["current"].per_unit,
+        amplifier["voltage"].per_unit,
+        ambient.per_unit,
+        none if none is not None else 0,
+    )
+
+
+class Specimen:
+    """A wire with its amplifier's output, its encoder and its thermometer; ``advance`` lets a tick pass."""
+
+    def __init__(self, rig: RigFile, actuator: Actuator, settings: TwinSettings) -> None:
+        if settings.seed < 0:
+            raise UsageError(f"Seed {settings.seed} is negative; give a whole number from 0 up.")
+        self.tick = 0
+        self.file, self.actuator = rig, actuator
+        hysteresis = actuator.file.hysteresis
+        hidden = mystery(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
+        self.plant = Plant(
+            actuator,
+            settings.hysteresis or surface(hysteresis.surface),
+            settings.initial or hysteresis.initial,
+            rig.period_s,
+            (*hidden, *settings.effects),
+        )
+        self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
+        self._scales = scales()
+        self._noise = [Noise(settings.seed, channel) for channel in range(4)]
+        scale = 1.0 if settings.noise else 0.0
+        self._sd_counts = scale * rig.encoder.noise_counts
+        self._sd_A = scale * rig.amplifier.current_noise_A
+        self._sd_V = scale * rig.amplifier.voltage_noise_V
+        self._sd_K = scale * rig.temperature_noise_K
+        self._draught_K, self._draught_decay = 0.0, math.exp(-rig.period_s / rig.temperature_noise_time_s)
+        self._power_up = math.floor(self._place() + 0.5)  # an incremental encoder begins at 0 where it stands
+        self._least_A = -rig.amplifier.saturation_A if actuator.two_wire else 0.0
+
+    def flowing(self, output_A: float) -> float:
+        """What the amplifier can drive of what is asked of it."""
+        return min(max(output_A, self._least_A), self.file.amplifier.saturation_A)
+
+    def advance(self, output_A: float) -> Reading:
+        """One tick with a current asked of the amplifier, and what was read in it."""
+        self.tick = tick = self.tick + 1
+        flowing = self.flowing(output_A)
+        if self._sd_K:
+            kick = self._noise[_DRAUGHT].at(tick) * math.sqrt(1 - self._draught_decay**2)
+            self._draught_K = self._draught_K * self._draught_decay + self._sd_K * kick
+        self.plant.step(flowing, self._draught_K)
+        counts = self.plant.sensed(self._place())
+        if self._sd_counts:
+            counts += self._sd_counts * self._noise[_COUNTS].at(tick)
+        current = self.plant.current(flowing)
+        measured = current + self._sd_A * self._noise[_CURRENT].at(tick) if self._sd_A else current
+        voltage = current * self._resistance_ohm(current)
+        if self._sd_V:
+            voltage += self._sd_V * self._noise[_VOLTAGE].at(tick)
+        s = self._scales
+        return Reading(
+            round(measured * s.per_A),
+            round(voltage * s.per_V),
+            math.floor(counts + 0.5) - self._power_up,
+            round((self.file.ambient_degC + self.plant.now.ambient_K) * s.per_degC),
+            s.no_temperature,
+            flowing != output_A,
+        )
+
+    def counts_now(self) -> int:
+        """Where the encoder stands since power-up, without noise."""
+        return math.floor(self._place() + 0.5) - self._power_up
+
+    def _place(self) -> float:
+        return self.plant.position / self.position_per_count
+
+    def _resistance_ohm(self, current_A: float) -> float:
+        austenite = self.plant.austenite
+        factor = self.plant.now.resistance
+        return factor * self.actuator.resistance_at_ohm(1 - austenite if current_A < 0 else austenite)

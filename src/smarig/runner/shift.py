@@ -1,0 +1,20 @@
+"""Ticks and counts of a device that started anew, told as those of an earlier record are. Knows samples only."""
+
+from dataclasses import dataclass
+
+from smarig.sample import Sample
+
+
+@dataclass
+class Shift:
+    """What is added to a device's ticks and counts; 0 and 0 leave samples as they are."""
+
+    ticks: int = 0
+    counts: int = 0
+
+    def told(self, s: Sample, period_s: float, per_count: float) -> Sample:
+        """The sample as the record has it."""
+        if not (self.ticks or self.counts):
+            return s
+        tick, counts = s.tick + self.ticks, s.counts + self.counts
+        return s._replace(tick=tick, t_s=tick * period_s, counts=counts, position=counts * per_count)

@@ -1,0 +1,22 @@
+"""CRC-16/MODBUS: reflected polynomial 0xA001, start 0xFFFF. By a table, for every byte of every frame."""
+
+
+def _entry(byte: int) -> int:
+    for _ in range(8):
+        byte = byte >> 1 ^ (0xA001 if byte & 1 else 0)
+    return byte
+
+
+_TABLE = tuple(map(_entry, range(256)))
+
+
+def crc16(data: bytes) -> int:
+    """Check word of any bytes.
+
+    >>> f"{crc16(b'123456789'):04X}"
+    '4B37'
+    """
+    crc = 0xFFFF
+    for byte in data:
+        crc = crc >> 8 ^ _TABLE[(crc ^ byte) & 0xFF]
+    return crc

@@ -1,0 +1,64 @@
+"""The bench over real bytes is the twin in process, sample by sample: one clock, one wire, one noise."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firmware.firmware_build import make
+from smarig.config import load_rig
+from smarig.record import load_run
+from smarig.runner.session import Session
+
+COLUMNS = (
+    *("tick", "step", "current_command_A", "current_A", "voltage_V", "counts", "position"),
+    *("ambient_degC", "quality", "input"),
+)
+RIGS = ("serial", "modbus_tcp", "modbus_rtu")
+
+
+def record(rig, folder):
+    """Two runs of one sitting, the encoder zeroed between them."""
+    with Session(rig, seed=3, wire=f"lock step {Path(rig).name}") as session:
+        return [
+            load_run(session.run("validation", {"points": 3}, folder / f"{k}.run.sqlite", force=True))
+            for k in range(2)
+        ]
+
+
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory):
+    return {arr: record(f"{arr}_wire_twin", tmp_path_factory.mktemp(arr)) for arr in ("one", "two")}
+
+
+@pytest.mark.parametrize("link", RIGS)
+@pytest.mark.parametrize("arrangement", ["one", "two"])
+def test_bytes_make_no_difference(twins, arrangement, link, tmp_path):
+    same(twins[arrangement], record(f"{arrangement}_wire_{link}", tmp_path))
+
+
+def same(twins, benches):
+    """Every column and every step."""
+    for twin, bench in zip(twins, benches, strict=True):
+        assert np.ptp(twin["position"]) > 3, "it moves"
+        for name in COLUMNS:
+            np.testing.assert_array_equal(bench[name], twin[name], err_msg=name)
+        assert [(s.position, s.n, s.verdict) for s in bench.steps] == [
+            (s.position, s.n, s.verdict) for s in twin.steps
+        ]
+        assert bench.twin, "simulated devices are a twin"
+
+
+@pytest.mark.parametrize("framing", ["lines", "modbus_rtu"])
+def test_the_firmware_built_for_this_machine_makes_no_difference(twins, framing, tmp_path, tmp_path_factory):
+    library = make(tmp_path_factory.mktemp("firmware"), "libsmarig_firmware.so", ("gcc",))
+    base = "one_wire_serial" if framing == "lines" else "one_wire_modbus_rtu"
+    rig = tmp_path / "firmware.toml"
+    rig.write_text(f'name = "firmware"\nbase = "{base}"\n[simulator]\nlibrary = "{library}"\n')
+    same(twins["one"], record(str(rig), tmp_path))
+
+
+def test_a_rig_that_takes_from_another_says_only_what_is_its_own():
+    twin, bench = load_rig("one_wire_twin"), load_rig("one_wire_serial")
+    assert (bench.limits, bench.encoder, bench.actuator) == (twin.limits, twin.encoder, twin.actuator)
+    assert (bench.kind, bench.lease_s) == ("bench", 2.0)

@@ -1,0 +1,55 @@
+"""``smarig check`` brings a bench up: a list to sign, and an exit status that tells."""
+
+import io
+import json
+
+import pytest
+
+from smarig.cli import run as cli
+
+
+def rig(tmp_path, name="one_wire_serial", **simulator):
+    path = tmp_path / "bench.toml"
+    lines = [f'{key} = "{value}"' for key, value in simulator.items()]
+    path.write_text(
+        "\n".join([f'name = "bench"\nbase = "{name}"\nwire = "check"\n[simulator]', *lines]) + "\n"
+    )
+    return str(path)
+
+
+@pytest.mark.parametrize("name", ["one_wire_serial", "two_wire_modbus_rtu"])
+def test_a_sound_bench_passes_every_check(name, tmp_path, capsys):
+    assert cli(["check", rig(tmp_path, name), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [c["name"] for c in found["checks"]] == [
+        *("devices", "at rest", "encoder direction", "read-back", "resistance", "lease", "re-arm"),
+    ]
+    assert all(c["passed"] for c in found["checks"])
+    assert "hash" in found["checks"][0]["seen"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "check"),
+    [
+        ('kind = "open_wire"\n', "rig"),
+        ('kind = "stuck_encoder"\n', "encoder direction"),
+        ('kind = "drifting_shunt"\ngain_per_s = 0.02\n', "read-back"),
+    ],
+)
+def test_a_bench_that_is_not_fails_the_check_that_sees_it(fault, check, tmp_path, capsys):
+    faults = tmp_path / "faults.toml"
+    faults.write_text(f"[[fault]]\n{fault}")
+    assert cli(["check", rig(tmp_path, faults=faults), "--json"]) == 3
+    found = json.loads(capsys.readouterr().out.splitlines()[0])
+    assert check in [c["name"] for c in found["checks"] if not c["passed"]]
+
+
+def test_hardware_is_not_heated_unasked(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("smarig.cli.check.opened", None)
+    path = tmp_path / "hard.toml"
+    path.write_text('name = "hard"\nbase = "bench_one_wire"\n')
+    for answer in ("n\n", ""):
+        monkeypatch.setattr("sys.stdin", io.StringIO(answer))
+        assert cli(["check", str(path)]) in (2, 130)
+    assert cli(["check", str(path), "--no-current"]) == 0
+    assert "input_range_K" in capsys.readouterr().out

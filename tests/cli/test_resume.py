@@ -1,0 +1,217 @@
+"""`smarig resume`, `--notify` and the keys, as a person in the lab meets them."""
+
+import json
+import os
+import select
+import subprocess
+import sys
+from contextlib import suppress
+
+import pytest
+
+import smarig
+from runner.interrupted import cut
+from smarig.cli import run as cli
+from smarig.cli._keys import press
+from smarig.record import load_run
+from smarig.runner.control import Control
+
+
+def call(capsys, *arguments):
+    status = cli([str(a) for a in arguments])
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+@pytest.fixture
+def killed(tmp_path):
+    whole = smarig.run("validation", rig="one_wire_twin", out=tmp_path / "whole.run.sqlite", points=3)
+    return cut(whole.path, tmp_path / "killed.run.sqlite", 1700)
+
+
+def test_resume_says_how_it_went(capsys, killed):
+    status, out, err = call(capsys, "resume", killed, "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert (found["cause"], found["start_over"], found["run"]) == ("done", False, str(killed))
+    assert found["void"] >= 4
+    assert found["before"].startswith("incomplete")
+    assert "ended so: incomplete: the run was never closed. The rig is armed again." in err
+
+
+@pytest.mark.parametrize(
+    ("status", "arguments", "says"),
+    [
+        (2, ["whole.run.sqlite"], "is done"),
+        (2, ["nowhere.run.sqlite"], "nowhere.run.sqlite"),
+        (2, ["killed.run.sqlite", "--rig", "two_wire_twin"], "not on 'two_wire_twin'"),
+        (2, ["killed.run.sqlite", "--wire", "b"], "of wire 'twin-one-wire', not of 'b'"),
+        (4, ["notes.txt"], "is not a run file"),
+    ],
+)
+def test_a_mistake_gets_its_status_and_one_sentence(
+    capsys, tmp_path, monkeypatch, killed, status, arguments, says
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "notes.txt").write_text("not a run")
+    before = killed.read_bytes()
+    got, _, err = call(capsys, "resume", *arguments)
+    assert got == status
+    assert says in err
+    assert err.strip().count("\n") == 0
+    assert killed.read_bytes() == before
+
+
+def test_an_imported_run_is_refused(capsys, tmp_path):
+    table = tmp_path / "t.csv"
+    table.write_text("input_K,position_mm\n" + "".join(f"{k},{k / 10}\n" for k in range(20)))
+    call(capsys, "import", table, "--format", "csv", "-o", tmp_path / "i.run.sqlite")
+    status, _, err = call(capsys, "resume", tmp_path / "i.run.sqlite")
+    assert status == 2, err
+
+
+def test_reports_and_exports_read_a_resumed_run(capsys, tmp_path, killed):
+    assert call(capsys, "resume", killed)[0] == 0
+    assert call(capsys, "report", killed, "-o", tmp_path / "r.html")[0] == 0
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "re-establish" in page
+    assert "Wire before this run" in page
+    assert call(capsys, "export", killed, "--to", "csv", "-o", tmp_path / "r.csv")[0] == 0
+
+
+def test_wires_are_listed(capsys, killed):
+    status, out, _ = call(capsys, "list", "wires", "--json")
+    assert status == 0
+    assert "K above ambient" in json.loads(out)["wires"]["twin-one-wire (twin)"]
+
+
+# --- --notify --------------------------------------------------------------------------------------------------
+
+TELL = 'echo "$SMARIG_STATUS|$SMARIG_CAUSE|$SMARIG_RUN" > told.txt'
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a POSIX shell")
+def test_somebody_is_told_at_the_end_and_at_a_trip(capsys, tmp_path, monkeypatch, killed):
+    monkeypatch.chdir(tmp_path)
+    told = tmp_path / "told.txt"
+    assert call(capsys, "resume", killed, "--notify", TELL)[0] == 0
+    assert told.read_text() == f"0|done|{killed}\n"
+    out = tmp_path / "t; touch evil.run.sqlite"
+    arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
+    monkeypatch.setattr("smarig.rig.twin.Twin.step", _tripping)
+    status, _, err = call(capsys, *arguments, "--notify", TELL)
+    assert status == 3
+    assert told.read_text() == f"3|The twin was struck by lightning.|{out}\n"
+    assert not list(tmp_path.glob("evil*"))
+    assert err.count("lightning") == 1
+
+
+def _tripping(self, current_A, at_most=1):
+    from smarig.errors import RigFault
+
+    if not self.settings.noise:  # the preview's
+        self.output_A = current_A
+        return (self._advance(current_A),)
+    raise RigFault("The twin was struck by lightning.")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a POSIX shell")
+def test_a_messenger_that_fails_is_one_sentence_and_no_failure(capsys, tmp_path):
+    out = tmp_path / "v.run.sqlite"
+    arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
+    status, text, err = call(capsys, *arguments, "--json", "--notify", "echo noise; exit 7")
+    assert status == 0
+    assert json.loads(text)["runs"][0]["cause"] == "done"
+    assert [line for line in err.splitlines() if "--notify" in line] == [
+        "--notify: 'echo noise; exit 7' failed: it ended with status 7."
+    ]
+
+
+# --- keys ----------------------------------------------------------------------------------------------------------
+
+
+AT_A_TERMINAL = """
+import fcntl, os, sys, termios
+fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+os.execv(sys.executable, [sys.executable, "-m", "smarig", *sys.argv[1:]])
+"""
+
+
+def test_what_keys_mean():
+    control = Control()
+    for key, paused in (("p", True), ("x", True), ("r", False), ("p", True)):
+        press(control, key)
+        assert control.paused is paused
+    press(control, "s")
+    assert control.stopping
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
+def test_keys_of_a_terminal_pause_resume_and_stop(tmp_path):
+    """Another process at a terminal of its own: every key shows in the record, and the terminal comes back."""
+    import pty
+    import termios
+
+    out = tmp_path / "r.run.sqlite"
+    terminal, theirs = pty.openpty()
+    command = ["run", "first_order_descending", "--rig", "one_wire_twin", "-o", str(out), "--speed", "100"]
+    child = subprocess.Popen(
+        [sys.executable, "-c", AT_A_TERMINAL, *command],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+    )
+    before = termios.tcgetattr(terminal)
+    try:
+        _seen(terminal, lambda: _samples(out) > 0)
+        assert not termios.tcgetattr(terminal)[3] & termios.ICANON
+        os.write(terminal, b"\x1a")  # Ctrl-Z must not stop a host whose wire is hot
+        os.write(terminal, b"p")
+        _seen(terminal, lambda: "paused" in _kinds(out))
+        paused_at = _samples(out)
+        _seen(terminal, lambda: _samples(out) > paused_at + 100)
+        os.write(terminal, b"r")
+        _seen(terminal, lambda: "unpaused" in _kinds(out))
+        os.write(terminal, b"s")
+        _seen(terminal, lambda: child.poll() is not None)
+        after = termios.tcgetattr(terminal)
+    finally:
+        child.kill()
+        child.wait()
+        os.close(terminal)
+        os.close(theirs)
+    assert child.returncode == 130
+    assert after == before
+    run = load_run(out)
+    assert run.cause == "stopped by the operator (key s)"
+    pause, go_on = (next(e.t_s for e in run.events if e.kind == k) for k in ("paused", "unpaused"))
+    held = run["current_command_A"][(run["t_s"] > pause) & (run["t_s"] <= go_on)]
+    assert held.size > 100
+    assert len(set(held)) == 1
+
+
+def _samples(out):
+    try:
+        return len(load_run(out))
+    except smarig.errors.SmarigError:
+        return 0
+
+
+def _kinds(out):
+    return {e.kind for e in load_run(out).events}
+
+
+def _read(terminal):
+    """Whatever it has written, so that it never waits for us."""
+    if select.select([terminal], [], [], 0.02)[0]:
+        with suppress(OSError):
+            os.read(terminal, 65536)
+
+
+def _seen(terminal, condition):
+    for _ in range(1500):
+        _read(terminal)
+        if condition():
+            return
+    pytest.fail("nothing of it was seen in the record")

@@ -1,0 +1,206 @@
+"""The amplifier and the encoder as a bench sees them, and the supply that shows how a foreign one is added."""
+
+import contextlib
+import os
+import threading
+import tty
+
+import pytest
+
+from drivers.scripted import Scripted
+from smarig.catalogue import find, names
+from smarig.config import load_rig
+from smarig.drivers.scpi_supply import ScpiSupply, scpi_supply
+from smarig.drivers.smarig_amplifier import SmarigAmplifier
+from smarig.drivers.smarig_encoder_daq import SmarigEncoderDaq
+from smarig.errors import ConfigError
+from smarig.sample import Quality
+from smarig.wire.blame import Refused, Silent, WrongDevice
+from smarig.wire.exchange import Refusal
+from smarig.wire.register import load_map
+
+SETTINGS = {"period": 0.1, "lease": 1.0, "current_max": 1.0, "resistance_max": 20.0}
+OFF, ARM = 2, 1
+
+
+@pytest.fixture
+def link():
+    return Scripted(load_map("amplifier"))
+
+
+def orders(link):
+    return [d["order"] for d in link.done]
+
+
+def test_opening_writes_settings_while_off_and_moves_nothing(link):
+    SmarigAmplifier(link, SETTINGS)
+    assert orders(link) == [OFF]
+    kept = link.map.decode("settings", link.settings)
+    assert (kept["period"], kept["lease"], kept["current_max"], kept["resistance_max"]) == (
+        100,
+        1000,
+        1_000_000,
+        20_000,
+    )
+    assert not any(d["current"] for d in link.done)
+
+
+def test_the_first_current_arms_later_ones_do_not(link):
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    link.status["state"] = 1
+    amplifier.set(0.25)
+    amplifier.set(0.5)
+    assert [(d["order"], d["current"]) for d in link.done[1:]] == [(ARM, 250_000), (0, 500_000)]
+
+
+def test_reading_feeds_the_lease_with_the_same_current(link):
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    link.status["state"] = 1
+    amplifier.set(0.25)
+    amplifier.since(9, 4)
+    assert (link.done[-1]["current"], link.done[-1]["ring_next"], link.done[-1]["ring_want"]) == (
+        250_000,
+        9,
+        4,
+    )
+
+
+def test_a_trip_is_a_sentence_with_its_remedy_and_asks_for_no_current(link):
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    link.status |= {"state": 2, "trip": 5}
+    amplifier.since(1, 1)
+    assert "short" in amplifier.tripped
+    assert "between the clamps" in amplifier.tripped
+    amplifier.since(2, 1)
+    assert link.done[-1]["current"] == 0
+
+
+def test_off_never_raises(link):
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    link.gone = True
+    amplifier.off()
+    amplifier.off()
+
+
+def test_a_refused_current_is_no_current(link):
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    link.next_replies = [Refusal(3)]
+    with pytest.raises(Refused):
+        amplifier.set(5.0)
+
+
+def test_the_encoder_writes_its_period_and_zeroes():
+    link = Scripted(load_map("encoder_daq"))
+    daq = SmarigEncoderDaq(link, 0.05)
+    assert link.settings == [50]
+    daq.zero()
+    assert orders(link) == [1]
+
+
+def test_every_driver_is_found_by_its_name():
+    drivers = [n for n in names("smarig.drivers") if n not in ("conversation", "roles")]
+    assert {"smarig_amplifier", "smarig_encoder_daq", "scpi_supply"} <= set(drivers)
+    assert all(callable(find("smarig.drivers", name)) for name in drivers)
+
+
+# --- a supply that speaks SCPI, behind a pty ------------------------------------------------------------------------
+
+
+class Supply:
+    """A supply of another make: keeps what it is told, measures what flows through 4 Ω."""
+
+    def __init__(self, identity: str = "ACME,PS-3005,0,1.0", takes: float = 1.0) -> None:
+        self.master, slave = os.openpty()
+        tty.setraw(self.master)
+        tty.setraw(slave)
+        self.port, self._slave = os.ttyname(slave), slave
+        self.identity, self.takes = identity, takes
+        self.heard: list[str] = []
+        self.current, self.on = 0.0, False
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        buffer = b""
+        with contextlib.suppress(OSError):
+            while True:
+                buffer += os.read(self.master, 256)
+                while b"\n" in buffer:
+                    line, buffer = buffer.split(b"\n", 1)
+                    answer = self._answer(line.decode())
+                    if answer is not None:
+                        os.write(self.master, f"{answer}\n".encode())
+
+    def _answer(self, line: str) -> str | None:
+        self.heard.append(line)
+        match line.split():
+            case ["*IDN?"]:
+                return self.identity
+            case ["CURR", amount]:
+                self.current = float(amount) * self.takes
+            case ["OUTP", state]:
+                self.on = state == "ON"
+            case ["CURR?"]:
+                return f"{self.current:.6f}"
+            case ["MEAS:CURR?"]:
+                return f"{self.current * self.on:.6f}"
+            case ["MEAS:VOLT?"]:
+                return f"{4 * self.current * self.on:.6f}"
+        return None
+
+    def close(self) -> None:
+        os.close(self._slave)
+        os.close(self.master)
+
+
+@pytest.fixture
+def supply():
+    supply = Supply()
+    yield supply
+    supply.close()
+
+
+def where(supply):
+    links = load_rig("bench_one_wire").links
+    assert links is not None
+    return links.amplifier.model_copy(update={"url": supply.port, "driver": "scpi_supply", "timeout_s": 1.0})
+
+
+def test_a_supply_drives_and_measures(supply):
+    source = scpi_supply(where(supply), load_rig("bench_one_wire"))
+    source.set(0.5)
+    assert supply.heard[1:4] == ["CURR 0", "OUTP OFF", "VOLT 24.000"]
+    readings = source.since(7, 3)
+    assert [r.tick for r in readings] == [7, 8, 9]
+    assert (readings[-1].current_A, readings[-1].voltage_V) == (0.5, 2.0)
+    assert [r.quality for r in readings] == [Quality.STALE, Quality.STALE, Quality.GOOD]
+    source.off()
+    assert source.since(10, 1)[0].current_A == 0.0
+    assert supply.heard[-4:-2] == ["CURR 0", "OUTP OFF"]
+    source.close()
+
+
+def test_a_supply_that_takes_another_current_is_switched_off(supply):
+    source = ScpiSupply(where(supply), 24.0)
+    supply.takes = 1.1
+    with pytest.raises(Exception, match=r"took 0.55 A where 0.5 A"):
+        source.set(0.5)
+    source.since(1, 1)
+    assert not supply.on
+    source.close()
+
+
+def test_what_is_no_supply_is_told(supply):
+    supply.identity = "hello"
+    with pytest.raises(WrongDevice, match="no SCPI identity"):
+        ScpiSupply(where(supply), 24.0)
+
+
+def test_a_port_that_is_not_there_is_told(supply):
+    with pytest.raises(Silent, match="cannot be opened"):
+        ScpiSupply(where(supply).model_copy(update={"url": "/dev/there-is-none"}), 24.0)
+
+
+def test_a_supply_is_not_for_two_wires(supply):
+    with pytest.raises(ConfigError, match="one way only"):
+        scpi_supply(where(supply), load_rig("bench_two_wire"))

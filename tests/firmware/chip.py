@@ -1,0 +1,57 @@
+"""A running MCU: the AVR firmware's ELF under simavr, its serial line a pty, its hardware told by the test."""
+
+import contextlib
+import os
+import select
+import subprocess
+import threading
+
+from firmware.firmware_build import read_line, sealed
+
+AVR = ("avr-gcc", "avr-nm")
+SIMAVR = ("gcc", "/usr/include/simavr/sim_avr.h", "/usr/include/libelf.h")
+
+
+class Chip:
+    """A running MCU: its serial line, and a world that says what is measured for the current that it drives."""
+
+    def __init__(self, runner, elf, world):
+        symbols = subprocess.run(["avr-nm", elf], capture_output=True, text=True, check=True).stdout
+        plant = next(line.split()[0] for line in symbols.splitlines() if line.endswith(" plant"))
+        self._process = subprocess.Popen(
+            [runner, elf, plant], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
+        )
+        self.path = self._process.stdout.readline().split()[1].decode()
+        self._line = os.open(self.path, os.O_RDWR | os.O_NOCTTY)
+        self.driven_uA = []
+        self._world = threading.Thread(target=self._answer_ticks, args=(world,))
+        self._world.start()
+
+    def _answer_ticks(self, world):
+        for line in self._process.stdout:
+            self.driven_uA.append(int(line.split()[1]))
+            with contextlib.suppress(OSError, ValueError):  # it is being closed
+                self.tell(world(self.driven_uA[-1]))
+
+    def tell(self, line):
+        self._process.stdin.write(f"{line}\n".encode())
+
+    def ask(self, request, ended, patience_s=2.0):
+        """The reply, whole when `ended` says so; what has come when nothing more comes."""
+        os.write(self._line, request)
+        reply = b""
+        while not ended(reply) and select.select([self._line], [], [], patience_s)[0]:
+            reply += os.read(self._line, 4096)
+        return reply
+
+    def line(self, body):
+        return read_line(
+            self.ask(f"{sealed(body)}\n".encode(), lambda reply: reply.endswith(b"\n")).decode().strip()
+        )
+
+    def close(self):
+        self._process.stdin.close()
+        assert self._process.wait(10) == 0
+        self._world.join(10)
+        self._process.stdout.close()
+        os.close(self._line)

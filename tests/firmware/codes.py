@@ -1,0 +1,7 @@
+"""Numbers of the contract by name: orders, states, faults and refusals."""
+
+NONE, ARM, OFF, REARM = range(4)
+IS_OFF, ARMED, TRIPPED = range(3)
+LEASE, OVER_CURRENT, SLEW, HEAT, SHORT, RESISTANCE, OPEN, STOP = range(1, 9)
+NO_REGISTER, BAD_WORD, NOT_NOW = 2, 3, 4
+STOP_IS_OPEN = 2  # of an amplifier's hardware word

@@ -1,0 +1,172 @@
+"""Both framings in C: what is answered, how, and what is not."""
+
+import pytest
+
+from firmware.firmware_build import LINES, RTU, frame, read_line, sealed
+
+READ_STATE = bytes.fromhex("41 03 0008 0001")
+WRITE = bytes.fromhex("41 10 0100 0002 04 0007 0001")
+BOTH = bytes.fromhex("41 17 0000 0001 0100 0002 04 0007 0001")
+
+
+def rtu(device, body):
+    """The reply to a frame, without its check word, which is proved."""
+    reply = device.answer(frame(body), RTU)
+    assert reply == (frame(reply[:-2]) if reply else b"")
+    return reply[:-2].hex()
+
+
+def test_a_frame_that_others_have_published(amp):
+    request = bytes.fromhex("01 03 0000 000A C5CD")
+    reply = amp.answer(request, RTU, address=1)
+    assert reply[:3].hex() == "010314"
+    assert amp.answer(request, RTU) == b""  # for another address
+
+
+def test_functions(amp):
+    assert rtu(amp, READ_STATE) == "4103020000"
+    assert rtu(amp, WRITE) == "411001000002"
+    assert rtu(amp, READ_STATE) == "4103020001"
+    assert rtu(amp, BOTH) == "4117020007"
+
+
+@pytest.mark.parametrize(
+    ("body", "reply"),
+    [
+        ("41 06 0100 0001", "418601"),
+        ("41 83", "418301"),
+        ("41 03 0072 0001", "418302"),
+        ("41 03 0000 0000", "418303"),
+        ("41 03 0000 007E", "418303"),
+        ("41 03 0008", "418303"),
+        ("41 03 0008 0001 00", "418303"),
+        ("41 10 0100 0000 00", "419003"),
+        ("41 10 0100 0002 03 0007 00", "419003"),
+        ("41 10 0100 0002 06 0007 0001 0000", "419003"),
+        ("41 10 0100 0002 04 0007", "419003"),
+        ("41 10 0100 0001 02 0007 0001", "419003"),
+        ("41 10 0100 0001 02 0000", "419003"),
+        ("41 10 0000 0001 02 0007", "419002"),
+        ("41 10 0100 0002 04 0007 0003 00", "419003"),
+        ("41 17 0000 0000 0100 0001 02 0007", "419703"),
+        ("41 17 0000 0001 0100 0000 00", "419703"),
+        ("41 17 0000 0001 0100 0004 08 0007 0000 0000 0001", "419704"),
+    ],
+)
+def test_exceptions_change_nothing(amp, body, reply):
+    before = amp.memory
+    assert rtu(amp, bytes.fromhex(body)) == reply
+    assert amp.memory == before
+
+
+def test_the_most_words_of_a_frame(amp):
+    assert (
+        rtu(amp, bytes.fromhex("41 10 0100 0079 F2") + bytes(242)) == "419002"
+    )  # 121 fit, the block does not
+    assert rtu(amp, bytes.fromhex("41 10 0100 007A F4") + bytes(244)) == "419003"
+    assert rtu(amp, bytes.fromhex("41 03 0000 0072"))[:6] == "4103e4"
+
+
+def test_what_is_not_answered(amp):
+    before = amp.memory
+    for wrong in (
+        b"",
+        b"\x41",
+        frame(b"A"),
+        frame(WRITE)[:-1],
+        frame(b"\x00" + WRITE[1:]),
+        frame(b"\x64" + WRITE[1:]),
+    ):
+        assert amp.answer(wrong, RTU) == b""
+    assert amp.answer(frame(READ_STATE + bytes(300)), RTU) == b""  # longer than a frame can be
+    for bit in range(8 * len(frame(WRITE))):  # any flipped bit is seen
+        spoilt = bytearray(frame(WRITE))
+        spoilt[bit // 8] ^= 1 << bit % 8
+        assert amp.answer(bytes(spoilt), RTU) == b""
+    assert amp.memory == before
+
+
+def test_without_room_nothing_is_done(amp):
+    before = amp.memory
+    assert amp.answer(frame(WRITE), RTU, room=255) == b""
+    assert amp.answer(f"{sealed('w 100 1')}\n".encode(), LINES, room=639) == b""
+    assert amp.memory == before
+
+
+def test_the_lines_of_the_contract(amp):
+    assert amp.line("w 0100 0001 0000 000F 4240 r 0000 000C *EB2C") == sealed(
+        "! 4"
+    )  # understood: it is not armed
+    assert amp.line(sealed("w 100 0")) == "! 3 *1F78"
+    assert amp.line("r 0 12").startswith("= 0000 5341 0001 ")
+    assert amp.line(sealed("w 0100 0001 0001 000F 4240 r 0000 000C")).startswith("= 0001 5341 0001 ")
+    assert amp.output_uA == 1_000_000
+    assert amp.line(sealed("w 100 2")) == sealed("=")
+    assert amp.line(sealed("w 100 3") + "\r") == sealed("=")
+    assert amp.line("r 8 1").startswith("= 0001 *")
+
+
+@pytest.mark.parametrize("line", ["", "\r"])
+def test_an_empty_line_is_not_answered(amp, line):
+    assert amp.line(line) is None
+
+
+@pytest.mark.parametrize("begun", [b"", b"r 8 1", b"r 8 1\n "])
+def test_what_is_no_whole_line_is_not_answered(amp, begun):
+    assert amp.answer(begun, LINES) == b""
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("w 100 1", 8),
+        ("w 100 1 *0000", 8),
+        ("r 8 1 *0000", 8),
+        (sealed("w 100 1") + "0", 9),
+        (sealed("w 100 1")[:-1], 9),
+        (sealed("w 100"), 9),
+        (sealed("w"), 9),
+        (sealed("r 8"), 9),
+        (sealed("r 8 1 1"), 9),
+        (sealed("r 8 1 w 100 1"), 9),
+        (sealed("w 100 1r 8 1"), 9),
+        (sealed("w  100 1"), 9),
+        (sealed("w 100 1 "), 9),
+        (sealed(" w 100 1"), 9),
+        (sealed("w 100 1  r 8 1"), 9),
+        (sealed("w 00100 1"), 9),
+        (sealed("w 100 x"), 9),
+        (sealed("W 100 1"), 9),
+        (sealed(""), 9),
+        (sealed("w 100 1") + "\r\r", 9),
+        (sealed("w 100" + " 1" * 121), 2),
+        (sealed("w 100" + " 1" * 122), 3),
+        (sealed("w 100" + " 1" * 122)[:-6], 8),
+        ("r 8 0", 3),
+        ("r 0 7d", 2),
+        ("r 0 7e", 3),
+        ("r 8 ffff", 3),
+        ("\xff\x00\x80", 9),
+        ("r 8 1\n", 9),
+        ("x" * 1001, 9),
+    ],
+)
+def test_lines_that_are_refused_change_nothing(amp, line, code):
+    before = amp.memory
+    assert read_line(amp.line(line)).code == code
+    assert amp.memory == before
+
+
+def test_a_thousand_characters_and_no_more(amp):
+    long = "w 100" + " 1" * 494  # 993 characters, and 6 of the check word
+    assert read_line(amp.line(sealed(long) + "\r")).code == 3
+    assert len(sealed(long + "1")) == 1000
+    assert read_line(amp.line(sealed(long + "1"))).code == 3
+    assert read_line(amp.line(sealed(long + "11"))).code == 9
+
+
+def test_digits_in_either_case_and_of_any_length(amp):
+    for line in ("r a 2", "r A 2", "r 000a 0002", "r 0A 02"):
+        assert read_line(amp.line(line)).words == [0, 0]
+    lower = sealed("r a 2").lower()
+    assert read_line(amp.line(lower)).code == 0

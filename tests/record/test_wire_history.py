@@ -1,0 +1,118 @@
+"""A wire's history: what is counted, that it adds up over runs, and that a wire can be worn out."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import smarig
+from runner.interrupted import cut
+from smarig.errors import DataError, Interrupted, LimitExceeded
+from smarig.record.wire_history import Wear, WireHistory, histories, load_history
+from smarig.runner.control import Control
+from smarig.runner.listener import Watch
+from smarig.runner.resume import resume
+from smarig.runner.session import Session
+
+RIG = Path("configs/rigs/one_wire_twin.toml")
+
+
+@pytest.fixture(autouse=True)
+def _empty(tmp_path, monkeypatch):
+    monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / "wires"))
+
+
+def of(wire="twin-one-wire"):
+    return load_history(wire, twin=True)
+
+
+def test_what_is_counted():
+    wear = Wear(range_K=100.0, period_s=360.0)
+    for tick, u in enumerate([0, 60, 40, 60, 20, -70, 51, 49, 0], start=1):
+        wear.add(tick, float(u))
+    # 40 is no rest: 60, 40, 60 is one cycle; −70 after 20 is another (the other wire of the pair)
+    assert wear.cycles == 2
+    assert wear.hours_hot == pytest.approx(4 * 0.1)
+    assert wear.dose_K_h == pytest.approx((60 + 60 + 70 + 51) * 0.1)
+    assert (wear.largest_input_K, wear.last_tick) == (70.0, 9)
+
+
+def test_it_adds_up_over_runs_and_stands_in_their_records(tmp_path):
+    first = smarig.run("congruency", rig="one_wire_twin", out=tmp_path / "a.run.sqlite")
+    one = of()
+    smarig.run("congruency", rig="one_wire_twin", out=tmp_path / "b.run.sqlite")
+    two = of()
+    assert (one.runs, one.cycles, two.runs, two.cycles) == (1, 1, 2, 2)
+    assert two.hours_hot == pytest.approx(2 * one.hours_hot, rel=0.02)
+    assert one.largest_input_K == pytest.approx(0.9 * 174.1, abs=0.2)
+    assert first.meta["wire_history"].startswith("0 runs")
+    assert smarig.load_run(tmp_path / "b.run.sqlite").meta["wire_history"] == one.sentence()
+    assert [h.wire for h in histories()] == ["twin-one-wire"]
+
+
+def test_an_interrupted_run_counts_once_however_it_ended(tmp_path):
+    whole = smarig.run("congruency", rig="one_wire_twin", out=tmp_path / "a.run.sqlite")
+    undisturbed = of()
+    path = cut(whole.path, tmp_path / "killed.run.sqlite", 6000)
+    resume(path)
+    after = of()
+    assert after.runs == 2
+    assert after.cycles == 2 + 1, "the peak was reached before death, and once more on the way back or later"
+    assert after.hours_hot > 2 * undisturbed.hours_hot
+    control = Control()
+    stop = Watch(on_sample=lambda s, step, u: control.stop("enough") if s.tick == 6000 else None)
+    with Session("one_wire_twin", control=control) as session, pytest.raises(Interrupted):
+        session.run("congruency", {}, tmp_path / "stopped.run.sqlite", listeners=[stop])
+    stopped = of()
+    assert (stopped.runs, stopped.cycles) == (3, after.cycles + 1)
+    resume(tmp_path / "stopped.run.sqlite")
+    assert of().runs == 3
+    assert of().hours_hot - after.hours_hot == pytest.approx(
+        after.hours_hot - undisturbed.hours_hot, rel=0.05
+    )
+
+
+def test_a_simulation_wears_nothing(tmp_path):
+    from smarig.preisach.gorbet_1997 import surface
+    from smarig.rig.twin import TwinSettings
+
+    with Session("one_wire_twin", twin=TwinSettings(hysteresis=surface("one_e"))) as session:
+        session.run("validation", {"points": "2"}, tmp_path / "s.run.sqlite")
+    assert histories() == []
+
+
+def test_a_worn_wire_is_refused_before_anything_moves(tmp_path):
+    rig = tmp_path / "worn.toml"
+    text = RIG.read_text(encoding="utf-8").replace("[limits]", "[limits]\ncycles_max = 1")
+    rig.write_text(text, encoding="utf-8")
+    smarig.run("congruency", rig=str(rig), out=tmp_path / "a.run.sqlite")
+    with pytest.raises(LimitExceeded, match="has done 1 cycles, its limit is cycles_max = 1"):
+        smarig.run("congruency", rig=str(rig), out=tmp_path / "b.run.sqlite")
+    assert not (tmp_path / "b.run.sqlite").exists()
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", '{"wire": 3}', "\x00"])
+def test_a_damaged_history_is_a_sentence(tmp_path, text):
+    WireHistory("a", twin=True, runs=1).save()
+    path = next((tmp_path / "wires").iterdir())
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DataError, match="Repair it, or remove it"):
+        of("a")
+
+
+def test_a_figure_of_the_wrong_kind_is_damage(tmp_path):
+    WireHistory("a", twin=True, runs=1).save()
+    path = next((tmp_path / "wires").iterdir())
+    data = json.loads(path.read_text(encoding="utf-8"))
+    for key, value in (("cycles", "3"), ("cycles", True), ("hours_hot", None), ("wire", 1)):
+        path.write_text(json.dumps(data | {key: value}), encoding="utf-8")
+        with pytest.raises(DataError):
+            of("a")
+
+
+def test_a_history_that_cannot_be_written_is_told_and_ends_nothing(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / "file" / "wires"))
+    run = smarig.run("validation", rig="one_wire_twin", out=tmp_path / "a.run.sqlite", points=2)
+    assert run.cause == "done"
+    assert any(e.kind == "history" and e.level == "warning" for e in run.events)

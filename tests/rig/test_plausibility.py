@@ -1,0 +1,115 @@
+"""Readings that cannot be trip; readings that can be, of every twin and every protocol, do not."""
+
+import pytest
+
+from smarig.config import load_rig
+from smarig.errors import LimitExceeded
+from smarig.model.actuator import Actuator
+from smarig.rig.guard import Guard
+from smarig.rig.plausibility import Plausibility
+from smarig.rig.twin import Twin
+from smarig.sample import Quality
+
+TICKS_OF_HEATING = 500
+
+
+class Lying:
+    """A twin whose samples are changed before anybody sees them."""
+
+    def __init__(self, rig, change):
+        self.twin, self._change = Twin.named(rig), change
+
+    def __getattr__(self, name):
+        return getattr(self.twin, name)
+
+    def step(self, current_A, at_most=1):
+        return tuple(self._change(sample) for sample in self.twin.step(current_A, at_most))
+
+
+def guarded(change, rig="one_wire_twin"):
+    lying = Lying(rig, change)
+    actuator = Actuator.named(lying.file.actuator)
+    return Guard(lying, lying.file.limits, actuator, Plausibility(lying.file, actuator)), lying.twin
+
+
+def heated(guard, ticks=TICKS_OF_HEATING, current_A=0.9):
+    for _ in range(ticks):
+        guard.step(current_A)
+
+
+def from_tick(tick, **changes):
+    return lambda s: s._replace(**{k: f(getattr(s, k)) for k, f in changes.items()}) if s.tick >= tick else s
+
+
+LIES = [
+    ("read_back", from_tick(50, current_A=lambda x: x * 0.8), "are set: check amplifier and shunt"),
+    ("resistance", from_tick(50, voltage_V=lambda x: 5 * x), "ohm, outside"),
+    ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm, outside"),
+    ("jump", lambda s: s._replace(counts=s.counts + 120) if s.tick == 60 else s, "jumped by 1"),
+    ("still", from_tick(0, counts=lambda _: 3), "heated through and did not move"),
+]
+
+
+@pytest.mark.parametrize(("kind", "lie", "words"), LIES, ids=[f"{k}{n}" for n, (k, *_) in enumerate(LIES)])
+def test_what_cannot_be_trips_to_zero_with_its_cause(kind, lie, words):
+    guard, twin = guarded(lie)
+    with pytest.raises(LimitExceeded, match=words):
+        heated(guard)
+    assert twin.output_A == 0.0
+    assert [a.kind for a in guard.alarms() if a.level == "error"] == [kind]
+
+
+def test_motion_without_heating_trips():
+    guard, twin = guarded(lambda s: s._replace(counts=s.counts + max(0, s.tick - 1300) // 5))
+    with pytest.raises(LimitExceeded, match="without heating"):
+        heated(guard, 1900)
+    assert twin.output_A == 0.0
+
+
+@pytest.mark.parametrize("lie", [LIES[0][1], LIES[1][1], LIES[3][1]])
+def test_one_or_two_samples_do_not_trip_and_stale_ones_say_nothing(lie):
+    few = guarded(lambda s: lie(s) if 60 <= s.tick < 62 and lie is not LIES[3][1] else s)[0]
+    stale = guarded(lambda s: lie(s)._replace(quality=int(Quality.STALE)))[0]
+    heated(few)
+    heated(stale)
+
+
+def test_a_wire_that_was_hot_before_we_came_may_cool():
+    """Devices live on when a host dies; the next one does not know how warm the wire is."""
+    lying = Lying("one_wire_twin", lambda s: s)
+    for _ in range(400):
+        lying.step(0.9)
+    actuator = Actuator.named(lying.file.actuator)
+    guard = Guard(lying, lying.file.limits, actuator, Plausibility(lying.file, actuator))
+    heated(guard, 900, 0.0)
+    assert guard.alarms() == []
+
+
+def test_zeroing_the_encoder_is_no_jump():
+    guard, _ = guarded(lambda s: s)
+    heated(guard)
+    guard.zero()
+    heated(guard, 50, 0.0)
+
+
+@pytest.mark.parametrize("rig", ["one_wire_twin", "two_wire_twin"])
+def test_a_wire_driven_to_its_limits_and_back_is_plausible(rig):
+    limits = load_rig(rig).limits
+    guard, _ = guarded(lambda s: s, rig)
+    for current_A in (limits.current_max_A, 0.0, limits.current_min_A, 0.5 * limits.current_max_A, 0.0):
+        heated(guard, 600, current_A)
+    assert guard.alarms() == []
+
+
+def test_lost_samples_have_heated_the_wire_all_the_same():
+    whole, _ = guarded(lambda s: s)
+    heated(whole, 30)
+
+    class Loses(Lying):
+        def step(self, current_A, at_most=1):
+            return [super(Loses, self).step(current_A, at_most) for _ in range(3)][-1]
+
+    lying = Loses("one_wire_twin", lambda s: s)
+    few = Guard(lying, lying.file.limits, Actuator.named(lying.file.actuator))
+    heated(few, 10)
+    assert few.input_K == pytest.approx(whole.input_K, rel=1e-3)

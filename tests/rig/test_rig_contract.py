@@ -1,0 +1,44 @@
+"""One suite over every rig: twins in process, benches over each link, the firmware in C on this machine."""
+
+import contextlib
+
+import pytest
+
+from firmware.firmware_build import make as made
+from rig.rig_contract import CHECKS
+from smarig.config import load_rig
+from smarig.model.actuator import Actuator
+from smarig.rig.opening import opened
+from smarig.rig.twin import TwinSettings
+
+LINKS = ("serial", "modbus_tcp", "modbus_rtu")
+RIGS = [
+    *("one_wire_twin", "two_wire_twin"),
+    *(f"one_wire_{link}" for link in LINKS),
+    *("firmware one_wire_serial", "firmware one_wire_modbus_rtu"),
+]
+LEASE_S = 0.5  # the shortest: tests of it take as long
+
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory):
+    return made(tmp_path_factory.mktemp("firmware"), "libsmarig_firmware.so", ("gcc",))
+
+
+@pytest.fixture(params=RIGS)
+def make(request, tmp_path):
+    kind, _, name = request.param.rpartition(" ")
+    text = [f'name = "contract"\nbase = "{name}"\nlease_s = {LEASE_S}\n']
+    if kind:
+        text.append(f'[simulator]\nlibrary = "{request.getfixturevalue("library")}"\n')
+    path = tmp_path / "contract.toml"
+    path.write_text("".join(text))
+    file = load_rig(str(path))
+    actuator = Actuator.named(file.actuator)
+    with contextlib.ExitStack() as open_:
+        yield lambda seed=0: open_.enter_context(opened(str(path), file, actuator, TwinSettings(seed=seed)))
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__.removeprefix("check_"))
+def test_every_rig(check, make):
+    check(make)

@@ -1,0 +1,415 @@
+"""An interrupted run goes on as hysteresis allows: its table is that of a run nobody disturbed."""
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import smarig
+from runner.interrupted import cut
+from smarig.errors import DataError, Interrupted, LeaseExpired, UsageError
+from smarig.identification.fod_data import fod_data
+from smarig.identification.holds import holds
+from smarig.record import CONTINUED, load_run
+from smarig.runner.control import Control
+from smarig.runner.listener import Watch
+from smarig.runner.resume import resume, resume_in, session_for
+from smarig.runner.session import Session
+
+RIGS = ("one_wire_twin", "two_wire_twin")
+PARTITIONS = {"one_wire_twin": "0,65,75,174", "two_wire_twin": "-185,0,60,185"}
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory):
+    """An undisturbed run of each rig."""
+    folder = tmp_path_factory.mktemp("whole")
+    return {
+        rig: smarig.run(
+            "first_order_descending",
+            rig=rig,
+            out=folder / f"{rig}.run.sqlite",
+            seed=1,
+            wire="a",
+            partition_K=PARTITIONS[rig],
+        )
+        for rig in RIGS
+    }
+
+
+def counts_apart(run, other):
+    """The largest difference of two tables, in counts; their inputs are the same."""
+    (u, y), (v, z) = run.points(), other.points()
+    assert u.tolist() == v.tolist()
+    return float(np.abs(y - z).max()) / run.meta["output"]["per_count"]
+
+
+def events(run, kind):
+    return [e for e in run.events if e.kind == kind]
+
+
+# --- what must come out ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.37, 0.5, 0.83])
+def test_a_killed_run_ends_with_the_table_of_a_whole_one(whole, tmp_path, rig, share):
+    tick = max(1, round(share * len(whole[rig])))
+    run = resume(cut(whole[rig].path, tmp_path / "r.run.sqlite", tick))
+    assert run.cause == "done"
+    assert counts_apart(run, whole[rig]) < 1
+    assert len(fod_data(run)) == len(fod_data(whole[rig]))
+    assert [(s.branch, s.target) for s in run.settled] == [(s.branch, s.target) for s in whole[rig].settled]
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_the_record_shows_what_happened(whole, tmp_path, rig):
+    tick = len(whole[rig]) // 2
+    before = load_run(cut(whole[rig].path, tmp_path / "r.run.sqlite", tick))
+    run = resume(before.path)
+    assert (np.diff(run["tick"]) > 0).all()
+    assert (np.diff(run["t_s"]) > 0).all()
+    assert np.allclose(run["t_s"], run["tick"] * run.meta["period_s"])
+    interrupted = next(s for s in run.steps if s.verdict == "interrupted")
+    assert (interrupted.void, interrupted.position, interrupted.target is None) == (True, None, False)
+    assert interrupted.n == np.sum(before["step"] == interrupted.index)
+    assert interrupted.t_end_s == before["t_s"][-1]
+    back = [s for s in run.steps if s.branch == "re-establish"]
+    assert all(s.void and s.target is None for s in back)
+    again = next(s for s in run.steps if s.attempt)
+    assert (again.branch, again.target, again.attempt) == (interrupted.branch, interrupted.target, 1)
+    assert [s.index for s in run.steps] == list(range(len(run.steps)))  # a number is one stretch of samples
+    assert [s.t_start_s for s in run.steps] == sorted(s.t_start_s for s in run.steps)
+    assert "never closed" in events(run, "interrupted")[0].data["cause"]
+    told = events(run, "resumed")[0]
+    assert told.data["holds"] == len(back)
+    assert run["current_command_A"][before["tick"].size] == 0.0  # the wire is cooled first
+    assert len(before) not in [h.begin for h in holds(run)], "nobody saw how it cooled"
+    columns = [np.array_equal(before[c], run[c][: len(before)], equal_nan=True) for c in before.columns]
+    assert all(columns), "what was measured stays as it is"
+
+
+def test_void_steps_teach_nothing(whole, tmp_path):
+    run = resume(cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000))
+    model = smarig.identify(run, surface="constant").model
+    with sqlite3.connect(run.path) as db:
+        changed = db.execute("UPDATE step SET position = 1000, target = 50 WHERE void").rowcount
+    db.close()
+    assert changed >= 4
+    spoilt = smarig.identify(load_run(run.path), surface="constant").model
+    assert (spoilt.fit["points"], spoilt.fit["rms"]) == (model.fit["points"], model.fit["rms"])
+    undisturbed = smarig.identify(whole["one_wire_twin"], surface="constant").model
+    assert model.fit["points"] == undisturbed.fit["points"]
+
+
+def test_a_run_can_be_interrupted_again_and_on_its_way_back(whole, tmp_path):
+    path = cut(whole["two_wire_twin"].path, tmp_path / "a.run.sqlite", 5000)
+    once = resume(path)
+    on_the_way = next(s for s in once.steps if s.branch == "re-establish" and s.t_start_s > 550)
+    path = cut(path, tmp_path / "b.run.sqlite", round(10 * on_the_way.t_end_s) - 20)
+    twice = resume(path)
+    marked = [(s.branch, s.void) for s in twice.steps if s.verdict == "interrupted"]
+    assert ("re-establish", True) in marked
+    assert max(s.attempt for s in twice.steps) == 1, "a way back is no attempt at a step"
+    path = cut(
+        path, tmp_path / "c.run.sqlite", round(10 * next(s for s in twice.steps if s.attempt).t_end_s) - 20
+    )
+    thrice = resume(path)
+    assert max(s.attempt for s in thrice.steps) == 2
+    assert counts_apart(thrice, whole["two_wire_twin"]) < 1
+
+
+def test_a_run_that_was_killed_at_its_very_end_is_only_closed(whole, tmp_path):
+    path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", len(whole["one_wire_twin"]))
+    run = resume(path)
+    assert (len(run), run.cause) == (len(whole["one_wire_twin"]), "done")
+    assert "nothing was left" in events(run, "resumed")[0].text
+
+
+# --- endings that are not death ---------------------------------------------------------------------------------
+
+
+def stop_at(tick, control):
+    return Watch(on_sample=lambda s, step, u: control.stop("enough") if s.tick == tick else None)
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_a_stopped_run_goes_on_in_the_same_sitting(whole, tmp_path, rig):
+    """The same device: its ticks and its zero go on, and the wire has felt all of it."""
+    control = Control()
+    out = tmp_path / "r.run.sqlite"
+    with Session(rig, seed=1, wire="a", control=control) as session:
+        with pytest.raises(Interrupted):
+            session.run(
+                "first_order_descending",
+                {"partition_K": PARTITIONS[rig]},
+                out,
+                listeners=[stop_at(4000, control)],
+            )
+        control._stop_cause = ""
+        resume_in(session, load_run(out))
+    run = load_run(out)
+    assert run["tick"].tolist() == list(range(1, len(run) + 1))
+    assert counts_apart(run, whole[rig]) < 1
+    assert events(run, "interrupted")[0].data["cause"] == "enough"
+
+
+def test_a_trip_is_re_armed(whole, tmp_path):
+    out = tmp_path / "r.run.sqlite"
+    with Session("one_wire_twin", seed=1, wire="a") as session:
+
+        def silence(s, step, u):
+            if s.tick == 4000:
+                session.rig.idle(5.0)
+
+        with pytest.raises(LeaseExpired):
+            session.run(
+                "first_order_descending",
+                {"partition_K": PARTITIONS["one_wire_twin"]},
+                out,
+                listeners=[Watch(on_sample=silence)],
+            )
+        assert "nothing was heard" in load_run(out).cause
+        resume_in(session, load_run(out))
+    run = load_run(out)
+    assert run.cause == "done"
+    assert counts_apart(run, whole["one_wire_twin"]) < 1
+    assert run["tick"][4000] > 4001  # the ticks of the silence are missing, and told nowhere as samples
+
+
+def test_a_limit_that_tripped_is_re_armed(tmp_path):
+    out = tmp_path / "r.run.sqlite"
+    with Session("one_wire_twin") as session:
+        session.guard.tripped = "Something was too hot."
+        with pytest.raises(smarig.runner.session.LimitExceeded):
+            session.run("validation", {"points": "2"}, out)
+        resume_in(session, load_run(out))
+    assert load_run(out).cause == "done"
+
+
+# --- the encoder's zero --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
+    """The encoder was zeroed on a hot wire before the run; the new twin's zero is another."""
+    out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
+    with Session(rig, seed=1, wire="a") as session:
+        for _ in range(600):
+            session.guard.step(0.9)
+        session.guard.zero()
+        session._note("zero", 60.0)
+        for _ in range(600):
+            session.guard.step(0.0)
+        session.run("first_order_descending", {"partition_K": PARTITIONS[rig]}, out)
+    undisturbed = load_run(out)
+    assert undisturbed["counts"].min() < -100
+    run = resume(cut(out, r, int(undisturbed["tick"][0]) + 4000))
+    assert counts_apart(run, undisturbed) < 1
+    assert run.meta["shift"]["counts"] == events(run, "shift")[0].data["counts"]
+    told = events(run, "shift")[0]
+    assert abs(told.data["counts"]) > 50
+    cooled = next(s for s in run.steps if s.branch == "re-establish")
+    rows = run["step"] == cooled.index
+    assert cooled.position == pytest.approx(np.mean(run["position"][rows][-cooled.n :]))
+    assert cooled.position < -50 * run.meta["output"]["per_count"], (
+        "the way there is told in the old zero, too"
+    )
+
+
+def test_a_zero_that_was_not_met_before_the_next_death_is_met_later(whole, tmp_path):
+    """Killed on the way back: the device is the same the second time, and its zero is still unknown."""
+    rig, out, path = "one_wire_twin", tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
+    with Session(rig, seed=1, wire="a") as session:
+        for _ in range(600):
+            session.guard.step(0.9)
+        session.guard.zero()
+        session._note("zero", 60.0)
+        for _ in range(600):
+            session.guard.step(0.0)
+        session.run("first_order_descending", {"partition_K": PARTITIONS[rig]}, out)
+    undisturbed = load_run(out)
+    cut(out, path, int(undisturbed["tick"][0]) + 4000)
+    control = Control()
+    with session_for(load_run(path), control=control) as session:
+        with pytest.raises(Interrupted):
+            resume_in(session, load_run(path), listeners=[stop_at(len(load_run(path)) + 1900, control)])
+        assert not events(load_run(path), "shift")
+        control._stop_cause = ""
+        resume_in(session, load_run(path))
+    assert counts_apart(load_run(path), undisturbed) < 1
+    assert len(events(load_run(path), "shift")) == 1
+
+
+def test_a_zero_that_cannot_be_met_again_is_a_refusal(tmp_path):
+    out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
+    with Session("one_wire_twin", wire="a") as session:
+        session._note("zero", 60.0)
+        session.guard.step(0.0)
+        session.run("step_currents", {"temperatures_K": "60,100,70"}, out)
+    path = cut(out, r, 1200)
+    before = path.read_bytes()
+    with pytest.raises(DataError, match="where its zero was is lost"):
+        resume(path)
+    assert path.read_bytes() == before
+
+
+# --- beginning anew ------------------------------------------------------------------------------------------------
+
+
+def test_a_waveform_is_begun_anew(tmp_path):
+    whole = smarig.run("minor_loops", rig="one_wire_twin", out=tmp_path / "w.run.sqlite", wire="a")
+    run = resume(cut(whole.path, tmp_path / "r.run.sqlite", len(whole) // 2))
+    assert events(run, "resumed")[0].data["start_over"]
+    assert [s.void for s in run.steps] == [True, True, True, True, False, False, False]
+    assert [(s.branch, s.attempt) for s in run.steps[4:]] == [("cool", 1), ("loops", 1), ("cool", 0)]
+    last = whole["position"][-100:].mean(), run["position"][-100:].mean()
+    assert last[0] == pytest.approx(last[1], abs=run.meta["output"]["per_count"])
+
+
+def test_a_memory_out_of_a_state_that_is_gone_is_begun_anew(tmp_path):
+    """Two wires, never saturated: what they remember hangs on where they began."""
+    settings = {"temperatures_K": "50,-30,40,-20"}
+    control = Control()
+    out = tmp_path / "r.run.sqlite"
+    with Session("two_wire_twin", control=control) as session:
+        with pytest.raises(Interrupted):
+            session.run("step_currents", settings, out, listeners=[stop_at(1500, control)])
+        control._stop_cause = ""
+        plan = resume_in(session, load_run(out))
+    run = load_run(out)
+    assert plan.start_over
+    assert run.meta["initial"] == CONTINUED
+    assert [s.target for s in run.settled] == [50.0, -30.0, 40.0, -20.0]
+    whole = smarig.run(
+        "step_currents", rig="two_wire_twin", out=tmp_path / "w.run.sqlite", wire="a", **settings
+    )
+    again = resume(cut(whole.path, tmp_path / "r2.run.sqlite", 1500))  # a new twin is in the old state
+    assert not events(again, "resumed")[0].data["start_over"]
+    assert counts_apart(again, whole) < 1
+
+
+def test_a_chooser_is_asked_again_and_says_the_same(tmp_path):
+    whole = smarig.run("adaptive_fod", rig="one_wire_twin", out=tmp_path / "w.run.sqlite", longest_h=0.4)
+    run = resume(cut(whole.path, tmp_path / "r.run.sqlite", 8000))
+    n = min(len(run.settled), len(whole.settled))
+    assert [s.target for s in run.settled[:n]] == [s.target for s in whole.settled[:n]]
+    assert sum(e.text == "chosen" for e in run.events) <= sum(e.text == "chosen" for e in whole.events)
+
+
+# --- refusals ------------------------------------------------------------------------------------------------------
+
+
+def test_refusals_are_one_sentence_and_touch_nothing(whole, tmp_path):
+    done = whole["one_wire_twin"]
+    path = cut(done.path, tmp_path / "r.run.sqlite", 4000)
+    before = path.read_bytes()
+    other = tmp_path / "other.toml"
+    text = Path("configs/rigs/one_wire_twin.toml").read_text(encoding="utf-8")
+    other.write_text(text.replace('name = "one_wire_twin"', 'name = "elsewhere"'), encoding="utf-8")
+    for refused, sentence in (
+        (lambda: resume(done.path), "is done"),
+        (lambda: resume(path, rig="two_wire_twin"), "was run on rig 'one_wire_twin', not on 'two_wire_twin'"),
+        (lambda: resume(path, rig=str(other)), "not on 'elsewhere'"),
+        (lambda: resume(path, wire="b"), "is of wire 'a', not of 'b'"),
+    ):
+        with pytest.raises(UsageError, match=sentence):
+            refused()
+    assert path.read_bytes() == before
+
+
+def test_a_wire_that_was_changed_in_the_rig_file_is_refused(tmp_path):
+    rig = tmp_path / "mine.toml"
+    text = Path("configs/rigs/one_wire_twin.toml").read_text(encoding="utf-8")
+    rig.write_text(text, encoding="utf-8")
+    run = smarig.run("validation", rig=str(rig), out=tmp_path / "w.run.sqlite", points=2)
+    path = cut(run.path, tmp_path / "r.run.sqlite", 900)
+    rig.write_text(text.replace("twin-one-wire", "a-new-wire"), encoding="utf-8")
+    with pytest.raises(UsageError, match="is of wire 'twin-one-wire', not of 'a-new-wire'"):
+        resume(path)
+
+
+def test_a_protocol_that_says_otherwise_now_is_refused(tmp_path):
+    rig = tmp_path / "mine.toml"
+    text = Path("configs/rigs/one_wire_twin.toml").read_text(encoding="utf-8")
+    rig.write_text(text, encoding="utf-8")
+    run = smarig.run("validation", rig=str(rig), out=tmp_path / "w.run.sqlite", points=3)
+    path = cut(run.path, tmp_path / "r.run.sqlite", 1900)
+    rig.write_text(text.replace("current_max_A = 1.0", "current_max_A = 0.9"), encoding="utf-8")
+    with pytest.raises(DataError, match="have changed since"):
+        resume(path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("begun_with", '{"rig": 1}'), ("begun_with", "[]"), ("seed", "[3]"), ("settings", "7")],
+)
+def test_a_damaged_description_is_a_sentence(whole, tmp_path, key, value):
+    path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000)
+    with sqlite3.connect(path) as db:
+        if key == "settings":
+            changed = json.dumps(load_run(path).meta["begun_with"] | {"settings": 7})
+            key, value = "begun_with", changed
+        db.execute("INSERT OR REPLACE INTO run VALUES (?, ?)", (key, value))
+    db.close()
+    with pytest.raises(DataError, match=r"damaged|does not say"):
+        resume(path)
+
+
+def test_settings_given_as_values_are_kept(tmp_path):
+    run = smarig.run(
+        "step_currents", rig="one_wire_twin", out=tmp_path / "w.run.sqlite", temperatures_K=(60.0, 20.0, 40.0)
+    )
+    resumed = resume(cut(run.path, tmp_path / "r.run.sqlite", 1000))
+    assert counts_apart(resumed, run) < 1
+    assert session_for(load_run(cut(run.path, tmp_path / "s.run.sqlite", 1000))).wire == "twin-one-wire"
+
+
+# --- real death ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
+@pytest.mark.parametrize("rig", RIGS)
+def test_after_kill_9(whole, tmp_path, rig):
+    out = tmp_path / "r.run.sqlite"
+    command = [sys.executable, "-m", "smarig", "run", "first_order_descending", "--rig", rig, "--seed", "1"]
+    process = subprocess.Popen(
+        [
+            *command,
+            "-o",
+            str(out),
+            "--set",
+            f"partition_K={PARTITIONS[rig]}",
+            "--wire",
+            "a",
+            "--speed",
+            "2000",
+        ],
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        while process.poll() is None and _steps(out) < 3:
+            pass
+    finally:
+        process.kill()
+        process.communicate()
+    assert process.returncode == -signal.SIGKILL
+    assert not load_run(out).complete
+    with session_for(load_run(out), speed=1e6) as session:
+        resume_in(session, load_run(out))
+    assert counts_apart(load_run(out), whole[rig]) < 1
+
+
+def _steps(out):
+    try:
+        return len(load_run(out).steps)
+    except (DataError, UsageError):
+        return 0

@@ -1,0 +1,69 @@
+"""A bench without physics: a wire of 5 ohm whose encoder moves as it is told, and devices on it."""
+
+from collections.abc import Sequence
+
+from simulators.faults import Fault
+from simulators.lines import Lines
+from simulators.pace import LockStep
+from simulators.station import PythonAmplifier, PythonDaq
+from simulators.world import World
+
+from smarig.rig.specimen import Reading
+from smarig.wire import lines
+from smarig.wire.exchange import Exchange, Refusal
+
+PERIOD_s = 0.1
+
+
+class FiveOhms:
+    """Ten counts further with every tick."""
+
+    def __init__(self) -> None:
+        self.counts = 0
+
+    def advance(self, output_A: float) -> Reading:
+        """As asked."""
+        self.counts += 10
+        flowed_uA = round(output_A * 1e6)
+        return Reading(flowed_uA, 5 * flowed_uA, self.counts, 2200, -32768, False)
+
+    def counts_now(self) -> int:
+        """Without noise."""
+        return self.counts
+
+
+class Bench:
+    """A world with a pace, and a host's hand on both devices."""
+
+    def __init__(self, faults: Sequence[Fault] = ()) -> None:
+        self.world = World(FiveOhms(), PythonAmplifier(Lines()), PythonDaq(Lines()), PERIOD_s, 2000, faults)
+        self.pace = LockStep(self.world, self.world.tick)
+        self.amplifier, self.daq = self.world.amplifier, self.world.daq
+
+    def ask(self, name: str, exchange: Exchange) -> list[int] | Refusal | None:
+        """As over a line of text; None for silence."""
+        request = lines.request(exchange)[:-1]
+        self.world.exchanges[name] += 1
+        self.pace.asked(name, request)
+        reply = self.world.answer(name, request)
+        return None if reply is None else lines.find(exchange, reply)
+
+    def samples(self, sequence: int, first: int, want: int) -> list[tuple[int, ...]] | None:
+        """Samples of the DAQ: (counts, ambient, marks) each."""
+        m = self.daq.map
+        words = tuple(m.encode("command", {"sequence": sequence, "ring_next": first, "ring_want": want}))
+        status = self.ask("encoder_daq", Exchange(0, m.size("status"), m.start("command"), words))
+        return None if status is None else m.records(status, m.decode("status", status)["ring_count"])
+
+    def command(self, sequence: int, **values: int) -> list[int] | Refusal | None:
+        """A command to the amplifier."""
+        words = tuple(self.amplifier.map.encode("command", {"sequence": sequence, **values}))
+        return self.ask("amplifier", Exchange(0, 18, self.amplifier.map.start("command"), words))
+
+    def armed(self, current_uA: int) -> None:
+        """Set up, armed and driving; the lease is 2 s."""
+        limits = {"period": 100, "lease": 2000, "current_max": 1_000_000, "slew_max": 100_000}
+        wire = {"resistance_max": 20_000, "heat_max": 4_000_000_000, "heat_settle": 1000}
+        words = tuple(self.amplifier.map.encode("settings", {**limits, **wire}))
+        assert self.ask("amplifier", Exchange(write_at=0x200, words=words)) == []
+        assert not isinstance(self.command(1, order=1, current=current_uA), Refusal | None)

@@ -1,0 +1,22 @@
+"""Writes firmware_protocol/golden. What a reply must say stands in golden_*.py by hand, from the contract alone."""
+
+import sys
+from pathlib import Path
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from golden import FOLDER
+from golden_rings import daq_ring, daq_work, ring
+from golden_safety import contacts, heat, lease, slew, trips
+from golden_talking import frames, handshake, repeats, settings, text, work
+
+SCRIPTS = (
+    *(handshake, frames, text, settings, work, repeats),
+    *(lease, trips, contacts, slew, heat),
+    *(ring, daq_work, daq_ring),
+)
+
+if __name__ == "__main__":
+    for make in SCRIPTS:
+        make().write(FOLDER)
