@@ -89,8 +89,23 @@ def cells(faults: Sequence[Fault]) -> Iterator[Cell]:
 
 
 def everyday(faults: Sequence[Fault], representative: Sequence[str]) -> Iterator[Cell]:
-    """Every fault once, and on each other link the representative ones."""
+    """Every fault once, on each other link the representative ones, on pyserial's the first of them: they work."""
     for fault in faults:
         yield Cell(fault, fault.usual, LINKS[0])
         if fault.name in representative:
-            yield from (Cell(fault, fault.usual, link) for link in (*LINKS[1:], *RELAYED))
+            yield from (Cell(fault, fault.usual, link) for link in LINKS[1:])
+        if fault.name == representative[0]:
+            yield from (Cell(fault, fault.usual, link) for link in RELAYED)
+
+
+def relayed(faults: Sequence[Fault], representative: Sequence[str]) -> Iterator[Cell]:
+    """The representative faults through pyserial's network ports."""
+    for fault in faults:
+        if fault.name in representative:
+            yield from (Cell(fault, fault.usual, link) for link in RELAYED)
+
+
+def whole(faults: Sequence[Fault], representative: Sequence[str]) -> Iterator[Cell]:
+    """All that there is to try."""
+    yield from cells(faults)
+    yield from relayed(faults, representative)

@@ -53,6 +53,7 @@ class Source(Instrument):
 
     def set(self, current_A):
         self.sent.append(current_A)
+        return self.tick()
 
     def since(self, tick, at_most):
         now = self.sent[-1] if self.sent else 0.0

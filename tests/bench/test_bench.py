@@ -3,10 +3,14 @@
 import pytest
 
 from bench.instruments import FakeClock, Sensor, Source
+from smarig.command import Elapsed, Hold
 from smarig.config import load_rig
 from smarig.errors import LeaseExpired
 from smarig.model.actuator import Actuator
 from smarig.rig.bench import BLOCK, PATIENCE_S, Bench
+from smarig.rig.guard import Guard
+from smarig.runner.listener import Watch
+from smarig.runner.runner import Runner
 from smarig.sample import Quality
 from smarig.wire.blame import Silent
 
@@ -154,3 +158,26 @@ def test_a_source_that_could_not_be_told_to_be_off_is_known_of():
     source.off = lambda: "not heard"
     bench.safe()
     assert bench.untold == "not heard"
+
+
+def test_a_hold_lasts_its_time_even_when_the_host_was_late(tmp_path):
+    """Samples of the current before belong to the record, not to the next hold's time or window."""
+    bench, _, _, clock = made()
+    told = []
+
+    def late(result):
+        told.append(result)
+        clock.sleep(3.0)
+
+    def protocol():
+        yield Hold(0.2, Elapsed(2.0))
+        yield Hold(0.5, Elapsed(2.0))
+
+    samples = []
+    watch = Watch(on_sample=lambda s, step, input_K: samples.append(s), on_step=late)
+    guard = Guard(bench, FILE.limits, Actuator.named(FILE.actuator))
+    Runner(guard, bench.position_per_count, [watch]).run(protocol())
+    assert [s.tick for s in samples] == list(range(1, len(samples) + 1))
+    assert 20 <= sum(s.current_command_A == 0.5 for s in samples) <= 20 + BLOCK
+    assert sum(s.current_command_A == 0.2 for s in samples) >= 49
+    assert [r.n for r in told] == [20, 20]

@@ -11,10 +11,12 @@ from bench.fault_cell import perform
 from bench.fault_judge import faulty
 from bench.fault_page import PAGE, page
 from bench.fault_rows import REPRESENTATIVE, ROWS
-from bench.fault_table import cells, everyday
+from bench.fault_table import everyday, whole
 
 WHOLE = os.environ.get("SMARIG_FAULTS") == "all"
-CELLS = {c.name: c for c in (*everyday(ROWS, REPRESENTATIVE), *(cells(ROWS) if WHOLE else ()))}
+CELLS = {
+    c.name: c for c in (*everyday(ROWS, REPRESENTATIVE), *(whole(ROWS, REPRESENTATIVE) if WHOLE else ()))
+}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="ptys and POSIX signals")

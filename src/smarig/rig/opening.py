@@ -63,14 +63,16 @@ def _told(rig: Rig) -> Iterator[None]:
     """Current to zero on every way out; that the device could not be told is part of what the person reads."""
     try:
         yield
-    finally:
+    except LinkFault as fault:
         rig.safe()
-        ends = sys.exception()  # also where whoever holds us open closes us without saying why
-        untold = getattr(rig, "untold", "")
-        if untold and isinstance(ends, LinkFault):
-            ends.args = (f"{ends} {untold}",)
-        elif untold and ends is None:
-            raise RigFault(f"{untold} What was recorded until then is whole.")
+        fault.args = (" ".join(filter(None, (str(fault), rig.untold))),)
+        raise
+    except BaseException:
+        rig.safe()
+        raise
+    rig.safe()
+    if rig.untold:
+        raise RigFault(f"{rig.untold} What was recorded until then is whole.")
 
 
 def _links(file: RigFile) -> LinksFile:

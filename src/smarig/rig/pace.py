@@ -53,6 +53,11 @@ class Paced:
         """mm or degrees of one count."""
         return self.rig.position_per_count
 
+    @property
+    def untold(self) -> str:
+        """Whether the rig knows that it is to be off."""
+        return self.rig.untold
+
     def alarms(self) -> list[Alarm]:
         """The rig's."""
         return self.rig.alarms()

@@ -40,6 +40,11 @@ class Rig(Protocol):
         """mm or degrees of one count."""
         ...
 
+    @property
+    def untold(self) -> str:
+        """Why a device may not know that it is to be off, a sentence; "" where it does."""
+        ...
+
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on; raises RigFault when tripped or lost."""
         ...

@@ -84,6 +84,11 @@ class Twin:
         """Output to zero."""
         self.output_A = 0.0
 
+    @property
+    def untold(self) -> str:
+        """It always knows."""
+        return ""
+
     def alarms(self) -> list[Alarm]:
         """It has none."""
         return []

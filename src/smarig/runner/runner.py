@@ -28,6 +28,8 @@ from smarig.runner.settling import Approach, SettleWindow
 from smarig.runner.shift import Shift
 from smarig.sample import Sample
 
+BACKLOG = 2000  # samples of an earlier current that a ring may still hold
+
 
 class Runner:
     """Runs protocols one after the other on one rig; step numbers and time go on between them."""
@@ -47,6 +49,7 @@ class Runner:
         self.shift = Shift()
         self._step: int | None = None
         self._last: Sample | None = None
+        self._of_before = 0
         self._was_paused = False
 
     def run(self, protocol: Protocol) -> None:
@@ -145,20 +148,24 @@ class Runner:
         approach: Approach | None = None,
         at_most: int = 1,
     ) -> int:
+        """One step of the rig; returns how many of its samples are of this current, and not of the one before."""
         self.control.raise_if_stopped()
-        arrived = self.rig.step(current_A, at_most)
-        for measured, input_K in arrived:
+        counted = 0
+        for measured, input_K in self.rig.step(current_A, at_most):
             sample = self.shift.told(measured, self.rig.period_s, self.position_per_count)
             self.t_s, self._last = sample.t_s, sample
             heated = approach is None or approach.passed(input_K)
-            if window is not None:
+            mine = sample.current_command_A == current_A or self._of_before >= BACKLOG
+            self._of_before = 0 if mine else self._of_before + 1
+            counted += mine
+            if window is not None and mine:
                 window.add(sample.counts, heated)
             for listener in self.listeners:
                 listener.sample(sample, self._step, input_K)
         for alarm in self.rig.alarms():
             self._tell(alarm.kind, alarm.text, level=alarm.level)
         self.rig.raise_if_tripped()
-        return len(arrived)
+        return counted
 
     def _tell(self, kind: str, text: str, **data) -> None:
         for listener in self.listeners:
