@@ -174,7 +174,7 @@ def test_an_interruption_leaves_a_closed_run_with_what_was_measured(tmp_path):
     with Session("one_wire_twin", seed=1, control=control) as session:
         with pytest.raises(Interrupted, match="enough for today"):
             session.run("adaptive_fod", {}, out, expected=KNOWN, chooser=impatient)
-        assert session.twin.output_A == 0.0
+        assert session.rig.output_A == 0.0
     run = load_run(out)
     assert run.cause == "enough for today"
     assert [s.target for s in run.steps] == [0.0, 174.1, 60.0, 20.0]
