@@ -1,5 +1,7 @@
 """The blind benchmark on a real Dask cluster of this machine: the same answers as without one."""
 
+import os
+
 import pytest
 
 from smarig.benchmark import diagnosis
@@ -19,6 +21,7 @@ def scheduler():
         yield cluster.scheduler_address
 
 
+@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
 @pytest.mark.filterwarnings("default::DeprecationWarning", "default::ResourceWarning")
 def test_a_cluster_gives_the_answers_of_one_process(scheduler, tmp_path):
     spread = diagnosis.run(boxes=BOXES, nulls=NULLS, dask=scheduler, out=tmp_path / "answers.jsonl")

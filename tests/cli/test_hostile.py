@@ -122,9 +122,10 @@ def test_the_output_is_never_the_input(capsys, recorded, command):
     assert recorded.read_bytes() == before
 
 
+LONG = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes half a minute: SMARIG_LONG=1")
 HUGE = [
     ("validation", "points=1000000000"),
-    ("validation", "points=90000"),
+    pytest.param("validation", "points=90000", marks=LONG),
     ("congruency", "points_per_branch=0"),
     ("congruency", "points_per_branch=1000000000"),
     ("minor_loops", "loops=1000000000"),

@@ -32,7 +32,9 @@ def judged(folder, rig, truth, seed, kinds) -> Errors:
     """One FOD run of the twin (0.4 counts of noise, whole counts), identified in several ways."""
     with Session(rig, twin=TwinSettings(seed=seed, hysteresis=truth)) as session:
         step = session.rig.position_per_count
-        zero = round(session.rig.specimen.plant.position / step) * step  # what the relative encoder calls zero
+        zero = (
+            round(session.rig.specimen.plant.position / step) * step
+        )  # what the relative encoder calls zero
         path = session.run("first_order_descending", {}, folder / "fod.run.sqlite", force=True)
     run = load_run(path)
     data = fod_data([run])
