@@ -45,13 +45,17 @@ UNSEEN = {
     "end_conduction": (16, 2, ("voltage",)),
     "r_phase": (16, 2, ("voltage",)),
 }
-LONG = {"convection", "creep", "cross_talk", "latent_heat", "stress_coupling", "wire_lag"}  # a minute each
+LONG = {"convection", "creep", "cross_talk", "latent_heat", "sensor_lag", "stress_coupling", "wire_lag"}
+
+
+where_there_is_time = pytest.mark.skipif(
+    not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1"
+)
 
 
 def asked(names):
     """All of them; those that take long where there is time (``SMARIG_LONG``, as in ``.ci/long``)."""
-    skip = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
-    return [pytest.param(name, marks=skip) if name in LONG else name for name in names]
+    return [pytest.param(name, marks=where_there_is_time) if name in LONG else name for name in names]
 
 
 def test_every_effect_is_asked_for():
@@ -82,6 +86,7 @@ def test_without_its_name_in_the_catalogue_it_is_said_what_it_depends_on(effect)
     assert not found.extended
 
 
+@where_there_is_time
 def test_without_its_name_a_lag_may_be_taken_for_its_likes_and_nothing_else():
     """A late sensor and a slow wire are one group: what is said is in it, or that it depends on the rate."""
     number, times, channels = SEEN["sensor_lag"]
