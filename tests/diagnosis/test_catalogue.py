@@ -45,7 +45,17 @@ UNSEEN = {
     "end_conduction": (16, 2, ("voltage",)),
     "r_phase": (16, 2, ("voltage",)),
 }
-LONG = {"convection", "creep", "cross_talk", "latent_heat", "sensor_lag", "stress_coupling", "wire_lag"}
+LONG = {
+    "accommodation",
+    "convection",
+    "creep",
+    "cross_talk",
+    "fatigue",
+    "latent_heat",
+    "sensor_lag",
+    "stress_coupling",
+    "wire_lag",
+}
 
 
 where_there_is_time = pytest.mark.skipif(
