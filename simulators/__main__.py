@@ -44,7 +44,7 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
 @click.option(
     "--framing", type=click.Choice(FRAMINGS), help="Of both devices; else the rig file's, or lines."
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
 @click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="As in smarig simulate.")
 @click.option("--lock-step", is_flag=True, help="Time waits for the host to ask for samples.")
 @click.option("--speed", type=click.FloatRange(min=1e-3, max=1e6), help="Times real time; 1 if not given.")

@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from smarig.config import Number, Section, load
+from smarig.toml_file import Number, Section, load
 
 Device = Literal["amplifier", "encoder_daq"]
 

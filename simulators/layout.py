@@ -6,7 +6,7 @@ Knows a register map; no values, states or framings.
 from collections.abc import Iterator
 
 from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import Map, Register
+from smarig.wire.register import Map, Raw, Register
 
 NO_FUNCTION, NO_REGISTER, BAD_VALUE, NOT_NOW, BAD_CHECK, NOT_READABLE = 1, 2, 3, 4, 8, 9  # codes of refusals
 MOST_READ, MOST_WRITTEN = 125, 121  # words in one exchange
@@ -36,7 +36,7 @@ class Layout:
             return Refusal(NO_REGISTER)
         return None
 
-    def values(self, e: Exchange) -> dict[str, int] | Refusal:
+    def values(self, e: Exchange) -> Raw | Refusal:
         """What is written, by register; refused where one word is out of its range."""
         values = self._map.decode(self._written[e.write_at], e.words)
         for name, raw in values.items():

@@ -6,7 +6,7 @@ Knows maps, sequence words and ring windows. Refuses to know what orders and set
 from simulators.layout import Layout
 from simulators.ring import NOTHING_YET, Ring, Window
 from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import Map, load_map, to_words
+from smarig.wire.register import Map, Raw, load_map, to_words
 
 
 class RegisterDevice:
@@ -28,7 +28,7 @@ class RegisterDevice:
         self.boot_count = boot_count & 0xFFFF
         self.echo = 0
         self.ring = Ring(self._ring_samples)
-        self.stored = {r.name: r.safe or 0 for r in self.map.registers.values() if r.access == "rw"}
+        self.stored = Raw((r.name, r.safe or 0) for r in self.map.registers.values() if r.access == "rw")
         self._window: Window = NOTHING_YET
 
     @property
@@ -49,15 +49,15 @@ class RegisterDevice:
             return values
         return self._command(values) if "sequence" in values else self._settings(values)
 
-    def _settings(self, values: dict[str, int]) -> Refusal | None:
+    def _settings(self, values: Raw) -> Refusal | None:
         refusal = self.refuses_settings()
         if refusal is None:
             self.stored.update(values)
         return refusal
 
-    def _command(self, values: dict[str, int]) -> Refusal | None:
+    def _command(self, values: Raw) -> Refusal | None:
         if values["sequence"] == self.echo:  # heard before: only the window may be another
-            values = {name: raw for name, raw in values.items() if name in ("ring_next", "ring_want")}
+            values = Raw((name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want"))
         else:
             refusal = self.refuses_command(values)
             if refusal:
@@ -74,21 +74,24 @@ class RegisterDevice:
         if not exchange.count:
             return []
         block = self._layout.block(exchange.read_at)
-        words = self._status_words() if block == "status" else self.map.encode(block, self.stored)
+        words = self._status_words() if block == "status" else self._stored_words(block)
         at = exchange.read_at - self._layout.starts[block]
         return words[at : at + exchange.count]
 
+    def _stored_words(self, block: str) -> list[int]:
+        return self.map.encode(block, {name: self.stored[name] for name in self.map.names[block]})
+
     def _status_words(self) -> list[int]:
         window = self._window
-        values = {
+        values = Raw(
             **self._always,
-            "echo": self.echo,
-            "boot_count": self.boot_count,
-            "tick": self.newest_tick,
-            "ring_first": window.first,
-            "ring_count": window.count,
+            echo=self.echo,
+            boot_count=self.boot_count,
+            tick=self.newest_tick,
+            ring_first=window.first,
+            ring_count=window.count,
             **self.status(),
-        }
+        )
         words: list[int] = []
         for name, size in self._header:
             words += to_words(values[name], size)

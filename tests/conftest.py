@@ -5,13 +5,42 @@ import os
 os.environ.setdefault(
     "OMP_NUM_THREADS", "1"
 )  # before numpy: one worker, one thread, or they fight for the cores
+import contextlib
+import signal
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+# A job in the background ignores both signals, and its children would.
+with contextlib.suppress(ValueError, AttributeError):
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("ci")
+
+collect_ignore = ["fuzz"]  # campaigns of .ci/fuzz, which need atheris
+
+
+def pytest_xdist_auto_num_workers():
+    """One more than there are cores: many tests wait for processes and devices."""
+    return (os.cpu_count() or 1) + 1
+
+
+LONGEST = (
+    "test_real_diagnosis",
+    "test_viewers",
+    "test_readme",
+    "test_diagnose",
+    "test_recovery_on_the_twin",
+    "test_promises",
+)
+
+
+def pytest_collection_modifyitems(items):
+    """The longest first: else one worker is still at them when the others have nothing left to do."""
+    items.sort(key=lambda item: item.path.stem not in LONGEST)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -2,11 +2,14 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import smarig
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.S)
@@ -62,6 +65,23 @@ def test_shell_completion(tmp_path):
     typed = {"COMP_WORDS": "smarig run val", "COMP_CWORD": "2", "_SMARIG_COMPLETE": "bash_complete"}
     listed = subprocess.run(["smarig"], env=environment() | typed, capture_output=True, text=True)
     assert "validation" in listed.stdout
+
+
+def test_seeing_it(tmp_path):
+    """But for the two commands that open a viewer."""
+    made = smarig.run(
+        "validation", rig="one_wire_twin", out=tmp_path / "runs" / "v.run.sqlite", points=2
+    ).path
+    for name in ("fod", "validation", "seen"):
+        shutil.copy(made, tmp_path / f"{name}.run.sqlite")
+    commands = lines_of("sh", "--live")
+    opening = [c for c in commands if " --live" in c or " view " in c]
+    assert len(opening) == 2
+    for command in commands:
+        if command not in opening:
+            in_shell(command, tmp_path)
+    assert {"comparison.html", "validation.nc"} <= {p.name for p in tmp_path.iterdir()}
+    assert list((tmp_path / "runs").glob("index.html"))
 
 
 def test_notebook_lines(tmp_path, monkeypatch, capsys):

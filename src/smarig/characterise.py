@@ -27,6 +27,7 @@ from smarig.report.characterisation import characterisation_page
 from smarig.report.diagnosis_page import diagnosis_page
 from smarig.report.evidence import Evidence
 from smarig.report.page import write_page
+from smarig.runner.go_on import run_or_go_on
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview, preview
 from smarig.runner.remnant import remnant
@@ -72,12 +73,14 @@ def characterise(
     seed: int = 0,
     wire: str = "",
     force: bool = False,
+    go_on: bool = False,
     watching: Watching | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Characterisation:
     """Characterise the wire of a rig into a folder: runs, model.json, report.html.
 
-    Nothing existing is overwritten without ``force``. Raises what the runs raise; a finished run stays.
+    Nothing existing is overwritten without ``force``; with ``go_on``, runs that are there and done are taken as they
+    are, an interrupted one is resumed. Raises what the runs raise; a finished run stays.
     """
     started = time.monotonic()
     plan = load_campaign(campaign)
@@ -85,7 +88,9 @@ def characterise(
         raise UsageError(
             f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."
         )
-    _check_folder(out, plan, force)
+    if force and go_on:
+        raise UsageError("Runs can be replaced, or gone on with: give one of the two.")
+    _check_folder(out, plan, force, go_on)
     runs = _run_all(rig, plan, out, seed, wire, force, watching or (lambda _: nullcontext()))
     evidence = _analyse(rig, out, seed, plan, runs, started, progress or (lambda _: None))
     evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
@@ -96,7 +101,7 @@ def characterise(
     return Characterisation(out, evidence)
 
 
-def _check_folder(out: Path, plan: CampaignFile, force: bool) -> None:
+def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> None:
     try:
         (out / "runs").mkdir(parents=True, exist_ok=True)
         probe = out / ".writable"
@@ -104,14 +109,17 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool) -> None:
         probe.unlink()
     except OSError as error:
         raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
-    targets = plan.run_files(out / "runs") + [
+    targets = [
+        *([] if go_on else plan.run_files(out / "runs")),
         out / "model.json",
         out / "report.html",
         *(out / DIAGNOSIS / name for name in (JSON, PAGE, EXTENDED)),
     ]
     existing = [t for t in targets if t.exists()]
     if existing and not force:
-        raise UsageError(f"{existing[0]} exists; give another folder or --force to replace it.")
+        raise UsageError(
+            f"{existing[0]} exists; give another folder, --continue to go on with its runs, or --force to replace it."
+        )
 
 
 def _run_all(
@@ -123,7 +131,8 @@ def _run_all(
     with Session(rig, seed=seed, wire=wire) as session:
         for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
             with watching(cost) as listener:
-                session.run(
+                run_or_go_on(
+                    session,
                     step.protocol,
                     step.set,
                     target,

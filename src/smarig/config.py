@@ -4,25 +4,15 @@ Knows the schema of actuators and rigs. Refuses to know what is done with them, 
 physical quantity that the file leaves out.
 """
 
-import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, Field, model_validator
 
 from smarig.catalogue import suggestion
 from smarig.errors import ConfigError, UsageError
 from smarig.resources import shipped
-
-Number = Annotated[
-    float, Field(strict=True, allow_inf_nan=False)
-]  # "1.0", true and inf are mistakes, not numbers
-
-
-class Section(BaseModel):
-    """A frozen table of a configuration file; unknown keys are errors."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
+from smarig.toml_file import Number, Section, check, load, read_toml
 
 
 class Quantity(Section):
@@ -183,7 +173,7 @@ class SimulatorFile(Section):
 
 
 class RigFile(Section):
-    """configs/rigs/NAME.toml; ``base`` names another rig file whose tables this one takes where it has none."""
+    """configs/rigs/NAME.toml; ``base`` names another rig file, which holds every key that is not given here."""
 
     name: str
     kind: Literal["twin", "bench"]
@@ -211,6 +201,13 @@ class RigFile(Section):
             )
         if self.kind == "twin" and (self.links or self.simulator):
             raise ValueError('a twin has no links: kind = "bench" has')
+        if self.links and self.simulator and self.simulator.start:
+            for device in ("amplifier", "encoder_daq"):
+                if getattr(self.links, device).url:
+                    raise ValueError(
+                        f"links.{device}.url says where a device is, but [simulator] starts simulated ones: "
+                        "give one of the two, or simulator.start = false"
+                    )
         return self
 
     @model_validator(mode="after")
@@ -230,7 +227,7 @@ class CampaignStep(Section):
     protocol: str
     name: str = ""
     purpose: Literal["prepare", "test", "train", "held_out"] = "train"
-    set: dict[str, Any] = {}
+    set: dict[str, Any] = Field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -258,7 +255,6 @@ class CampaignFile(Section):
         return [folder / f"{k:02d}_{step.label}.run.sqlite" for k, step in enumerate(self.step, start=1)]
 
 
-Model = TypeVar("Model", bound=BaseModel)
 _FOLDERS: dict[str, type[BaseModel]] = {"rigs": RigFile, "actuators": ActuatorFile, "campaigns": CampaignFile}
 
 
@@ -293,8 +289,20 @@ def load_rig(name: str) -> RigFile:
     files = _rig_files(name)
     raw: dict[str, Any] = {}
     for _, table in files:
-        raw = table | raw
+        raw = _over(table, raw)
     return check(RigFile, raw, str(files[0][0]))
+
+
+def _over(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
+    """Tables key by key; anything else as a whole."""
+    both = {
+        key: _over(base[key], mine[key]) for key in base.keys() & mine.keys() if _tables(base[key], mine[key])
+    }
+    return base | mine | both
+
+
+def _tables(*values: Any) -> bool:
+    return all(isinstance(value, dict) for value in values)
 
 
 def rig_text(name: str) -> str:
@@ -320,50 +328,3 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
 def load_campaign(name: str) -> CampaignFile:
     """A campaign by name or path."""
     return load(CampaignFile, locate("campaigns", name))
-
-
-def load(schema: type[Model], path: Path) -> Model:
-    """Read and check a TOML file against a schema; ConfigError names file, key and what was expected."""
-    return check(schema, read_toml(path), str(path))
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """A TOML file as a dictionary; ConfigError with the line on a syntax error."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from None
-
-
-def check(schema: type[Model], data: Any, where: str) -> Model:
-    """Validate data against a schema; every problem in one ConfigError."""
-    try:
-        return schema.model_validate(data)
-    except ValidationError as error:
-        raise ConfigError("\n".join(f"{where}: {_sentence(e, schema)}" for e in error.errors())) from None
-
-
-def _sentence(error: Any, schema: type[BaseModel]) -> str:
-    key = ".".join(str(part) for part in error["loc"]) or "file"
-    if error["type"] == "extra_forbidden":
-        return f"unknown key '{key}'{suggestion(str(error['loc'][-1]), _keys(schema, error['loc'][:-1]))}"
-    if error["type"] == "missing":
-        return f"key '{key}' is missing."
-    message = error["msg"].removeprefix("Value error, ")
-    given = "" if isinstance(error["input"], dict) else f" (given: {error['input']!r})"
-    return f"{key}: {message}{given}."
-
-
-def _keys(schema: type[BaseModel], path: tuple) -> list[str]:
-    for part in path:
-        if isinstance(part, int):
-            continue
-        fields = schema.model_fields.get(str(part))
-        inner = fields.annotation if fields else None
-        inner = next((a for a in get_args(inner) if isinstance(a, type)), inner)
-        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-            return sorted(schema.model_fields)
-        schema = inner
-    return sorted(schema.model_fields)

@@ -168,6 +168,7 @@ WIRING = (
         phases=NOT_OPENED,
     ),
 )
+CLOSED = "it is closed, the current is at zero. 'smarig resume' goes on with it."
 STOPPED = "sets 0 A at the next tick and closes the run"
 HOST = (
     Fault(
@@ -185,7 +186,10 @@ HOST = (
         "SIGTERM",
         "is told to switch off",
         STOPPED,
-        Outcome(130, "Run terminated (SIGTERM): it is closed, the current is at zero."),
+        Outcome(
+            130,
+            f"Run terminated (SIGTERM): {CLOSED}",
+        ),
         host="signal:SIGTERM",
         loses_control=True,
         phases={"zeroing": DONE},
@@ -194,7 +198,10 @@ HOST = (
         "SIGINT (Ctrl-C)",
         "is told to switch off",
         STOPPED,
-        Outcome(130, "Run interrupted by the keyboard (Ctrl-C): it is closed, the current is at zero."),
+        Outcome(
+            130,
+            f"Run interrupted by the keyboard (Ctrl-C): {CLOSED}",
+        ),
         host="signal:SIGINT",
         loses_control=True,
         phases={"zeroing": DONE},

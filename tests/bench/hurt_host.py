@@ -11,8 +11,8 @@ import sys
 import time
 
 from smarig.cli import main
-from smarig.cli._progress import ProgressLine
-from smarig.drivers.conversation import Conversation
+from smarig.cli._situation import Situation
+from smarig.drivers._conversation import Conversation
 from smarig.record import recorder
 
 
@@ -41,7 +41,7 @@ def hurt(trouble: str, tick: int) -> None:
     """Let it happen once."""
     kind, _, more = trouble.partition(":")
     left = [lambda: TROUBLES[kind](more)]
-    sample, handshake = ProgressLine.sample, Conversation.handshake
+    sample, handshake = Situation.sample, Conversation.handshake
 
     def watched(self, s, step, input_value):
         if left and s.tick >= tick:
@@ -54,7 +54,7 @@ def hurt(trouble: str, tick: int) -> None:
         return handshake(self)
 
     if tick:
-        ProgressLine.sample = watched
+        Situation.sample = watched
     else:
         Conversation.handshake = opening
 

@@ -1,6 +1,6 @@
 """A current source and an encoder that do what a test says, by clocks of their own."""
 
-from smarig.drivers.roles import CurrentReading, PositionReading
+from smarig.drivers._roles import CurrentReading, PositionReading
 from smarig.sample import NAN, Quality
 
 
@@ -27,11 +27,13 @@ class Instrument:
         self.clock, self.period_s, self.ahead, self.ppm = clock, period_s, ahead, ppm
         self.begun = clock.now
         self.dead_until = 0.0
+        self._latest = ahead
         self.closed = False
 
     def tick(self):
         passed = (self.clock.now - self.begun) * (1 + 1e-6 * self.ppm)
-        return int(passed / self.period_s + 1e-6) + self.ahead
+        self._latest = max(self._latest, int(passed / self.period_s + 1e-6) + self.ahead)
+        return self._latest
 
     def ticks(self, first, at_most):
         if self.clock.now < self.dead_until:
@@ -44,21 +46,30 @@ class Instrument:
 
 class Source(Instrument):
     tripped = ""
+    has_lease = True
 
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
         self.sent = []
+        self._since = []  # tick from which each flows
         self.offs = 0
         self.armed = 0
 
     def set(self, current_A):
         self.sent.append(current_A)
+        self._since.append(self.tick() + 1)
         return self.tick()
 
+    def flows(self, tick):
+        """What flowed in a tick."""
+        begun = sum(first <= tick for first in self._since)
+        return self.sent[begun - 1] if begun else 0.0
+
     def since(self, tick, at_most):
-        now = self.sent[-1] if self.sent else 0.0
         mark = Quality.TRIPPED if self.tripped else Quality.GOOD
-        return [CurrentReading(k, now, 5 * now, NAN, mark) for k in self.ticks(tick, at_most)]
+        return [
+            CurrentReading(k, self.flows(k), 5 * self.flows(k), NAN, mark) for k in self.ticks(tick, at_most)
+        ]
 
     def arm(self):
         self.armed += 1

@@ -12,7 +12,7 @@ import pytest
 
 from bench.broken_rig import rig_file
 from smarig.cli import run as cli
-from smarig.drivers.conversation import Conversation
+from smarig.drivers._conversation import Conversation
 from smarig.record import Run, load_run
 
 

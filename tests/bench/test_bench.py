@@ -7,12 +7,12 @@ from smarig.command import Elapsed, Hold
 from smarig.config import load_rig
 from smarig.errors import LeaseExpired
 from smarig.model.actuator import Actuator
-from smarig.rig.bench import BLOCK, PATIENCE_S, Bench
+from smarig.rig.bench import BLOCK, LEAP, PATIENCE_S, Bench
 from smarig.rig.guard import Guard
 from smarig.runner.listener import Watch
 from smarig.runner.runner import Runner
 from smarig.sample import Quality
-from smarig.wire.blame import Silent
+from smarig.wire.blame import Garbled, Silent
 
 FILE = load_rig("bench_one_wire")
 
@@ -120,6 +120,26 @@ def test_safe_is_off_any_number_of_times_and_the_next_current_is_sent_anew():
     assert source.sent == [0.2, 0.2]
 
 
+def test_ticks_that_leap_are_not_believed():
+    bench, _, sensor, clock = made()
+    bench.step(0.1)
+    sensor.ahead += LEAP + 10
+    clock.sleep(0.1)
+    sensor.oldest = sensor.tick()
+    with pytest.raises(Garbled, match="ticks leapt by"):
+        bench.step(0.1)
+
+
+def test_a_trip_that_no_sample_shows_ends_it_all_the_same():
+    """Tripped, and its ring empty."""
+    bench, source, _, _ = made()
+    bench.step(0.1)
+    source.dead_until, source.tripped = 1e9, "Too hot."
+    bench.step(0.1)
+    with pytest.raises(LeaseExpired, match=r"Too hot\."):
+        bench.step(0.1)
+
+
 def test_zero_and_close_reach_the_instruments():
     bench, source, sensor, _ = made()
     bench.zero()
@@ -151,6 +171,21 @@ def test_samples_from_before_a_current_was_set_say_what_was_set_then():
     changed = source.tick()
     samples = [s for _ in range(4) for s in bench.step(0.7)]
     assert {(s.tick <= changed, s.current_command_A) for s in samples} == {(True, 0.2), (False, 0.7)}
+
+
+@pytest.mark.parametrize("lost", [-12, 12])
+def test_what_was_set_and_what_flowed_are_of_the_same_tick_even_when_a_clock_leaps(lost):
+    """An amplifier that stood still, or an encoder: what flows is still compared with what was set then."""
+    bench, source, sensor, _ = made()
+    samples = []
+    for k in range(400):
+        if k == 100:
+            late = source if lost < 0 else sensor
+            late.begun += abs(lost) * 0.1
+        samples += bench.step(0.5 if k // 7 % 2 else 0.0)
+    compared = [s for s in samples if not s.quality & Quality.STALE]
+    assert len(compared) > 300
+    assert [s.current_A for s in compared] == [s.current_command_A for s in compared]
 
 
 def test_a_source_that_could_not_be_told_to_be_off_is_known_of():

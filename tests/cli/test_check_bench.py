@@ -21,9 +21,9 @@ def rig(tmp_path, name="one_wire_serial", **simulator):
 def test_a_sound_bench_passes_every_check(name, tmp_path, capsys):
     assert cli(["check", rig(tmp_path, name), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert [c["name"] for c in found["checks"]] == [
-        *("devices", "at rest", "encoder direction", "read-back", "resistance", "lease", "re-arm"),
-    ]
+    pulse = ["read-back", "resistance", "encoder direction"]
+    second = [f"{check}, wire 2" for check in pulse] if name.startswith("two") else []
+    assert [c["name"] for c in found["checks"]] == ["devices", "at rest", *pulse, *second, "lease", "re-arm"]
     assert all(c["passed"] for c in found["checks"])
     assert "hash" in found["checks"][0]["seen"]
 

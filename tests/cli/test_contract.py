@@ -171,7 +171,7 @@ def test_a_folder_of_runs_gets_a_page_each(capsys, tmp_path):
     status, out, _ = call(capsys, "report", tmp_path / "q", "--json")
     assert status == 0
     assert len(json.loads(out)["reports"]) == 3
-    assert len(list((tmp_path / "q").glob("*.html"))) == 3
+    assert len(list((tmp_path / "q").glob("*.html"))) == 4  # and the index
     assert call(capsys, "report", tmp_path / "q", "-o", tmp_path / "one.html")[0] == 2
 
 

@@ -36,7 +36,7 @@ def test_resume_says_how_it_went(capsys, killed):
     assert (found["cause"], found["start_over"], found["run"]) == ("done", False, str(killed))
     assert found["void"] >= 4
     assert found["before"].startswith("incomplete")
-    assert "ended so: incomplete: the run was never closed. The rig is armed again." in err
+    assert "ended so: incomplete: the run was never closed.\nThe rig is armed again." in err
 
 
 @pytest.mark.parametrize(
@@ -215,3 +215,53 @@ def _seen(terminal, condition):
         if condition():
             return
     pytest.fail("nothing of it was seen in the record")
+
+
+# --- campaigns ---------------------------------------------------------------------------------------------------
+
+CAMPAIGN = """
+name = "two"
+summary = "Two short ones."
+[[step]]
+protocol = "initialise"
+[[step]]
+protocol = "validation"
+set = { points = 3 }
+[[step]]
+protocol = "validation"
+name = "again"
+set = { points = 2 }
+"""
+
+
+def test_a_campaign_goes_on_where_it_was_interrupted(capsys, tmp_path):
+    plan, out = tmp_path / "two.toml", tmp_path / "runs"
+    plan.write_text(CAMPAIGN, encoding="utf-8")
+    asked = ("run", plan, "--rig", "one_wire_twin", "-o", out)
+    assert call(capsys, *asked)[0] == 0
+    first, second, third = sorted(out.glob("*.run.sqlite"))
+    whole = second.rename(tmp_path / "whole.run.sqlite")
+    cut(whole, second, 1700)
+    third.unlink()
+    done = first.read_bytes()
+    status, _, err = call(capsys, *asked)
+    assert (status, "--continue" in err) == (2, True)
+    status, _, err = call(capsys, *asked, "--continue")
+    assert status == 0, err
+    assert first.read_bytes() == done
+    assert [load_run(p).cause for p in (second, third)] == ["done", "done"]
+    assert any(s.void for s in load_run(second).steps)
+    assert "is done." in err
+    assert "Resumed" in err
+
+
+def test_going_on_with_another_experiment_is_refused(capsys, tmp_path, killed):
+    before = killed.read_bytes()
+    for other in (
+        ["validation", "--set", "points=4"],
+        ["congruency"],
+        ["validation", "--set", "points=3", "--wire", "b"],
+    ):
+        status, _, err = call(capsys, "run", *other, "--rig", "one_wire_twin", "-o", killed, "--continue")
+        assert (status, "give another folder" in err) == (2, True)
+    assert killed.read_bytes() == before

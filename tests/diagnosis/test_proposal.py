@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from smarig.config import CampaignFile, load
+from smarig.config import CampaignFile
 from smarig.diagnosis.verdict import TEMPERATURE
 from smarig.proposal import SURE, Option, Proposal, _best, proposed, write_campaign
+from smarig.toml_file import load
 
 QUICK = Option("wiping_out", {}, 0.5, SURE + 1)
 LONG = Option("first_order_descending", {}, 1.2, SURE + 80)

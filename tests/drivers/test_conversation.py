@@ -3,7 +3,7 @@
 import pytest
 
 from drivers.scripted import Scripted
-from smarig.drivers.conversation import ATTEMPTS, PAUSES_S, STALE_REPLIES, Conversation
+from smarig.drivers._conversation import ATTEMPTS, PAUSES_S, STALE_REPLIES, Conversation
 from smarig.errors import ConfigError
 from smarig.wire.blame import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
 from smarig.wire.exchange import Refusal
@@ -86,6 +86,14 @@ def test_a_no_is_told_with_its_reason_and_not_asked_again(talk, link):
     assert len(link.asked) == 1
 
 
+@pytest.mark.parametrize("code", [8, 9, 6, 99])
+def test_a_no_to_what_was_not_understood_is_no_answer(talk, link, code):
+    """The request was garbled on its way: nothing has been done, and it is said again."""
+    link.next_replies = [Refusal(code)]
+    assert talk.command({"current": 9}).retried
+    assert [d["current"] for d in link.done] == [9]
+
+
 def test_another_device_and_another_map_are_refused_with_the_remedy(link):
     for change, error, words in (
         ({"kind": 0x5344}, WrongDevice, "exchanged in the rig file"),
@@ -120,7 +128,7 @@ def test_settings_that_are_not_kept_are_noticed(talk, link):
 
 def test_a_port_that_is_gone_is_looked_for_a_little_and_no_longer(talk, link, monkeypatch):
     waited: list[float] = []
-    monkeypatch.setattr("smarig.drivers.conversation.time.sleep", waited.append)
+    monkeypatch.setattr("smarig.drivers._conversation.time.sleep", waited.append)
     link.gone = True
     link.reopen = lambda: (_ for _ in ()).throw(Silent("no such port"))
     with pytest.raises(Silent, match="cannot be reached. no such port"):

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import select
 import threading
 import tty
 
@@ -10,12 +11,13 @@ import pytest
 from drivers.scripted import Scripted
 from smarig.catalogue import find, names
 from smarig.config import load_rig
+from smarig.drivers import smarig_amplifier, smarig_encoder_daq
 from smarig.drivers.scpi_supply import ScpiSupply, scpi_supply
 from smarig.drivers.smarig_amplifier import SmarigAmplifier
 from smarig.drivers.smarig_encoder_daq import SmarigEncoderDaq
 from smarig.errors import ConfigError
 from smarig.sample import Quality
-from smarig.wire.blame import Refused, Silent, WrongDevice
+from smarig.wire.blame import Garbled, Refused, Silent, WrongDevice
 from smarig.wire.exchange import Refusal
 from smarig.wire.register import load_map
 
@@ -45,12 +47,46 @@ def test_opening_writes_settings_while_off_and_moves_nothing(link):
     assert not any(d["current"] for d in link.done)
 
 
+@pytest.mark.parametrize(
+    ("driver", "other"), [(smarig_amplifier, "encoder_daq"), (smarig_encoder_daq, "amplifier")]
+)
+def test_a_device_that_is_another_is_let_go_of(driver, other, monkeypatch):
+    link = Scripted(load_map(other))
+    monkeypatch.setattr(driver, "opened", lambda *_: link)
+    rig = load_rig("bench_one_wire")
+    with pytest.raises(WrongDevice):
+        getattr(driver, driver.__name__.rsplit(".", 1)[-1])(rig.links.amplifier, rig)
+    assert link.closed == 1
+
+
 def test_the_first_current_arms_later_ones_do_not(link):
     amplifier = SmarigAmplifier(link, SETTINGS)
     link.status["state"] = 1
     amplifier.set(0.25)
     amplifier.set(0.5)
     assert [(d["order"], d["current"]) for d in link.done[1:]] == [(ARM, 250_000), (0, 500_000)]
+
+
+@pytest.mark.parametrize("says", [{"state": 1, "output": 0}, {"state": 0, "output": 5}])
+def test_off_is_believed_only_where_it_is_seen(link, says):
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    assert amplifier.off() == ""
+    link.status |= says
+    said = amplifier.off()
+    assert "says that it still drives the wire" in said
+    assert "within 1 s, its lease" in said
+    assert orders(link)[-3:] == [OFF] * 3
+
+
+@pytest.mark.parametrize(("first", "count"), [(3, 2), (10, 2), (0xFFFFFFF0, 2), (8, 3)])
+def test_samples_that_cannot_be_those_asked_for_are_refused(link, first, count):
+    """Asked for from tick 4 on, of a device that has counted 9."""
+    amplifier = SmarigAmplifier(link, SETTINGS)
+    link.status |= {"tick": 9, "ring_first": first, "ring_count": count}
+    with pytest.raises(Garbled, match="its ring cannot be trusted"):
+        amplifier.since(4, 16)
+    link.status |= {"ring_first": 5}
+    assert [r.tick for r in amplifier.since(4, 16)] == list(range(5, 5 + count))
 
 
 def test_reading_feeds_the_lease_with_the_same_current(link):
@@ -98,7 +134,7 @@ def test_the_encoder_writes_its_period_and_zeroes():
 
 
 def test_every_driver_is_found_by_its_name():
-    drivers = [n for n in names("smarig.drivers") if n not in ("conversation", "roles")]
+    drivers = names("smarig.drivers")
     assert {"smarig_amplifier", "smarig_encoder_daq", "scpi_supply"} <= set(drivers)
     assert all(callable(find("smarig.drivers", name)) for name in drivers)
 
@@ -116,14 +152,17 @@ class Supply:
         self.port, self._slave = os.ttyname(slave), slave
         self.identity, self.takes = identity, takes
         self.heard: list[str] = []
-        self.current, self.on = 0.0, False
+        self.current, self.on, self.stuck = 0.0, False, False
+        self._over = False
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
 
     def _serve(self) -> None:
         buffer = b""
         with contextlib.suppress(OSError):
-            while True:
+            while not self._over:
+                if not select.select([self.master], [], [], 0.02)[0]:
+                    continue
                 buffer += os.read(self.master, 256)
                 while b"\n" in buffer:
                     line, buffer = buffer.split(b"\n", 1)
@@ -139,9 +178,11 @@ class Supply:
             case ["CURR", amount]:
                 self.current = float(amount) * self.takes
             case ["OUTP", state]:
-                self.on = state == "ON"
+                self.on = state == "ON" or self.stuck
+            case ["OUTP?"]:
+                return str(int(self.on))
             case ["CURR?"]:
-                return f"{self.current:.6f}"
+                return f"{self.current:.6f}"  # "nan" where it takes nan
             case ["MEAS:CURR?"]:
                 return f"{self.current * self.on:.6f}"
             case ["MEAS:VOLT?"]:
@@ -149,6 +190,8 @@ class Supply:
         return None
 
     def close(self) -> None:
+        self._over = True
+        self._thread.join()  # before the next test's descriptors have the same numbers
         os.close(self._slave)
         os.close(self.master)
 
@@ -169,14 +212,14 @@ def where(supply):
 def test_a_supply_drives_and_measures(supply):
     source = scpi_supply(where(supply), load_rig("bench_one_wire"))
     source.set(0.5)
-    assert supply.heard[1:4] == ["CURR 0", "OUTP OFF", "VOLT 24.000"]
+    assert supply.heard[:6] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?", "VOLT 6.000"]
     readings = source.since(7, 3)
     assert [r.tick for r in readings] == [7, 8, 9]
     assert (readings[-1].current_A, readings[-1].voltage_V) == (0.5, 2.0)
     assert [r.quality for r in readings] == [Quality.STALE, Quality.STALE, Quality.GOOD]
-    source.off()
+    assert source.off() == ""
     assert source.since(10, 1)[0].current_A == 0.0
-    assert supply.heard[-4:-2] == ["CURR 0", "OUTP OFF"]
+    assert supply.heard[-5:-2] == ["CURR 0", "OUTP OFF", "OUTP?"]
     source.close()
 
 
@@ -188,6 +231,30 @@ def test_a_supply_that_takes_another_current_is_switched_off(supply):
     source.since(1, 1)
     assert not supply.on
     source.close()
+
+
+def test_a_supply_that_answers_no_number_is_not_believed(supply):
+    source = ScpiSupply(where(supply), 24.0)
+    supply.takes = float("nan")
+    with pytest.raises(Garbled, match="answers 'nan' to CURR"):
+        source.set(0.5)
+    source.close()
+
+
+def test_a_supply_that_stays_on_is_told_of(supply):
+    source = ScpiSupply(where(supply), 24.0)
+    supply.stuck = True
+    assert "switch it off by hand" in source.off()
+    with pytest.raises(Silent, match="switch it off by hand"):
+        source.arm()
+    source.close()
+
+
+def test_a_supply_that_was_left_on_is_off_before_it_is_asked_who_it_is(supply):
+    supply.on, supply.identity = True, "hello"
+    with pytest.raises(WrongDevice):
+        ScpiSupply(where(supply), 24.0)
+    assert not supply.on
 
 
 def test_what_is_no_supply_is_told(supply):

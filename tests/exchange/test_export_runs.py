@@ -75,8 +75,8 @@ def test_parquet_keeps_numbers_units_and_description(run, tmp_path):
         got = np.array(table[name].to_numpy(), dtype=float)
         np.testing.assert_array_equal(got, run[name], err_msg=name)
     assert table["ambient_degC"].null_count == 1
-    assert table.schema.field("position").metadata == {b"unit": b"mm"}
-    assert table.schema.field("input").metadata == {b"unit": b"K"}
+    assert table.schema.field("position").metadata == {b"unit": b"mm", b"what": b"displacement"}
+    assert table.schema.field("input").metadata[b"unit"] == b"K"
     assert json.loads(table.schema.metadata[b"smarig.run"]) == run.meta
     assert len(json.loads(table.schema.metadata[b"smarig.steps"])) == 4
 

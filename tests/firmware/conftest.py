@@ -1,16 +1,11 @@
 """The firmware as a shared library, built once, and fresh devices from it."""
 
-import contextlib
-
 import pytest
 
-from firmware.chip import AVR, SIMAVR, Chip
+from firmware import chips
 from firmware.firmware_build import Device, make, open_library
 
-
-@pytest.fixture(scope="session")
-def build_folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("firmware")
+build_folder, start = chips.build_folder, chips.start
 
 
 @pytest.fixture(scope="session")
@@ -30,17 +25,3 @@ def amp(library):
 @pytest.fixture
 def daq(library):
     return Device(library, "encoder_daq")
-
-
-@pytest.fixture
-def start(build_folder):
-    """Starts a chip by the name of its program."""
-    with contextlib.ExitStack() as open_chips:
-
-        def begin(name, world):
-            elf = make(build_folder, f"{name}.elf", AVR)
-            chip = Chip(make(build_folder, "runner", SIMAVR), elf, world)
-            open_chips.callback(chip.close)
-            return chip
-
-        yield begin

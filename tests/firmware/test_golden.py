@@ -9,7 +9,6 @@ from firmware.firmware_build import FIRMWARE, RTU, Device
 GOLDEN = sorted((FIRMWARE.parent / "golden").glob("*.json"))
 
 
-@pytest.mark.skipif(not GOLDEN, reason="no golden exchanges in firmware_protocol/golden")
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_golden(library, path):
     golden = json.loads(path.read_text("utf-8"))

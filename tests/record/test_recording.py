@@ -266,3 +266,34 @@ def test_recording_stops_while_there_is_room_to_close(tmp_path, monkeypatch):
     rec.close("stopped")
     assert len(load_run(path)) == 1
     assert load_run(path).complete
+
+
+@pytest.mark.parametrize("tick", [2, 2**63])
+def test_a_sample_that_no_file_can_keep_costs_no_other(tmp_path, tick):
+    """A clock that repeats itself, or runs away: all others are kept, and the run's end is."""
+    path = tmp_path / "a.run.sqlite"
+    rec = Recorder(path, META)
+    for k in (1, 2, tick, 3):
+        rec.sample(sample(k), 0, 0.0)
+    rec.event(0.3, "mark", "something")
+    with pytest.raises(StorageError, match=f"1 samples were not kept, the first of tick {tick}"):
+        rec.close("stopped")
+    run = load_run(path)
+    assert run["tick"].tolist() == [1, 2, 3]
+    assert run.cause == "stopped"
+    assert "something" in [e.text for e in run.events]
+
+
+def test_the_file_alone_is_a_run_while_it_is_written(tmp_path):
+    """Whoever copies a run that is being recorded without its -wal loses the last minute, not the run."""
+    path, copy = tmp_path / "a.run.sqlite", tmp_path / "copy.run.sqlite"
+    rec = Recorder(path, META)
+    copy.write_bytes(path.read_bytes())
+    assert load_run(copy).meta["rig"] == META["rig"]
+    for k in range(1, 20_000):
+        rec.sample(sample(k), 0, 0.0)
+        if k % 100 == 0:
+            rec._commit()
+    copy.write_bytes(path.read_bytes())
+    assert len(load_run(copy)) > 15_000
+    rec.close()

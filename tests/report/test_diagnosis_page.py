@@ -257,3 +257,14 @@ def test_a_page_is_labelled_whole_and_loads_nothing(named, silent, tmp_path):
             for key in LOADING:
                 assert attributes.get(key, "#").startswith("#")
         assert write_page(text, tmp_path / f"{d.verdict.word}.html").stat().st_size < 7_000_000
+
+
+def test_in_a_notebook_it_says_what_it_found_and_draws_both_models(named):
+    shown = Page(named._repr_html_())
+    assert "ambient_drift" in shown.visible
+    assert "TWIN · simulated, not hardware" in shown.visible
+    drawn = {trace.name: np.asarray(trace.y, dtype=float) for trace in named.plot().data}
+    page = Page(diagnosis_page(named))
+    for which in ("base", "extended"):
+        name = f"measured − {which} model"
+        np.testing.assert_allclose(drawn[name], unpacked(page.traces(name)[0]["y"]))

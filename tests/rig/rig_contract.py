@@ -8,6 +8,7 @@ from smarig.errors import LeaseExpired, RigFault
 from smarig.sample import Quality
 
 BACKLOG = 50  # steps that may still tell of the time before
+TRAVEL = 300  # ticks: six time constants
 
 
 def drive(rig, currents):
@@ -15,32 +16,49 @@ def drive(rig, currents):
     return [sample for current in currents for sample in rig.step(current)]
 
 
+def hold(rig, current, samples):
+    """So many samples at a current."""
+    found = []
+    while len(found) < samples:
+        found += rig.step(current)
+    return found
+
+
 def check_ticks_are_consecutive_integers(make):
-    samples = drive(make(), [0.3] * 50)
-    assert [s.tick for s in samples] == list(range(1, 51))
-    assert all(math.isclose(s.t_s, s.tick * 0.1) for s in samples)
+    rig = make()
+    samples = hold(rig, 0.3, 50)
+    assert [s.tick for s in samples] == list(range(samples[0].tick, samples[0].tick + len(samples)))
+    assert all(math.isclose(s.t_s, s.tick * rig.period_s) for s in samples)
 
 
 def check_it_moves(make):
     rig = make()
-    samples = drive(rig, [1.0] * 600)
+    samples = hold(rig, 1.0, TRAVEL)
     travel = max(s.counts for s in samples) - min(s.counts for s in samples)
     assert travel > 80, "the excitation must move the wire"
     assert abs(samples[-1].position - samples[-1].counts * rig.position_per_count) < 1e-9
 
 
-def check_same_seed_same_samples(make):
+def check_what_was_set_is_what_flows(make):
+    samples = drive(make(), [0.0] * 3 + [0.8] * 30 + [0.25] * 30)
+    assert {s.current_command_A for s in samples} == {0.0, 0.8, 0.25}
+    assert all(s.current_A == pytest.approx(s.current_command_A, abs=0.002) for s in samples)
+
+
+def check_in_lock_step_ticks_begin_at_one_and_a_step_is_a_tick(make):
+    asked = [0.0] * 3 + [0.8] * 3 + [0.25] * 3
+    samples = drive(make(), asked)
+    assert [s.tick for s in samples] == list(range(1, 10))
+    for sample, current in zip(samples, asked, strict=True):  # it acts from the next tick on, and is measured
+        assert sample.current_command_A == current
+        assert sample.current_A == pytest.approx(current, abs=0.002)
+
+
+def check_in_lock_step_the_same_seed_gives_the_same_samples(make):
     currents = [0.9] * 200 + [0.2] * 200
     first, again, other = (drive(make(seed), currents) for seed in (5, 5, 6))
     assert [s[:5] + s[6:] for s in first] == [s[:5] + s[6:] for s in again]  # no temperature: NaN is not NaN
     assert [s.counts for s in first] != [s.counts for s in other]
-
-
-def check_a_current_acts_from_the_next_tick_on_and_is_measured(make):
-    samples = drive(make(), [0.0] * 3 + [0.8] * 3 + [0.25] * 3)
-    for k, asked in enumerate([0.0] * 3 + [0.8] * 3 + [0.25] * 3):
-        assert samples[k].current_command_A == asked
-        assert samples[k].current_A == pytest.approx(asked, abs=0.002)
 
 
 def check_safe_is_idempotent_and_zero_and_a_current_may_follow(make):
@@ -70,7 +88,7 @@ def check_silence_trips_the_lease_and_latches(make):
 
 def check_zero_makes_here_the_origin(make):
     rig = make()
-    drive(rig, [1.0] * 600)
+    hold(rig, 1.0, TRAVEL)
     rig.zero()
     assert abs(drive(rig, [1.0])[-1].counts) <= 3
 
@@ -98,3 +116,4 @@ def check_alarms_are_told_once_and_closing_is_harmless(make):
 
 
 CHECKS = [value for name, value in sorted(globals().items()) if name.startswith("check_")]
+IN_REAL_TIME = [check for check in CHECKS if not check.__name__.startswith("check_in_lock_step_")]

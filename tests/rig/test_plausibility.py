@@ -2,28 +2,15 @@
 
 import pytest
 
+from rig.lying import Lying
 from smarig.config import load_rig
 from smarig.errors import LimitExceeded
 from smarig.model.actuator import Actuator
 from smarig.rig.guard import Guard
-from smarig.rig.plausibility import Plausibility
-from smarig.rig.twin import Twin
+from smarig.rig.plausibility import BLIND, Plausibility
 from smarig.sample import Quality
 
 TICKS_OF_HEATING = 500
-
-
-class Lying:
-    """A twin whose samples are changed before anybody sees them."""
-
-    def __init__(self, rig, change):
-        self.twin, self._change = Twin.named(rig), change
-
-    def __getattr__(self, name):
-        return getattr(self.twin, name)
-
-    def step(self, current_A, at_most=1):
-        return tuple(self._change(sample) for sample in self.twin.step(current_A, at_most))
 
 
 def guarded(change, rig="one_wire_twin"):
@@ -59,6 +46,20 @@ def test_what_cannot_be_trips_to_zero_with_its_cause(kind, lie, words):
     assert [a.kind for a in guard.alarms() if a.level == "error"] == [kind]
 
 
+def test_an_encoder_that_sticks_on_a_hot_wire_trips_as_it_cools():
+    seen = []
+
+    def sticking(s):
+        seen.append(s.counts)
+        return s._replace(counts=seen[1200]) if s.tick > 1200 else s
+
+    guard, twin = guarded(sticking)
+    heated(guard, 1300, 1.0)
+    with pytest.raises(LimitExceeded, match="cooled through and did not move"):
+        heated(guard, 900, 0.0)
+    assert twin.output_A == 0.0
+
+
 def test_motion_without_heating_trips():
     guard, twin = guarded(lambda s: s._replace(counts=s.counts + max(0, s.tick - 1300) // 5))
     with pytest.raises(LimitExceeded, match="without heating"):
@@ -69,9 +70,29 @@ def test_motion_without_heating_trips():
 @pytest.mark.parametrize("lie", [LIES[0][1], LIES[1][1], LIES[3][1]])
 def test_one_or_two_samples_do_not_trip_and_stale_ones_say_nothing(lie):
     few = guarded(lambda s: lie(s) if 60 <= s.tick < 62 and lie is not LIES[3][1] else s)[0]
-    stale = guarded(lambda s: lie(s)._replace(quality=int(Quality.STALE)))[0]
+    stale = guarded(lambda s: lie(s)._replace(quality=int(Quality.STALE)) if s.tick % BLIND else s)[0]
     heated(few)
     heated(stale)
+
+
+def test_an_amplifier_that_measures_nothing_trips():
+    """Its last reading is repeated for ever: what flows, nobody knows."""
+    guard, twin = guarded(
+        lambda s: s._replace(current_A=0.0, quality=int(Quality.STALE)) if s.tick > 50 else s
+    )
+    with pytest.raises(LimitExceeded, match="gave no reading of the current for 20 samples"):
+        heated(guard)
+    assert twin.output_A == 0.0
+    assert twin.tick <= 50 + BLIND + 1
+
+
+def test_a_current_that_is_not_measured_heats_as_it_was_set():
+    blind, _ = guarded(lambda s: s._replace(current_A=0.0, quality=int(Quality.STALE)) if s.tick > 50 else s)
+    seeing, _ = guarded(lambda s: s)
+    for guard in (blind, seeing):
+        for _ in range(50 + BLIND - 1):
+            guard.step(0.5)
+    assert blind.input_K == pytest.approx(seeing.input_K, rel=0.01)
 
 
 def test_a_wire_that_was_hot_before_we_came_may_cool():

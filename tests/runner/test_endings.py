@@ -1,5 +1,6 @@
 """Every ending is safe and recorded: signals, exceptions, a full disk, kill -9. Real processes, real files."""
 
+import contextlib
 import os
 import random
 import signal
@@ -59,12 +60,47 @@ def test_signals_close_the_run_at_zero_within_a_second(tmp_path, name):
     _, stderr = process.communicate(timeout=20)
     assert time.monotonic() - asked < 1.0
     assert process.returncode == 130
-    assert stderr.count("\n") == 1, stderr
+    assert sum(line.startswith("smarig:") for line in stderr.splitlines()) == 1, stderr
+    assert "Traceback" not in stderr
     run = smarig.load_run(out)
     assert run.complete
     assert run.cause != "done"
     assert name in run.cause or "Ctrl-C" in run.cause
     assert not list(tmp_path.glob("*-wal"))
+
+
+@posix
+def test_a_storm_of_signals_ends_as_one(tmp_path):
+    """Impatience tears nothing: one sentence, the run closed, status 130."""
+    out = tmp_path / "r.run.sqlite"
+    process = start(out)
+    wait_for_samples(process, out, 100)
+    for number in [signal.SIGTERM, signal.SIGHUP, *[signal.SIGTERM] * 30]:
+        process.send_signal(number)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.02)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert stderr.count("smarig: ") == 1, stderr
+    assert "Traceback" not in stderr
+    assert smarig.load_run(out).complete
+
+
+@posix
+def test_what_was_to_be_ignored_is_ignored(tmp_path):
+    """nohup: a night's run does not end with the login."""
+    out = tmp_path / "r.run.sqlite"
+    ignoring = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        process = start(out)
+    finally:
+        signal.signal(signal.SIGHUP, ignoring)
+    wait_for_samples(process, out, 100)
+    process.send_signal(signal.SIGHUP)
+    wait_for_samples(process, out, len(smarig.load_run(out)) + 500)
+    process.terminate()
+    process.communicate(timeout=20)
+    assert "SIGTERM" in smarig.load_run(out).cause
 
 
 @posix

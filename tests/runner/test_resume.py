@@ -196,10 +196,8 @@ def test_a_limit_that_tripped_is_re_armed(tmp_path):
 # --- the encoder's zero --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rig", RIGS)
-def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
-    """The encoder was zeroed on a hot wire before the run; the new twin's zero is another."""
-    out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
+def zeroed_hot(rig, out):
+    """A run whose encoder was zeroed on a hot wire before."""
     with Session(rig, seed=1, wire="a") as session:
         for _ in range(600):
             session.guard.step(0.9)
@@ -208,7 +206,14 @@ def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
         for _ in range(600):
             session.guard.step(0.0)
         session.run("first_order_descending", {"partition_K": PARTITIONS[rig]}, out)
-    undisturbed = load_run(out)
+    return load_run(out)
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
+    """The encoder was zeroed on a hot wire before the run; the new twin's zero is another."""
+    out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
+    undisturbed = zeroed_hot(rig, out)
     assert undisturbed["counts"].min() < -100
     run = resume(cut(out, r, int(undisturbed["tick"][0]) + 4000))
     assert counts_apart(run, undisturbed) < 1
@@ -226,15 +231,7 @@ def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
 def test_a_zero_that_was_not_met_before_the_next_death_is_met_later(whole, tmp_path):
     """Killed on the way back: the device is the same the second time, and its zero is still unknown."""
     rig, out, path = "one_wire_twin", tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
-    with Session(rig, seed=1, wire="a") as session:
-        for _ in range(600):
-            session.guard.step(0.9)
-        session.guard.zero()
-        session._note("zero", 60.0)
-        for _ in range(600):
-            session.guard.step(0.0)
-        session.run("first_order_descending", {"partition_K": PARTITIONS[rig]}, out)
-    undisturbed = load_run(out)
+    undisturbed = zeroed_hot(rig, out)
     cut(out, path, int(undisturbed["tick"][0]) + 4000)
     control = Control()
     with session_for(load_run(path), control=control) as session:
@@ -335,6 +332,19 @@ def test_a_wire_that_was_changed_in_the_rig_file_is_refused(tmp_path):
         resume(path)
 
 
+def test_an_actuator_may_be_a_file_of_ones_own(tmp_path):
+    actuator, rig = tmp_path / "wire.toml", tmp_path / "mine.toml"
+    actuator.write_text(Path("configs/actuators/gorbet_one_wire.toml").read_text("utf-8"), encoding="utf-8")
+    rig.write_text(f'name = "mine"\nbase = "one_wire_twin"\nactuator = "{actuator}"\n', encoding="utf-8")
+    run = smarig.run("validation", rig=str(rig), out=tmp_path / "w.run.sqlite", points=2)
+    assert resume(cut(run.path, tmp_path / "r.run.sqlite", 900)).cause == "done"
+    actuator.write_text(
+        actuator.read_text("utf-8").replace('"gorbet_one_wire"', '"another"'), encoding="utf-8"
+    )
+    with pytest.raises(UsageError, match="on actuator 'gorbet_one_wire', not on 'another'"):
+        resume(cut(run.path, tmp_path / "s.run.sqlite", 900))
+
+
 def test_a_protocol_that_says_otherwise_now_is_refused(tmp_path):
     rig = tmp_path / "mine.toml"
     text = Path("configs/rigs/one_wire_twin.toml").read_text(encoding="utf-8")
@@ -344,6 +354,52 @@ def test_a_protocol_that_says_otherwise_now_is_refused(tmp_path):
     rig.write_text(text.replace("current_max_A = 1.0", "current_max_A = 0.9"), encoding="utf-8")
     with pytest.raises(DataError, match="have changed since"):
         resume(path)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "UPDATE sample SET counts = NULL",
+        "UPDATE sample SET counts = 9e999 WHERE tick = 700",
+        "UPDATE sample SET t_s = NULL WHERE tick = 700",
+        "UPDATE sample SET t_s = 1 WHERE tick = 700",
+        "UPDATE sample SET tick = 9223372036854775807 WHERE tick = 700",
+        "UPDATE step SET n = -5",
+    ],
+)
+def test_damaged_samples_are_not_gone_on_with(whole, tmp_path, damage):
+    path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000)
+    with sqlite3.connect(path) as db:
+        db.execute(damage)
+    db.close()
+    before = path.read_bytes()
+    with pytest.raises(DataError, match="the record is damaged"):
+        resume(path)
+    assert path.read_bytes() == before
+
+
+def with_another_current(path, first, last):
+    """The samples from one to another of the third step say that 0.123 A were asked for."""
+    with sqlite3.connect(path) as db:
+        rows = [r for (r,) in db.execute("SELECT tick FROM sample WHERE step = 2 ORDER BY tick")]
+        db.execute(
+            "UPDATE sample SET current_command_A = 0.123 WHERE tick BETWEEN ? AND ?",
+            (rows[first], rows[last]),
+        )
+    db.close()
+    return path
+
+
+def test_a_host_that_was_late_read_samples_of_the_current_before(whole, tmp_path):
+    path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000)
+    assert resume(with_another_current(path, 0, 3)).cause == "done"
+
+
+@pytest.mark.parametrize(("first", "last"), [(5, 9), (-3, -1), (0, -1)])
+def test_another_current_within_a_step_is_refused_and_told(whole, tmp_path, first, last):
+    path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000)
+    with pytest.raises(DataError, match=r"step 2 was .*0\.123.* A, but its protocol asks for"):
+        resume(with_another_current(path, first, last))
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,6 @@
 import contextlib
 
 import pytest
-
-pytest.importorskip("pymodbus")
-pytest.importorskip("serial")
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
 from smarig.wire.register import load_map

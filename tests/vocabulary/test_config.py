@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from smarig import config
+from smarig.config import load_rig
 from smarig.errors import ConfigError, UsageError
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
@@ -210,3 +211,13 @@ def test_an_unknown_key_of_a_campaign_step_suggests_the_step_s_keys(tmp_path):
     file.write_text('name = "c"\nsummary = "s"\n[[step]]\nprotocl = "validation"\n', encoding="utf-8")
     with pytest.raises(ConfigError, match="did you mean protocol"):
         config.load_campaign(str(file))
+
+
+def test_a_link_is_simulated_or_somewhere(tmp_path):
+    path = tmp_path / "both.toml"
+    both = 'name = "both"\nbase = "one_wire_serial"\nlinks.amplifier.url = "/dev/ttyUSB0"\n'
+    path.write_text(both, encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"links.amplifier.url says where .* \[simulator\] starts"):
+        load_rig(str(path))
+    path.write_text(both + "simulator.start = false\n", encoding="utf-8")
+    assert load_rig(str(path)).links.amplifier.url == "/dev/ttyUSB0"

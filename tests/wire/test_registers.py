@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarig.config import check
 from smarig.errors import ConfigError, UsageError
+from smarig.toml_file import check
 from smarig.wire.generate import DEVICES, header, outdated, reference
 from smarig.wire.register import SPANS, Register, Value, from_words, load_map, to_words
 

@@ -216,13 +216,15 @@ static void read(const void *device, uint16_t at, uint16_t count, uint16_t *word
 {
     const struct amplifier *a = device;
     uint16_t all[AMP_STATUS_WORDS];
-    const uint16_t *from = all + at;
+    const uint16_t *from;
     if (at >= AMP_SETTINGS_FIRST)
         from = a->settings + (at - AMP_SETTINGS_FIRST);
     else if (at >= AMP_COMMAND_FIRST)
         from = a->command + AT(at);
-    else
+    else {
         status(a, all);
+        from = all + at;
+    }
     memcpy(words, from, count * sizeof words[0]);
 }
 

@@ -131,13 +131,15 @@ static void read(const void *device, uint16_t at, uint16_t count, uint16_t *word
 {
     const struct encoder_daq *d = device;
     uint16_t all[DAQ_STATUS_WORDS];
-    const uint16_t *from = all + at;
+    const uint16_t *from;
     if (at >= DAQ_SETTINGS_FIRST)
         from = d->settings + (at - DAQ_SETTINGS_FIRST);
     else if (at >= DAQ_COMMAND_FIRST)
         from = d->command + AT(at);
-    else
+    else {
         status(d, all);
+        from = all + at;
+    }
     memcpy(words, from, count * sizeof words[0]);
 }
 

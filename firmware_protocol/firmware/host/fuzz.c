@@ -1,6 +1,5 @@
 /*
- * Throws random and mutated requests at both devices, and checks what must hold whatever comes: a refused or unanswered
- * request changes nothing, replies are whole and fit, no current flows unless armed and within its limits.
+ * Throws random and mutated requests at both devices; what must hold whatever comes is in promises.h.
  * Built with the sanitizers; everything follows from one seed.   fuzz [REQUESTS [SEED]]
  */
 #include <stdbool.h>
@@ -8,17 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../core/amplifier.h"
 #include "../core/crc.h"
-#include "../core/encoder_daq.h"
 #include "../core/exchange.h"
 #include "../core/words.h"
+#include "promises.h"
 
 enum { REQUEST_MOST = 1100 };
 
 static uint64_t seed;
-static struct amplifier amp, amp_before;
-static struct encoder_daq daq, daq_before;
+static struct devices pair;
 
 /* How often each answer came: none, accepted, then the codes. A campaign that never gets through tests nothing. */
 static unsigned long answers[16], ticks_with_current, trips[AMP_FAULT_STOP + 1];
@@ -29,14 +26,6 @@ static uint32_t chance(uint32_t below)
     seed ^= seed >> 7;
     seed ^= seed << 17;
     return (uint32_t)(seed >> 32) % below;
-}
-
-static void need(bool holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "fuzz: %s\n", what);
-    exit(1);
 }
 
 /* --- requests --- */
@@ -194,82 +183,34 @@ static void make(struct request *r, bool is_amp, uint8_t framing, uint8_t addres
     }
 }
 
-/* --- what must hold --- */
-
-/* The code of a refusal, 0: accepted; -1: no answer. */
-static int outcome(uint8_t framing, const uint8_t *reply, uint16_t n)
-{
-    if (!n)
-        return -1;
-    if (framing == FRAMING_RTU) {
-        const uint16_t crc = (uint16_t)(reply[n - 2] | reply[n - 1] << 8);
-        need(n >= 5 && crc == crc_modbus(reply, (uint16_t)(n - 2)), "an RTU reply is not whole");
-        return reply[1] & 0x80u ? reply[2] : 0;
-    }
-    char crc[8];
-    need(n >= 8 && reply[n - 1] == '\n', "a line is not whole");
-    snprintf(crc, sizeof crc, " *%04X", crc_modbus(reply, (uint16_t)(n - 7)));
-    need(memcmp(reply + n - 7, crc, 6) == 0, "the CRC of a line is wrong");
-    return reply[0] == '!' ? reply[2] - '0' : 0;
-}
-
-static void hold_safe(void)
-{
-    const bool armed = amp.state == AMP_STATE_ARMED;
-    const int32_t least = words_i32(AMPLIFIER_SETTING(&amp, AMP_CURRENT_MIN));
-    const int32_t most = words_i32(AMPLIFIER_SETTING(&amp, AMP_CURRENT_MAX));
-    need(armed || amp.output_uA == 0, "current flows though not armed");
-    need(amp.output_uA >= least && amp.output_uA <= most, "the output is outside its limits");
-    need((amp.trip != 0) == (amp.state == AMP_STATE_TRIPPED), "trip and state disagree");
-    need(amp.window.count <= AMP_RING_RECORDS && daq.window.count <= DAQ_RING_RECORDS, "a window is too large");
-}
-
 static void ask(bool is_amp, uint8_t framing)
 {
-    const uint8_t address = is_amp ? AMP_DEVICE_DEFAULT_ADDRESS : DAQ_DEVICE_DEFAULT_ADDRESS;
-    const uint16_t room = framing == FRAMING_RTU ? RTU_REPLY_ROOM : LINES_REPLY_ROOM;
     struct request r;
-    make(&r, is_amp, framing, address);
-    /* both of exactly the size they are said to have, so that the sanitizer sees the first byte beyond */
-    uint8_t *request = malloc(r.n ? r.n : 1), *reply = malloc(room);
-    need(request && reply, "no memory");
-    memcpy(request, r.bytes, r.n);
-    memcpy(&amp_before, &amp, sizeof amp);
-    memcpy(&daq_before, &daq, sizeof daq);
-    const uint16_t n = is_amp ? amplifier_answer(&amp, framing, address, request, r.n, reply, room)
-                              : encoder_daq_answer(&daq, framing, address, request, r.n, reply, room);
-    need(n <= room, "a reply is too long");
-    const int code = outcome(framing, reply, n);
-    answers[code + 1]++;
-    if (code)
-        need(!memcmp(&amp, &amp_before, sizeof amp) && !memcmp(&daq, &daq_before, sizeof daq),
-             "a request that was not accepted changed something");
-    hold_safe();
-    free(request);
-    free(reply);
+    make(&r, is_amp, framing, is_amp ? AMP_DEVICE_DEFAULT_ADDRESS : DAQ_DEVICE_DEFAULT_ADDRESS);
+    answers[promised_answer(&pair, is_amp, framing, r.bytes, r.n) + 1]++;
 }
 
 static void tick(void)
 {
     static const int32_t extremes[] = {0, 60000, -60000, 5000000, INT32_MAX, INT32_MIN};
-    const struct amplifier_inputs seen = {chance(2) ? amp.output_uA : extremes[chance(6)], extremes[chance(6)],
+    const struct amplifier_inputs seen = {chance(2) ? pair.amp.output_uA : extremes[chance(6)], extremes[chance(6)],
                                           (int16_t)random_word(), (uint16_t)(chance(20) ? 0 : chance(4))};
     const struct encoder_daq_inputs counted = {extremes[chance(6)], (int16_t)random_word(), (uint16_t)chance(8)};
-    ticks_with_current += amp.output_uA != 0;
-    amplifier_tick(&amp, &seen);
-    trips[amp.trip]++;
-    encoder_daq_tick(&daq, &counted);
-    encoder_daq_now(&daq, extremes[chance(6)]);
-    hold_safe();
+    ticks_with_current += pair.amp.output_uA != 0;
+    amplifier_tick(&pair.amp, &seen);
+    trips[pair.amp.trip]++;
+    encoder_daq_tick(&pair.daq, &counted);
+    encoder_daq_now(&pair.daq, extremes[chance(6)]);
+    promised_safe(&pair);
 }
 
 int main(int argc, char **argv)
 {
     const unsigned long requests = argc > 1 ? strtoul(argv[1], NULL, 10) : 1000000ul;
     seed = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
-    need(seed != 0, "the seed must not be 0");
-    amplifier_boot(&amp, 1);
-    encoder_daq_boot(&daq, 1);
+    promise(seed != 0, "the seed must not be 0");
+    amplifier_boot(&pair.amp, 1);
+    encoder_daq_boot(&pair.daq, 1);
     for (unsigned long i = 0; i < requests; i++) {
         ask(chance(2), chance(2) ? FRAMING_RTU : FRAMING_LINES);
         if (chance(4) == 0)

@@ -1,18 +1,20 @@
 /*
  * Runs the firmware's ELF under simavr, its UART on a pty and its plant struct on stdin and stdout.
  *
- *     runner [--unpaced] ELF PLANT_ADDRESS        the address as avr-nm gives it
+ *     runner ELF PLANT_ADDRESS        the address as avr-nm gives it
  *
  * Prints `pty PATH` once and `out CURRENT_uA` when a tick begins. Takes, at any time,
  *     in CURRENT_uA VOLTAGE_uV TEMPERATURE HARDWARE     what an amplifier measures from now on
  *     in RAW_COUNTS AMBIENT HARDWARE                    what a DAQ sees from now on
  *     reset                                             the MCU's reset, as after a brown-out
  *     hang                                              the program stops where it is, until the watchdog resets it
- * The MCU never waits for the parent: without a line the last inputs stay. It ends when stdin is closed.
+ * Physics is never late, but the parent may be: the MCU stands still until a tick's `out` is answered by an `in`, for
+ * ANSWER_MOST_ms at most; then the last inputs stay. It ends when stdin is closed.
  */
 #define _XOPEN_SOURCE 700
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -27,7 +29,7 @@
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
 
-enum { STEPS_PER_s = 1000, BEHIND_MOST_ns = 50000000 };
+enum { STEPS_PER_s = 1000, BEHIND_MOST_ns = 50000000, ANSWER_MOST_ms = 200 };
 
 /* struct plant of avr/hal.h as bytes in SRAM; the host's int is 32 bits and little-endian like the MCU's words. */
 #pragma pack(push, 1)
@@ -43,6 +45,7 @@ static avr_t *avr;
 static avr_irq_t *uart_input;
 static volatile struct plant *plant;
 static struct plant inputs; /* as the parent gave them last */
+static bool answered;
 static int pty;
 static bool uart_ready;
 
@@ -146,6 +149,7 @@ static void obey(const char *line)
 {
     long a, b, c, d;
     const int given = sscanf(line, "in %ld %ld %ld %ld", &a, &b, &c, &d);
+    answered |= given >= 3;
     if (given == 4)
         inputs = (struct plant){0, 0, 0, (int32_t)a, (int32_t)b, (int16_t)c, (uint16_t)d};
     else if (given == 3)
@@ -187,18 +191,34 @@ static void tell_parent(void)
         fail("stdout");
 }
 
+static void await_answer(void)
+{
+    struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
+    struct timespec now, began;
+    clock_gettime(CLOCK_MONOTONIC, &began);
+    for (long left_ms = ANSWER_MOST_ms; !answered && left_ms > 0;) {
+        if (poll(&parent, 1, (int)left_ms) > 0)
+            listen_to_parent();
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        left_ms = ANSWER_MOST_ms - (now.tv_sec - began.tv_sec) * 1000 - (now.tv_nsec - began.tv_nsec) / 1000000;
+    }
+}
+
 static void exchange_plant(void)
 {
     static uint8_t told;
-    if (!plant->taken) {
-        plant->first = inputs.first;
-        plant->second = inputs.second;
-        plant->temperature = inputs.temperature;
-        plant->hardware = inputs.hardware;
-    }
-    if (told != plant->tick)
+    if (told != plant->tick) {
+        answered = false;
         tell_parent();
+        await_answer();
+    }
     told = plant->tick;
+    if (plant->taken)
+        return;
+    plant->first = inputs.first;
+    plant->second = inputs.second;
+    plant->temperature = inputs.temperature;
+    plant->hardware = inputs.hardware;
 }
 
 /* --- time --- */
@@ -234,7 +254,7 @@ static void run_cycles(avr_cycle_count_t until)
     }
 }
 
-static void run(bool paced)
+static void run(void)
 {
     struct timespec due;
     avr_cycle_count_t until = avr->cycle;
@@ -244,8 +264,7 @@ static void run(bool paced)
         exchange_plant();
         feed_uart();
         listen_to_parent();
-        if (paced)
-            wait_until(&due);
+        wait_until(&due);
     }
 }
 
@@ -273,14 +292,13 @@ static void load(const char *elf)
 
 int main(int argc, char **argv)
 {
-    const bool unpaced = argc > 1 && strcmp(argv[1], "--unpaced") == 0;
-    if (argc != 3 + unpaced)
-        fail("usage: runner [--unpaced] ELF PLANT_ADDRESS");
-    load(argv[1 + unpaced]);
-    plant = (volatile struct plant *)(avr->data + (strtoul(argv[2 + unpaced], NULL, 16) & 0xFFFFu));
+    if (argc != 3)
+        fail("usage: runner ELF PLANT_ADDRESS");
+    load(argv[1]);
+    plant = (volatile struct plant *)(avr->data + (strtoul(argv[2], NULL, 16) & 0xFFFFu));
     open_pty();
     connect_uart();
     fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
     fcntl(STDOUT_FILENO, F_SETFL, O_NONBLOCK);
-    run(!unpaced);
+    run();
 }

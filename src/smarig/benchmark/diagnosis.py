@@ -105,8 +105,14 @@ def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Ite
         raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
     try:
         client = Client(address, timeout=PATIENCE_S)
-    except (OSError, ValueError, TypeError) as error:
-        raise UsageError(f"No Dask scheduler answers at '{address}': {error}.") from None
+    except (
+        OSError,
+        ValueError,
+        TypeError,
+        AssertionError,
+    ) as error:  # the last: its own loop did not start in time
+        why = str(error) or "its client did not start"
+        raise UsageError(f"No Dask scheduler answers at '{address}': {why}.") from None
     with client:
         for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
             yield answer.result()

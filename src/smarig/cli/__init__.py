@@ -50,7 +50,11 @@ def cli() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: runs a command and exits with the contract's status (0, 2, 3, 4, 130; 1 for our own fault)."""
-    sys.exit(run(arguments))
+    status = run(arguments)
+    for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # what is done is done: the status stands
+        with contextlib.suppress(ValueError):
+            signal.signal(number, signal.SIG_IGN)
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -64,7 +68,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except click.ClickException as error:
         return report_error(error.format_message(), 2)
     except Interrupted as stopped:
-        sentence = f"Run {stopped}: it is closed, the current is at zero."
+        sentence = f"Run {stopped}: it is closed, the current is at zero. 'smarig resume' goes on with it."
         return report_error(sentence, stopped.exit_status)
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
@@ -90,8 +94,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
         )
 
 
-def _interrupt_on(*names: str) -> None:
+def _interrupt_on(*wanted: str) -> None:
     """Outside a session these signals end a command like Ctrl-C does; a session has its own way with them."""
-    for number in (getattr(signal, name) for name in names if hasattr(signal, name)):
+    for number in _signals(*wanted):
         with contextlib.suppress(ValueError):  # not the main thread: somebody else's signals
-            signal.signal(number, signal.default_int_handler)
+            if signal.getsignal(number) != signal.SIG_IGN:  # nohup
+                signal.signal(number, signal.default_int_handler)
+
+
+def _signals(*wanted: str) -> list[signal.Signals]:
+    """Those of them that this system has."""
+    return [getattr(signal, name) for name in wanted if hasattr(signal, name)]

@@ -12,7 +12,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from smarig.cli._output import say
 from smarig.runner.control import Control
 
 HELP = "Keys: p pauses (the current stays), r resumes, s stops safely."
@@ -20,8 +19,8 @@ _LOOK_S = 0.1  # between looks whether it is over
 
 
 @contextmanager
-def keys(control: Control, *, quiet: bool = False) -> Iterator[None]:
-    """Within: keys of the terminal on stdin reach the control."""
+def keys(control: Control) -> Iterator[bool]:
+    """Within: keys of the terminal on stdin reach the control; yields whether there is one."""
     with contextlib.ExitStack() as restored:
         file = _terminal()
         if file is not None:
@@ -31,9 +30,7 @@ def keys(control: Control, *, quiet: bool = False) -> Iterator[None]:
             listener.start()
             restored.callback(listener.join)
             restored.callback(over.set)
-            if not quiet:
-                say(HELP)
-        yield
+        yield file is not None
 
 
 def press(control: Control, key: str) -> None:

@@ -38,14 +38,20 @@ def json_option(command: Callable) -> Callable:
 def emit(data: dict[str, Any], text: str = "") -> None:
     """Print the result: ``data`` as JSON, or the text for people."""
     if _STATE["json"]:
-        click.echo(json.dumps(_plain(data), ensure_ascii=False))
+        click.echo(as_json(data))
     elif text:
         click.echo(text)
 
 
+def as_json(data: dict[str, Any]) -> str:
+    """One object in one line."""
+    return json.dumps(_plain(data), ensure_ascii=False)
+
+
 def say(text: str) -> None:
-    """A remark for people, on stderr."""
-    click.echo(text, err=True)
+    """A remark for people, on stderr; that nobody can hear it ends nothing."""
+    with contextlib.suppress(OSError):
+        click.echo(text, err=True)
 
 
 def json_wanted() -> bool:

@@ -1,55 +1,32 @@
-"""Progress with time left while a protocol runs; quiet when nobody looks (stderr is not a terminal)."""
+"""Which face a running experiment shows on stderr: the panel at a terminal, lines elsewhere, JSON, or none."""
 
-import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from smarig.cli._drawing import Drawing
+from smarig.cli._events import JsonLines, Lines
+from smarig.cli._output import json_wanted
+from smarig.cli._situation import About, Situation
+from smarig.cli._terminal import Terminal
+from smarig.runner.control import Control
+from smarig.runner.listener import Listener
 
-from smarig.command import StepResult
-from smarig.runner.preview import Preview
-from smarig.sample import Sample
+STREAMS = (
+    'With --json, stderr carries one JSON object a line while it runs, {"event": …} and {"step": …} '
+    "(other lines do not begin with a brace), and stdout the one object at the end."
+)
 
 
-class ProgressLine:
-    """A listener that draws one line; ``with ProgressLine(preview) as p`` and hand p to the runner."""
-
-    _EVERY = 50  # samples between redraws: the tick must not wait for a terminal
-
-    def __init__(self, expected: Preview, quiet: bool = False) -> None:
-        self._expected = max(expected.duration_s, 1e-9)
-        self._steps = expected.steps
-        self._start_s: float | None = None
-        self._count = 0
-        self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TaskProgressColumn(),
-            TextColumn("{task.fields[note]}"),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            disable=quiet or not sys.stderr.isatty(),
-            transient=True,
-        )
-        self._task = self._progress.add_task(expected.protocol, total=self._expected, note="")
-
-    def __enter__(self) -> "ProgressLine":
-        self._progress.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._progress.stop()
-
-    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """Move the bar now and then."""
-        if self._start_s is None:
-            self._start_s = s.t_s
-        self._count += 1
-        if self._count % self._EVERY == 0 and not self._progress.disable:
-            note = f"{s.current_A:+.3f} A  {input_value:+.1f} K  {s.counts} counts  {(step or 0) + 1}/{self._steps}"
-            self._progress.update(self._task, completed=s.t_s - self._start_s, note=note)
-
-    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """Nothing to draw."""
-
-    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data) -> None:
-        """Nothing to draw."""
+@contextmanager
+def progress(
+    about: About, control: Control | None = None, *, quiet: bool = False, keys: bool = False
+) -> Iterator[Listener]:
+    """Within: hand the listener to the runner. ``keys``: whether keys are listened to."""
+    now = Situation(about, control, keys=keys)
+    if quiet:
+        yield now
+        return
+    terminal = Terminal()
+    face = JsonLines if json_wanted() else Drawing if terminal.draws else Lines
+    with face(now, terminal) as listener:
+        yield listener

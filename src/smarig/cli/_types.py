@@ -38,3 +38,4 @@ EXPERIMENT = Named("protocols", "campaigns")
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)
 ANY_PATH = click.Path(path_type=Path)
+SEED = click.IntRange(0, 2**63 - 1)  # what every generator and file takes

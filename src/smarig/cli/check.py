@@ -8,13 +8,14 @@ import click
 from smarig.cli._output import emit, json_option, say
 from smarig.cli._types import PROTOCOL, RIG
 from smarig.config import RigFile, load_rig
-from smarig.errors import LeaseExpired, RigFault, UsageError
+from smarig.errors import ConfigError, LeaseExpired, RigFault, UsageError
 from smarig.model.actuator import Actuator
 from smarig.protocols._settings import parse_pairs
 from smarig.protocols._setup import Setup
 from smarig.rig.bench import Bench
 from smarig.rig.bring_up import Check, bring_up
 from smarig.rig.opening import opened
+from smarig.rig.sound import unsound
 from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.lock import wire_lock
 from smarig.runner.preview import preview
@@ -54,6 +55,9 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only
         found["preview"] = cost.__dict__
         lines.append(f"{'preview':>20}: {cost.sentence()}")
     fit = True
+    problems = unsound(file)
+    if problems:
+        raise ConfigError("\n".join(f"{rig}: {problem}" for problem in problems))
     if file.kind == "bench" and not preview_only:
         _ask_leave(file, yes)
         checks = _brought_up(rig, file, actuator)

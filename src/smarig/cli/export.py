@@ -4,20 +4,31 @@ from pathlib import Path
 
 import click
 
+from smarig.catalogue import names, summary
 from smarig.cli._output import distinct, emit, json_option
 from smarig.cli._types import FILE, Named
 
+_PACKAGE = "smarig.exchange.writers"
+_FORMATS = "\n".join(f"  {name:<8} {summary(_PACKAGE, name)}" for name in names(_PACKAGE))
+EPILOG = f"""\b
+Formats:
+{_FORMATS}
 
-@click.command(
-    "export", epilog="\b\nExample:\n  smarig export validation.run.sqlite --to csv -o validation.csv"
-)
+\b
+Examples:
+  smarig export validation.run.sqlite --to csv -o validation.csv
+  smarig export validation.run.sqlite --to netcdf -o validation.nc
+"""
+
+
+@click.command("export", epilog=EPILOG)
 @click.argument("run", type=FILE)
-@click.option("--to", "format_", required=True, type=Named("writers"), help="Format: csv, parquet.")
+@click.option("--to", "format_", required=True, type=Named("writers"), help="Format, see below.")
 @click.option("-o", "--out", type=FILE, required=True, help="File to write.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @json_option
 def command(run: Path, format_: str, out: Path, force: bool) -> None:
-    """Export a run's samples."""
+    """Export a run for other programs; every format but csv takes its steps and events along."""
     from smarig.exchange import export_run
     from smarig.record import load_run
 

@@ -1,10 +1,10 @@
-"""``smarig report``: pages for runs, or for every run in a folder."""
+"""``smarig report``: the page of a run, the index of a folder, runs over each other, models side by side."""
 
 from pathlib import Path
 
 import click
 
-from smarig.cli._output import distinct, emit, json_option
+from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import ANY_PATH, FILE
 from smarig.errors import UsageError
 
@@ -12,37 +12,98 @@ EPILOG = """\b
 Examples:
   smarig report validation.run.sqlite -o validation.html
   smarig report out/one_wire/runs
+  smarig report monday.run.sqlite tuesday.run.sqlite -o two_days.html
+  smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
 """
 
 
 @click.command("report", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=ANY_PATH, metavar="RUN|DIR...")
-@click.option("-o", "--out", type=FILE, help="HTML file of a single run; default: beside the run.")
+@click.option(
+    "--model", "models", multiple=True, type=FILE, help="Judge this model on the runs; several are compared."
+)
+@click.option("-o", "--out", type=FILE, help="The HTML file; default: beside the (first) run.")
 @click.option("--force", is_flag=True, help="Replace existing pages.")
 @json_option
-def command(runs: tuple[Path, ...], out: Path | None, force: bool) -> None:
-    """Write an offline HTML page about each run (finished, interrupted or imported)."""
+def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
+    """Write offline HTML pages: about a run (finished, interrupted or imported), about every run in a folder with an
+    index to search, about several runs over each other, or about models on the same runs."""
+    from smarig.report.folder import runs_in
+
+    if len(runs) == 1 and runs[0].is_dir() and not models:
+        _folder(runs[0], out, force)
+        return
+    found = [file for path in runs for file in (runs_in(path) if path.is_dir() else [path])]
+    if models:
+        _models(models, found, out, force)
+    elif len(found) == 1:
+        _run(found[0], out, force)
+    else:
+        _compared(found, out, force)
+
+
+def _folder(folder: Path, out: Path | None, force: bool) -> None:
+    from smarig.report.folder import INDEX, report_folder
+
+    if out is not None:
+        raise UsageError(f"-o names one page, but a folder gets one for each run and {INDEX}; leave it out.")
+    made = report_folder(folder, force=force)
+    for sentence in made.unread:
+        say(f"Not read: {sentence}")
+    pages = [{"report": str(p.report), "complete": p.complete, "cause": p.cause} for p in made.pages]
+    words = f"Report: {made.index} ({len(pages)} runs, each with a page beside it)"
+    emit({"report": str(made.index), "reports": pages, "unread": list(made.unread)}, words)
+
+
+def _run(file: Path, out: Path | None, force: bool) -> None:
     from smarig.record import load_run
+    from smarig.report.folder import page_of
     from smarig.report.page import write_page
     from smarig.report.run_page import run_page
 
-    found = [file for path in runs for file in _runs_in(path)]
-    if out is not None and len(found) > 1:
-        raise UsageError(f"-o names one page, but there are {len(found)} runs; leave it out.")
-    pages = []
-    for file in found:
-        target = out or file.with_name(file.name.removesuffix(".sqlite").removesuffix(".run") + ".html")
-        distinct(target, file)
-        recorded = load_run(file)
-        write_page(run_page(recorded), target, force=force)
-        pages.append({"report": str(target), "complete": recorded.complete, "cause": recorded.cause})
-    emit({**pages[0], "reports": pages}, "\n".join(f"Report: {page['report']}" for page in pages))
+    target = out or page_of(file)
+    distinct(target, file)
+    run = load_run(file)
+    write_page(run_page(run), target, force=force)
+    page = {"report": str(target), "complete": run.complete, "cause": run.cause}
+    emit({**page, "reports": [page]}, f"Report: {target}")
 
 
-def _runs_in(path: Path) -> list[Path]:
-    if not path.is_dir():
-        return [path]
-    files = sorted(path.rglob("*.run.sqlite"))
-    if not files:
-        raise UsageError(f"Folder {path} holds no run files (*.run.sqlite).")
-    return files
+def _compared(files: list[Path], out: Path | None, force: bool) -> None:
+    from smarig.record import load_run
+    from smarig.report.compared import names_of
+    from smarig.report.comparison_page import comparison_page
+    from smarig.report.page import write_page
+
+    _different(files, "run")
+    target = out or files[0].with_name("comparison.html")
+    distinct(target, *files)
+    runs = {name: load_run(file) for name, file in zip(names_of(files, ".run.sqlite"), files)}
+    write_page(comparison_page(runs), target, force=force)
+    emit({"report": str(target), "runs": [str(file) for file in files]}, f"Report: {target}")
+
+
+def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force: bool) -> None:
+    from smarig.identification.model_file import load_model
+    from smarig.record import load_run
+    from smarig.report.compared import names_of
+    from smarig.report.models_page import models_page
+    from smarig.report.page import write_page
+
+    _different(models, "model")
+    _different(files, "run")
+    target = out or files[0].with_name("models.html")
+    distinct(target, *files, *models)
+    given = {name: load_model(file) for name, file in zip(names_of(models, ".model.json"), models)}
+    runs = {name: load_run(file) for name, file in zip(names_of(files, ".run.sqlite"), files)}
+    write_page(models_page(given, runs), target, force=force)
+    plain = {"models": [str(file) for file in models], "runs": [str(file) for file in files]}
+    emit({"report": str(target), **plain}, f"Report: {target}")
+
+
+def _different(files: list[Path] | tuple[Path, ...], kind: str) -> None:
+    """UsageError when a file is given twice: beside itself it shows nothing."""
+    seen = [file.resolve() for file in files]
+    twice = next((file for k, file in enumerate(files) if seen[k] in seen[:k]), None)
+    if twice is not None:
+        raise UsageError(f"{twice} is given twice; a {kind} beside itself shows nothing.")

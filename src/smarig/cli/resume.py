@@ -5,14 +5,18 @@ from pathlib import Path
 import click
 
 from smarig.cli._keys import keys
+from smarig.cli._live import Live, joined, live_options, live_view
 from smarig.cli._notify import notified, notify_option
-from smarig.cli._output import emit, json_option, json_wanted, say
-from smarig.cli._progress import ProgressLine
+from smarig.cli._output import emit, json_option, say
+from smarig.cli._progress import STREAMS, progress
+from smarig.cli._situation import about
 from smarig.cli._types import FILE, RIG
-from smarig.cli.run import marked, summarised
+from smarig.cli.run_ import marked, summarised
 from smarig.record import load_run
 
-EPILOG = """\b
+EPILOG = f"""{STREAMS}
+
+\b
 Examples:
   smarig resume fod.run.sqlite
   smarig resume fod.run.sqlite --rig my_rig.toml --notify 'mail -s "$SMARIG_CAUSE" me < /dev/null'
@@ -26,10 +30,13 @@ Examples:
 @click.option(
     "--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: as it began)."
 )
-@click.option("--quiet", is_flag=True, help="No progress line.")
+@click.option("--quiet", is_flag=True, help="No panel, no lines.")
+@live_options
 @notify_option
 @json_option
-def command(run: Path, rig: str, wire: str, speed: float | None, quiet: bool, notify: str) -> None:
+def command(
+    run: Path, rig: str, wire: str, speed: float | None, quiet: bool, notify: str, live: Live
+) -> None:
     """Go on with a run that was killed, stopped or tripped, in the same file.
 
     The wire is cooled and taken back to what it remembered after the last finished step; the interrupted step is made
@@ -41,12 +48,18 @@ def command(run: Path, rig: str, wire: str, speed: float | None, quiet: bool, no
 
     before = load_run(run)
     session = session_for(before, rig=rig, wire=wire, speed=speed)
-    say(f"{run.name} ended so: {before.cause.rstrip('.')}. The rig is armed again.")
+    say(f"{run.name} ended so: {before.cause.rstrip('.')}.")
     settings = begun_with(before)["settings"]
     cost = preview(str(before.meta["protocol"]), session.file, settings, chooser=informed)
-    hands = keys(session.control, quiet=quiet or json_wanted())
-    with notified(notify, run), session, hands, ProgressLine(cost, quiet) as progress:
-        plan = resume_in(session, before, listeners=[progress], expected=cost, chooser=informed)
+    done = [s for s in before.steps if not s.void]
+    done_s = sum((s.t_end_s or s.t_start_s) - s.t_start_s for s in done)
+    watching = live_view(live, session.file, session.source, settings, f"{run.name}, resumed", goes_on=True)
+    with watching as watchers, notified(notify, run), session, keys(session.control) as listening:
+        say("The rig is armed again.")
+        whose = {"wire": session.wire, "source": session.source}
+        what = about(session.file, cost, run, **whose, done_steps=len(done), done_s=done_s)
+        with joined(progress(what, session.control, quiet=quiet, keys=listening), watchers) as listener:
+            plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed)
     after = load_run(run)
     say(plan.sentence())
     for warning in marked(after):

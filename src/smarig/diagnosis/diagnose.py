@@ -31,6 +31,7 @@ from smarig.model.effect import Kind
 from smarig.model.given import GivenInput, judgeable
 from smarig.model.planted import kinds, kinds_of
 from smarig.record import Run, load_run
+from smarig.shown import Shown
 from smarig.story.retelling import numerics
 from smarig.story.subject import Subject
 from smarig.story.told import Story, told
@@ -51,7 +52,7 @@ class Error:
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class Diagnosis(Shown):
     """What was found, with the evidence it rests on.
 
     ``base`` is the wire without them, its density identified anew: what the gain is counted against. ``model`` is the

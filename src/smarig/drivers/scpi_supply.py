@@ -5,13 +5,15 @@ It has no lease: if the host dies, the current stays on. So it may drive a wire 
 """
 
 import contextlib
+import math
 
 import serial
 
 from smarig.config import LinkFile, RigFile
-from smarig.drivers.roles import CurrentReading
+from smarig.drivers._roles import CurrentReading
 from smarig.errors import ConfigError
 from smarig.links.serial_line import GONE
+from smarig.model.actuator import Actuator
 from smarig.sample import NAN, Quality
 from smarig.wire.blame import Garbled, Silent, WrongDevice
 
@@ -20,11 +22,11 @@ HEADROOM = 1.2  # of the voltage that the largest current needs over the largest
 
 def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
     """The supply of a rig file: identified, off, its voltage limited."""
-    if rig.protection is None or rig.limits.current_min_A < 0:
-        raise ConfigError(
-            f"Rig '{rig.name}': a supply drives one way only, and needs [protection] for its voltage."
-        )
-    volts = HEADROOM * rig.limits.current_max_A * rig.protection.resistance_max_ohm
+    if rig.limits.current_min_A < 0:
+        raise ConfigError(f"Rig '{rig.name}': a supply drives one way only.")
+    heating = Actuator.named(rig.actuator).file.heating
+    ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
+    volts = HEADROOM * rig.limits.current_max_A * ohm
     return ScpiSupply(where, volts)
 
 
@@ -40,7 +42,9 @@ class ScpiSupply:
         except GONE as error:
             raise Silent(f"{where.url} cannot be opened: {error}. {Silent.remedy}") from None
         self.tripped = ""
+        self.has_lease = False
         self._voltage_V = voltage_V
+        self._say("OUTP OFF")  # first of all: a host that was killed may have left it on
         self.identity = self._ask("*IDN?")
         if self.identity.count(",") < 2:
             raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
@@ -48,7 +52,9 @@ class ScpiSupply:
 
     def arm(self) -> None:
         """Off, at zero current, its voltage limited."""
-        self.off()
+        untold = self.off()
+        if untold:
+            raise Silent(untold)
         self._say(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> None:
@@ -56,7 +62,7 @@ class ScpiSupply:
         self._say(f"CURR {current_A:.6f}")
         self._say("OUTP ON")
         taken = self._number("CURR?")
-        if abs(taken - current_A) > 2e-3:
+        if not abs(taken - current_A) <= 2e-3:
             self.off()
             raise Garbled(
                 f"{self.where} took {taken:g} A where {current_A:g} A were asked for. {Garbled.remedy}"
@@ -73,13 +79,15 @@ class ScpiSupply:
         return 0
 
     def off(self) -> str:
-        """Zero, then off. Without a lease, nobody else does it."""
+        """Zero, then off, and asked whether it is. Without a lease, nobody else does it."""
         try:
             self._say("CURR 0")
             self._say("OUTP OFF")
-        except Silent:
-            return f"The supply at {self.where} could not be told to switch off, and has no lease: do it by hand, now."
-        return ""
+            if self._number("OUTP?") == 0:
+                return ""
+        except (Silent, Garbled):
+            pass
+        return f"The supply at {self.where} does not say that it is off, and has no lease: switch it off by hand, now."
 
     def close(self) -> None:
         """Let go of the port."""
@@ -105,7 +113,7 @@ class ScpiSupply:
 
     def _number(self, question: str) -> float:
         answer = self._ask(question)
-        try:
-            return float(answer)
-        except ValueError:
-            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}") from None
+        with contextlib.suppress(ValueError):
+            if math.isfinite(number := float(answer)):
+                return number
+        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")

@@ -3,19 +3,22 @@
 from collections.abc import Mapping
 
 from smarig.config import LinkFile, RigFile
-from smarig.drivers.conversation import Conversation, Status
-from smarig.drivers.roles import CurrentReading
+from smarig.drivers._conversation import Conversation, Status
+from smarig.drivers._roles import CurrentReading
 from smarig.errors import ConfigError, SmarigError
-from smarig.links.link import Link
+from smarig.links.link import Link, let_go_on_failure
 from smarig.links.opening import opened
 from smarig.sample import Quality
 from smarig.wire.blame import Rebooted, Refused
 from smarig.wire.register import load_map
 
+TRIES_OFF = 3
+
 
 def smarig_amplifier(where: LinkFile, rig: RigFile) -> "SmarigAmplifier":
     """The amplifier of a rig file, handshaken, off, its settings written."""
-    return SmarigAmplifier(opened(where, load_map("amplifier").device.default_address), _settings(rig))
+    with let_go_on_failure(opened(where, load_map("amplifier").device.default_address)) as link:
+        return SmarigAmplifier(link, _settings(rig))
 
 
 def _settings(rig: RigFile) -> dict[str, float]:
@@ -46,10 +49,11 @@ class SmarigAmplifier:
         self._orders = {name: int(code) for code, name in self.map["order"].values.items()}
         self._states = {name: int(code) for code, name in self.map["state"].values.items()}
         self._current = self.map["current"].value
-        self._fields = self.map["ring"].field
+        self._fields = self.map.fields("current", "voltage", "temperature", "marks")
         self._marks = {name: 1 << int(bit) for bit, name in self._fields[-1].flags.items()}
         self._raw, self._armed = 0, False
         self.tripped = ""
+        self.has_lease = True
         self.arm()
 
     def arm(self) -> None:
@@ -79,7 +83,7 @@ class SmarigAmplifier:
         """Feeds the lease, too."""
         status = self._told({"current": self._raw, "ring_next": tick}, at_most)
         self._look(status)
-        first = status.values["ring_first"]
+        first = self.talk.first_tick(status, tick)
         mark = Quality.RETRIED if status.retried else Quality.GOOD
         return [self._reading(first + k, record, mark) for k, record in enumerate(status.records)]
 
@@ -116,19 +120,21 @@ class SmarigAmplifier:
             self.tripped = ""
 
     def off(self) -> str:
-        """Output to zero and disarmed; if it cannot be told, its lease does it, and a sentence says so."""
+        """Output to zero and disarmed, as it says itself; else its lease does it, and a sentence says so."""
         self._raw = 0
         try:
-            self._look(self.talk.command({"order": self._orders["off"]}))
+            for _ in range(TRIES_OFF):
+                status = self.talk.command({"order": self._orders["off"]})
+                self._look(status)
+                if not self._armed and not status.values["output"]:
+                    return ""
+            problem = "says that it still drives the wire: without a word it is to stop"
         except Rebooted:  # off since it started
             return ""
         except SmarigError:
-            lease_s = self.map["lease"].value.decode(self._settings["lease"])
-            return (
-                f"The {self.talk.name} could not be told to switch off: without a word it does so within "
-                f"{lease_s:g} s, its lease."
-            )
-        return ""
+            problem = "could not be told to switch off: without a word it does so"
+        lease_s = self.map["lease"].value.decode(self._settings["lease"])
+        return f"The {self.talk.name} {problem} within {lease_s:g} s, its lease."
 
     def close(self) -> None:
         """Let go of the line."""

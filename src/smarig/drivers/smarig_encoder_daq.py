@@ -1,9 +1,9 @@
 """The encoder DAQ of firmware_protocol/encoder_daq.toml: it counts and keeps time by itself."""
 
 from smarig.config import LinkFile, RigFile
-from smarig.drivers.conversation import Conversation
-from smarig.drivers.roles import PositionReading
-from smarig.links.link import Link
+from smarig.drivers._conversation import Conversation
+from smarig.drivers._roles import PositionReading
+from smarig.links.link import Link, let_go_on_failure
 from smarig.links.opening import opened
 from smarig.sample import Quality
 from smarig.wire.register import load_map
@@ -11,8 +11,8 @@ from smarig.wire.register import load_map
 
 def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":
     """The encoder of a rig file, handshaken, its period written."""
-    link = opened(where, load_map("encoder_daq").device.default_address)
-    return SmarigEncoderDaq(link, rig.period_s)
+    with let_go_on_failure(opened(where, load_map("encoder_daq").device.default_address)) as link:
+        return SmarigEncoderDaq(link, rig.period_s)
 
 
 class SmarigEncoderDaq:
@@ -21,7 +21,7 @@ class SmarigEncoderDaq:
     def __init__(self, link: Link, period_s: float) -> None:
         self.map = load_map("encoder_daq")
         self.talk = Conversation(link, self.map)
-        self._ambient = next(f for f in self.map["ring"].field if f.name == "ambient")
+        _, self._ambient, _ = self.map.fields("counts", "ambient", "marks")
         self.talk.handshake()
         self.talk.settings({"period": self.map["period"].value.encode(period_s)})
 
@@ -33,7 +33,7 @@ class SmarigEncoderDaq:
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
         """Samples from its ring."""
         status = self.talk.command({"ring_next": tick}, at_most)
-        first = status.values["ring_first"]
+        first = self.talk.first_tick(status, tick)
         mark = Quality.RETRIED if status.retried else Quality.GOOD
         return [
             PositionReading(first + k, counts, self._ambient.decode(ambient), mark)

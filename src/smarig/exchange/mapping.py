@@ -9,9 +9,10 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from smarig.config import Section, load, locate
+from smarig.config import locate
 from smarig.errors import ConfigError, UsageError
 from smarig.exchange.units import dimension
+from smarig.toml_file import Section, load
 
 Channel = Literal[
     "current_command_A",

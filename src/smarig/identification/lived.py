@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.config import ActuatorFile, check
+from smarig.config import ActuatorFile
 from smarig.errors import DataError
 from smarig.identification.history import named_start
 from smarig.identification.model_file import Model, Provenance
@@ -23,6 +23,7 @@ from smarig.story.given import driven_by_input, told_by_input
 from smarig.story.retelling import positions, retold
 from smarig.story.subject import Subject
 from smarig.story.told import told
+from smarig.toml_file import check
 
 Array = NDArray[np.float64]
 

@@ -18,6 +18,7 @@ from smarig.identification.hysteresis_json import dump_hysteresis, load_hysteres
 from smarig.model.planted import from_json
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
+from smarig.shown import Shown
 from smarig.whole_file import whole_file
 
 VERSION = 1
@@ -88,7 +89,7 @@ class _File(_Table):
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(Shown):
     """A hysteresis with its wire, units, uncertainty and origin.
 
     ``parameters`` (p,) names the rows of ``covariance`` (p, p); ``intervals`` are 95 %; both are empty for

@@ -1,5 +1,7 @@
 """The seam between drivers and whatever carries bytes."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Protocol
 
 from smarig.wire.exchange import Exchange, Refusal
@@ -28,3 +30,13 @@ class Link(Protocol):
     def close(self) -> None:
         """Let go of the line; never raises, any number of times."""
         ...
+
+
+@contextmanager
+def let_go_on_failure(link: Link) -> Iterator[Link]:
+    """Within: what is built on a link. If that fails nobody else has it, and it is closed."""
+    try:
+        yield link
+    except BaseException:
+        link.close()
+        raise

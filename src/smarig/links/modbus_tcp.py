@@ -4,6 +4,7 @@ The only module that imports it.
 """
 
 import contextlib
+import logging
 import time
 
 from pymodbus import ModbusException
@@ -12,6 +13,9 @@ from pymodbus.pdu import ExceptionResponse
 
 from smarig.wire.blame import Garbled, Silent
 from smarig.wire.exchange import Exchange, Refusal
+from smarig.wire.rtu import function as _function
+
+logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it has to say is said once, by us
 
 
 class ModbusTcp:
@@ -32,9 +36,16 @@ class ModbusTcp:
         started = time.monotonic()
         try:
             reply = self._asked(client, exchange)
-        except (ModbusException, OSError) as error:
-            kind = Silent if time.monotonic() - started >= 0.9 * self._timeout_s else Garbled
-            raise kind(f"{self.where}: {str(error) or type(error).__name__}. {kind.remedy}") from None
+        except (ModbusException, OSError):
+            if time.monotonic() - started >= 0.9 * self._timeout_s:
+                raise Silent(
+                    f"{self.where}: no answer within {self._timeout_s:g} s. {Silent.remedy}"
+                ) from None
+            raise Garbled(
+                f"{self.where}: no whole reply, or the connection was cut. {Garbled.remedy}"
+            ) from None
+        if reply.function_code & 0x7F != _function(exchange):
+            raise Garbled(f"{self.where}: a reply to function {reply.function_code & 0x7F}. {Garbled.remedy}")
         if isinstance(reply, ExceptionResponse):
             return Refusal(reply.exception_code)
         words = list(reply.registers) if exchange.count else []
@@ -67,6 +78,7 @@ class ModbusTcp:
         self.close()
         client = ModbusTcpClient(self._host, port=self._port, timeout=self._timeout_s, retries=0)
         if not client.connect():
+            client.close()
             raise Silent(f"{self.where}: nobody listens there. {Silent.remedy}")
         self._client = client
 

@@ -9,6 +9,7 @@ from smarig.links.modbus_tcp import ModbusTcp
 from smarig.links.serial_line import TEXT, SerialLine, rtu_framing
 
 PORT = 502
+NETWORK = ("socket", "rfc2217")  # pyserial's, with host and port
 
 
 def opened(where: LinkFile, default_address: int) -> Link:
@@ -23,17 +24,33 @@ def opened(where: LinkFile, default_address: int) -> Link:
             host, port = _place(where.url)
             return ModbusTcp(host, port, address, where.timeout_s)
         case "modbus_rtu":
-            return SerialLine(where.url, rtu_framing(address), where.timeout_s, where.baud)
+            return SerialLine(_line(where.url), rtu_framing(address), where.timeout_s, where.baud)
         case "lines":
-            return SerialLine(where.url, TEXT, where.timeout_s, where.baud)
+            return SerialLine(_line(where.url), TEXT, where.timeout_s, where.baud)
 
 
 def _place(url: str) -> tuple[str, int]:
-    parts = urlsplit(url)
     try:
-        port = parts.port or PORT
+        parts = urlsplit(url)
+        host, port = parts.hostname or "", PORT if parts.port is None else parts.port
+        host.encode("idna")
     except ValueError:
-        port = 0
-    if parts.scheme != "tcp" or not parts.hostname or not port:
+        parts, host, port = None, "", 0
+    if parts is None or parts.scheme != "tcp" or not host or not port:
         raise ConfigError(f"'{url}' is no address of Modbus TCP; write tcp://HOST:PORT.")
-    return parts.hostname, port
+    return host, port
+
+
+def _line(url: str) -> str:
+    """A serial port's name, or a URL of a network port that says where it is."""
+    kind, network, rest = url.partition("://")
+    if not network:
+        return url
+    try:
+        parts = urlsplit(f"tcp://{rest}")
+        whole = bool(parts.hostname and parts.port)
+    except ValueError:
+        whole = False
+    if kind in NETWORK and not whole:
+        raise ConfigError(f"'{url}' is no address of a serial port on the network; write {kind}://HOST:PORT.")
+    return url

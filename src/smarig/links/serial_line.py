@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +15,13 @@ from smarig.wire.blame import Garbled, Silent
 from smarig.wire.exchange import Exchange, Refusal
 
 _TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
-GONE = (serial.SerialException, OSError, ValueError, *_TERMIOS)  # an unplugged port raises any of these
+GONE = (
+    serial.SerialException,
+    OSError,
+    ValueError,
+    re.error,
+    *_TERMIOS,
+)  # an unplugged port raises any of these
 LONGEST = 4096  # bytes of noise that are kept
 
 

@@ -32,6 +32,7 @@ def reopened(path: Path, meta: dict[str, Any], change: GoingOn) -> sqlite3.Conne
         db = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, check_same_thread=False)
         db.execute("PRAGMA journal_mode=WAL")
         db.execute("PRAGMA synchronous=FULL")
+        db.execute(f"PRAGMA wal_autocheckpoint={schema.PAGES_BESIDE}")
         with db:
             if change.void_all:
                 db.execute(schema.VOID_STEPS)

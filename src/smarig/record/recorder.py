@@ -46,6 +46,7 @@ class Recorder:
         self._wake = threading.Event()
         self._closing = False
         self._failure: str | None = None
+        self._lost: str | None = None
         meta = {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}
         self._db = _create(path, meta, force) if going_on is None else reopened(path, meta, going_on)
         self._thread = threading.Thread(target=self._write_until_closed, name="recorder", daemon=True)
@@ -56,6 +57,7 @@ class Recorder:
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
         """One sample; a few microseconds. Raises StorageError once writing has failed."""
         if self._failure is not None:
+            self._lost = None
             raise StorageError(self._failure)
         self._rows.append(
             (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
@@ -112,6 +114,9 @@ class Recorder:
             try:
                 self._commit()
                 self._check_space()
+            except StorageError as error:  # samples are lost: told at the end, if not before
+                self._failure = self._lost = f"{error} The current is at zero."
+                return
             except Exception as error:  # whatever it is, the tick must hear of it
                 self._failure = f"Run {self.path} cannot be written: {error}. The current is at zero."
                 return
@@ -126,15 +131,38 @@ class Recorder:
         if not rows and not statements:
             return
         try:
-            with self._db:
-                self._db.executemany(schema.INSERT_SAMPLE, rows)
-                for sql, row in statements:
-                    self._db.execute(sql, row)
+            refused = self._written(rows, statements)
         except Exception:  # rolled back: keep them, so that closing can try once more
             self._rows.extendleft(reversed(rows))
             with self._lock:
                 self._statements[:0] = statements
             raise
+        if refused:
+            raise StorageError(
+                f"Run {self.path}: {len(refused)} samples were not kept, the first of tick {refused[0][0]}: that tick "
+                "is there already, or is none. All others are."
+            )
+
+    def _written(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:
+        """All in one transaction; returns the samples that no file can keep, lest the good ones be lost with them."""
+        refused: list[tuple] = []
+        with self._db:
+            self._db.execute("SAVEPOINT batch")
+            try:
+                self._db.executemany(schema.INSERT_SAMPLE, rows)
+            except (sqlite3.IntegrityError, OverflowError):
+                self._db.execute("ROLLBACK TO batch")
+                refused = [row for row in rows if not self._fits(row)]
+            for sql, row in statements:
+                self._db.execute(sql, row)
+        return refused
+
+    def _fits(self, row: tuple) -> bool:
+        try:
+            self._db.execute(schema.INSERT_SAMPLE, row)
+        except (sqlite3.IntegrityError, OverflowError):
+            return False
+        return True
 
     def _check_space(self) -> None:
         free = shutil.disk_usage(self.path.parent).free
@@ -150,7 +178,9 @@ class Recorder:
         """
         if self._closing:
             return
-        self.event(t_s, "end", f"Run ended: {cause}.", level="info" if cause == "done" else "warning")
+        self.event(
+            t_s, "end", f"Run ended: {cause.rstrip('.')}.", level="info" if cause == "done" else "warning"
+        )
         self.describe("end", {"cause": cause, "epoch": time.time()})
         self._closing = True
         self._wake.set()
@@ -162,6 +192,8 @@ class Recorder:
         finally:
             _leave_one_file(self._db)
             self._db.close()
+        if self._lost is not None:
+            raise StorageError(self._lost)
 
 
 def _leave_one_file(db: sqlite3.Connection) -> None:
@@ -183,9 +215,11 @@ def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection
         db = sqlite3.connect(path, check_same_thread=False)
         db.execute("PRAGMA journal_mode=WAL")
         db.execute("PRAGMA synchronous=FULL")
+        db.execute(f"PRAGMA wal_autocheckpoint={schema.PAGES_BESIDE}")
         with db:
             db.executescript(schema.CREATE)
             db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
+        db.execute("PRAGMA wal_checkpoint(PASSIVE)")  # the file alone is a run, but for its last minute
     except (OSError, sqlite3.Error) as error:
         raise StorageError(f"Run file {path} cannot be created: {error}.") from None
     return db

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from smarig.errors import DataError, UsageError
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
+from smarig.shown import Shown
 
 CONTINUED = "continued"  # ``initial`` of a run that goes on where the one before it ended
 
@@ -49,7 +50,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Run:
+class Run(Shown):
     """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.meta`` its description.
 
     Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,

@@ -5,6 +5,7 @@ holds no Python objects and no default template. Knows no page and no physics.
 """
 
 import base64
+import html
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from smarig.report.html import Html, joined, tag
 from smarig.report.numbers import number
@@ -62,13 +63,19 @@ class Figure:
 
     def html(self) -> Html:
         """The figure as markup; its plots are drawn by the page's script."""
-        panels = [_panel(panel, self.label) for panel in self.panels]
+        panels = [_panel(panel, self) for panel in self.panels]
         badge = joined([badge_of(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
         kind = "panels one" if len(panels) == 1 else "panels"
-        frame = tag("div", *panels, class_=kind, style=f"--least:{self.least_px}px")
+        reach = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._scrolls else {}
+        frame = tag("div", *panels, class_=kind, style=f"--least:{self.least_px}px", **reach)
         return tag("figure", frame, caption)
+
+    @property
+    def _scrolls(self) -> bool:
+        """Whether a panel may be wider than a small screen: the frame is then one that keys can scroll."""
+        return any(panel.least_px for panel in self.panels)
 
 
 def badge_of(label: str) -> Html:
@@ -76,15 +83,37 @@ def badge_of(label: str) -> Html:
     return tag("span", f"{label} · simulated, not hardware", class_="twin")
 
 
-def _panel(panel: Panel, label: str) -> Html:
+def _panel(panel: Panel, figure: Figure) -> Html:
     layout = dict(panel.layout)
-    if label:
-        layout["annotations"] = [*layout.get("annotations", ()), MARK | {"text": label}]
+    if figure.label:
+        layout["annotations"] = [*layout.get("annotations", ()), MARK | {"text": figure.label}]
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
     size = f"--high:{panel.height}px" + (f";min-width:{panel.least_px}px" if panel.least_px else "")
-    return tag("div", script, class_="plot wide" if panel.wide else "plot", style=size)
+    plot = tag("div", script, class_="plot", style=size, role="img", aria_label=in_words(panel, figure))
+    return tag("div", plot, class_="cell wide" if panel.wide else "cell")
+
+
+def in_words(panel: Panel, figure: Figure) -> str:
+    """What a plot shows, for those who hear the page: whose it is, its axes with units, and what is drawn."""
+    flat = [_title(panel.layout[key]) for key in panel.layout if key.startswith("yaxis")]
+    solid = panel.layout.get("scene", {})
+    vertical = ", ".join(filter(None, flat)) or _title(solid.get("zaxis", {}))
+    across = [
+        _title(panel.layout.get("xaxis", {})),
+        *(_title(solid.get(key, {})) for key in ("xaxis", "yaxis")),
+    ]
+    names = dict.fromkeys(trace["name"] for trace in panel.data if trace.get("name"))
+    drawn = f" Drawn: {', '.join(names)}." if names else ""
+    mark = f"{figure.label}, simulated. " if figure.label else ""
+    return html.unescape(
+        f"{mark}{figure.title} {vertical} against {' and '.join(filter(None, across))}.{drawn}"
+    )
+
+
+def _title(axis: Mapping[str, Any]) -> str:
+    return str(axis.get("title", {}).get("text", "")).replace("<br>", " ")
 
 
 def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
@@ -98,6 +127,17 @@ def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
     if array.ndim == 2:
         spec["shape"] = f"{array.shape[0]}, {array.shape[1]}"
     return spec
+
+
+def unpacked(spec: Mapping[str, str]) -> NDArray[np.float64]:
+    """The array in a typed-array specification.
+
+    >>> unpacked(packed([[1.0, 2.0]])).tolist()
+    [[1.0, 2.0]]
+    """
+    values = np.frombuffer(base64.b64decode(spec["bdata"]), dtype="<" + spec["dtype"])
+    shape = [int(n) for n in spec["shape"].split(",")] if "shape" in spec else -1
+    return values.reshape(shape)
 
 
 def line(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
+from smarig.identification.density import DensityReport
 from smarig.identification.identify import Identification
 from smarig.record import Run
 from smarig.report.conditions import label_of, place
@@ -13,11 +15,16 @@ from smarig.report.identified import density_map, density_triangle, report_of, r
 from smarig.report.numbers import number, raised
 from smarig.report.style import DIVERGING, INK, SURFACES
 
+Array = NDArray[np.float64]
+
 
 def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
     """One map of μ a surface, white at zero, red positive, blue negative; the zero line and the minimum marked."""
     return Figure(
-        [_map(name, one, run) for name, one in found.items()],
+        [
+            map_panel(name, density_map(one), report_of(one), (run.unit, run.input_unit))
+            for name, one in found.items()
+        ],
         "Weighting function μ(α, β) = ½ ∂²y/∂α∂β.",
         [
             "White is zero, red positive, blue negative; each map has its own scale, symmetric about zero. "
@@ -36,7 +43,12 @@ def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
 
 def density_unit(run: Run) -> str:
     """Unit of μ: output per squared input."""
-    return f"{run.unit}/{run.input_unit}²" if run.input_unit else run.unit
+    return per_square(run.unit, run.input_unit)
+
+
+def per_square(unit: str, input_unit: str) -> str:
+    """Unit of μ from those of output and input."""
+    return f"{unit}/{input_unit}²" if input_unit else unit
 
 
 def scaled(top: float, unit: str) -> tuple[float, str]:
@@ -53,10 +65,17 @@ def _least(name: str, found: Identification, run: Run) -> str:
     return f"{name}: min μ = {number(d.mu_min)} {density_unit(run)} at {at}"
 
 
-def _map(name: str, found: Identification, run: Run) -> Panel:
-    alpha, beta, mu = density_map(found)
-    top = float(np.nanmax(np.abs(mu))) or 1.0
-    size, unit = scaled(top, density_unit(run))
+def map_panel(
+    name: str,
+    grid: tuple[Array, Array, Array],
+    d: DensityReport,
+    units: tuple[str, str],
+    top: float | None = None,
+) -> Panel:
+    """μ over the half plane, coloured up to ``top`` (default: its own greatest size); units of output and input."""
+    alpha, beta, mu = grid
+    top = top or float(np.nanmax(np.abs(mu))) or 1.0
+    size, unit = scaled(top, per_square(*units))
     common = {"x": packed(beta), "y": packed(alpha), "z": packed(mu / size, single=True)}
     heat: Trace = common | {
         "type": "heatmap",
@@ -66,7 +85,6 @@ def _map(name: str, found: Identification, run: Run) -> Panel:
         "colorbar": {"title": {"text": f"μ ({unit})", "side": "right"}, "thickness": 12},
         "hovertemplate": "α %{y:.4g}<br>β %{x:.4g}<br>μ %{z:.3g}<extra></extra>",
     }
-    d = report_of(found)
     data: list[Trace] = [heat]
     if not d.M_P and beta.size == mu.shape[1]:
         data.append(common | _NEGATIVE)
@@ -81,8 +99,8 @@ def _map(name: str, found: Identification, run: Run) -> Panel:
     data.append(dots([d.mu_min_at[1]], [d.mu_min_at[0]], "minimum", INK, **cross))
     layout = {
         "title": {"text": name, "font": {"size": 14}, "x": 0.02, "y": 0.97},
-        "xaxis": axis(f"β ({run.input_unit})", constrain="domain", range=ends),
-        "yaxis": axis(f"α ({run.input_unit})", scaleanchor="x", constrain="domain", range=ends),
+        "xaxis": axis(f"β ({units[1]})", constrain="domain", range=ends),
+        "yaxis": axis(f"α ({units[1]})", scaleanchor="x", constrain="domain", range=ends),
         "showlegend": False,
     }
     return Panel(data, layout, 430)

@@ -41,11 +41,12 @@ def clock(run: Run) -> tuple[Array, str]:
     if not np.isfinite(t).any():
         return np.arange(len(run), dtype=float), "Sample number (no time recorded)"
     t = t - t[np.isfinite(t)][0]
-    size, unit = _time_unit(float(np.nanmax(t)))
+    size, unit = time_unit(float(np.nanmax(t)))
     return t / size, f"Time since the run began ({unit})"
 
 
-def _time_unit(span_s: float) -> tuple[float, str]:
+def time_unit(span_s: float) -> tuple[float, str]:
+    """The unit a span is best read in: its seconds, and its name."""
     return (3600.0, "h") if span_s > 6 * 3600 else (60.0, "min") if span_s > 600 else (1.0, "s")
 
 
@@ -126,7 +127,7 @@ def _marked(run: Run, t: Array, y_axis: str) -> list[Trace]:
     if late and run.has("t_s"):
         first, size = (
             run["t_s"][np.isfinite(run["t_s"])][0],
-            _time_unit(float(np.ptp(run["t_s"][np.isfinite(run["t_s"])])))[0],
+            time_unit(float(np.ptp(run["t_s"][np.isfinite(run["t_s"])])))[0],
         )
         ends = [(float(s.t_end_s or 0.0) - first) / size for s in late]
         words = f"{len(late)} steps that did not settle in time"

@@ -8,7 +8,7 @@ import html
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-_VOID = {"br", "meta", "hr"}
+_VOID = {"br", "meta", "hr", "input"}
 
 
 class Html(str):
@@ -59,11 +59,11 @@ def bullets(items: Iterable[Any]) -> Html:
 
 
 def table(header: Sequence[Any], rows: Iterable[Sequence[Any]], caption: Any = "") -> Html:
-    """A table with a caption; the first column heads its row. Wide tables scroll inside their own frame."""
+    """A table with a caption; the first column heads its row. Wide ones scroll in their own frame, by keys too."""
     head = tag("thead", tag("tr", *(tag("th", cell, scope="col") for cell in header)))
     body = tag("tbody", *(_row(row) for row in rows))
     title = tag("caption", caption) if caption else ""
-    return tag("div", tag("table", title, head, body), class_="table")
+    return tag("div", tag("table", title, head, body), class_="table", tabindex=0)
 
 
 def _row(cells: Sequence[Any]) -> Html:

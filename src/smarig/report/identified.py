@@ -13,6 +13,7 @@ from smarig.errors import DataError
 from smarig.identification.density import DensityReport, density_report
 from smarig.identification.history import Start
 from smarig.identification.identify import Identification
+from smarig.preisach.everett import Everett
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.fod_table import FodTable
 from smarig.preisach.forc_table import ForcTable
@@ -131,27 +132,48 @@ def density_triangle(found: Identification, n: int = 81) -> tuple[Array, Array, 
     return (-b, -a, mu) if found.data.mirrored else (a, b, mu)
 
 
-def density_map(found: Identification, n: int = 121) -> tuple[Array, Array, Array]:
+def density_map(found: Identification) -> tuple[Array, Array, Array]:
+    """μ on a grid, as ``density_of`` the hysteresis whose first-order curves were taken."""
+    return density_of(image(found), mirrored=found.data.mirrored)
+
+
+def density_of(hysteresis: Everett, *, mirrored: bool = False, n: int = 121) -> tuple[Array, Array, Array]:
     """Edges or nodes of α and of β, and μ[α, β] with NaN outside α ≥ β: surfaces on nodes, tables by cells.
 
     A cell's μ is its mass over its area, [F(α₂,β₁) − F(α₁,β₁) − F(α₂,β₂) + F(α₁,β₂)] / (2 Δα Δβ).
     """
-    surface = image(found)
-    if isinstance(surface, FodSurface):
-        u = np.linspace(surface.lower, surface.upper, n)
+    if isinstance(hysteresis, Mirrored):
+        return density_of(hysteresis.image, mirrored=not mirrored, n=n)
+    if isinstance(hysteresis, FodSurface):
+        u = np.linspace(hysteresis.lower, hysteresis.upper, n)
         a, b = np.meshgrid(u, u, indexing="ij")
-        mu = np.where(b <= a, surface.density(a, b), np.nan)
+        mu = np.where(b <= a, hysteresis.density(a, b), np.nan)
     else:
-        even = np.linspace(surface.lower, surface.upper, _CELLS + 1)
-        u = surface.nodes if isinstance(surface, FodTable) else even
+        even = np.linspace(hysteresis.lower, hysteresis.upper, _CELLS + 1)
+        u = hysteresis.nodes if isinstance(hysteresis, FodTable) else even
         inputs = u.tolist()
-        F = np.array([[surface.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
+        F = np.array([[hysteresis.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
         mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
         width = np.diff(u)
         mu = np.where(np.tri(u.size - 1, k=-1, dtype=bool), mass / (2 * width[:, None] * width), np.nan)
-    if found.data.mirrored:  # μ(α, β) = μ̃(−β, −α)
+    if mirrored:  # μ(α, β) = μ̃(−β, −α)
         return -u[::-1], -u[::-1], mu[::-1, ::-1].T
     return u, u, mu
+
+
+_KINDS = {
+    FodSurface: "surface",
+    FodTable: "table of first-order curves",
+    ForcTable: "first-order reversal curves",
+}
+
+
+def kind_of(hysteresis: Everett) -> str:
+    """What a model's hysteresis is, for readers: "exponential surface", "relays"."""
+    if isinstance(hysteresis, Mirrored):
+        return f"{kind_of(hysteresis.image)}, mirrored"
+    form = getattr(hysteresis, "form", "")
+    return f"{form} {_KINDS.get(type(hysteresis), 'relays')}".strip()
 
 
 def report_of(found: Identification) -> DensityReport:

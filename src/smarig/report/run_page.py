@@ -33,8 +33,11 @@ from smarig.report.tables import (
 )
 
 
-def run_page(run: Run) -> str:
-    """A page with a run's time series, hysteresis graph, conditions, marks, events and provenance (HTML)."""
+def run_page(run: Run, *, library: str = "") -> str:
+    """A page with a run's time series, hysteresis graph, conditions, marks, events and provenance (HTML).
+
+    ``library`` is the address of Plotly's script where pages share it, "" to have it inside.
+    """
     data = list(_figures(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
     sections = [
         Section("Summary", "Summary", [headline(run), settings_words(run)]),
@@ -48,7 +51,8 @@ def run_page(run: Run) -> str:
         Section("Provenance", "Provenance", [provenance_table({protocol_of(run): run})]),
     ]
     title = f"{sentence(protocol_of(run))} run"
-    return page(title, lead(run), sections, label=label_of(run), notices=[*endings([run]), *_warnings(run)])
+    notices = [*endings([run]), *_warnings(run)]
+    return page(title, lead(run), sections, label=label_of(run), notices=notices, library=library)
 
 
 def _figures(run: Run) -> Iterator[Figure | Html]:

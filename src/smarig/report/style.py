@@ -18,6 +18,19 @@ SURFACES = {
     "table": "#6b7280",
     "positive": "#009E73",
 }
+# Things compared, in the order in which they were named.
+COMPARED = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1f24", "#6b7280")
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid", "dash")
+SYMBOLS = (
+    "circle",
+    "square-open",
+    "diamond-open",
+    "triangle-up-open",
+    "x",
+    "cross",
+    "star-open",
+    "hexagon-open",
+)
 SEQUENCE = "Cividis"
 # Red positive, blue negative, white zero (after ColorBrewer RdBu).
 DIVERGING = [
@@ -84,7 +97,7 @@ CSS = """
 html{scroll-padding-top:5.5rem;-webkit-text-size-adjust:100%}
 body{margin:0;background:#fff;color:var(--ink);font:16px/1.55 FONT;counter-reset:section figure table;
  font-variant-numeric:tabular-nums}
-main,header.top{max-width:1180px;margin:0 auto;padding:0 24px}sub{line-height:0}
+main,header.top,footer{max-width:1180px;margin:0 auto;padding:0 24px}sub{line-height:0}
 .sticky{position:sticky;top:0;z-index:20;background:#fff;border-bottom:1px solid var(--line)}
 .twinbar{background:repeating-linear-gradient(-45deg,#f7c948 0 22px,#f2b632 22px 44px);color:#111;font-weight:700;
  text-align:center;padding:6px 12px;letter-spacing:.02em}
@@ -111,7 +124,26 @@ code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow
 figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
 figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px;
  overflow-x:auto}
-.plot{width:100%;min-width:0;position:relative;height:var(--high)}.plot.wide{grid-column:1/-1}
+.cell{min-width:0}.cell.wide{grid-column:1/-1}.plot{width:100%;min-width:0;position:relative;height:var(--high)}
+.choices{display:flex;flex-wrap:wrap;gap:6px}
+button,input,select{font:inherit;font-size:14px;color:var(--ink);background:#fff;border:1px solid #8b939e;
+ border-radius:3px;padding:5px 10px}
+button{cursor:pointer}button:hover{border-color:var(--blue)}
+button[aria-pressed=true]{background:var(--blue);border-color:var(--blue);color:#fff}
+:focus-visible{outline:3px solid var(--blue);outline-offset:2px}
+.search{display:flex;flex-wrap:wrap;gap:10px 14px;align-items:end;margin:0 0 10px}
+.search label{font-size:13px;color:var(--grey)}.search label>*{display:block;margin-top:2px}
+.search label:first-child{flex:1 1 240px}.search label:first-child input{width:100%}
+.gallery{list-style:none;margin:0;padding:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(200px,1fr));gap:14px}
+.runs td,.runs tbody th,.named{white-space:nowrap}.runs table{font-size:13px}.runs th,.runs td{padding-right:9px}
+.gallery li{border:1px solid var(--line);padding:8px 10px 10px;max-width:none;min-width:0;break-inside:avoid}
+.gallery li.twinned{border-top:4px solid var(--amber)}.gallery svg,td svg{display:block;width:100%;height:auto}
+.gallery a{font-weight:600;overflow-wrap:anywhere}
+.gallery p{margin:2px 0 0;font-size:13px;line-height:1.4;color:var(--grey)}
+a{color:#005a8f}th button{border:0;padding:0;font-weight:600;text-align:left}
+th[aria-sort=ascending] button::after{content:" ▲"}th[aria-sort=descending] button::after{content:" ▼"}
+.swatch{display:inline-block;width:22px;height:0;border-top:4px solid;vertical-align:middle;margin-right:8px}
+.skip{position:absolute;left:-9999px}.skip:focus{position:static}
 .pairs,.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:0 28px;
  align-items:start}
 .columns{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}.columns td{white-space:nowrap}
@@ -128,13 +160,14 @@ thead th{border-bottom:2px solid var(--ink);font-weight:600;vertical-align:botto
 tbody th{font-weight:500}td{overflow-wrap:break-word;min-width:4em}
 details{margin:10px 0}summary{cursor:pointer;color:var(--blue)}pre{overflow-x:auto;background:var(--soft);padding:12px;
  font:12px/1.45 ui-monospace,Menlo,Consolas,monospace}
-footer{color:var(--grey);font-size:13px;border-top:1px solid var(--line);padding:14px 0 40px}
-@media (max-width:600px){body{font-size:15px}main,header.top{padding:0 14px}nav{padding:7px 14px}
+footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margin:0;padding:14px 0 40px;max-width:none}
+@media (max-width:600px){body{font-size:15px}main,header.top,footer{padding:0 14px}
+ .gallery{grid-template-columns:1fr 1fr;gap:8px}.gallery li{padding:6px}nav{padding:7px 14px}
  .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}
  caption{max-width:calc(100vw - 28px)}td code{display:block;min-width:17em}}
 /* .printing is set before the figures are fitted to the paper, so that screen and print agree on every width */
 body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
-.printing main,.printing header.top{padding:0;max-width:none}.printing section{margin:20px 0}
+.printing main,.printing header.top,.printing footer{padding:0;max-width:none}.printing section{margin:20px 0}
 .printing .plot{height:calc(var(--high)*.66);min-width:0!important}
 .printing .cards{grid-template-columns:repeat(5,1fr);gap:6px}
 .printing .card{padding:6px 8px}.printing .card strong{font-size:12pt}
@@ -142,6 +175,7 @@ body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.prin
 .printing .pairs,.printing .columns,.printing .panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:6px}
 .printing .panels.one,.printing .pairs .panels{grid-template-columns:minmax(0,1fr)}
 .printing figcaption,.printing table,.printing caption{font-size:8pt}.printing th,.printing td{padding:2px 8px 2px 0}
+.printing .choices,.printing .search{display:none}
 .printing .columns td{white-space:normal}.printing td{min-width:2.5em}.printing .table{overflow:visible}
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}tr,.card,.notice{break-inside:avoid}
  .twinbar,.notice,.card,.twin{-webkit-print-color-adjust:exact;print-color-adjust:exact}}

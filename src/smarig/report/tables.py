@@ -48,6 +48,8 @@ def _of_run(run: Run) -> Iterable[Row]:
     if known.size:
         moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
         yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
+    if meta.get("effects"):
+        yield "Planted effects", ", ".join(map(str, meta["effects"])), "", "given to the twin"
     if meta.get("wire_history"):
         yield "Wire before this run", meta["wire_history"], "", "wire history"
     for key in ("initial", "encoder_zero", "seed", "notes"):

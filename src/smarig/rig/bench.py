@@ -11,15 +11,17 @@ from collections import deque
 from collections.abc import Callable
 
 from smarig.config import RigFile
-from smarig.drivers.roles import CurrentReading, CurrentSource, PositionReading, PositionSensor
+from smarig.drivers._roles import CurrentReading, CurrentSource, PositionReading, PositionSensor
 from smarig.errors import LeaseExpired
 from smarig.model.actuator import Actuator
 from smarig.rig.rig import Alarm
 from smarig.sample import Quality, Sample
-from smarig.wire.blame import Silent
+from smarig.wire.blame import Garbled, Silent
 
 COMPARED = 300  # ticks between two looks at both clocks
 BLOCK = 16  # samples that are fetched at once
+LEAP = 1_000_000  # ticks that no host slept through
+REMEMBERED = 256  # currents that were set lately
 WAITS_S = 1.0  # until devices in lock-step take us for gone
 PATIENCE_S = 2.0  # without a sample, before the sensor counts as dead
 
@@ -47,14 +49,16 @@ class Bench:
         self.lock_step = speed == 0
         self._tick_s = 0.0 if self.lock_step else rig.period_s / speed
         lease = round(rig.lease_s / rig.period_s)
-        self._block = max(1, min(BLOCK, lease - 1)) if self.lock_step else BLOCK  # nothing is said meanwhile
+        self._block = max(1, min(BLOCK, lease - 1))  # ticks that may pass while nothing is said
         self._clock, self._sleep = clock, sleep
         self.tick = sensor.tick()
         self._offset = source.tick() - self.tick
         self._compare_at = self.tick + COMPARED
         self._due_s = clock()
         self._sent_A = 0.0
-        self._before: deque[tuple[int, float]] = deque()  # last tick of a current, and the current
+        self._before: deque[tuple[int, float]] = deque(
+            maxlen=REMEMBERED
+        )  # last tick of a current, by the source, and the current
         self._last: CurrentReading | None = None
         self._alarms: list[Alarm] = []
         self._tripped = ""
@@ -64,6 +68,11 @@ class Bench:
     def period_s(self) -> float:
         """Length of a tick."""
         return self.file.period_s
+
+    @property
+    def has_lease(self) -> bool:
+        """Whether the source switches itself off when we fall silent."""
+        return self.source.has_lease
 
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on; the samples since the last call, at least one."""
@@ -77,7 +86,8 @@ class Bench:
         if self._tick_s and self.tick >= self._compare_at:
             self._follow()
         samples = tuple(self._joined(p, c) for p, c in zip(positions, currents))
-        if self.source.tripped and samples[-1].quality & Quality.TRIPPED:  # what came before it has been told
+        over = samples[-1].quality & (Quality.TRIPPED | Quality.STALE)  # what came before it has been told
+        if self.source.tripped and over:
             self._tripped = self.source.tripped
         return samples
 
@@ -85,14 +95,17 @@ class Bench:
         """Send it, and keep which current was set before: samples that are still to be read are from then."""
         last = self.source.set(current_A)
         if last is not None:
-            self._before.append((last - self._offset, self._sent_A))
+            self._before.append((last, self._sent_A))
         self._sent_A = current_A
 
     def _set_at(self, tick: int) -> float:
-        """The current that was set in a tick; those before it are forgotten."""
-        while self._before and self._before[0][0] < tick:
-            self._before.popleft()
-        return self._before[0][1] if self._before else self._sent_A
+        """The current that was set in a tick of the source."""
+        current_A = self._sent_A
+        for last, before_A in reversed(self._before):
+            if last < tick:
+                break
+            current_A = before_A
+        return current_A
 
     def _positions(self, at_most: int) -> list[PositionReading]:
         """What the encoder read since; waits for its next tick where time passes by itself."""
@@ -111,6 +124,8 @@ class Bench:
             self._due_s = self._clock() + self._tick_s / 8  # it is a little behind our clock: fall in with it
             self._sleep(self._tick_s / 8)
         lost = found[0].tick - self.tick - 1
+        if lost > LEAP:
+            raise Garbled(f"The encoder's ticks leapt by {lost}: it cannot be trusted. {Garbled.remedy}")
         if lost:
             self._alarms.append(
                 Alarm(
@@ -151,7 +166,7 @@ class Bench:
         return Sample(
             p.tick,
             p.tick * self.file.period_s,
-            self._set_at(p.tick),
+            self._set_at(c.tick),
             c.current_A,
             c.voltage_V,
             c.temperature_degC,

@@ -4,12 +4,19 @@ Moves the wire gently, in small steps of current, and ends at zero with the leas
 and the rig file; refuses to know devices, and who reads the list.
 """
 
+import contextlib
+import math
 from collections.abc import Callable, Iterator
+from itertools import chain, takewhile
 from typing import NamedTuple, Protocol
+
+import numpy as np
 
 from smarig.config import RigFile
 from smarig.errors import RigFault
 from smarig.model.actuator import Actuator
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
 from smarig.rig.guard import Guard
 from smarig.rig.plausibility import FLOWING_A, READ_BACK, RESISTANCE
 from smarig.rig.rig import Rig
@@ -21,6 +28,8 @@ STAIR_TAUS = 1.5  # time constants on each
 COOL_TAUS = 5.0
 LEAST_PULSE = 0.1  # of the largest current: flows while the lease is tried
 AFTER_LEASE_S = 1.5
+SURELY = 10  # times as many: no wire is that far from its model
+Say = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples that show the trip still
 
 
@@ -39,20 +48,21 @@ class Silenceable(Rig, Protocol):
         """Say nothing for so long."""
         ...
 
-    def arm(self) -> None:
-        """Clear a trip."""
-        ...
-
     def identity(self) -> list[str]:
         """Who answers, a line for each device."""
         ...
 
+    @property
+    def has_lease(self) -> bool:
+        """Whether it switches itself off when we fall silent."""
+        ...
 
-def bring_up(rig: Silenceable, file: RigFile, say: Callable[[str], None] = lambda _: None) -> list[Check]:
+
+def bring_up(rig: Silenceable, file: RigFile, say: Say = lambda _: None) -> list[Check]:
     """All checks in order; what cannot be gone on with ends the list."""
     found: list[Check] = []
     try:
-        for check in _checks(rig, file):
+        for check in _checks(rig, file, say):
             say(f"{'ok ' if check.passed else 'NOT'} {check.name}: {check.seen}")
             found.append(check)
     except RigFault as fault:
@@ -62,42 +72,71 @@ def bring_up(rig: Silenceable, file: RigFile, say: Callable[[str], None] = lambd
     return found
 
 
-def _checks(rig: Silenceable, file: RigFile) -> Iterator[Check]:
+def _checks(rig: Silenceable, file: RigFile, say: Say) -> Iterator[Check]:
+    """What does not obey, or does not move as it is heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
     guard = Guard(rig, file.limits, actuator)
-    yield _at_rest(guard)
-    yield from _pulse(guard, file, actuator)
-    yield from _lease(rig, file)
+    pulses = [_pulse(guard, file, actuator, +1, say)]
+    if file.limits.current_min_A < 0:  # the second wire
+        pulses.append(_pulse(guard, file, actuator, -1, say))
+    for check in chain([_at_rest(guard, file)], *pulses):
+        yield check
+        if not check.passed:
+            return
+    if rig.has_lease:
+        yield from _lease(rig, file)
+    else:
+        yield Check("lease", True, "this source has none: if the host dies, only the cut-out ends what flows")
 
 
-def _at_rest(guard: Guard) -> Check:
+def _at_rest(guard: Guard, file: RigFile) -> Check:
     """Nothing flows when nothing is asked for."""
     sample = _last(guard, 0.0, 10)
-    fine = abs(sample.current_A) <= READ_BACK * guard.limits.current_max_A
-    return Check(
-        "at rest", fine, f"{sample.current_A:.4f} A flow at 0 A; ambient {sample.ambient_degC:.1f} °C"
-    )
+    seen = f"{sample.current_A:.4f} A flow at 0 A; ambient {sample.ambient_degC:.1f} °C"
+    return Check("at rest", _obeys(sample, 0.0, file), seen)
 
 
-def _pulse(guard: Guard, file: RigFile, actuator: Actuator) -> Iterator[Check]:
-    """Up in stairs until the wire moves; which way, how much current flowed, through which resistance."""
+def _pulse(guard: Guard, file: RigFile, actuator: Actuator, sign: int, say: Say) -> Iterator[Check]:
+    """Up in stairs until the wire moves, or must have by its model; then what was seen, and cooling."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
+    enough_K = _must_have_moved_K(actuator, file, sign)
+    largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
     begin = _last(guard, 0.0, 1).counts
-    sample, asked_A = _last(guard, 0.0, 1), 0.0
+    sample, asked_A, moved = _last(guard, 0.0, 1), 0.0, 0
     for k in range(1, STAIRS + 1):
-        asked_A = file.limits.current_max_A * k / STAIRS
+        asked_A = largest_A * k / STAIRS
         sample = _last(guard, asked_A, round(STAIR_TAUS * tau_ticks))
-        if abs(sample.counts - begin) >= MOVED:
+        moved = sample.counts - begin
+        say(f"    {asked_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K by the model")
+        if abs(moved) >= MOVED or not _obeys(sample, asked_A, file) or abs(guard.input_K) >= enough_K:
             break
-    moved = sample.counts - begin
-    where = f"{moved:+d} counts at {asked_A:.2f} A, {guard.input_K:.0f} K above ambient by the model"
-    yield Check("encoder direction", moved >= MOVED, f"{where}; heating must count upwards")
-    off = abs(sample.current_A - asked_A)
-    fine = off <= READ_BACK * file.limits.current_max_A
-    yield Check("read-back", fine, f"{sample.current_A:.4f} A measured at {asked_A:.4f} A")
-    yield _resistance(sample, actuator)
+    how = "was the last reading, none came" if sample.quality & Quality.STALE else "measured"
+    wire = ", wire 2" if sign < 0 else ""
+    obeyed = f"{sample.current_A:.4f} A {how} at {asked_A:.4f} A"
+    yield Check(f"read-back{wire}", _obeys(sample, asked_A, file), obeyed)
+    yield _resistance(sample, actuator)._replace(name=f"resistance{wire}")
+    where = f"{moved:+d} counts at {asked_A:.2f} A, {guard.input_K:.0f} K by the model"
+    rule = f"heating must count {'downwards' if sign < 0 else 'upwards'}"
+    yield Check(f"encoder direction{wire}", sign * moved >= MOVED, f"{where}; {rule}")
     _last(guard, 0.0, round(COOL_TAUS * tau_ticks))
+
+
+def _must_have_moved_K(actuator: Actuator, file: RigFile, sign: int) -> float:
+    """The input, from rest, at which the model has moved several times what is looked for."""
+    of_wire = actuator.file.hysteresis
+    h = surface(of_wire.surface)
+    inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
+    y = Preisach(h).simulate(inputs, of_wire.initial)
+    moved = np.abs(y - y[0]) / actuator.position_per_count(file.encoder.counts_per_rev)
+    enough = min(SURELY * MOVED, float(moved.max()))  # a coarse encoder never counts so far
+    return float(abs(inputs[np.argmax(moved >= enough)]))
+
+
+def _obeys(sample: Sample, asked_A: float, file: RigFile) -> bool:
+    """Whether what was asked for is what flows, as far as is measured."""
+    near = abs(sample.current_A - asked_A) <= READ_BACK * file.limits.current_max_A
+    return near and not sample.quality & Quality.STALE
 
 
 def _resistance(sample: Sample, actuator: Actuator) -> Check:
@@ -115,29 +154,33 @@ def _lease(rig: Silenceable, file: RigFile) -> Iterator[Check]:
     heard = rig.step(LEAST_PULSE * file.limits.current_max_A)[-1].tick
     rig.idle(file.lease_s + AFTER_LEASE_S)
     first = _first_tripped(rig, heard)
-    took_s = (first - heard) * rig.period_s if first else float("nan")
-    fine = abs(took_s - file.lease_s) <= max(2 * rig.period_s, 0.1 * file.lease_s)
-    yield Check(
-        "lease", fine, f"the output went off {took_s:.2f} s after the last word; lease {file.lease_s:g} s"
-    )
     rig.arm()
     backlog = round(BACKLOG_S / rig.period_s)
-    cleared = any(not rig.step(0.0)[-1].quality & Quality.TRIPPED for _ in range(backlog))
-    yield Check("re-arm", cleared, "the trip is over once it is armed again")
+    later = list(takewhile(_tripped, (s for _ in range(backlog) for s in rig.step(0.0))))
+    took_s = (first - heard) * rig.period_s if first else math.nan
+    in_time = abs(took_s - file.lease_s) <= max(2 * rig.period_s, 0.1 * file.lease_s)
+    flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)
+    seen = f"the output went off {took_s:.2f} s after the last word; lease {file.lease_s:g} s"
+    if flows_A > READ_BACK * file.limits.current_max_A:
+        seen, in_time = f"tripped {took_s:.2f} s after the last word, but {flows_A:.4f} A flowed then", False
+    yield Check("lease", in_time, seen)
+    yield Check("re-arm", len(later) < backlog, "the trip is over once it is armed again")
 
 
 def _first_tripped(rig: Rig, heard: int) -> int:
     """The tick in which the device was first tripped; 0 if it never was."""
-    try:
+    with contextlib.suppress(RigFault):
         for _ in range(1000):
             for sample in rig.step(0.0):
-                if sample.quality & Quality.TRIPPED:
+                if _tripped(sample):
                     return sample.tick
                 if (sample.tick - heard) * rig.period_s > 60:
                     return 0
-    except RigFault:
-        return 0
     return 0
+
+
+def _tripped(sample: Sample) -> bool:
+    return bool(sample.quality & Quality.TRIPPED)
 
 
 def _last(guard: Guard, current_A: float, ticks: int) -> Sample:

@@ -13,7 +13,7 @@ from smarig.model.actuator import Actuator
 from smarig.model.heating import Heating
 from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Alarm, Rig
-from smarig.sample import Sample
+from smarig.sample import Quality, Sample
 
 _ROUNDING = 1e-9
 
@@ -58,20 +58,27 @@ class Guard:
         heat, limit = self.heating, self.limits.temperature_max_K
         answer = []
         for sample in self.rig.step(current_A, at_most):
+            flows_A = self._flows(sample)
             for _ in range(self._last_tick + 1, sample.tick):  # lost ones: the wire was heated all the same
-                heat.step(sample.current_A)
+                heat.step(flows_A)
             self._last_tick = sample.tick
-            answer.append((sample, heat.step(sample.current_A)))
+            answer.append((sample, heat.step(flows_A)))
             self._judge(sample)
             if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # NaN is no temperature to rely on
                 self.tripped = (
                     f"Predicted wire temperature {max(heat.wire_K):.1f} K above ambient exceeds the limit "
-                    f"temperature_max_K = {limit:g}; the current is at zero."
+                    f"temperature_max_K = {limit:g}. The current is at zero."
                     if heat.wire_K[0] + heat.wire_K[1] < math.inf
-                    else f"The measured current reads {sample.current_A} A; the current is at zero."
+                    else f"The measured current reads {sample.current_A} A. The current is at zero."
                 )
                 self.safe()
         return answer
+
+    def _flows(self, sample: Sample) -> float:
+        """The measured current; where there is none, what was set or measured last, whichever heats more."""
+        if not sample.quality & Quality.STALE:
+            return sample.current_A
+        return max(self._last_A, sample.current_A, key=abs)
 
     def _judge(self, sample: Sample) -> None:
         """Trip on readings that cannot be."""

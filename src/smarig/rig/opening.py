@@ -15,17 +15,17 @@ from contextlib import contextmanager
 
 from smarig.catalogue import find
 from smarig.config import LinkFile, LinksFile, RigFile, SimulatorFile
-from smarig.errors import RigFault, UsageError
+from smarig.errors import ConfigError, Interrupted, RigFault, SmarigError, UsageError
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Planted
 from smarig.model.planted import to_pairs
 from smarig.rig.bench import Bench
 from smarig.rig.pace import Paced
 from smarig.rig.rig import Rig
+from smarig.rig.sound import DRIVERS
 from smarig.rig.twin import Twin, TwinSettings
-from smarig.wire.blame import LinkFault
 
-DRIVERS = "smarig.drivers"
+AT_ZERO = " The current is at zero."  # what a trip says, unless it is not so
 READY_S = 20.0  # for simulated devices to start
 LEAVE_S = 10.0  # to end
 
@@ -53,7 +53,6 @@ def opened(
                 links = open_.enter_context(_simulated(rig, file.simulator, links, settings, pace))
             found = _bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
-        open_.callback(found.safe)
         with _told(found):
             yield found
 
@@ -63,12 +62,14 @@ def _told(rig: Rig) -> Iterator[None]:
     """Current to zero on every way out; that the device could not be told is part of what the person reads."""
     try:
         yield
-    except LinkFault as fault:
+    except BaseException as error:
         rig.safe()
-        fault.args = (" ".join(filter(None, (str(fault), rig.untold))),)
-        raise
-    except BaseException:
-        rig.safe()
+        if not rig.untold:
+            raise
+        if isinstance(error, Interrupted):
+            raise RigFault(f"Run {error}: it is closed. {rig.untold}") from None
+        if isinstance(error, SmarigError):
+            error.args = (f"{str(error).removesuffix(AT_ZERO)} {rig.untold}",)
         raise
     rig.safe()
     if rig.untold:
@@ -141,9 +142,9 @@ def _ready(process: subprocess.Popen) -> dict:
         line = process.stdout.readline() if selector.select(READY_S) else ""
     if not line:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            raise RigFault(
-                f"The simulated devices ended at once (status {process.wait(1)}): see what they say."
-            )
+            status = process.wait(1)
+            kind = ConfigError if status == ConfigError.exit_status else RigFault
+            raise kind(f"The simulated devices ended at once (status {status}): see what they say above.")
         raise RigFault(f"The simulated devices did not start within {READY_S:g} s.")
     return json.loads(line)
 

@@ -23,6 +23,8 @@ SLIPPED = 0.25  # of the travel, while the input stays
 STAYS = 0.05  # of the range
 COLD, HOT = 0.2, 0.8  # of the range: heated through
 
+BLIND = 20  # samples without a current of their own: more than a late host ever sees
+
 _TRUST = int(Quality.STALE | Quality.TRIPPED)
 
 
@@ -41,15 +43,16 @@ class Plausibility:
         travel = abs(h.y_upper - h.y_lower)
         self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
         self._last: int | None = None
-        self._rows = {"read_back": 0, "resistance": 0}
-        self._cold_counts: int | None = None  # extent of the position since the wire was last cold
+        self._rows = {"read_back": 0, "resistance": 0, "blind": 0}
+        self._blind = max(BLIND, round(rig.lease_s / rig.period_s))
+        self._from = ""  # where the wire was last: cold or hot; and the extent of its position since
         self._extent = (0, 0)
         self._rest = (0.0, 0)  # input and counts where the input came to rest
         self._rests_after = self._coming = round(REST_TAUS * actuator.tau_s / rig.period_s)  # ticks
 
     def zeroed(self) -> None:
         """The encoder counts from here on: what was before says nothing."""
-        self._last = self._cold_counts = None
+        self._last, self._from = None, ""
 
     def rearmed(self) -> None:
         """A trip was cleared: what is still wrong must be able to trip again."""
@@ -58,7 +61,11 @@ class Plausibility:
 
     def looked(self, sample: Sample, input_K: float) -> list[Alarm]:
         """Errors and warnings that this sample is the first to show."""
+        if self._row("blind", bool(sample.quality & Quality.STALE), self._blind):
+            text = f"The amplifier gave no reading of the current for {self._blind} samples: look at its converter."
+            return [Alarm("error", "blind", text)]
         if sample.quality & _TRUST or math.isnan(sample.current_A):
+            self._last = sample.counts
             return []
         found = [*self._electrical(sample), *self._motion(sample.counts, input_K)]
         self._last = sample.counts
@@ -78,17 +85,17 @@ class Plausibility:
             found.append(Alarm("error", "resistance", text))
         return found
 
-    def _row(self, name: str, wrong: bool) -> bool:
-        """Whether it is wrong for the third time in a row just now."""
+    def _row(self, name: str, wrong: bool, often: int = IN_A_ROW) -> bool:
+        """Whether it is wrong so often in a row just now."""
         self._rows[name] = self._rows[name] + 1 if wrong else 0
-        return self._rows[name] == IN_A_ROW
+        return self._rows[name] == often
 
     def _motion(self, counts: int, input_K: float) -> list[Alarm]:
         if self._last is not None and abs(counts - self._last) > JUMP * self._travel:
             text = f"The encoder jumped by {counts - self._last} counts in one tick: check cable and disc."
             self._rest = (input_K, counts)
             return [Alarm("error", "jump", text)]
-        found = self._heated_through(counts, (input_K - self._lower_K) / self._range_K)
+        found = self._crossed(counts, (input_K - self._lower_K) / self._range_K)
         return found + self._slipped(counts, input_K)
 
     def _slipped(self, counts: int, input_K: float) -> list[Alarm]:
@@ -105,18 +112,19 @@ class Plausibility:
         text = f"The position moved by {moved} counts without heating: is the wire slipping?"
         return [Alarm("error", "slip", text)]
 
-    def _heated_through(self, counts: int, share: float) -> list[Alarm]:
-        """From cold to hot the wire must move."""
-        if share < COLD:
-            self._cold_counts, self._extent = counts, (counts, counts)
+    def _crossed(self, counts: int, share: float) -> list[Alarm]:
+        """From cold to hot the wire must move, and from hot to cold."""
         low, high = self._extent
         self._extent = low, high = min(low, counts), max(high, counts)
-        if share < HOT or self._cold_counts is None:
+        end = "cold" if share < COLD else "hot" if share >= HOT else ""
+        if not end:
             return []
-        self._cold_counts = None
-        if high - low >= STILL * self._travel:
+        crossed = self._from not in ("", end)
+        self._from, self._extent = end, (counts, counts)
+        if not crossed or high - low >= STILL * self._travel:
             return []
+        how = "heated" if end == "hot" else "cooled"
         text = (
-            "The wire was heated through and did not move: is the encoder stuck or off, or the wire broken?"
+            f"The wire was {how} through and did not move: is the encoder stuck or off, or the wire broken?"
         )
         return [Alarm("error", "still", text)]

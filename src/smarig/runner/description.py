@@ -27,6 +27,11 @@ def source_of(file: RigFile, twin: TwinSettings) -> str:
     return "simulation" if twin.hysteresis else "twin"
 
 
+def lives_on(file: RigFile) -> bool:
+    """Whether the rig's devices are there before and after us: hardware, or simulated ones that another started."""
+    return file.kind == "bench" and (file.simulator is None or not file.simulator.start)
+
+
 def described(
     actuator: Actuator, twin: TwinSettings, per_count: float, protocol: str, settings: Mapping[str, Any]
 ) -> dict[str, Any]:

@@ -1,16 +1,20 @@
 """Signals become a safe stop: SIGINT, SIGTERM and SIGHUP ask the run to end; a second SIGINT insists.
 
-The handler only sets a flag that the runner reads on its next tick: nothing is torn in the middle.
-Only the main thread may install handlers; elsewhere this does nothing.
+The handler only sets a flag that the runner reads on its next tick: nothing is torn in the middle. For a while after
+such a stop further signals are not heard, lest impatience tears what is being put away. A signal that was ignored when
+we came (nohup) stays ignored. Only the main thread may install handlers; elsewhere this does nothing.
 """
 
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from smarig.runner.control import Control
 
+PUTTING_AWAY_S = 3.0
 _WORDS = {
     "SIGINT": "interrupted by the keyboard (Ctrl-C)",
     "SIGTERM": "terminated (SIGTERM)",
@@ -31,9 +35,22 @@ def safe_endings(control: Control) -> Iterator[None]:
         control.stop(_WORDS[signal.Signals(number).name])
 
     known = [getattr(signal, name) for name in _WORDS if hasattr(signal, name)]
-    old = {number: signal.signal(number, ask) for number in known}
+    heard = [number for number in known if signal.getsignal(number) != signal.SIG_IGN]
+    old = {number: signal.signal(number, ask) for number in heard}
     try:
         yield
     finally:
         for number, handler in old.items():
+            signal.signal(number, _patient(handler) if control.stopping else handler)
+
+
+def _patient(handler: Any) -> Any:
+    """A handler that hears nothing for a while, and then is the old one again."""
+    until = time.monotonic() + PUTTING_AWAY_S
+
+    def wait(number: int, _frame: Any) -> None:
+        if time.monotonic() >= until:
             signal.signal(number, handler)
+            signal.raise_signal(number)
+
+    return wait

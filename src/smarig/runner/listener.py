@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
-from smarig.command import StepResult
+from smarig.command import Hold, StepResult, Waveform
+from smarig.runner.settling import SettleWindow
 from smarig.sample import Sample
 
 
@@ -21,6 +22,15 @@ class Listener(Protocol):
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
         """Something worth a line."""
+        ...
+
+
+@runtime_checkable
+class Beginnings(Protocol):
+    """What a listener may have besides: it is told what a step is to be, and its window fills before its eyes."""
+
+    def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
+        """A step begins; ``window`` is the runner's own, to look at only."""
         ...
 
 

@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.command import Command, Drive, Hold, Mark, Protocol, StepResult, Verdict, Waveform, Zero
 from smarig.errors import DataError
 from smarig.record import Run, Step
 
+Array = NDArray[np.float64]
+LARGEST = 2.0**52  # what is counted in whole numbers
 _SAME = 1e-9  # A, K: currents and targets that differ by rounding only
 
 
@@ -45,6 +48,7 @@ class Replayed:
 
 def replay(protocol: Protocol, run: Run) -> Replayed:
     """Answer a protocol's commands with a run's valid steps; DataError where the two do not agree."""
+    _check_samples(run)
     steps = [s for s in run.steps if not s.void]
     remarks = {Mark: _told(run, "mark"), Zero: _told(run, "zero")}
     rows = stretches(run)
@@ -71,6 +75,18 @@ def replay(protocol: Protocol, run: Run) -> Replayed:
             "it cannot be gone on with."
         )
     return Replayed(protocol, tuple(done), command)
+
+
+def _check_samples(run: Run) -> None:
+    """DataError where a record's samples are not what a rig gives: nothing is gone on with from there."""
+    for name in ("tick", "t_s", "counts", "current_command_A", "input"):
+        wrong = np.flatnonzero(~(np.abs(run[name]) < LARGEST))
+        if wrong.size:
+            raise DataError(
+                f"{run.path.name}: sample {wrong[0]} has {name} {run[name][wrong[0]]:g}; the record is damaged."
+            )
+    if np.any(np.diff(run["t_s"]) <= 0):
+        raise DataError(f"{run.path.name}: its time goes back; the record is damaged.")
 
 
 def _next(protocol: Protocol, answer: Any) -> Command | None:
@@ -107,19 +123,33 @@ def _agreed(run: Run, command: Hold | Waveform, step: Step, rows: dict[int, slic
         if target is None
         else step.target is not None and abs(step.target - target) <= _SAME * max(1.0, abs(target))
     )
-    same_current = abs(asked[-1] - wanted) <= _SAME and (isinstance(command, Waveform) or np.ptp(asked) == 0)
-    if step.branch != command.branch or not same_target or not same_current:
+    if step.branch != command.branch or not same_target or not _same_currents(command, asked):
         raise DataError(
-            f"{run.path.name}: step {step.index} was '{step.branch}' at {asked[-1]:g} A, but its protocol asks for "
+            f"{run.path.name}: step {step.index} was '{step.branch}' at {_listed(asked)} A, but its protocol asks for "
             f"'{command.branch}' at {wanted:g} A there now: rig file, settings or smarig have changed since."
         )
     return Done(command, step, float(run["input"][rows[step.index]][-1]))
 
 
+def _same_currents(command: Hold | Waveform, asked: Array) -> bool:
+    """Whether only these were asked for; a host that was late first read samples of the current before."""
+    mine = np.sort(command.currents_A if isinstance(command, Waveform) else [command.current_A])
+    near = mine[np.searchsorted(mine, asked - _SAME).clip(max=mine.size - 1)]
+    wrong = np.abs(near - asked) > _SAME
+    late = int(np.argmin(wrong))  # rows before the first that is right
+    return not wrong[late:].any() and np.ptp(asked[: max(late, 1)]) == 0
+
+
+def _listed(asked: Array) -> str:
+    """Its currents in order, the first few of them."""
+    each = asked[np.concatenate([[True], np.diff(asked) != 0])]
+    return ", ".join(f"{a:g}" for a in each[:3]) + (", …" if each.size > 3 else "")
+
+
 def _result(run: Run, step: Step, rows: dict[int, slice]) -> StepResult:
     """What the protocol was answered then, from the samples of the step's window."""
     counts = run["counts"][rows[step.index]][-step.n :] if step.n else np.empty(0)
-    if counts.size < max(step.n, 1):
+    if step.n < 0 or counts.size < max(step.n, 1):
         raise DataError(
             f"{run.path.name}: step {step.index} has {counts.size} samples of {step.n}; the record is damaged."
         )

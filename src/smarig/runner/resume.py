@@ -14,6 +14,7 @@ from typing import Any
 from smarig.command import Elapsed, Hold, Protocol, StepResult, Waveform
 from smarig.config import RigFile, load_rig
 from smarig.errors import DataError, UsageError
+from smarig.model.actuator import Actuator
 from smarig.model.planted import from_pairs
 from smarig.protocols._settings import build
 from smarig.protocols.adaptive_fod import Chooser
@@ -36,7 +37,7 @@ def session_for(
     begun = begun_with(run)
     name = rig or str(begun["rig"])
     file = load_rig(name)
-    _check_rig(run, file)
+    check_rig(run, file)
     of_run = str(run.meta.get("wire"))
     given = of_run if of_run != begun["rig_wire"] else file.wire  # named when it began, or the rig file's
     if (wire or given) != of_run:
@@ -273,10 +274,11 @@ def begun_with(run: Run) -> dict[str, Any]:
     return begun
 
 
-def _check_rig(run: Run, file: RigFile) -> None:
+def check_rig(run: Run, file: RigFile) -> None:
+    """UsageError where a run was made on another rig."""
     for what, then, now in (
         ("rig", run.meta.get("rig"), file.name),
-        ("actuator", run.meta.get("actuator"), file.actuator),
+        ("actuator", run.meta.get("actuator"), Actuator.named(file.actuator).name),
         ("period_s", run.meta.get("period_s"), file.period_s),
     ):
         if then != now:

@@ -23,7 +23,7 @@ from smarig.command import (
 from smarig.errors import UsageError
 from smarig.rig.guard import Guard
 from smarig.runner.control import Control
-from smarig.runner.listener import Listener
+from smarig.runner.listener import Beginnings, Listener
 from smarig.runner.settling import Approach, SettleWindow
 from smarig.runner.shift import Shift
 from smarig.sample import Sample
@@ -97,7 +97,7 @@ class Runner:
         limit = max(1, round(limit_s / self.rig.period_s))
         start_s, ticks = self.t_s, 0
         approach = Approach(self.rig.goal_K(command.current_A), approach_K, self.rig.input_K)
-        self._step = self.steps_done
+        self._begin(command, window)
         while (paused := self._paused()) or (ticks < limit and not window.settled):
             at_most = 1 if paused else min(limit - ticks, window.soonest)
             got = self._tick(command.current_A, window, approach, at_most)
@@ -110,7 +110,7 @@ class Runner:
         ticks = max(1, round(len(command.currents_A) / per_tick))
         window = SettleWindow(Elapsed(ticks * self.rig.period_s), self.rig.period_s)
         start_s = self.t_s
-        self._step = self.steps_done
+        self._begin(command, window)
         last = len(command.currents_A) - 1
         for k in range(ticks):
             current_A = command.currents_A[min(int(k * per_tick + 1e-9), last)]
@@ -118,6 +118,12 @@ class Runner:
             while self._paused():
                 self._tick(current_A, window)
         return self._finish(window, Verdict.ELAPSED, start_s, command.branch, None)
+
+    def _begin(self, command: Hold | Waveform, window: SettleWindow) -> None:
+        self._step = self.steps_done
+        for listener in self.listeners:
+            if isinstance(listener, Beginnings):
+                listener.begin(self._step, command, window)
 
     def _paused(self) -> bool:
         """Whether somebody asked to stay at this current; told when it changes."""

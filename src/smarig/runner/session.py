@@ -29,7 +29,7 @@ from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Rig
 from smarig.rig.twin import TwinSettings
 from smarig.runner.control import Control
-from smarig.runner.description import BEGUN_WITH, begun_with, cause_of, described, source_of
+from smarig.runner.description import BEGUN_WITH, begun_with, cause_of, described, lives_on, source_of
 from smarig.runner.endings import safe_endings
 from smarig.runner.listener import Listener, Watch
 from smarig.runner.lock import wire_lock
@@ -192,7 +192,7 @@ class Session:
     def device(self) -> str:
         """What keeps ticks and the encoder's zero: the same text, the same device since the same boot."""
         sensor = getattr(self.rig, "sensor", None)
-        of_ours = "" if self.source == "bench" else f"session of {self._epoch}"
+        of_ours = "" if lives_on(self.file) else f"session of {self._epoch}"
         return " ".join(part for part in (sensor.identity if sensor else "", of_ours) if part)
 
     @property

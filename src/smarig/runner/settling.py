@@ -32,11 +32,12 @@ class SettleWindow:
 
     def __init__(self, until: Settled | Elapsed, period_s: float) -> None:
         window_s = until.window_s if isinstance(until, Settled) else min(25.0, until.seconds)
-        self._band = until.band_counts if isinstance(until, Settled) else None
+        self.band_counts = until.band_counts if isinstance(until, Settled) else None
         self._block = max(1, round(window_s / BLOCKS / period_s))
         self._counts: deque[int] = deque(maxlen=max(1, round(window_s / period_s)))
         self._means: deque[float] = deque(maxlen=BLOCKS)
         self._sum, self._filled = 0, 0
+        self.spread_counts = 0.0  # of the blocks until now, peak to peak
         self.settled = False
 
     def add(self, counts: int, arrived: bool = True) -> None:
@@ -49,8 +50,9 @@ class SettleWindow:
         if self._filled == self._block:
             self._means.append(self._sum / self._block)
             self._sum = self._filled = 0
-            if self._band is not None and len(self._means) == BLOCKS:
-                self.settled = max(self._means) - min(self._means) <= self._band
+            self.spread_counts = max(self._means) - min(self._means)
+            if self.band_counts is not None and len(self._means) == BLOCKS:
+                self.settled = self.spread_counts <= self.band_counts
 
     @property
     def soonest(self) -> int:

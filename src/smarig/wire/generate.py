@@ -125,7 +125,9 @@ def outdated(write: bool) -> list[Path]:
 
 if __name__ == "__main__":
     check = "--check" in sys.argv
-    for path in outdated(write=not check):
-        sys.stderr.write(f"{path} {'is not up to date' if check else 'written'}\n")
-        if check:
-            sys.exit(1)
+    found = outdated(write=not check)
+    for path in found:
+        sys.stderr.write(
+            f"{path} {'is not up to date: python -m smarig.wire.generate' if check else 'written'}\n"
+        )
+    sys.exit(1 if check and found else 0)

@@ -5,7 +5,7 @@ import re
 from smarig.wire.crc import crc16
 from smarig.wire.exchange import Exchange, Refusal
 
-_REPLY = re.compile(rb"(?:=(?P<words>(?: [0-9A-F]{4})*)|! (?P<code>[0-9]{1,3})) \*(?P<crc>[0-9A-F]{4})")
+_REPLY = re.compile(rb"(?:=(?P<words>(?: [0-9A-F]{4})*)|! (?P<code>[0-9A-F]{1,2})) \*(?P<crc>[0-9A-F]{4})")
 
 
 def request(e: Exchange) -> bytes:
@@ -30,7 +30,7 @@ def find(e: Exchange, data: bytes) -> list[int] | Refusal | None:
             if found.end() != len(line.rstrip(b"\r")) or int(found["crc"], 16) != crc16(_body(found[0])):
                 continue
             if found["code"] is not None:
-                return Refusal(int(found["code"]))
+                return Refusal(int(found["code"], 16))
             words = [int(word, 16) for word in found["words"].split()]
             if len(words) == e.count:
                 return words

@@ -6,17 +6,18 @@ Knows words and what they mean. Refuses to know how words travel.
 """
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from smarig.config import Section, load
+from smarig.catalogue import suggestion
 from smarig.errors import UsageError
 from smarig.resources import shipped
 from smarig.sample import NAN
+from smarig.toml_file import Section, load
 
 SPANS = {
     "u16": (0, 0xFFFF),
@@ -39,12 +40,12 @@ class Value(Section):
     none: int | None = None
     flags: Names = Field(default_factory=dict)
 
-    @property
+    @cached_property
     def words(self) -> int:
         """One or two."""
         return 2 if self.type.endswith("32") else 1
 
-    @property
+    @cached_property
     def per_unit(self) -> float:
         """Words per unit: a quotient of whole numbers is the nearest number there is, a product with 1e-6 is not."""
         return round(1 / self.lsb) if self.lsb < 1 else 1 / self.lsb
@@ -72,12 +73,8 @@ class Value(Section):
         return value if value != value else self.encode(value) / self.per_unit
 
 
-class FieldOfRecord(Value):
-    """One value of each sample in a ring."""
-
-
 class Register(Section):
-    """One value, or ``count`` records of ``field``; ``moves``: what is written here moves the wire."""
+    """One value, or ``count`` records of ``field``."""
 
     name: str
     address: int = Field(ge=0, le=0xFFFF)
@@ -89,9 +86,8 @@ class Register(Section):
     range: tuple[int, int] | None = None
     values: Names = Field(default_factory=dict)
     safe: int | None = None
-    moves: bool = False
     count: int = Field(default=1, ge=1)
-    field: tuple[FieldOfRecord, ...] = ()
+    field: tuple[Value, ...] = ()
 
     @model_validator(mode="after")
     def _whole(self) -> "Register":
@@ -101,19 +97,19 @@ class Register(Section):
             raise ValueError(f"{self.name} is written: say which value is safe")
         return self
 
-    @property
+    @cached_property
     def value(self) -> Value:
         """As a number; UsageError for a ring."""
         if self.type == "record":
             raise UsageError(f"Register {self.name} is a ring of records, not a number.")
         return Value(name=self.name, type=self.type, text=self.text, lsb=self.lsb, unit=self.unit)
 
-    @property
+    @cached_property
     def record_words(self) -> int:
         """Words of one record."""
         return sum(f.words for f in self.field)
 
-    @property
+    @cached_property
     def words(self) -> int:
         """How many addresses it takes."""
         return self.count * self.record_words if self.type == "record" else self.value.words
@@ -159,6 +155,13 @@ class _File(Section):
     fault: tuple[Fault, ...] = ()
 
 
+class Raw(dict[str, int]):
+    """Raw values by register; asked for a name that is none, it says so."""
+
+    def __missing__(self, name: str) -> int:
+        raise UsageError(f"There is no register '{name}' here{suggestion(name, list(self))}.")
+
+
 @dataclass(frozen=True, eq=False)
 class Map:
     """A device's registers by name and its faults by code."""
@@ -173,7 +176,12 @@ class Map:
             raise UsageError(f"The {self.device.name} has no register '{name}'.")
         return self.registers[name]
 
-    @property
+    @cached_property
+    def names(self) -> Mapping[str, Set[str]]:
+        """Names of a block's registers."""
+        return {block: {r.name for r in registers} for block, registers in self.blocks.items()}
+
+    @cached_property
     def hash(self) -> int:
         """First 32 bits of the SHA-256 of ``canonical``."""
         return int.from_bytes(hashlib.sha256(self.canonical.encode()).digest()[:4])
@@ -196,20 +204,31 @@ class Map:
         return last.address + last.words - self.start(block)
 
     def encode(self, block: str, values: Mapping[str, int]) -> list[int]:
-        """Raw values as the words of a whole block; what is not given is 0."""
+        """Raw values as the words of a whole block; what is not given is 0. UsageError for a name that is none."""
         words: list[int] = []
+        if not values.keys() <= self.names[block]:
+            unknown = min(values.keys() - self.names[block])
+            raise UsageError(f"The {self.device.name} has no register '{unknown}' in its {block} block.")
         for r in self.blocks[block]:
             words += to_words(values.get(r.name, 0), r.words)
         return words
 
-    def decode(self, block: str, words: Sequence[int]) -> dict[str, int]:
+    def decode(self, block: str, words: Sequence[int]) -> Raw:
         """Raw values of a block's registers but its ring, by name."""
         start = self.start(block)
-        return {
-            r.name: from_words(words[r.address - start : r.address - start + r.words], r.type)
+        return Raw(
+            (r.name, from_words(words[r.address - start : r.address - start + r.words], r.type))
             for r in self.blocks[block]
             if not r.field and r.address - start + r.words <= len(words)
-        }
+        )
+
+    def fields(self, *names: str) -> tuple[Value, ...]:
+        """The fields of a sample, which must be these in this order."""
+        found = self["ring"].field
+        if tuple(f.name for f in found) != names:
+            there = ", ".join(f.name for f in found)
+            raise UsageError(f"Samples of the {self.device.name} hold {there}, not {', '.join(names)}.")
+        return found
 
     def records(self, words: Sequence[int], count: int) -> list[tuple[int, ...]]:
         """Raw values of the first ``count`` records of the ring, from the words of the status block."""

@@ -1,4 +1,7 @@
-"""A run's samples as CSV with units in the header; reads back through ``smarig import --format csv``."""
+"""A run's samples as CSV with units in the header; reads back through ``smarig import --format csv``.
+
+Columns that were never measured are left out.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +15,7 @@ _WHOLE = ("tick", "step", "counts", "flags")
 
 
 def csv(run: Run, path: Path) -> None:
-    """Comma-separated samples, header row with units; columns that were never measured are left out."""
+    """Samples only, units in the header row; for spreadsheets, pandas.read_csv and smarig import."""
     columns = dict(_named(run))
     names = list(columns)
     cells = [_texts(name, columns[name]) for name in names]
@@ -25,12 +28,23 @@ def _named(run: Run) -> Iterator[tuple[str, np.ndarray]]:
     own = {
         "t_s": "time_s",
         "quality": "flags",
-        "input": f"input_{run.input_unit}" if run.input_unit in ("K", "A") else "input",
-        "position": f"position_{run.unit}" if run.unit in ("mm", "deg") else "position",
+        "input": _headed("input", run.input_unit, ("K", "A")),
+        "position": _headed("position", run.unit, ("mm", "deg")),
     }
     for name in SAMPLE_COLUMNS:
         if name in ("tick", "quality") or run.has(name):
             yield own.get(name, name), run[name]
+
+
+def _headed(name: str, unit: str, own: tuple[str, ...]) -> str:
+    """A column's head: as smarig's own reader has it, else the unit in brackets, for a mapping file.
+
+    >>> _headed("position", "mm", ("mm", "deg")), _headed("input", "A/m", ("K", "A")), _headed("input", "", ())
+    ('position_mm', 'input [A/m]', 'input')
+    """
+    if unit in own:
+        return f"{name}_{unit}"
+    return f"{name} [{unit}]" if unit else name
 
 
 def _texts(name: str, values: np.ndarray) -> list[str]:

@@ -1,26 +1,33 @@
 """``smarig run``: a protocol into one run file, or a campaign into a folder of them."""
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import click
 
 from smarig.catalogue import names, suggestion
 from smarig.cli._keys import keys
+from smarig.cli._live import Live, joined, live_options, live_view
 from smarig.cli._notify import notified, notify_option
-from smarig.cli._output import emit, json_option, json_wanted, say
-from smarig.cli._progress import ProgressLine
-from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG
+from smarig.cli._output import emit, json_option, say
+from smarig.cli._progress import STREAMS, progress
+from smarig.cli._situation import about
+from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG, SEED
 from smarig.config import CampaignFile, CampaignStep, listed, load_campaign, load_rig
 from smarig.errors import UsageError
 from smarig.model.planted import from_pairs
 from smarig.protocols._settings import parse_pairs
 from smarig.record import Run, load_run
 from smarig.rig.twin import TwinSettings
+from smarig.runner.go_on import run_or_go_on
+from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview, preview
 from smarig.runner.session import Session
 from smarig.sample import Quality
 
-EPILOG = """\b
+EPILOG = f"""{STREAMS}
+
+\b
 Examples:
   smarig run first_order_descending --rig one_wire_twin -o fod.run.sqlite --seed 1
   smarig run characterise --rig two_wire_twin -o runs/ --dry-run
@@ -43,7 +50,7 @@ Examples:
     metavar="NAME[.PARAMETER]=VALUE",
     help="Twin: plant an effect (see 'smarig list effects'); repeatable.",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the twin's noise.")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise.")
 @click.option(
     "--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: free)."
 )
@@ -51,7 +58,14 @@ Examples:
 @click.option("--notes", default="", help="A remark kept with the run.")
 @click.option("--dry-run", is_flag=True, help="Only say what it would cost.")
 @click.option("--force", is_flag=True, help="Replace existing run files.")
-@click.option("--quiet", is_flag=True, help="No progress line.")
+@click.option(
+    "--continue",
+    "go_on",
+    is_flag=True,
+    help="Go on with what was interrupted: done runs are left, others resumed.",
+)
+@click.option("--quiet", is_flag=True, help="No panel, no lines.")
+@live_options
 @notify_option
 @json_option
 def command(
@@ -66,8 +80,10 @@ def command(
     notes: str,
     dry_run: bool,
     force: bool,
+    go_on: bool,
     quiet: bool,
     notify: str,
+    live: Live,
 ) -> None:
     """Run a protocol or a campaign on a rig and record it."""
     from smarig.identification.adaptive import informed
@@ -85,15 +101,25 @@ def command(
         raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")
     single = experiment in names("smarig.protocols")
     targets = [out] if single else plan.run_files(out)
+    if force and go_on:
+        raise UsageError("--force replaces runs, --continue goes on with them: give one of the two.")
     for target in targets:
-        if target.exists() and not force:
-            raise UsageError(f"{target} exists; give another name or --force to replace it.")
+        if target.exists() and not (force or go_on):
+            raise UsageError(
+                f"{target} exists; give another name, --continue to go on with it, or --force to replace it."
+            )
     twin = TwinSettings(seed=seed, effects=planted)
     session = Session(rig, twin=twin, speed=speed, wire=wire)
-    with notified(notify) as told, session, keys(session.control, quiet=quiet or json_wanted()):
-        for step, target, cost in zip(steps, targets, costs, strict=True):
+    watching = live_view(
+        live, session.file, session.source, steps[0].set, f"{experiment} on {session.file.name}"
+    )
+    with watching as watchers, notified(notify) as told, session, keys(session.control) as listening:
+        for k, (step, target, cost) in enumerate(zip(steps, targets, costs, strict=True), start=1):
             told.run = target
-            _run_one(session, step, target, cost, quiet=quiet, force=force, notes=notes)
+            place = f"run {k} of {len(steps)}" if len(steps) > 1 else ""
+            what = about(session.file, cost, target, wire=session.wire, source=session.source, place=place)
+            shown = progress(what, session.control, quiet=quiet, keys=listening)
+            _run_one(session, step, target, cost, joined(shown, watchers), force=force, notes=notes)
     runs = [load_run(t) for t in targets]
     for warning in (w for r in runs for w in marked(r)):
         say(f"Warning: {warning}")
@@ -101,22 +127,31 @@ def command(
 
 
 def _run_one(
-    session: Session, step: CampaignStep, out: Path, cost: Preview, *, quiet: bool, force: bool, notes: str
+    session: Session,
+    step: CampaignStep,
+    out: Path,
+    cost: Preview,
+    shown: AbstractContextManager[Listener],
+    *,
+    force: bool,
+    notes: str,
 ) -> None:
     from smarig.identification.adaptive import informed
 
-    with ProgressLine(cost, quiet) as progress:
-        session.run(
+    with shown as listener:
+        said = run_or_go_on(
+            session,
             step.protocol,
             step.set,
             out,
-            listeners=[progress],
+            listeners=[listener],
             force=force,
             notes=notes,
             expected=cost,
             chooser=informed,
         )
-    say(f"{step.protocol}: {out}")
+    if said:
+        say(said)
 
 
 def _plan(experiment: str, settings: dict) -> CampaignFile:

@@ -28,6 +28,11 @@ class CurrentSource(Protocol):
     """Drives a current, and says what became of it."""
 
     @property
+    def has_lease(self) -> bool:
+        """Whether it switches itself off when the host falls silent."""
+        ...
+
+    @property
     def identity(self) -> str:
         """Which device it is, of which make or version."""
         ...

@@ -11,19 +11,20 @@ from typing import NamedTuple
 
 from smarig.errors import ConfigError
 from smarig.links.link import Link
-from smarig.wire.blame import Garbled, LinkFault, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
+from smarig.wire.blame import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
 from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import Map
+from smarig.wire.register import Map, Raw
 
 ATTEMPTS = 3  # on an open line, and once more on a line opened anew
 STALE_REPLIES = 4  # thrown away before a request is repeated
+FINAL = (1, 2, 3, 4)  # refusals of a request that was understood: to repeat it is of no use
 PAUSES_S = (0.1, 0.2)  # between looks for a port that is gone: less than the least lease together
 
 
 class Status(NamedTuple):
     """A device's answer: raw values by register, raw records of its ring, whether it took several attempts."""
 
-    values: dict[str, int]
+    values: Raw
     records: list[tuple[int, ...]]
     retried: bool
 
@@ -55,7 +56,7 @@ class Conversation:
         d = self.map.device
         return f"{self.name}, map version {d.version}, hash {self.map.hash:08X}, boot {self._boots}"
 
-    def handshake(self) -> dict[str, int]:
+    def handshake(self) -> Raw:
         """Is it the right device with the right map? Raises WrongDevice, WrongMap; returns its status."""
         words, _ = self._insisted(Exchange(self.map.start("status"), self._head))
         values = self.map.decode("status", words)
@@ -98,25 +99,36 @@ class Conversation:
         found = self.map.records(words, min(status["ring_count"], records))
         return Status(status, found, retried)
 
+    def first_tick(self, status: Status, asked: int) -> int:
+        """The tick of the first record: not before the one that was asked for, the last not after the device's own."""
+        first, own = status.values["ring_first"], status.values["tick"]
+        if status.records and not asked <= first <= own - len(status.records) + 1:
+            raise Garbled(
+                f"The {self.name} gives samples of tick {first} on where those from {asked} on were asked for, and "
+                f"has counted {own}: its ring cannot be trusted. {Garbled.remedy}"
+            )
+        return first
+
     def _insisted(self, e: Exchange, sequence: int | None = None) -> tuple[list[int], bool]:
         """The words of a fresh reply, and whether it took more than one attempt."""
-        error: LinkFault | None = None
-        for attempt in range(2 * ATTEMPTS):
+        attempt = 0
+        while True:
             try:
                 if attempt == ATTEMPTS:
                     self._reopened()
                 return self._fresh(e, sequence), attempt > 0
             except (Silent, Garbled, Stale) as failed:
-                error = failed
-                if isinstance(failed, _NoPort):
-                    break
-        raise (
-            type(error)(f"The {self.map.device.name} cannot be reached. {error}") if error else AssertionError
-        )
+                attempt += 1
+                if attempt == 2 * ATTEMPTS or isinstance(failed, _NoPort):
+                    raise type(failed)(f"The {self.map.device.name} cannot be reached. {failed}") from None
 
     def _fresh(self, e: Exchange, sequence: int | None) -> list[int]:
         reply = self.link.exchange(e)
         for _ in range(STALE_REPLIES):
+            if (
+                isinstance(reply, Refusal) and reply.code not in FINAL
+            ):  # of what was heard, not of what was meant
+                raise Garbled(f"{self.link.where}: the device answers {reply}. {Garbled.remedy}")
             if isinstance(reply, Refusal):
                 raise Refused(f"The {self.name} refuses: {reply}.", reply.code)
             if sequence is None or reply[0] == sequence:

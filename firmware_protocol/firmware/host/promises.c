@@ -1,0 +1,69 @@
+#include "promises.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../core/crc.h"
+#include "../core/exchange.h"
+#include "../core/words.h"
+
+void promise(bool holds, const char *what)
+{
+    if (holds)
+        return;
+    fprintf(stderr, "broken promise: %s\n", what);
+    abort();
+}
+
+/* The code of a refusal, 0: accepted; -1: no answer. */
+static int outcome(uint8_t framing, const uint8_t *reply, uint16_t n)
+{
+    if (!n)
+        return -1;
+    if (framing == FRAMING_RTU) {
+        const uint16_t crc = (uint16_t)(reply[n - 2] | reply[n - 1] << 8);
+        promise(n >= 5 && crc == crc_modbus(reply, (uint16_t)(n - 2)), "an RTU reply is not whole");
+        return reply[1] & 0x80u ? reply[2] : 0;
+    }
+    char crc[8];
+    promise(n >= 8 && reply[n - 1] == '\n', "a line is not whole");
+    snprintf(crc, sizeof crc, " *%04X", crc_modbus(reply, (uint16_t)(n - 7)));
+    promise(memcmp(reply + n - 7, crc, 6) == 0, "the CRC of a line is wrong");
+    return reply[0] == '!' ? reply[2] - '0' : 0;
+}
+
+void promised_safe(const struct devices *pair)
+{
+    const struct amplifier *amp = &pair->amp;
+    const struct encoder_daq *daq = &pair->daq;
+    const bool armed = amp->state == AMP_STATE_ARMED;
+    const int32_t least = words_i32(AMPLIFIER_SETTING(amp, AMP_CURRENT_MIN));
+    const int32_t most = words_i32(AMPLIFIER_SETTING(amp, AMP_CURRENT_MAX));
+    promise(armed || amp->output_uA == 0, "current flows though not armed");
+    promise(amp->output_uA >= least && amp->output_uA <= most, "the output is outside its limits");
+    promise((amp->trip != 0) == (amp->state == AMP_STATE_TRIPPED), "trip and state disagree");
+    promise(amp->window.count <= AMP_RING_RECORDS && daq->window.count <= DAQ_RING_RECORDS, "a window is too large");
+}
+
+int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const uint8_t *bytes, uint16_t size)
+{
+    const uint8_t address = is_amp ? AMP_DEVICE_DEFAULT_ADDRESS : DAQ_DEVICE_DEFAULT_ADDRESS;
+    const uint16_t room = framing == FRAMING_RTU ? RTU_REPLY_ROOM : LINES_REPLY_ROOM;
+    /* both of exactly the size they are said to have, so that the sanitizer sees the first byte beyond */
+    uint8_t *request = malloc(size ? size : 1), *reply = malloc(room);
+    promise(request && reply, "no memory");
+    if (size)
+        memcpy(request, bytes, size);
+    static struct devices before;
+    memcpy(&before, pair, sizeof before);
+    const uint16_t n = is_amp ? amplifier_answer(&pair->amp, framing, address, request, size, reply, room)
+                              : encoder_daq_answer(&pair->daq, framing, address, request, size, reply, room);
+    promise(n <= room, "a reply is too long");
+    const int code = outcome(framing, reply, n);
+    promise(!code || !memcmp(pair, &before, sizeof before), "a request that was not accepted changed something");
+    promised_safe(pair);
+    free(request);
+    free(reply);
+    return code;
+}

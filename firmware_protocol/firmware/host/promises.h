@@ -1,0 +1,25 @@
+/*
+ * What must hold whatever is asked: a refused or unanswered request changes nothing, replies are whole and fit, no
+ * current flows unless armed and within its limits. A promise that is broken ends the program.
+ */
+#ifndef PROMISES_H
+#define PROMISES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "../core/amplifier.h"
+#include "../core/encoder_daq.h"
+
+struct devices {
+    struct amplifier amp;
+    struct encoder_daq daq;
+};
+
+void promise(bool holds, const char *what);
+void promised_safe(const struct devices *pair);
+
+/* The code of a refusal, 0: accepted, -1: no answer. */
+int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const uint8_t *bytes, uint16_t size);
+
+#endif

@@ -1,0 +1,64 @@
+"""A run as a MATLAB 5 file: structures that MATLAB, Octave and scipy.io.loadmat read, deflated.
+
+``samples.NAME`` are columns, ``steps`` and ``events`` structure arrays with one element each, ``units`` and
+``what`` say of each what it is in and what it is; ``about`` describes the run.
+"""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.exchange.channels import FLAGS, Channel, events, label, samples, steps, title
+from smarig.record import Run
+
+
+def mat(run: Run, path: Path) -> None:
+    """MATLAB 5 structures with units, steps and events; for MATLAB, Octave and scipy.io.loadmat."""
+    from scipy.io import savemat
+
+    tables = {"samples": samples(run), "steps": steps(run), "events": events(run)}
+    content = {
+        "about": _about(run),
+        "samples": {c.name: _column(c) for c in tables["samples"]},
+        "steps": _rows(tables["steps"]),
+        "events": _rows(tables["events"]),
+        "units": {name: _units(columns) for name, columns in tables.items()},
+        "what": {name: {c.name: c.what for c in columns} for name, columns in tables.items()},
+    }
+    with path.open("wb") as file:  # a name without .mat would be given one
+        savemat(file, content, long_field_names=True, do_compression=True, oned_as="column")
+
+
+def _column(column: Channel) -> np.ndarray:
+    """Doubles with NaN where unknown, MATLAB's own way; marks on samples as whole numbers, for bitand."""
+    return column.integers(0).astype(np.int32) if column.name == "quality" else column.values
+
+
+def _units(columns: Sequence[Channel]) -> dict[str, str]:
+    """Of the columns that hold numbers; "1" where a number has none."""
+    return {c.name: c.unit or "1" for c in columns if c.values.dtype.kind != "U"}
+
+
+def _rows(columns: Sequence[Channel]) -> np.ndarray:
+    """A structure array (k, 1); ``void`` is logical."""
+    rows = np.empty((columns[0].values.size, 1), dtype=[(c.name, object) for c in columns])
+    for column in columns:
+        values: list[Any] = column.values.tolist()
+        rows[column.name][:, 0] = [bool(v) for v in values] if column.name == "void" else values
+    return rows
+
+
+def _about(run: Run) -> dict[str, Any]:
+    texts = {key: str(run.meta.get(key) or "") for key in ("protocol", "rig", "wire", "actuator", "notes")}
+    return texts | {
+        "title": title(run),
+        "source": label(run),
+        "twin": run.twin,
+        "complete": run.complete,
+        "ended": run.cause,
+        "quality_bits": {word: bit for bit, word in FLAGS.items()},
+        "run_json": json.dumps(run.meta, ensure_ascii=False),
+    }

@@ -1,0 +1,149 @@
+"""A run as NetCDF-4 after the Climate and Forecast conventions: xarray, MATLAB's ncread, Panoply, ncdump.
+
+Samples stand in the root, on the coordinate ``time`` (or ``tick``, for data without time); steps and events are
+groups of their own. Texts are character arrays and attributes characters, which every reader of NetCDF knows.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime, timedelta
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.errors import UsageError
+from smarig.exchange.channels import FLAGS, Channel, events, label, samples, steps, title
+from smarig.record import Run
+
+_MISSING = np.iinfo(np.int32).min
+_UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # as UDUNITS has them
+_STANDARD = {"ambient_degC": "air_temperature", "quality": "quality_flag"}
+_DEFLATE = 4
+
+
+def netcdf(run: Run, path: Path) -> None:
+    """NetCDF-4 with CF attributes, steps and events as groups; for xarray and MATLAB's ncread (extra netcdf)."""
+    try:
+        import h5netcdf  # noqa: F401 - what xarray writes with
+        import h5py  # noqa: F401 - what that writes with
+        import xarray as xr
+    except ImportError:
+        raise UsageError("NetCDF needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
+    columns = samples(run)
+    along = "time" if _has_clock(run) else "tick"
+    data = {c.name: _sampled(c, along) for c in columns if c.name != "tick" or along == "time"}
+    data |= {"smarig_run": _whole_description(run)}
+    coordinate = (
+        _time(run) if along == "time" else _sampled(next(c for c in columns if c.name == "tick"), along)
+    )
+    parts = [
+        (None, xr.Dataset(data, {along: coordinate}, _characters(_description(run)))),
+        ("steps", xr.Dataset(_table(steps(run), "step"), attrs=_characters({"title": "Steps of the run"}))),
+        (
+            "events",
+            xr.Dataset(_table(events(run), "event"), attrs=_characters({"title": "Events of the run"})),
+        ),
+    ]
+    for group, part in parts:
+        mode = "a" if group else "w"
+        part.to_netcdf(path, mode=mode, group=group, engine="h5netcdf", encoding=_encoding(part))
+
+
+def _has_clock(run: Run) -> bool:
+    t_s = run["t_s"]
+    return bool(len(run)) and bool(np.isfinite(t_s).all()) and bool((np.diff(t_s) > 0).all())
+
+
+def _time(run: Run) -> tuple:
+    """Seconds since the moment at which the device's clock read zero, by the host's clock; since nothing if unknown."""
+    epoch = _zero_epoch(run)
+    attributes = {"long_name": "time of the sample", "units": "s", "axis": "T"}
+    if epoch is not None:
+        moment = (datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=epoch)).strftime(
+            "%Y-%m-%dT%H:%M:%S.%f"
+        )
+        attributes |= {"units": f"seconds since {moment}Z", "calendar": "standard", "standard_name": "time"}
+    return ("time", run["t_s"], _characters(attributes))
+
+
+def _zero_epoch(run: Run) -> float | None:
+    """When the device's clock read zero, from the event that began the run."""
+    began = next((e for e in run.events if e.kind == "start" and "epoch" in e.data), None)
+    if began is not None:
+        return float(began.data["epoch"]) - began.t_s
+    given = run.meta.get("start_epoch")
+    return float(given) if isinstance(given, int | float) else None
+
+
+def _sampled(column: Channel, along: str) -> tuple:
+    texts = {"long_name": column.what, "standard_name": _STANDARD.get(column.name, "")}
+    numbers = column.values.dtype.kind != "U"
+    texts |= {"units": _UNITS.get(column.unit, column.unit)} if numbers else {"_Encoding": "utf-8"}
+    attributes: dict[str, Any] = _characters(texts)
+    if column.name == "quality":
+        attributes |= {"flag_masks": np.array(list(FLAGS), dtype=np.int32)}
+        attributes |= _characters({"flag_meanings": " ".join(FLAGS.values())})
+    if column.name == "void":
+        attributes |= {"flag_values": np.array([0, 1], dtype=np.int32)} | _characters(
+            {"flag_meanings": "counts void"}
+        )
+    return (along, _values(column), attributes)
+
+
+def _table(columns: Iterable[Channel], dimension: str) -> dict[str, tuple]:
+    return {c.name: _sampled(c, dimension) for c in columns}
+
+
+def _values(column: Channel) -> np.ndarray:
+    """Texts as bytes of one length; whole numbers as 32 bits where they fit."""
+    if column.values.dtype.kind == "U":
+        return np.char.encode(column.values, "utf-8") if column.values.size else np.array([], dtype="S1")
+    if not column.whole:
+        return column.values
+    whole = column.integers(_MISSING)
+    fits = not whole.size or np.abs(whole).max() <= -_MISSING
+    return whole.astype(np.int32) if fits else whole
+
+
+def _encoding(part: Any) -> dict[str, dict[str, Any]]:
+    """Deflated; whole numbers that lack some have a value that says so: with one, readers make them floats."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, variable in part.variables.items():
+        kind = variable.dtype.kind
+        lacks = name not in part.coords and (
+            kind == "f" or (kind == "i" and bool((variable == _MISSING).any()))
+        )
+        fill = (np.nan if kind == "f" else variable.dtype.type(_MISSING)) if lacks else None
+        given: dict[str, Any] = {"_FillValue": fill}
+        if kind in "fi" and variable.size:
+            given |= {"zlib": True, "complevel": _DEFLATE, "shuffle": True}
+        found[str(name)] = given
+    return found
+
+
+def _description(run: Run) -> dict[str, Any]:
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    measured = {"BENCH": "measured on a rig", "TWIN": "from a software twin, not measured"}
+    whose = label(run)
+    return {
+        "Conventions": "CF-1.11",
+        "title": title(run),
+        "source": f"{whose}: {measured.get(whose, 'see smarig_run')}",
+        "history": f"{now} exported by smarig {version('smarig')} from {run.path.name}",
+        "comment": str(run.meta.get("notes") or ""),
+        "ended": run.cause,
+    }
+
+
+def _whole_description(run: Run) -> tuple:
+    """A variable, because attributes end at 64 kB."""
+    text = json.dumps(run.meta, ensure_ascii=False).encode("utf-8")
+    attributes = {"long_name": "whole description of the run, JSON", "_Encoding": "utf-8"}
+    return ((), np.array(text), _characters(attributes))
+
+
+def _characters(texts: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes as characters: texts of variable length are not read everywhere; "" is left out."""
+    return {key: np.bytes_(str(value).encode("utf-8")) for key, value in texts.items() if value != ""}

@@ -1,0 +1,273 @@
+"""Marks for Rerun's eyes: the one module that imports rerun (extra ``live``).
+
+Serves what is shown on loopback from within this process, or writes it to a file, or both. Nothing here waits for a
+viewer: the server keeps what fits ``memory`` and drops the oldest. Knows nothing of rigs and runs.
+"""
+
+from collections.abc import Sequence
+from functools import singledispatchmethod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.errors import StorageError, UsageError
+from smarig.live import marks as m
+from smarig.live.colours import GROUND
+from smarig.live.layout import Split, View
+
+try:
+    import rerun as rr
+    import rerun.blueprint as rrb
+except ImportError:
+    raise UsageError("The live view needs rerun: pip install 'smarig[live]'.") from None
+
+APPLICATION = "smarig"
+TIMELINE = "device_time"
+TRAIL_S = 1200.0
+SCROLL_S = 300.0
+_LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
+
+
+class Screen:
+    """Where marks are shown; ``serve`` and ``save`` say to whom."""
+
+    def __init__(self, name: str) -> None:
+        self._stream = rr.RecordingStream(APPLICATION)
+        self._stream.send_recording_name(name)
+        self._sinks: list[Any] = []
+
+    def serve(self, port: int, memory: str) -> None:
+        """To viewers on this machine that ask at ``port``, now or later."""
+        self._to(rr.GrpcServerSink("127.0.0.1", port, server_memory_limit=memory))
+
+    def save(self, path: Path) -> None:
+        """Into a file."""
+        self._to(rr.FileSink(path))
+
+    def _to(self, sink: Any) -> None:
+        self._sinks.append(sink)
+        self._stream.set_sinks(*self._sinks)
+
+    def arrange(self, layout: Split, *, replay: bool = False) -> None:
+        """Lay the views out; a replay shows all of its time, a live view the last minutes."""
+        panel = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
+        blueprint = rrb.Blueprint(_part(layout, replay), panel, collapse_panels=True, auto_views=False)
+        self._stream.send_blueprint(blueprint)
+
+    def show(self, marks: Sequence[m.Mark]) -> None:
+        """Draw marks."""
+        for mark in marks:
+            self._draw(mark)
+
+    def flush(self) -> None:
+        """Send what is left; StorageError where a file could not be written."""
+        try:
+            self._stream.flush()
+        except RuntimeError as error:
+            raise StorageError(f"The recording could not be written: {error}.") from None
+
+    def close(self) -> None:
+        """Send what is left and let go of sinks."""
+        self.flush()
+        self._stream.disconnect()
+
+    # --- one way for each kind of mark -----------------------------------------------------------------------
+
+    def _columns(self, path: str, times_s: m.Array, columns: Any) -> None:
+        self._stream.send_columns(path, [rr.TimeColumn(TIMELINE, duration=times_s)], columns)
+
+    def _always(self, path: str, what: Any) -> None:
+        self._stream.log(path, what, static=True)
+
+    @singledispatchmethod
+    def _draw(self, mark: Any) -> None:
+        raise TypeError(f"no way to draw {mark!r}")
+
+    @_draw.register
+    def _(self, mark: m.Legend) -> None:
+        widths = list(mark.widths_px) or [1.6] * len(mark.names)
+        self._always(mark.path, rr.SeriesLines(names=mark.names, colors=mark.colours, widths=widths))
+
+    @_draw.register
+    def _(self, mark: m.Series) -> None:
+        values = rr.Scalars.columns(scalars=mark.values.ravel())
+        self._columns(mark.path, mark.times_s, values.partition([mark.values.shape[1]] * len(mark.times_s)))
+
+    @_draw.register
+    def _(self, mark: m.Strips) -> None:
+        flat = mark.strips[0].shape[1] == 2
+        kind: Any = rr.LineStrips2D if flat else rr.LineStrips3D
+        style: dict[str, Any] = {"radii": rr.Radius.ui_points(mark.width_px / 2)}
+        style |= {"draw_order": mark.front} if flat else {}
+        if mark.times_s is None:
+            hues = list(mark.colours) or None  # what is there always would hide colours that change
+            self._always(mark.path, kind(list(mark.strips), colors=hues, **style))
+            return
+        several = {"colors": list(mark.colours)} if not flat else {}
+        style |= {} if several else {"colors": mark.colours[0]}
+        self._always(mark.path, kind.from_fields(**style))
+        self._columns(mark.path, mark.times_s, kind.columns(strips=list(mark.strips), **several))
+
+    @_draw.register
+    def _(self, mark: m.Hued) -> None:
+        self._columns(mark.path, mark.times_s, rr.LineStrips3D.columns(colors=list(mark.colours)))
+
+    @_draw.register
+    def _(self, mark: m.Dots) -> None:
+        flat = mark.points.shape[1] == 2
+        kind: Any = rr.Points2D if flat else rr.Points3D
+        style: dict[str, Any] = {"colors": mark.colour, "radii": rr.Radius.ui_points(mark.radius_px)}
+        style |= {"draw_order": mark.front} if flat else {}
+        style |= {"labels": list(mark.texts), "show_labels": True} if mark.texts else {}
+        if mark.times_s is None:
+            self._always(mark.path, kind(mark.points, **style))
+            return
+        self._always(mark.path, kind.from_fields(**style))
+        self._columns(mark.path, mark.times_s, kind.columns(positions=mark.points))
+
+    @_draw.register
+    def _(self, mark: m.Picture) -> None:
+        picture = rr.Image(mark.pixels, color_model="RGB", draw_order=-30.0, magnification_filter="linear")
+        self._always(mark.path, picture)
+
+    @_draw.register
+    def _(self, mark: m.Placed) -> None:
+        if mark.times_s is None:
+            self._always(mark.path, rr.Transform3D(translation=mark.shift[0], scale=mark.scale))
+            return
+        turned = {}
+        if mark.turn_rad is not None:
+            half, zero = mark.turn_rad / 2, np.zeros(len(mark.turn_rad))
+            turned = {"quaternion": np.c_[zero, zero, np.sin(half), np.cos(half)]}
+        self._columns(mark.path, mark.times_s, rr.Transform3D.columns(translation=mark.shift, **turned))
+
+    @_draw.register
+    def _(self, mark: m.Solid) -> None:
+        common: dict[str, Any] = {"centers": [mark.centre], "colors": mark.colour, "fill_mode": "solid"}
+        if mark.shape == "box":
+            body: Any = rr.Boxes3D(sizes=[mark.size], **common)
+        else:
+            body = rr.Cylinders3D(radii=[mark.size[0]], lengths=[mark.size[2]], **common)
+        self._always(mark.path, body)
+
+    @_draw.register
+    def _(self, mark: m.Lane) -> None:
+        self._columns(mark.path, mark.times_s, rr.StateChange.columns(state=list(mark.states)))
+
+    @_draw.register
+    def _(self, mark: m.LaneLegend) -> None:
+        hues = [(*c, 255) for c in mark.colours.values()]
+        self._always(mark.path, rr.StateConfiguration(values=list(mark.colours), colors=hues))
+
+    @_draw.register
+    def _(self, mark: m.Said) -> None:
+        levels = [_LEVELS.get(level, "INFO") for level in mark.levels]
+        self._columns(mark.path, mark.times_s, rr.TextLog.columns(text=list(mark.texts), level=levels))
+
+    @_draw.register
+    def _(self, mark: m.Page) -> None:
+        self._always(mark.path, rr.TextDocument(mark.text, media_type="text/markdown"))
+
+
+def looked_at(url: str) -> dict[str, Any]:
+    """What a viewer at ``url`` shows: names of its views, their complaints, and where each recording's time begins."""
+    from rerun.experimental import ViewerClient
+
+    state = ViewerClient.connect(url).get_state()
+    times = [t for r in state.recordings for t in r.timelines if t.name == TIMELINE]
+    return {
+        "views": {view.name: view.view_class for view in state.views},
+        "complaints": [str(report) for view in state.views for report in view.reports],
+        "begins_s": [t.start / 1e9 for t in times if t.start is not None],
+        "ends_s": [t.end / 1e9 for t in times if t.end is not None],
+    }
+
+
+def photographed(url: str, path: Path, at_s: float | None = None) -> None:
+    """A picture of what a headless viewer shows, at a time of the run."""
+    from rerun.experimental import ViewerClient
+
+    viewer = ViewerClient.connect(url)
+    if at_s is not None:
+        viewer.set_time(TIMELINE, duration=float(at_s))
+    viewer.save_screenshot(str(path))
+
+
+def _part(part: Split | View, replay: bool) -> Any:
+    if isinstance(part, Split):
+        parts = [_part(p, replay) for p in part.parts]
+        if part.way == "tabs":
+            return rrb.Tabs(*parts)
+        if part.way == "rows":
+            return rrb.Vertical(*parts, row_shares=list(part.shares))
+        return rrb.Horizontal(*parts, column_shares=list(part.shares))
+    return _VIEWS[part.kind](part, replay)
+
+
+def _range(seconds: float) -> Any:
+    now = rr.TimeRangeBoundary.cursor_relative(seconds=0.0)
+    return rrb.VisibleTimeRanges(
+        timeline=TIMELINE, start=rr.TimeRangeBoundary.cursor_relative(seconds=-seconds), end=now
+    )
+
+
+def _plane(view: View, replay: bool) -> Any:
+    del replay
+    x, y = view.bounds or ((0.0, 1.0), (0.0, 1.0))
+    return rrb.Spatial2DView(
+        origin=view.origin,
+        name=view.name,
+        background=GROUND,
+        visual_bounds=rrb.VisualBounds2D(x_range=x, y_range=y),
+        overrides={trail: [_range(TRAIL_S)] for trail in view.trails},  # type: ignore[dict-item]
+    )
+
+
+def _space(view: View, replay: bool) -> Any:
+    del replay
+    position, target = view.eye or ((0.0, 0.0, 300.0), (0.0, 0.0, 0.0))
+    return rrb.Spatial3DView(
+        origin=view.origin,
+        name=view.name,
+        background=GROUND,
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=rrb.EyeControls3D(position=position, look_target=target, eye_up=(0.0, 1.0, 0.0)),
+    )
+
+
+def _time(view: View, replay: bool) -> Any:
+    return rrb.TimeSeriesView(
+        origin=view.origin,
+        name=view.name,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=view.legend),
+        axis_x=_axis(replay),
+        axis_y=rrb.ScalarAxis(range=view.range, zoom_lock=True) if view.range else None,
+    )
+
+
+def _axis(replay: bool) -> Any:
+    """All of a recorded run; the last minutes of one that is going on."""
+    first = (
+        rr.TimeRangeBoundary.infinite() if replay else rr.TimeRangeBoundary.cursor_relative(seconds=-SCROLL_S)
+    )
+    last = rr.TimeRangeBoundary.infinite() if replay else rr.TimeRangeBoundary.cursor_relative(seconds=0.0)
+    return rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=last))
+
+
+def _log(view: View, replay: bool) -> Any:
+    del replay
+    columns = rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"])
+    return rrb.TextLogView(origin=view.origin, name=view.name, columns=columns)
+
+
+_VIEWS: dict[str, Any] = {
+    "plane": _plane,
+    "space": _space,
+    "time": _time,
+    "lanes": lambda view, replay: rrb.StateTimelineView(
+        origin=view.origin, name=view.name, time_view=_axis(replay)
+    ),
+    "log": _log,
+    "page": lambda view, _: rrb.TextDocumentView(origin=view.origin, name=view.name),
+}

@@ -1,0 +1,139 @@
+"""The page of several runs over each other: what differs in how they were made, and in what they measured."""
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from smarig.record import Run
+from smarig.report.aligned import Aligned, aligned
+from smarig.report.compared import countable, whose
+from smarig.report.conditions import duration_s, exact_unit, label_of, marks
+from smarig.report.figures_comparison import differences, named, over_time, overlay
+from smarig.report.html import Html, notice, paragraph, table
+from smarig.report.numbers import duration, number
+from smarig.report.page import Section, page
+from smarig.report.run_page import endings
+from smarig.report.tables import marks_table, provenance_table
+
+_DESCRIPTION = (
+    "rig",
+    "wire",
+    "actuator",
+    "protocol",
+    "source",
+    "seed",
+    "initial",
+    "encoder_zero",
+    "period_s",
+    "effects",
+    "notes",
+)
+_GROUPS = ("settings", "conditions", "versions")
+
+
+def comparison_page(runs: Mapping[str, Run]) -> str:
+    """One page (HTML) of runs by name, the first being the one the others are compared with.
+
+    UsageError when they are more than can be told apart, or measured in different units.
+    """
+    countable(list(runs), "runs")
+    found = aligned(runs)
+    first = found[0]
+    subtracted = differences(found) or notice("warning", paragraph(_NOTHING.format(first.name)))
+    over = [part for part in (overlay(found), subtracted, over_time(found)) if part]
+    sections = [
+        Section("In numbers", "Numbers", [_numbers(found), _differing(runs)]),
+        Section("Over each other", "Figures", over),
+        Section("Honest numbers", "Honest numbers", [marks_table(runs)]),
+        Section("Provenance", "Provenance", [provenance_table(runs)]),
+    ]
+    label, words = whose([label_of(run) for run in runs.values()])
+    lead = f"{', '.join(each.name for each in found[1:])} beside {first.name}"
+    title = f"Comparison of {len(runs)} runs"
+    notices = endings(list(runs.values()))
+    return page(title, lead, sections, label=label, simulated=words, notices=notices)
+
+
+_NOTHING = (
+    "No run made the same steps as {} from its beginning on. A wire remembers how it was approached, so these runs are "
+    "drawn over each other, but not subtracted."
+)
+
+
+def _numbers(found: Sequence[Aligned]) -> Html:
+    unit = exact_unit(found[0].run.unit)
+    rows = []
+    for k, each in enumerate(found):
+        known = each.run["position"][np.isfinite(each.run["position"])]
+        m = marks(each.run)
+        rows.append(
+            (
+                named(k, each.name),
+                each.run.meta.get("source") or "unknown",
+                duration(duration_s(each.run)),
+                f"{m.settled} of {m.steps}",
+                number(float(np.ptp(known)), 4) if known.size else "–",
+                *_against(each, first=k == 0),
+            )
+        )
+    header = (
+        "Run",
+        "Source",
+        "Duration",
+        "Steps settled",
+        f"Travel ({unit})",
+        "Steps in common",
+        f"Shift ({unit})",
+    )
+    return table(
+        (*header, f"rms difference ({unit})", f"largest ({unit})", f"σ of a difference ({unit})"),
+        rows,
+        f"The runs, and what each says differently from {found[0].name} at the steps both made.",
+    )
+
+
+def _against(each: Aligned, *, first: bool) -> tuple[str, ...]:
+    n = str(each.difference.size)
+    if first:
+        return n, "reference", "–", "–", "–"
+    kinds = {"known": "0, one zero", "fitted": f"{number(each.offset)}, fitted", "unknown": "none"}
+    return n, kinds[each.offset_kind], number(each.rms), number(each.max_abs), number(each.noise)
+
+
+def _differing(runs: Mapping[str, Run]) -> Html:
+    """What was not the same when the runs were made; a sentence when all of it was."""
+    told = {name: dict(_told(run)) for name, run in runs.items()}
+    keys = dict.fromkeys(key for each in told.values() for key in each)
+    rows = [(key, *(each.get(key, "–") for each in told.values())) for key in keys]
+    rows = [row for row in rows if len(set(row[1:])) > 1]
+    if not rows:
+        return paragraph("Rig, wire, protocol, settings and versions are the same in all of them.")
+    return table(
+        ("What", *runs), rows, "What differs in how the runs were made; all else their files say is the same."
+    )
+
+
+def _told(run: Run) -> Iterator[tuple[str, str]]:
+    """Everything a run file says of how it was made, flat."""
+    for key in _DESCRIPTION:
+        if run.meta.get(key) is not None:
+            yield from _flat(key.replace("_", " "), run.meta[key])
+    for group in _GROUPS:
+        yield from _flat(group, run.meta.get(group) or {})
+    known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
+    if known.size:
+        yield "ambient, mean (°C)", f"{known.mean():.1f}"
+    try:
+        yield from _flat("rig file", tomllib.loads(run.meta.get("config") or ""))
+    except tomllib.TOMLDecodeError:
+        yield "rig file", "not readable"
+
+
+def _flat(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _flat(f"{name}: {key}" if ":" not in name else f"{name}.{key}", inner)
+    else:
+        yield name, (", ".join(map(str, value)) or "none") if isinstance(value, list) else str(value)

@@ -1,0 +1,24 @@
+"""What shows itself in a notebook: a run, a model, a diagnosis.
+
+They stand far below the pictures, so the pictures are looked up by name, and only when a notebook asks.
+Knows no picture and none of those who are shown.
+"""
+
+import importlib
+from typing import Any
+
+PICTURES = "smarig.report.notebook"
+
+
+class Shown:
+    """Gives ``plot()`` and a notebook's rich display to what inherits it."""
+
+    __slots__ = ()
+
+    def plot(self, *more: Any) -> Any:
+        """A plotly figure of it, as of ``smarig.plot``."""
+        return importlib.import_module(PICTURES).plot(self, *more)
+
+    def _repr_html_(self) -> str:
+        """A few kilobytes of HTML: the words that matter, and a drawing."""
+        return importlib.import_module(PICTURES).shown(self)

@@ -1,0 +1,54 @@
+"""A bench on the firmware under simavr, in real time: what every rig must do, and the twin's positions."""
+
+import contextlib
+
+import numpy as np
+import pytest
+
+from bench.wired_chips import Chips
+from rig.rig_contract import IN_REAL_TIME
+from smarig.config import load_rig
+from smarig.model.actuator import Actuator
+from smarig.rig.opening import opened
+from smarig.rig.specimen import Specimen, TwinSettings
+
+LEVELS_A = (0.75, 0.5)
+HOLD, WINDOW = 350, 100  # ticks: six time constants and more, and what is averaged
+
+
+@pytest.fixture
+def make(start, tmp_path):
+    """Benches on chips that have just booted."""
+    with contextlib.ExitStack() as open_:
+
+        def made(seed=0):
+            path = str(Chips(tmp_path, start, seed).rig)
+            file = load_rig(path)
+            return open_.enter_context(opened(path, file, Actuator.named(file.actuator), TwinSettings()))
+
+        yield made
+
+
+@pytest.mark.parametrize("check", IN_REAL_TIME, ids=lambda check: check.__name__.removeprefix("check_"))
+def test_chips_are_a_rig(check, make):
+    check(make)
+
+
+def settled_in_process():
+    """Mean counts that the same wire settles at."""
+    file = load_rig("one_wire_twin")
+    wire = Specimen(file, Actuator.named(file.actuator), TwinSettings(seed=7))
+    return [np.mean([wire.advance(level).counts for _ in range(HOLD)][-WINDOW:]) for level in LEVELS_A]
+
+
+def test_positions_settle_where_the_twins_do(make):
+    bench, found = make(seed=2), []
+    for level in LEVELS_A:
+        samples = []
+        while len(samples) < HOLD:
+            samples += bench.step(level)
+        found.append(np.mean([s.counts for s in samples[-WINDOW:]]))
+        assert abs(samples[-1].current_A - level) < 0.002
+        assert np.all(np.diff([s.tick for s in samples]) == 1)
+    assert found[0] > 100, "it moves"
+    np.testing.assert_allclose(found, settled_in_process(), atol=1.0)

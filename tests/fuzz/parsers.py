@@ -1,0 +1,64 @@
+"""Coverage-guided fuzzing of every Python parser of bytes, with atheris: they find a reply, refuse, or find nothing.
+
+python tests/fuzz/parsers.py CORPUS -max_total_time=60
+"""
+
+import sys
+from pathlib import Path
+
+import atheris
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))
+
+with atheris.instrument_imports(include=["smarig.wire", "simulators"]):
+    from simulators.amplifier import Amplifier
+    from simulators.encoder_daq import EncoderDaq
+    from simulators.framing import answer
+    from simulators.lines import Lines
+    from simulators.modbus import Rtu, Tcp
+
+    from smarig.wire import lines, rtu
+    from smarig.wire.crc import crc16
+    from smarig.wire.exchange import Exchange, Refusal
+
+ADDRESS = 65
+FRAMINGS = (Lines(), Rtu(ADDRESS), Tcp(ADDRESS))
+ASKED = (Exchange(0, 18, 0x100, (1, 2, 3)), Exchange(0, 1), Exchange(0, 0, 0x200, (7,)))
+
+
+def one(data: bytes) -> None:
+    """One input: its first byte says which parser, the others are what is heard."""
+    if len(data) < 2:
+        return
+    how, heard = data[0], data[1:]
+    if how & 4:
+        body = heard[:-1] if how & 8 else heard
+        check = crc16(body)
+        heard = body + (f" *{check:04X}\n".encode() if how & 1 else check.to_bytes(2, "little"))
+    if how & 2:
+        reply(ASKED[how % 3], heard, text=bool(how & 1))
+    else:
+        request(Amplifier() if how & 16 else EncoderDaq(), FRAMINGS[how // 32 % 3], heard)
+
+
+def reply(e: Exchange, heard: bytes, *, text: bool) -> None:
+    """A host's ear: words of the length that was asked for, a refusal, or nothing."""
+    found = lines.find(e, heard) if text else rtu.find(ADDRESS, e, heard)
+    if found is not None and not isinstance(found, Refusal):
+        assert len(found) == e.count, "another length than was asked for"
+        assert all(0 <= word <= 0xFFFF for word in found)
+
+
+def request(device, framing, heard: bytes) -> None:
+    """A device's ear: a reply or silence, and never a current that nobody armed."""
+    receiver = framing.receiver()
+    for whole in [*receiver.take(heard), *receiver.silence()]:
+        if whole:
+            said = answer(device, framing, whole)
+            assert said is None or said
+    assert getattr(device, "output_uA", 0) == 0 or device.state == "armed"
+
+
+if __name__ == "__main__":
+    atheris.Setup(sys.argv, one)
+    atheris.Fuzz()

@@ -1,0 +1,41 @@
+"""Runs and rigs for the live view's chapter: a short run of the twin, once, and a screen that only remembers."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from smarig.config import load_rig
+from smarig.live.marks import Mark
+from smarig.live.subject import Subject, of_rig
+from smarig.model.actuator import Actuator
+from smarig.record import Run, load_run
+from smarig.runner.session import Session
+
+LEVELS_A = {"one_wire_twin": [0.5, 0.9, 0.6, 0.8, 0.3, 0.0], "two_wire_twin": [0.8, -0.9, 0.6, -0.5, 0.2]}
+
+
+def recorded(rig: str, folder: Path) -> Run:
+    """A few holds of a twin: up, down, a minor loop."""
+    settings = {"currents_A": LEVELS_A[rig], "settle.timeout_s": 120.0}
+    with Session(rig, seed=1, wire=f"live-{folder.name}") as session:
+        return load_run(session.run("step_currents", settings, folder / f"{rig}.run.sqlite"))
+
+
+def about_to_run(rig: str = "one_wire_twin") -> Subject:
+    """A rig before its run."""
+    file = load_rig(rig)
+    return of_rig(file, Actuator.named(file.actuator), "twin", {}, "a test")
+
+
+class Remembering:
+    """A screen without a viewer."""
+
+    def __init__(self) -> None:
+        self.marks: list[Mark] = []
+
+    def show(self, marks: Sequence[Mark]) -> None:
+        """Keep them."""
+        self.marks += marks
+
+    def at(self, path: str) -> list:
+        """All marks at a path."""
+        return [mark for mark in self.marks if mark.path == path]

@@ -1,0 +1,239 @@
+"""What viewers make of it: the native one without a screen, and the web one in a headless browser.
+
+Asked for their own state (views, complaints, recordings), photographed, and the pictures looked at for what a blank
+page has not. Skipped by name where the tools are absent.
+"""
+
+import io
+import os
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.chromium import Browser, found
+from live.made import LEVELS_A
+from smarig.config import load_rig
+from smarig.live import colours
+from smarig.live.showing import save, shown
+from smarig.live.subject import of_rig
+from smarig.live.viewer import Viewer, address, free_port, web_page
+from smarig.model.actuator import Actuator
+from smarig.record import load_run
+from smarig.runner.session import Session
+
+pytest.importorskip("rerun_cli", reason="rerun is not installed")
+Image = pytest.importorskip("PIL.Image", reason="pillow is not installed")
+
+TOASTS_S = 6.0  # how long the viewer's own remarks stand in the picture
+PATIENCE_S, LOOK_S = 180.0, 0.25  # a page full of WebAssembly, on a processor that has other work
+BEGINNING_S = 1.0
+SIZE = (1920, 1080)
+RIG = "one_wire_twin"
+
+
+def pictures(tmp_path: Path) -> Path:
+    """Where pictures go: a temporary folder, or where somebody wants to look at them."""
+    folder = Path(os.environ.get("SMARIG_PICTURES") or tmp_path)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def until(found: Callable[[], Any], what: str) -> Any:
+    """The first answer that is not false."""
+    end = time.monotonic() + PATIENCE_S
+    said: object = None
+    while time.monotonic() < end:
+        try:
+            if answer := found():
+                return answer
+        except Exception as error:  # a viewer that is not up yet says so in many ways
+            said = error
+        time.sleep(LOOK_S)
+    pytest.fail(f"{what} within {PATIENCE_S:g} s; last: {said}")
+
+
+def headless(url: str) -> tuple[Viewer, str]:
+    """A native viewer without a screen, and where it is asked; skipped where nothing can draw."""
+    port = free_port()
+    viewer = Viewer.headless(url, port, f"{SIZE[0]}x{SIZE[1]}")
+    asked = address(port)
+    from smarig.live.screen import looked_at
+
+    def up() -> object:
+        if not viewer.running:
+            pytest.skip(f"the native viewer cannot draw here (mesa-vulkan-drivers?): {viewer.complaint}")
+        return looked_at(asked)
+
+    until(up, "the viewer answers")
+    return viewer, asked
+
+
+def calm() -> None:
+    """Where somebody will look at the picture: until the viewer's own remarks have gone."""
+    if os.environ.get("SMARIG_PICTURES"):
+        time.sleep(TOASTS_S)
+
+
+def shows(asked: str, end_s: float) -> dict[str, Any] | None:
+    """What a viewer shows, once it has a run from its first second to its end."""
+    from smarig.live.screen import looked_at
+
+    seen = looked_at(asked)
+    whole = seen["ends_s"] and min(seen["begins_s"]) < BEGINNING_S and max(seen["ends_s"]) >= end_s
+    return seen if whole else None
+
+
+def run_watched(folder: Path, name: str, watcher: Any) -> Path:
+    """A short run of the twin, with a watcher."""
+    settings = {"currents_A": LEVELS_A[RIG], "settle.timeout_s": 120.0}
+    with Session(RIG, seed=1, wire=name) as session:
+        return session.run("step_currents", settings, folder / f"{name}.run.sqlite", listeners=[watcher])
+
+
+def subject() -> Any:
+    file = load_rig(RIG)
+    return of_rig(
+        file, Actuator.named(file.actuator), "twin", {"settle.timeout_s": 120.0}, f"step_currents on {RIG}"
+    )
+
+
+def hues(picture: Any) -> Counter:
+    """How many pixels are near each colour that has a meaning."""
+    pixels = np.asarray(picture.convert("RGB"), dtype=int).reshape(-1, 3)
+    named = {"sky": colours.SKY, "green": colours.GREEN, "amber": colours.AMBER, "orange": colours.ORANGE}
+    return Counter({name: int((np.abs(pixels - c).max(axis=1) < 24).sum()) for name, c in named.items()})
+
+
+def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_path):
+    from smarig.live.screen import photographed
+
+    port, told = free_port(), []
+    with shown(subject(), viewer=False, port=port, say=told.append) as watcher:
+        end_s = float(load_run(run_watched(tmp_path, "native", watcher))["t_s"][-1])
+        first, asked = headless(address(port))
+        try:
+            seen = until(lambda: shows(asked, end_s), "the run is shown")
+            picture = pictures(tmp_path) / "live_native.png"
+            until(
+                lambda: calm() or photographed(asked, picture, 0.75 * end_s) or picture.is_file(), "a picture"
+            )
+        finally:
+            first.process.kill()
+            first.close()
+        second, asked = headless(address(port))
+        try:
+            again = until(lambda: shows(asked, end_s), "the run is shown again, all of it")
+        finally:
+            second.close()
+    assert seen["complaints"] == []
+    kinds = Counter(seen["views"].values())
+    assert (kinds["2D"], kinds["3D"], kinds["StateTimeline"]) == (2, 1, 1)
+    assert kinds["TimeSeries"] >= 6
+    assert {"TWIN · Position against estimated temperature", "TWIN · Wire, pulley and load"} <= set(
+        seen["views"]
+    )
+    assert again["views"] == seen["views"]
+    assert told == []
+    found = hues(Image.open(picture))
+    assert min(found[name] for name in ("sky", "green", "amber", "orange")) > 100, found
+
+
+def test_two_wires_and_a_shaft_are_shown_without_a_complaint(two_wire, tmp_path):
+    from smarig.live.screen import looked_at, photographed
+
+    save(two_wire, tmp_path / "two.rrd")
+    viewer, asked = headless(str(tmp_path / "two.rrd"))
+    try:
+        seen = until(lambda: (s := looked_at(asked))["ends_s"] and s, "the run is shown")
+        picture, at_s = pictures(tmp_path) / "live_two_wires.png", 0.6 * max(seen["ends_s"])
+        until(lambda: calm() or photographed(asked, picture, at_s) or picture.is_file(), "a picture")
+    finally:
+        viewer.close()
+    assert seen["complaints"] == []
+    assert "TWIN · Wires and shaft" in seen["views"]
+
+
+def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
+    found()
+    port, web_port = free_port(), free_port()
+    with shown(subject(), viewer=False, port=port, say=print) as watcher:
+        run_watched(tmp_path, "web", watcher)
+        server = Viewer.web(address(port), web_port)
+        try:
+            with Browser(*SIZE) as page:
+                until(lambda: is_served(web_port), "the page is served")
+                page.ask(
+                    "Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}]
+                )
+                page.open(web_page(web_port, port) + "&renderer=webgl")
+
+                def drawn() -> bytes | None:
+                    taken = page.picture()
+                    seen = hues(Image.open(io.BytesIO(taken)))
+                    return taken if min(seen["sky"], seen["amber"], seen["orange"]) > 100 else None
+
+                until(drawn, "graphs are drawn")
+                (pictures(tmp_path) / "live_web.png").write_bytes(page.picture())
+                wrong = [line for line in page.console if "panicked" in line or "RuntimeError" in line]
+        finally:
+            server.close()
+    assert wrong == []
+
+
+def is_served(port: int) -> bool:
+    """Whether somebody listens, on loopback."""
+    import socket
+
+    with socket.create_connection(("127.0.0.1", port), timeout=1.0):
+        return True
+
+
+@pytest.mark.parametrize("ending", ["closed", "stopped"])
+def test_a_viewer_ends_with_us_and_leaves_nothing_behind(ending, tmp_path):
+    import signal
+
+    viewer = Viewer.web(address(free_port()), free_port())
+    home = viewer._home
+    if ending == "stopped":
+        os.kill(viewer.process.pid, signal.SIGSTOP)
+    viewer.close()
+    assert viewer.process.poll() is not None
+    assert not Path(home).exists()
+
+
+def test_nothing_listens_beyond_loopback():
+    """The kernel's own table of listening sockets, for the server's and the page's port."""
+    table = Path("/proc/net/tcp")
+    if not table.is_file():
+        pytest.skip("no /proc/net/tcp here")
+    port, web_port = free_port(), free_port()
+    with shown(subject(), viewer=False, port=port, say=print):
+        server = Viewer.web(address(port), web_port)
+        try:
+            until(lambda: is_served(web_port), "the page is served")
+            tables = [t.read_text() for t in (table, Path("/proc/net/tcp6")) if t.is_file()]
+            rows = [row.split() for text in tables for row in text.splitlines()[1:]]
+            listening = {row[1] for row in rows if row[3] == "0A"}
+        finally:
+            server.close()
+    ours = {f"0100007F:{p:04X}" for p in (port, web_port)}
+    assert ours <= listening
+    assert not {row for row in listening if row.split(":")[1] in {o.split(":")[1] for o in ours}} - ours
+
+
+def test_a_taken_port_is_told_in_a_sentence():
+    import socket
+
+    from smarig.errors import UsageError
+
+    with socket.socket() as holder:
+        holder.bind(("127.0.0.1", 0))
+        holder.listen()
+        port = holder.getsockname()[1]
+        with pytest.raises(UsageError, match=f"Port {port} on 127.0.0.1 is taken"):
+            free_port(port)

@@ -1,0 +1,119 @@
+"""A folder of runs: its index finds every run, stays small, and is renewed without touching what is not ours."""
+
+import os
+
+import numpy as np
+import pytest
+
+from report.pages import LOADING, Page, run_of, step
+from smarig.errors import UsageError
+from smarig.report.folder import report_folder
+from smarig.report.index_page import Entry, index_page
+from smarig.report.page import LIBRARY
+from smarig.report.summary import shared_frames, summary_of
+from smarig.runner.session import Session
+
+INPUT = {"quantity": "temperature", "unit": "K"}
+OUTPUT = {"quantity": "displacement", "unit": "mm"}
+
+
+def loop(k=0, scale=1.0, **more):
+    """A run of a loop in memory, 200 settled steps."""
+    t = np.linspace(0, 2 * np.pi, 200)
+    u, y = 50 - 50 * np.cos(t), scale * (5 - 5 * np.cos(t - 0.3)) + k
+    steps = tuple(step(i, a, b) for i, (a, b) in enumerate(zip(u, y)))
+    meta = {"source": "twin", "rig": "r", "wire": "w", "input": INPUT, "output": OUTPUT, "seed": k} | more
+    return run_of({"t_s": np.arange(200.0), "position": y, "input": u}, steps, **meta)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    with Session("one_wire_twin", seed=3) as session:
+        session.run("validation", {"points": 2}, tmp_path / "night" / "a b#1.run.sqlite", notes="<b>cold</b>")
+        session.run("validation", {"points": 2}, tmp_path / "plain.run.sqlite")
+    return tmp_path
+
+
+def test_a_folder_gets_an_index_pages_beside_its_runs_and_one_library(folder):
+    (folder / "junk.run.sqlite").write_text("no run", encoding="utf-8")
+    made = report_folder(folder)
+    assert [page.report.relative_to(folder).as_posix() for page in made.pages] == [
+        "night/a b#1.html",
+        "plain.html",
+    ]
+    assert "junk.run.sqlite" in made.unread[0]
+    text = made.index.read_text(encoding="utf-8")
+    links = [
+        attrs["href"] for name, attrs in Page(text).tags if name == "a" and not attrs["href"].startswith("#")
+    ]
+    assert set(links) == {"night/a%20b%231.html", "plain.html"}
+    assert "junk.run.sqlite" in Page(text).visible
+    assert "<b>cold</b>" not in text
+    assert "plotly" not in text
+    inner = made.pages[0].report.read_text(encoding="utf-8")
+    assert len(inner) < 300_000
+    assert f'src="../{LIBRARY}"' in inner
+    assert (folder / LIBRARY).stat().st_size > 1_000_000
+
+
+def test_pages_newer_than_their_run_are_left_alone_and_older_ones_renewed(folder):
+    first = report_folder(folder)
+    pages = [page.report for page in first.pages]
+    for page in pages:
+        os.utime(page, (2e9, 2e9))
+    os.utime(folder / "plain.run.sqlite", (3e9, 3e9))
+    report_folder(folder)
+    assert pages[0].stat().st_mtime == 2e9
+    assert pages[1].stat().st_mtime != 2e9
+    report_folder(folder, force=True)
+    assert pages[0].stat().st_mtime != 2e9
+
+
+def test_somebody_elses_file_is_not_replaced_and_nothing_is_written(folder):
+    (folder / "index.html").write_text("mine", encoding="utf-8")
+    with pytest.raises(UsageError, match="not written by smarig"):
+        report_folder(folder)
+    assert not list(folder.rglob("*.js"))
+    assert (folder / "index.html").read_text(encoding="utf-8") == "mine"
+    report_folder(folder, force=True)
+    assert "mine" not in (folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_hundreds_of_runs_stay_a_small_page_that_loads_nothing():
+    entries = [Entry(summary_of(loop(k)), f"{k}.html") for k in range(300)]
+    text = index_page("many", entries)
+    assert len(text.encode()) < 300 * 6_000
+    page = Page(text)
+    assert len(page.tables[0]) == 301
+    for _, attributes in page.tags:
+        for key in LOADING:
+            value = attributes.get(key, "#")
+            assert value.startswith("#") or value.endswith(".html")
+
+
+def test_each_picture_says_what_it_shows_and_that_it_is_a_twins():
+    text = index_page(
+        "one", [Entry(summary_of(loop()), "a.html"), Entry(summary_of(loop(1, source="bench")), "b.html")]
+    )
+    words = [attrs["aria-label"] for name, attrs in Page(text).tags if name == "svg"]
+    assert words[0].startswith("TWIN, simulated. Hysteresis of validation: Displacement (mm) over 10 mm")
+    assert words[1].startswith("Hysteresis")
+    assert "1 of the 2 runs on this page come from a software simulation" in Page(text).visible
+    assert text.count(">TWIN</text>") == 1
+
+
+def test_runs_of_one_wire_are_drawn_to_one_scale_from_their_own_zero():
+    small, large, other = (
+        summary_of(loop(*given, **meta)) for given, meta in (((3, 0.5), {}), ((0,), {}), ((), {"wire": "v"}))
+    )
+    frames = shared_frames([small, large, other])
+    assert frames[0].u == frames[1].u
+    assert np.ptp(frames[0].y) == pytest.approx(10, rel=0.01) == np.ptp(frames[1].y)
+    assert frames[0].y[0] == pytest.approx(3, abs=0.01)
+    assert np.ptp(frames[2].y) == pytest.approx(10, rel=0.01)
+
+
+def test_a_run_that_holds_nothing_is_listed_all_the_same():
+    page = Page(index_page("empty", [Entry(summary_of(run_of(end=None)), "e.html")]))
+    assert "Nothing to draw." in page.visible
+    assert "never closed" in page.visible

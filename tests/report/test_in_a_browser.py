@@ -1,0 +1,176 @@
+"""Every kind of page as people meet it: in a browser without a network, by mouse, by keys, by ear, on a phone."""
+
+import pytest
+
+pytest.importorskip("websocket", reason="websocket-client is not installed (pip install smarig[test])")
+
+import smarig
+from report.browser import Browser, axe, chromium
+from smarig.characterise import characterise
+from smarig.cli import run as cli
+from smarig.model.planted import from_pairs
+from smarig.rig.twin import TwinSettings
+from smarig.runner.session import Session
+
+CAMPAIGN = """
+name = "short"
+summary = "Enough for every section of a page."
+[[step]]
+protocol = "first_order_descending"
+purpose = "train"
+set = { partition_K = [0, 50, 70, 90, 110, 160] }
+[[step]]
+protocol = "validation"
+purpose = "held_out"
+set = { points = 8 }
+"""
+KINDS = ("run", "index", "comparison", "models", "characterise", "diagnose")
+
+
+def smarig_(*words):
+    assert cli([str(word) for word in words]) == 0
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """A page of each kind, made as people make them."""
+    chromium()
+    folder = tmp_path_factory.mktemp("pages")
+    runs = folder / "runs"
+    for name, seed, effects in (("first", 1, []), ("second", 2, []), ("walked", 1, ["walking=2"])):
+        with Session("one_wire_twin", twin=TwinSettings(seed=seed, effects=from_pairs(effects))) as session:
+            session.run("validation", {"points": 6}, runs / f"{name}.run.sqlite")
+    (folder / "short.toml").write_text(CAMPAIGN, encoding="utf-8")
+    characterise("one_wire_twin", folder / "out", campaign=str(folder / "short.toml"), seed=2)
+    curves = folder / "out" / "runs" / "01_first_order_descending.run.sqlite"
+    models = [folder / f"{surface}.model.json" for surface in ("exponential", "table")]
+    for surface, model in zip(("exponential", "table"), models):
+        smarig.identify(curves, surface).model.save(model)
+    first, second, walked = (runs / f"{name}.run.sqlite" for name in ("first", "second", "walked"))
+    smarig_("report", runs)
+    smarig_("report", first, second, walked, "-o", folder / "comparison.html")
+    smarig_("report", "--model", models[0], "--model", models[1], first, walked, "-o", folder / "models.html")
+    return {
+        "run": runs / "first.html",
+        "index": runs / "index.html",
+        "comparison": folder / "comparison.html",
+        "models": folder / "models.html",
+        "characterise": folder / "out" / "report.html",
+        "diagnose": folder / "out" / "diagnosis" / "report.html",
+    }
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    running = Browser(tmp_path_factory.mktemp("profile"))
+    yield running
+    running.close()
+
+
+@pytest.fixture(scope="module")
+def opened(browser, pages):
+    """Opens a page of a kind, once: drawing figures in three dimensions without a graphics card takes seconds."""
+    tabs = {}
+
+    def opening(kind, width=1280):
+        if kind not in tabs:
+            tabs[kind] = browser.open(pages[kind])
+        tabs[kind].resize(width)
+        return tabs[kind]
+
+    return opening
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_complains_and_nothing_leaves(opened, pages, kind):
+    tab = opened(kind)
+    assert tab.complaints() == []
+    own = {pages[kind].resolve().as_uri()}
+    shared = {(pages["index"].parent / "smarig-figures.js").resolve().as_uri()} if kind == "run" else set()
+    assert set(tab.requests()) == own | shared
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize("kind", KINDS)
+def test_everyone_can_read_it_on_a_desk_and_on_a_phone(opened, kind, width):
+    axe()
+    tab = opened(kind, width)
+    assert tab.run("document.documentElement.scrollWidth") == width, "it scrolls sideways"
+    assert tab.run("document.querySelector('.twinbar').getBoundingClientRect().bottom") < 120
+    assert tab.violations() == []
+
+
+PLOTS = "[...document.querySelectorAll('.plot')].map(p => [p.ariaLabel, p.role, p.innerText, p.offsetHeight])"
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "index"])
+def test_every_figure_is_drawn_labelled_and_said_in_words(opened, kind):
+    plots = opened(kind).run(PLOTS)
+    assert plots
+    for words, role, drawn, height in plots:
+        assert role == "img"
+        assert words.startswith("TWIN, simulated. ")
+        assert " against " in words
+        assert "TWIN" in drawn
+        assert height > 150
+
+
+def test_a_page_without_its_library_says_what_it_needs(browser, pages, tmp_path):
+    alone = tmp_path / "alone.html"
+    alone.write_bytes(pages["run"].read_bytes())
+    tab = browser.open(alone, drawn=False)
+    assert "needs the file smarig-figures.js" in tab.run("document.querySelector('.plot').innerText")
+    tab.close()
+
+
+# --- the index ------------------------------------------------------------------------------------------
+
+SHOWN = """[...document.querySelectorAll('{} [data-run]')]
+    .filter(x => !x.hidden).map(x => x.querySelector('a').innerText)"""
+
+
+def names(tab, where):
+    return tab.run(SHOWN.format(where))
+
+
+def test_the_index_is_searched_and_ordered_by_keys_alone(opened):
+    tab = opened("index")
+    tab.key("Tab", 9)
+    assert tab.run("document.activeElement.className") == "skip"
+    tab.run("document.querySelector('[type=search]').focus()")
+    tab.type("VALID seco")
+    assert names(tab, "tbody") == names(tab, ".gallery") == ["second"]
+    assert tab.run("document.querySelector('[role=status]').innerText") == "1 of 3 runs"
+    tab.run("document.querySelector('[type=search]').select()")
+    tab.type("nothing of the kind")
+    assert names(tab, "tbody") == []
+    tab.run("const s = document.querySelector('[type=search]'); s.select(); s")
+    tab.key("Delete", 46)
+    tab.run("[...document.querySelectorAll('th button')].find(b => b.innerText.startsWith('Seed')).focus()")
+    tab.key("Enter", 13)
+    assert names(tab, "tbody") == names(tab, ".gallery") == ["first", "walked", "second"]
+    tab.key("Enter", 13)
+    assert names(tab, "tbody")[0] == "second"
+    assert tab.run("document.querySelector('th[data-key=seed]').ariaSort") == "descending"
+
+
+def test_a_choice_in_a_figure_is_a_button_that_keys_reach(opened):
+    tab = opened("characterise")
+    second = "document.querySelectorAll('.choices button')[1]"
+    tab.run(f"{second}.focus()")
+    tab.key("Enter", 13)
+    assert tab.run(f"{second}.ariaPressed") == "true"
+    surfaces = (
+        "document.querySelector('.choices + .plot').data.filter(t => t.type === 'surface' && t.visible)"
+    )
+    shown = tab.run(f"{surfaces}.map(t => t.name)")
+    assert shown == [tab.run(f"{second}.innerText")]
+
+
+def test_on_paper_the_controls_are_gone_and_the_twin_is_not(opened):
+    tab = opened("comparison")
+    tab.run("dispatchEvent(new Event('beforeprint'))")
+    assert tab.run("getComputedStyle(document.querySelector('nav')).display") == "none"
+    assert tab.run("document.querySelector('.twinbar').offsetHeight") > 10
+    assert tab.run("document.body.scrollWidth") == 700
+    tab.run("dispatchEvent(new Event('afterprint'))")

@@ -1,0 +1,67 @@
+"""What a notebook shows: light, labelled, escaped; and one figure of each when asked."""
+
+import numpy as np
+import pytest
+
+import smarig
+from report.pages import Page, run_of
+from smarig.errors import UsageError
+from smarig.record import load_run
+from smarig.runner.session import Session
+
+LIGHT, FIGURE = 20_000, 400_000  # bytes
+
+
+@pytest.fixture(scope="module")
+def wire(tmp_path_factory):
+    file = tmp_path_factory.mktemp("wire") / "c.run.sqlite"
+    with Session("one_wire_twin", seed=3) as session:
+        session.run("first_order_descending", {"partition_K": (0, 50, 70, 90, 110, 160)}, file)
+    run = load_run(file)
+    return run, smarig.identify(run, "exponential").model
+
+
+def test_a_run_and_a_model_show_themselves_in_a_few_kilobytes(wire):
+    for thing, words in zip(wire, ("First order descending on one_wire_twin", "Exponential surface")):
+        shown = thing._repr_html_()
+        assert len(shown.encode()) < LIGHT
+        assert words in Page(shown).visible
+        assert "TWIN · simulated, not hardware" in Page(shown).visible
+        assert [attrs["role"] for name, attrs in Page(shown).tags if name == "svg"] == ["img"]
+
+
+def test_what_a_person_typed_does_not_become_markup():
+    shown = run_of(protocol="<img src=x>")._repr_html_()
+    assert "<img" not in shown
+
+
+def test_a_run_is_plotted_with_the_models_answer(wire):
+    run, model = wire
+    figure = run.plot(model)
+    measured, predicted = figure.data
+    inputs = run.points()[0]
+    np.testing.assert_allclose(measured.x, inputs)
+    assert np.sqrt(np.mean((np.asarray(predicted.y) - np.asarray(measured.y)) ** 2)) < 0.01
+    assert figure.layout.xaxis.title.text == "Wire temperature above ambient (K)"
+    assert [note.text for note in figure.layout.annotations] == ["TWIN"]
+
+
+def test_a_models_density_is_plotted(wire):
+    figure = wire[1].plot()
+    assert "heatmap" in [trace.type for trace in figure.data]
+    assert len(figure.to_json()) < FIGURE
+
+
+def test_a_hundred_thousand_samples_make_no_heavy_figure_and_lose_no_extreme():
+    t = np.linspace(0, 60, 100_000)
+    run = run_of(
+        {"input": np.sin(t), "position": np.cos(t) + np.exp(-((t - 30) ** 2) * 1e4)}, source="import"
+    )
+    figure = smarig.plot(run)
+    assert len(figure.to_json()) < FIGURE
+    assert max(figure.data[0].y) == pytest.approx(run["position"].max())
+
+
+def test_anything_else_is_refused_in_a_sentence():
+    with pytest.raises(UsageError, match="give a run, a model or a diagnosis"):
+        smarig.plot(3)

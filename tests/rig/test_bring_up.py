@@ -1,0 +1,116 @@
+"""Bring-up of rigs that do not obey: it says so, and heats no further."""
+
+import pytest
+
+from rig.lying import Lying
+from smarig.config import load_rig
+from smarig.model.actuator import Actuator
+from smarig.rig.bring_up import _lease, _must_have_moved_K, bring_up
+from smarig.sample import Quality, Sample
+
+
+def checked(change, rig="one_wire_twin"):
+    """Checks by name, and the largest current that was driven."""
+    driven = [0.0]
+
+    def seen(sample):
+        driven.append(abs(lying.twin.output_A))
+        return change(sample)
+
+    lying = Lying(rig, seen)
+    lying.identity, lying.has_lease = lambda: ["a twin"], True
+    found = {c.name: c for c in bring_up(lying, lying.file)}
+    assert lying.twin.output_A == 0.0
+    return found, max(driven)
+
+
+def test_what_flows_at_rest_ends_it_before_any_heating():
+    found, driven = checked(lambda s: s._replace(current_A=s.current_A + 0.1))
+    assert (found["at rest"].passed, list(found)[-1], driven) == (False, "at rest", 0.0)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda s: s._replace(current_A=0.0),
+        lambda s: s._replace(current_A=s.current_A, quality=int(Quality.STALE)) if s.current_A > 0.01 else s,
+    ],
+)
+def test_a_shunt_that_shows_nothing_ends_it_within_the_first_stairs(change):
+    found, driven = checked(change)
+    assert not found["read-back"].passed
+    assert "lease" not in found
+    assert driven <= 0.1 + 1e-9, "of 1 A: two stairs of twenty"
+
+
+def test_an_encoder_that_does_not_count_ends_it_where_the_wire_must_have_moved():
+    found, driven = checked(lambda s: s._replace(counts=0))
+    assert (found["encoder direction"].passed, list(found)[-1]) == (False, "encoder direction")
+    assert driven <= 0.65, "not all of its 1 A"
+
+
+def test_a_coarse_encoder_is_given_all_the_travel_there_is():
+    file = load_rig("one_wire_twin")
+    coarse = file.model_copy(update={"encoder": file.encoder.model_copy(update={"counts_per_rev": 50})})
+    actuator = Actuator.named(file.actuator)
+    fine_K, coarse_K = (_must_have_moved_K(actuator, f, +1) for f in (file, coarse))
+    assert 0 < fine_K < 60 < 100 < coarse_K
+
+
+def test_both_wires_are_looked_at():
+    """The second one's heating must count downwards: first its diode lets nothing through, then it counts upwards."""
+    found, _ = checked(lambda s: s._replace(current_A=max(s.current_A, 0.0)), "two_wire_twin")
+    assert found["encoder direction"].passed
+    assert list(found)[-1] == "read-back, wire 2"
+    found, _ = checked(lambda s: s._replace(counts=abs(s.counts)), "two_wire_twin")
+    assert list(found)[-1] == "encoder direction, wire 2"
+    assert "must count downwards" in found["encoder direction, wire 2"].seen
+
+
+def test_a_source_without_a_lease_says_so():
+    lying = Lying("one_wire_twin", lambda s: s)
+    lying.identity, lying.has_lease = lambda: ["a supply"], False
+    *_, last = bring_up(lying, lying.file)
+    assert (last.name, last.passed) == ("lease", True)
+    assert "only the cut-out ends what flows" in last.seen
+
+
+class Leased:
+    """A device that goes on by itself while nothing is said to it, trips in time, and then carries ``left_A``."""
+
+    period_s, lease_ticks = 0.1, 10
+
+    def __init__(self, left_A):
+        self._left_A = left_A
+        self._tick, self._unfed, self._armed = 0, 0, True
+        self._ring = []
+
+    def _live(self, current_A):
+        self._tick, self._unfed = self._tick + 1, self._unfed + 1
+        self._armed = self._armed and self._unfed <= self.lease_ticks
+        mark = Quality.GOOD if self._armed else Quality.TRIPPED
+        flows_A = current_A if self._armed else self._left_A
+        nan = float("nan")
+        self._ring.append(
+            Sample(self._tick, 0.1 * self._tick, current_A, flows_A, nan, nan, 0, 0.0, nan, int(mark))
+        )
+
+    def idle(self, seconds):
+        for _ in range(round(seconds / self.period_s)):
+            self._live(0.1)
+
+    def arm(self):
+        self._armed, self._unfed = True, 0
+
+    def step(self, current_A):
+        self._unfed = 0
+        self._live(current_A)
+        samples, self._ring = self._ring[:16], self._ring[16:]
+        return tuple(samples)
+
+
+@pytest.mark.parametrize(("left_A", "passes"), [(0.0, True), (0.1, False)])
+def test_a_lease_that_trips_with_current_still_flowing_fails(left_A, passes):
+    lease, re_arm = _lease(Leased(left_A), load_rig("one_wire_twin"))
+    assert (lease.passed, re_arm.passed) == (passes, True), lease
+    assert ("0.1000 A flowed then" in lease.seen) != passes

@@ -1,0 +1,32 @@
+"""A bench's rig file is looked over before anything is opened."""
+
+import pytest
+
+from smarig.cli import run as cli
+from smarig.config import listed, load_rig
+from smarig.rig.sound import unsound
+
+
+@pytest.mark.parametrize("name", listed("rigs"))
+def test_shipped_rigs_are_sound(name):
+    assert unsound(load_rig(name)) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ('links.amplifier.driver = "smarig_amp"', "no driver 'smarig_amp'; did you mean smarig_amplifier?"),
+        ('links.encoder_daq.url = ""', "links.encoder_daq.url: say where it is"),
+        ("lease_s = 5.0", "lease_s = 5 is outside 0.5…2 s"),
+        ("protection.slew_max_A_per_s = 1.0", "is below limits.current_rate_A_per_s = 25"),
+        ("protection.resistance_max_ohm = 3.0", "do not hold the wire's 4.5 … 5 ohm"),
+        ("protection.heat_max_A2s = 0.5", "should lie between 10 (a steady 1 A)"),
+        ("protection.heat_max_A2s = 20.0", "should lie between 10 (a steady 1 A)"),
+    ],
+)
+def test_what_does_not_fit_together_is_told(tmp_path, capsys, line, says):
+    path = tmp_path / "mine.toml"
+    path.write_text(f'name = "mine"\nbase = "bench_one_wire"\n{line}\n', encoding="utf-8")
+    assert [says in problem for problem in unsound(load_rig(str(path)))] == [True]
+    assert cli(["check", str(path), "--no-current"]) == 2
+    assert says in capsys.readouterr().err
