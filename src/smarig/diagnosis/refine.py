@@ -148,13 +148,19 @@ def _moves(planted: Planted, parameter: Parameter) -> bool:
 
 
 def _descend(rest: Callable[[Array], Array], fit: _Fit) -> tuple[Array, Array, Array]:
-    """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) where it ends."""
+    """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) where it ends.
+
+    What acts in jumps stays where it is: across a jump a slope says nothing, and would spoil the others.
+    """
     x: Array = np.clip(fit.x, fit.low, fit.high)
     r = rest(x)
     J, fresh, damping = _jacobian(rest, x, r, fit), True, 1e-3
+    smooth = ~fit.jumps
     for _ in range(ROUNDS):
         normal = J.T @ J
-        step = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal) + 1e-12), -J.T @ r, rcond=None)[0]
+        step = np.zeros(x.size)
+        damped = normal + damping * np.diag(np.diag(normal) + 1e-12)
+        step[smooth] = np.linalg.lstsq(damped[np.ix_(smooth, smooth)], -(J.T @ r)[smooth], rcond=None)[0]
         trial: Array = np.clip(x + step, fit.low, fit.high).astype(float)
         new, moved = rest(trial), trial - x
         better = float(r @ r - new @ new)

@@ -18,6 +18,7 @@ from smarig.model.planted import Planted, to_pairs
 from smarig.rig.twin import TwinSettings
 
 BEGUN_WITH = "begun_with"  # key of what a run needs to be gone on with
+CLOSED_LOOP = "closed_loop"  # key of runs whose protocol stands in no catalogue
 
 
 def source_of(file: RigFile, twin: TwinSettings) -> str:

@@ -3,11 +3,11 @@
 The cost is that of the rig's own model: a real wire settles in its own time.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.command import StepResult, Verdict
+from smarig.command import Protocol, StepResult, Verdict
 from smarig.config import RigFile
 from smarig.errors import LimitExceeded, UsageError
 from smarig.model.actuator import Actuator
@@ -23,6 +23,8 @@ from smarig.sample import Sample
 
 MOST_SAMPLES = 5_000_000  # almost six days at 10 Hz
 BYTES_PER_SAMPLE = 90  # measured on run files, with a margin
+
+Maker = Callable[[Setup], Protocol]
 
 
 @dataclass(frozen=True)
@@ -70,10 +72,11 @@ def preview(
     settings: Mapping[str, Any] | None = None,
     control: Control | None = None,
     chooser: Chooser | None = None,
+    maker: Maker | None = None,
 ) -> Preview:
     """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits.
 
-    ``chooser`` is for protocols that take one.
+    ``chooser`` is for protocols that take one. ``maker`` makes a protocol that stands in no catalogue, a closed loop.
     """
     actuator = Actuator.named(rig.actuator)
     nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not tell a secret
@@ -83,7 +86,8 @@ def preview(
         Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)], control
     )
     try:
-        runner.run(build(protocol, Setup(actuator, rig.limits, rig.period_s), settings, chooser))
+        setup = Setup(actuator, rig.limits, rig.period_s)
+        runner.run(maker(setup) if maker else build(protocol, setup, settings, chooser))
     except LimitExceeded as refused:
         raise UsageError(
             f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"

@@ -22,7 +22,7 @@ from smarig.record import Recorder, Run, load_run
 from smarig.record.going_on import GoingOn
 from smarig.rig.twin import TwinSettings
 from smarig.runner.control import Control
-from smarig.runner.description import BEGUN_WITH
+from smarig.runner.description import BEGUN_WITH, CLOSED_LOOP
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview, preview
 from smarig.runner.replay import replay, stretches
@@ -262,6 +262,10 @@ def begun_with(run: Run) -> dict[str, Any]:
     name = run.path.name
     if run.cause == "done":
         raise UsageError(f"{name} is done: there is nothing to go on with.")
+    if run.meta.get(CLOSED_LOOP):
+        raise UsageError(
+            f"{name} was a closed loop: it is not gone on with, but closed anew on a prepared wire."
+        )
     begun = run.meta.get(BEGUN_WITH)
     wanted = {"rig", "rig_wire", "speed", "effects", "noise", "settings"}
     if run.meta.get("source") == "simulation" or not isinstance(begun, dict) or not wanted <= set(begun):

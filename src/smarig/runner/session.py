@@ -29,11 +29,19 @@ from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Rig
 from smarig.rig.twin import TwinSettings
 from smarig.runner.control import Control
-from smarig.runner.description import BEGUN_WITH, begun_with, cause_of, described, lives_on, source_of
+from smarig.runner.description import (
+    BEGUN_WITH,
+    CLOSED_LOOP,
+    begun_with,
+    cause_of,
+    described,
+    lives_on,
+    source_of,
+)
 from smarig.runner.endings import safe_endings
 from smarig.runner.listener import Listener, Watch
 from smarig.runner.lock import wire_lock
-from smarig.runner.preview import Preview, preview
+from smarig.runner.preview import Maker, Preview, preview
 from smarig.runner.runner import Runner
 from smarig.runner.shift import Shift
 from smarig.sample import Sample
@@ -101,18 +109,21 @@ class Session:
         notes: str = "",
         expected: Preview | None = None,
         chooser: Chooser | None = None,
+        maker: Maker | None = None,
     ) -> Path:
         """Run one protocol into one run file; returns its path. Raises what ended it, after closing it.
 
-        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one.
+        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one. ``maker``
+        makes a protocol that stands in no catalogue, a closed loop; ``protocol`` is its name in the record.
         """
         out = Path(out)
-        generator = build(protocol, self.setup, settings, chooser)
-        cost = expected or preview(protocol, self.file, settings, self.control, chooser)
+        generator = maker(self.setup) if maker else build(protocol, self.setup, settings, chooser)
+        cost = expected or preview(protocol, self.file, settings, self.control, chooser, maker)
         check_free_space(out, cost.bytes)
         before = self.history()
         check_worn(before, self.file.limits)
         meta = self._describe(protocol, settings, notes)
+        meta |= {CLOSED_LOOP: True} if maker else {}
         if before is not None:
             meta["wire_history"] = before.sentence()
         recorder = Recorder(out, meta, force=force, clock=self.clock())

@@ -1,0 +1,232 @@
+"""Position tracking compared: feed-forward with feedback, PI and gain scheduling, on wires the model is wrong about.
+
+Truths: the nominal surface with all its parameters off at random, so far that the rms difference of the two FOD
+surfaces is 10 % of the output range. Every controller knows the nominal surface, is tuned by the same simplex with
+the same budget on wires of other seeds, and runs through the same runner and guard on the same references.
+Errors are those of the twin's own position, which no encoder rounds; those of the readings stand beside.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from smarig.catalogue import names
+from smarig.config import load_rig
+from smarig.control.tracking.known import Known
+from smarig.control.tracking.loop import track
+from smarig.control.tracking.measures import Tracked, measured
+from smarig.control.tracking.reference import Reference, reference
+from smarig.control.tracking.tuning import PACKAGE, made, tuned
+from smarig.errors import RigFault, UsageError
+from smarig.model.actuator import Actuator
+from smarig.model.effect import Effect
+from smarig.model.planted import from_pairs
+from smarig.preisach.everett import Everett
+from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.gorbet_1997 import surface
+from smarig.protocols._setup import Setup
+from smarig.rig.guard import Guard
+from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.listener import Watch
+from smarig.runner.runner import Runner
+from smarig.sample import Sample
+
+RIG = "one_wire_twin"
+LOW, HIGH = 2.0, 8.0  # mm: what every one of these wires reaches, of 12.5
+SHAPES = ("multisine", "ramps")
+SECONDS, SKIP_S = 200.0, 20.0  # the way to the first point is no tracking
+ERROR_SHARE = 0.10
+TUNING_SEEDS = (101, 102, 103)
+EFFECTS = ("latent_heat", "ambient_drift", "stress_coupling", "backlash")
+NODES = 25
+PREVIEW_S = (0.02, 2.0)
+
+
+def run(quick: bool = False) -> dict[str, Any]:
+    """``{"controllers": {name: {"numbers", "rms_counts", "reading_rms_counts", …}}, "gain", "steps", "effects"}``."""
+    seeds, budget = (range(1, 6), 30) if quick else (range(1, 21), 90)
+    nominal = known()
+    wires = {seed: other_wire(seed) for seed in (*TUNING_SEEDS, *seeds)}
+    numbers = {name: tuned(name, _cost(nominal, name, wires), budget) for name in names(PACKAGE)}
+    numbers["pi"] |= {"lead_s": 0.0}
+    told = tuned("pi", _cost(nominal, "pi", wires), budget, {"lead_s": PREVIEW_S})
+    found = {name: _judged(nominal, name, numbers[name], wires, seeds) for name in numbers}
+    found["pi, told the future"] = _judged(nominal, "pi", told, wires, seeds)
+    best = {name: found[name]["rms_counts"]["mean"] for name in found}
+    return {
+        "rig": RIG,
+        "model_error_share": ERROR_SHARE,
+        "seeds": list(seeds),
+        "budget": budget,
+        "controllers": found,
+        "gain": {name: best[name] / best["inverse"] for name in best},
+        "effects": _under_effects(nominal, numbers, seeds[:3] if quick else seeds[:8]),
+    }
+
+
+def known() -> Known:
+    """What every controller believes."""
+    file = load_rig(RIG)
+    actuator = Actuator.named(file.actuator)
+    setup = Setup(actuator, file.limits, file.period_s)
+    return Known(setup, surface(actuator.file.hysteresis.surface), file.encoder.counts_per_rev)
+
+
+def other_wire(seed: int, share: float = ERROR_SHARE) -> FodSurface:
+    """The nominal surface with parameters off at random: rms difference of both is ``share`` of the output range."""
+    nominal = surface(Actuator.named(load_rig(RIG).actuator).file.hysteresis.surface)
+    levels = np.linspace(nominal.lower, nominal.upper, NODES)
+    alpha, beta = (m[np.tri(NODES, dtype=bool)] for m in np.meshgrid(levels, levels, indexing="ij"))
+    own, way = nominal.y(alpha, beta), np.random.default_rng([seed, 0x3172]).normal(size=len(nominal.x) + 1)
+
+    def at(far: float) -> FodSurface:
+        x = tuple((np.array(nominal.x) * (1 + far * way[:-1])).tolist())
+        return replace(nominal, x=x, y_upper=nominal.y_upper * (1 + far * float(way[-1])))
+
+    def off(far: float) -> float:
+        return float(np.sqrt(np.mean((at(far).y(alpha, beta) - own) ** 2))) / (
+            nominal.y_upper - nominal.y_lower
+        )
+
+    near, far = 0.0, 0.02
+    while off(far) < share:
+        near, far = far, 2 * far
+    for _ in range(50):
+        near, far = (mid, far) if off(mid := 0.5 * (near + far)) < share else (near, mid)
+    return at(near)
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What a closed loop did: figures by the wire's own position, by the readings, and its largest current."""
+
+    true: Tracked
+    read: Tracked
+    peak_A: float
+    fault: str = ""
+
+
+def closed(
+    believed: Known,
+    name: str,
+    numbers: Mapping[str, float],
+    wire: Everett,
+    follow: Reference,
+    seed: int,
+    effects: Sequence[Effect] = (),
+) -> Loop:
+    """One loop through runner and guard on a twin with noise; a trip is told, and ends it."""
+    file = load_rig(RIG)
+    twin = Twin(file, believed.setup.actuator, TwinSettings(seed=seed, hysteresis=wire, effects=effects))
+    rows: list[tuple[float, float, float, float, float]] = []
+
+    def sample(s: Sample, _step: int | None, input_K: float) -> None:
+        rows.append((s.t_s, twin.specimen.plant.position, s.position, s.current_A, input_K))
+
+    guard = Guard(twin, file.limits, believed.setup.actuator)
+    fault = ""
+    try:
+        runner = Runner(guard, twin.position_per_count, [Watch(on_sample=sample)])
+        runner.run(track(believed, made(name, numbers), follow, prepare=False))
+    except RigFault as error:
+        fault = str(error)
+    t, own, read, current, temperature = np.array(rows).T
+    rest = believed.plant().position  # a twin's wire begins where its own rest is: all of them at 0 mm
+    figures = [
+        measured(
+            follow,
+            t - t[0],
+            y,
+            current,
+            temperature,
+            believed.setup.actuator,
+            twin.position_per_count,
+            skip_s=SKIP_S,
+        )
+        for y in (own - rest, read)
+    ]
+    return Loop(figures[0], figures[1], float(np.abs(current).max()), fault)
+
+
+def _references(seed: int, shapes: Sequence[str] = SHAPES) -> list[Reference]:
+    return [reference(shape, LOW, HIGH, seconds=SECONDS, seed=seed) for shape in shapes]
+
+
+def _cost(believed: Known, name: str, wires: Mapping[int, Everett]) -> Callable[[Mapping[str, float]], float]:
+    """Rms error over the tuning wires and references; a loop that trips is worth nothing."""
+
+    def cost(numbers: Mapping[str, float]) -> float:
+        loops = [
+            closed(believed, name, numbers, wires[seed], follow, seed)
+            for seed in TUNING_SEEDS
+            for follow in _references(seed)
+        ]
+        return float(np.sqrt(np.mean([1e6 if loop.fault else loop.true.rms**2 for loop in loops])))
+
+    return cost
+
+
+def _judged(
+    believed: Known,
+    name: str,
+    numbers: Mapping[str, float],
+    wires: Mapping[int, Everett],
+    seeds: Sequence[int],
+) -> dict[str, Any]:
+    count = believed.setup.actuator.position_per_count(believed.counts_per_rev)
+    loops = [closed(believed, name, numbers, wires[s], r, s) for s in seeds for r in _references(s)]
+    steps = [
+        closed(believed, name, numbers, wires[s], r, s).read for s in seeds for r in _references(s, ["steps"])
+    ]
+    settled = np.array([value for step in steps for value in step.settle_s])
+    return {
+        "numbers": dict(numbers),
+        "rms_counts": _spread([loop.true.rms / count for loop in loops]),
+        "reading_rms_counts": _spread([loop.read.rms / count for loop in loops]),
+        "largest_counts": float(max(loop.true.largest for loop in loops) / count),
+        "energy_J": float(np.mean([loop.true.energy_J for loop in loops])),
+        "peak_K": float(max(loop.true.peak_K for loop in loops)),
+        "peak_A": float(max(loop.peak_A for loop in loops)),
+        "faults": sum(bool(loop.fault) for loop in loops),
+        "steps": {
+            "n": int(settled.size),
+            "reached_2_counts": int(np.isfinite(settled).sum()),
+            "median_s": float(np.nanmedian(settled)),
+            "p90_s": float(np.nanpercentile(settled, 90)),
+            "overshoot_counts": float(np.mean([o for step in steps for o in step.overshoot]) / count),
+        },
+    }
+
+
+def _spread(values: Sequence[float]) -> dict[str, float]:
+    return {
+        "mean": float(np.mean(values)),
+        "median": float(np.median(values)),
+        "worst": float(np.max(values)),
+    }
+
+
+def _under_effects(
+    believed: Known, numbers: Mapping[str, Mapping[str, float]], seeds: Sequence[int]
+) -> dict[str, Any]:
+    """Rms error in counts with an effect hidden in the nominal wire; the feed-forward with and without knowing it."""
+    count = believed.setup.actuator.position_per_count(believed.counts_per_rev)
+
+    def rms(name: str, effects: Sequence[Effect], told: Known) -> float:
+        loops = [
+            closed(told, name, numbers[name], believed.hysteresis, r, s, effects)
+            for s in seeds
+            for r in _references(s)
+        ]
+        if any(loop.fault for loop in loops):
+            raise UsageError(f"{name} tripped with {effects}: {loops[0].fault}")
+        return float(np.mean([loop.true.rms for loop in loops]) / count)
+
+    found: dict[str, Any] = {"none": {name: rms(name, (), believed) for name in numbers}}
+    for effect in EFFECTS:
+        planted = from_pairs([effect])
+        row = {name: rms(name, planted, believed) for name in numbers}
+        found[effect] = row | {"inverse, effect known": rms("inverse", planted, believed.extended(planted))}
+    return found

@@ -1,0 +1,69 @@
+"""Feed-forward by the inverse of the hysteresis and of the heating lag, with the model's error tracked on the way."""
+
+from smarig.control.tracking.known import Controller, Known, Wanted
+from smarig.control.tracking.lag import clipped, source_towards
+from smarig.control.tracking.slope_observer import SlopeObserver
+from smarig.errors import DataError
+
+RANGES = {
+    "lead_s": (0.05, 3.0),
+    "horizon_s": (0.1, 5.0),
+    "walk": (1e-4, 1.0),
+    "slope_walk": (0.01, 5.0),
+    "rest_counts": (0.01, 1.0),
+}
+READING_COUNTS = 0.5  # noise of a reading: rounding to counts, and the encoder's own
+
+
+def inverse(
+    known: Known,
+    wanted: Wanted,
+    *,
+    lead_s: float = 0.31,
+    horizon_s: float = 0.32,
+    walk: float = 0.022,
+    slope_walk: float = 0.56,
+    rest_counts: float = 0.28,
+) -> Controller:
+    """Inverse Preisach and heating lag (§8.1's feed-forward), made robust by an observer of the model's error.
+
+    The model, effects included, follows the measured current; ``SlopeObserver`` says how far it is off. What is
+    wanted ``lead_s`` from now is turned into an output of the model, that into the temperature which the model's
+    memory needs for it, and that into the current which brings the wire there in ``horizon_s``. Within ``rest_counts``
+    of where it shall be, the temperature goal stays: a reversal costs the width of a hysteresis; noise is not worth it.
+    """
+    setup, model = known.setup, known.plant()
+    count = setup.actuator.position_per_count(known.counts_per_rev)
+    low, high = known.reach
+    observer = SlopeObserver.at(known.origin, high - low, READING_COUNTS * count, walk, slope_walk)
+    goal_K = model.felt_K
+    sample = yield setup.current_for(goal_K)
+    while True:
+        position = model.step(sample.current_A)
+        observer = observer.seen(sample.position + known.origin, position, setup.period_s)
+        target = observer.model_for(wanted(sample.t_s + lead_s) + known.origin)
+        if abs(target - position) > rest_counts * count:
+            goal_K = _reaching(model.operator, model.operator.y + target - position, goal_K)
+        # effects may shift what the hysteresis feels against what the wire has: asked of the wire is the same move
+        move_K = goal_K - model.felt_K
+        wire_K = model.heating.input_K
+        sample = yield setup.current_for(
+            source_towards(setup, wire_K, clipped(setup, wire_K + move_K), horizon_s)
+        )
+
+
+def _reaching(operator, output: float, otherwise_K: float) -> float:
+    """Temperature that brings the operator to an output, as far as it reaches; the goal before where none does."""
+    hysteresis = operator.hysteresis
+    low, high = (
+        hysteresis.y_lower,
+        hysteresis.y_lower + hysteresis.everett(hysteresis.upper, hysteresis.lower),
+    )
+    if output <= low:
+        return hysteresis.lower
+    if output >= high:
+        return hysteresis.upper
+    try:
+        return operator.inverse(output)
+    except DataError:  # the branch turns back on the way: stay, the observer will tell more
+        return otherwise_K

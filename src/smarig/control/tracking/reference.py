@@ -1,0 +1,128 @@
+"""What a position shall follow: steps, ramps, a multisine, or a file; counted from the encoder's zero.
+
+Knows positions and times; refuses to know whether a wire can follow.
+"""
+
+import csv
+import math
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from smarig.catalogue import suggestion
+from smarig.errors import UsageError
+
+LONGEST_S = 24 * 3600.0
+LARGEST_BYTES = 20_000_000
+SHAPES = ("steps", "ramps", "multisine")
+PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's parts at speed 1: no common multiple within an hour
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Positions (n,) at times (n,) from 0, in the rig's unit; straight between them, or held (``held``)."""
+
+    name: str
+    t_s: tuple[float, ...]
+    position: tuple[float, ...]
+    held: bool = False
+
+    def __post_init__(self) -> None:
+        numbers = np.array([self.t_s, self.position], dtype=float)
+        if numbers.shape[1] < 2 or not np.isfinite(numbers).all():
+            raise UsageError(f"Reference {self.name} needs at least two times with finite positions.")
+        if self.t_s[0] != 0 or np.any(np.diff(self.t_s) <= 0):
+            raise UsageError(f"Reference {self.name}: times must begin at 0 and increase.")
+        if self.t_s[-1] > LONGEST_S:
+            raise UsageError(
+                f"Reference {self.name} takes more than {LONGEST_S / 3600:g} h; give it in parts."
+            )
+
+    @property
+    def duration_s(self) -> float:
+        """Until its last point."""
+        return self.t_s[-1]
+
+    def at(self, t_s: float) -> float:
+        """Wanted position; before its beginning and after its end, that of its first and last point."""
+        k = min(max(bisect_right(self.t_s, t_s) - 1, 0), len(self.t_s) - 1)
+        if self.held or k == len(self.t_s) - 1 or t_s <= 0:
+            return self.position[k]
+        t0, t1 = self.t_s[k], self.t_s[k + 1]
+        share = (t_s - t0) / (t1 - t0)
+        return self.position[k] + share * (self.position[k + 1] - self.position[k])
+
+    def as_data(self) -> dict[str, object]:
+        """For a record: all that is needed to build it again."""
+        return {"name": self.name, "t_s": list(self.t_s), "position": list(self.position), "held": self.held}
+
+    @classmethod
+    def of(cls, data: Mapping) -> "Reference":
+        """From ``as_data``."""
+        return cls(
+            str(data["name"]), tuple(data["t_s"]), tuple(data["position"]), bool(data.get("held", False))
+        )
+
+
+def reference(
+    shape: str,
+    low: float,
+    high: float,
+    *,
+    seconds: float = 240.0,
+    every_s: float = 30.0,
+    speed: float = 1.0,
+    seed: int = 0,
+) -> Reference:
+    """``steps`` and ``ramps`` to random positions in [low, high] every ``every_s``/``speed``; a ``multisine``.
+
+    >>> reference("ramps", 2.0, 8.0, seconds=60.0).duration_s
+    60.0
+    """
+    if shape not in SHAPES:
+        raise UsageError(f"No reference '{shape}'{suggestion(shape, list(SHAPES))}, or a CSV file.")
+    if not (low < high and 0 < seconds <= LONGEST_S and every_s > 0 and speed > 0):
+        raise UsageError(
+            f"A reference needs low < high, 0 < seconds ≤ {LONGEST_S:g}, every_s > 0 and speed > 0; got "
+            f"{low:g}, {high:g}, {seconds:g}, {every_s:g}, {speed:g}."
+        )
+    dice = np.random.default_rng([seed, 0x7247])
+    if shape == "multisine":
+        return _multisine(low, high, seconds, speed, dice)
+    count = max(2, math.floor(seconds * speed / every_s) + 1)
+    times = np.linspace(0.0, seconds, count)
+    return Reference(
+        shape, tuple(times.tolist()), tuple(dice.uniform(low, high, count).tolist()), shape == "steps"
+    )
+
+
+def _multisine(low: float, high: float, seconds: float, speed: float, dice: np.random.Generator) -> Reference:
+    t = np.linspace(0.0, seconds, max(2, round(seconds * speed * 4)))
+    parts = [np.sin(2 * math.pi * (t * speed / period + dice.random())) for period in PERIODS_S]
+    wave = np.sum(parts, axis=0)
+    scaled = (low + high) / 2 + (high - low) / 2 * wave / np.abs(wave).max()
+    return Reference("multisine", tuple(t.tolist()), tuple(scaled.tolist()))
+
+
+def from_csv(path: Path, unit: str) -> Reference:
+    """A file with the columns ``time_s`` and ``position_mm`` or ``position_deg``, straight between its rows."""
+    if not path.is_file():
+        raise UsageError(f"No reference file {path}; give {', '.join(SHAPES)}, or a CSV file.")
+    if path.stat().st_size > LARGEST_BYTES:
+        raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB: that is no reference.")
+    wanted = f"position_{unit}"
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.DictReader(file)
+            missing = [c for c in ("time_s", wanted) if c not in (reader.fieldnames or ())]
+            if missing:
+                raise UsageError(
+                    f"{path} has no column '{missing[0]}'; a reference needs time_s and {wanted}."
+                )
+            rows = [(float(row["time_s"]), float(row[wanted])) for row in reader]
+    except (ValueError, TypeError, UnicodeDecodeError, csv.Error) as error:
+        raise UsageError(f"{path} is not a reference: {error}.") from None
+    return Reference(path.name, tuple(t for t, _ in rows), tuple(y for _, y in rows))

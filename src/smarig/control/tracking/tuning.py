@@ -1,0 +1,66 @@
+"""Controllers tuned by one optimiser and one budget, so that a comparison compares controllers and not patience.
+
+Nelder and Mead's simplex on the logarithms of the numbers that a controller lists in ``RANGES``, within these ranges.
+"""
+
+import importlib
+import math
+from collections.abc import Callable, Mapping
+from inspect import signature
+
+import numpy as np
+from scipy.optimize import minimize
+
+from smarig.catalogue import find
+from smarig.control.tracking.loop import Maker
+
+PACKAGE = "smarig.control.tracking.controllers"
+FIRST_STEP = 0.7  # of a logarithm: a factor of two
+
+
+def ranges(name: str) -> Mapping[str, tuple[float, float]]:
+    """What may be tuned of a controller, with least and largest values."""
+    return importlib.import_module(f"{PACKAGE}.{name}").RANGES
+
+
+def defaults(name: str) -> dict[str, float]:
+    """Its numbers as they are without tuning."""
+    parameters = signature(find(PACKAGE, name)).parameters
+    return {key: parameters[key].default for key in ranges(name)}
+
+
+def made(name: str, numbers: Mapping[str, float]) -> Maker:
+    """A controller with its numbers, ready for a loop."""
+    found = find(PACKAGE, name)
+    return lambda known, wanted: found(known, wanted, **numbers)
+
+
+def tuned(
+    name: str,
+    cost: Callable[[Mapping[str, float]], float],
+    budget: int,
+    more: Mapping[str, tuple[float, float]] | None = None,
+) -> dict[str, float]:
+    """The numbers of least cost found in ``budget`` evaluations, begun at the defaults.
+
+    ``more``: further numbers with their ranges, begun in the middle of these.
+    """
+    allowed = {**ranges(name), **(more or {})}
+    start = {key: math.sqrt(low * high) for key, (low, high) in allowed.items()} | defaults(name)
+    keys = list(allowed)
+    low, high = (np.log([allowed[key][k] for key in keys]) for k in (0, 1))
+    centre = np.log([start[key] for key in keys])
+
+    def numbers(logs: np.ndarray) -> dict[str, float]:
+        return dict(zip(keys, np.exp(np.clip(logs, low, high)).tolist()))
+
+    def costs(logs: np.ndarray) -> float:
+        found = cost(numbers(logs))
+        outside = float(np.sum(np.maximum(low - logs, 0) + np.maximum(logs - high, 0)))
+        return (found if math.isfinite(found) else 1e9) * (1 + outside)
+
+    simplex = np.vstack([centre, centre + FIRST_STEP * np.eye(len(keys))])
+    best = minimize(
+        costs, centre, method="Nelder-Mead", options={"maxfev": budget, "initial_simplex": simplex}
+    )
+    return numbers(best.x)

@@ -1,0 +1,66 @@
+"""References: what is wanted when, and one sentence for files that are none."""
+
+import numpy as np
+import pytest
+
+from smarig.control.tracking.reference import Reference, from_csv, reference
+from smarig.errors import UsageError
+
+
+def test_ramps_are_straight_and_steps_are_held():
+    ramp = Reference("r", (0.0, 10.0, 20.0), (1.0, 3.0, 2.0))
+    held = Reference("s", (0.0, 10.0, 20.0), (1.0, 3.0, 2.0), held=True)
+    assert [ramp.at(t) for t in (-1.0, 0.0, 5.0, 10.0, 15.0, 20.0, 99.0)] == [
+        1.0,
+        1.0,
+        2.0,
+        3.0,
+        2.5,
+        2.0,
+        2.0,
+    ]
+    assert [held.at(t) for t in (-1.0, 0.0, 9.9, 10.0, 19.9, 20.0)] == [1.0, 1.0, 1.0, 3.0, 3.0, 2.0]
+
+
+@pytest.mark.parametrize("shape", ["steps", "ramps", "multisine"])
+def test_a_shape_stays_in_its_bounds_and_follows_from_its_seed(shape):
+    one, again, other = (reference(shape, 2.0, 8.0, seconds=100.0, seed=s) for s in (1, 1, 2))
+    assert one == again != other
+    at = np.array([one.at(t) for t in np.linspace(0, 100, 500)])
+    assert 2.0 <= at.min() < at.max() <= 8.0
+    assert Reference.of(one.as_data()) == one
+
+
+def test_a_file(tmp_path):
+    path = tmp_path / "r.csv"
+    path.write_text("time_s,position_mm\n0,1\n5,2.5\n", encoding="utf-8")
+    assert from_csv(path, "mm").at(2.5) == 1.75
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time_s,position_deg\n0,1\n1,2\n", "no column 'position_mm'"),
+        ("time_s,position_mm\n0,1\n", "at least two times"),
+        ("time_s,position_mm\n0,1\n0,2\n", "increase"),
+        ("time_s,position_mm\n1,1\n2,2\n", "begin at 0"),
+        ("time_s,position_mm\n0,x\n1,2\n", "not a reference"),
+        ("time_s,position_mm\n0,1\n1\n", "not a reference"),
+        ("time_s,position_mm\n0,nan\n1,2\n", "finite"),
+        ("time_s,position_mm\n0,1\n1e9,2\n", "more than"),
+        ("", "no column 'time_s'"),
+        ("\x00\xff", "no column"),
+    ],
+)
+def test_a_file_that_is_none_gets_a_sentence(tmp_path, text, said):
+    path = tmp_path / "r.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UsageError, match=said):
+        from_csv(path, "mm")
+
+
+def test_shapes_that_are_none():
+    with pytest.raises(UsageError, match="did you mean ramps"):
+        reference("ramp", 2.0, 8.0)
+    with pytest.raises(UsageError, match="low < high"):
+        reference("ramps", 8.0, 2.0)

@@ -1,0 +1,196 @@
+"""Closed loops on the twin: they follow, keep limits whatever they ask for, and end at zero when they diverge."""
+
+import math
+
+import numpy as np
+import pytest
+
+from smarig.benchmark.tracking import closed, known, other_wire
+from smarig.catalogue import names
+from smarig.command import Drive, Mark
+from smarig.control.tracking import Known, reference, track
+from smarig.control.tracking.lag import source_towards
+from smarig.control.tracking.loop import Patience
+from smarig.control.tracking.slope_observer import SlopeObserver
+from smarig.control.tracking.tuning import PACKAGE, defaults, made, ranges, tuned
+from smarig.errors import LimitExceeded
+from smarig.model.actuator import Actuator
+from smarig.model.planted import from_pairs
+from smarig.rig.guard import Guard
+from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.listener import Watch
+from smarig.runner.runner import Runner
+
+CONTROLLERS = names(PACKAGE)
+COUNT_mm = Actuator.named("gorbet_one_wire").position_per_count(2000)
+
+
+def driven(protocol, limits=None, twin=None):
+    """Currents that a protocol made flow on a twin, and the error that ended it."""
+    twin = twin or Twin.named("one_wire_twin", seed=3)
+    limits = twin.file.limits.model_copy(update=limits or {})
+    flowed, ended = [], None
+    guard = Guard(twin, limits, twin.actuator)
+    try:
+        Runner(guard, COUNT_mm, [Watch(on_sample=lambda s, *_: flowed.append(s.current_command_A))]).run(
+            protocol
+        )
+    except LimitExceeded as error:
+        ended = error
+    assert twin.output_A == 0.0
+    return np.array(flowed), ended
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_every_controller_follows_a_wire_its_model_is_wrong_about(name):
+    follow = reference("ramps", 2.0, 8.0, seconds=90.0, seed=4)
+    loop = closed(known(), name, defaults(name), other_wire(4), follow, seed=4)
+    assert not loop.fault
+    assert np.ptp(follow.position) > 2.0, "the reference moves"
+    assert loop.true.rms < 1.0 * COUNT_mm
+    assert loop.peak_A <= 1.001  # a reading's noise
+
+
+def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
+    """Means over wires: the whole comparison is ``smarig benchmark tracking``."""
+
+    def error(name):
+        follow = [reference("multisine", 2.0, 8.0, seconds=100.0, seed=seed) for seed in (1, 2, 3)]
+        loops = [
+            closed(known(), name, defaults(name), other_wire(s), f, s) for s, f in zip((1, 2, 3), follow)
+        ]
+        return np.mean([loop.true.rms for loop in loops])
+
+    inverse = error("inverse")
+    assert error("pi") > 1.3 * inverse
+    assert error("gain_scheduled") > 1.3 * inverse
+
+
+def test_a_known_effect_in_the_feed_forward_pays():
+    planted = from_pairs(["backlash"])
+    follow = reference("multisine", 2.0, 8.0, seconds=100.0, seed=2)
+    plain, told = known(), known().extended(planted)
+    errors = [
+        closed(k, "inverse", defaults("inverse"), plain.hysteresis, follow, 2, planted).true.rms
+        for k in (plain, told)
+    ]
+    assert errors[1] < errors[0]
+
+
+def test_the_wire_it_is_tuned_on_and_the_one_it_meets_differ_by_a_tenth_of_the_range():
+    nominal, other = known().hysteresis, other_wire(7)
+    levels = np.linspace(0.0, nominal.upper, 25)
+    alpha, beta = np.meshgrid(levels, levels, indexing="ij")
+    inside = beta <= alpha
+    off = other.y(alpha, beta) - nominal.y(alpha, beta)
+    assert np.sqrt(np.mean(off[inside] ** 2)) / 12.54 == pytest.approx(0.10, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_limits_hold_whatever_a_controller_asks_for(name):
+    rate_A_per_s, most_A = 1.0, 0.8
+    plain = known()
+    limits = plain.setup.limits.model_copy(
+        update={"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A}
+    )
+    tight = Known(
+        type(plain.setup)(plain.setup.actuator, limits, plain.setup.period_s),
+        plain.hysteresis,
+        plain.counts_per_rev,
+    )
+    follow = reference("steps", 1.0, 6.0, seconds=60.0, every_s=10.0, seed=1)
+    flowed, ended = driven(
+        track(tight, made(name, defaults(name)), follow, prepare=False),
+        {"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A},
+    )
+    assert ended is None
+    assert flowed.max() == pytest.approx(most_A)
+    assert np.abs(np.diff(flowed)).max() <= rate_A_per_s * 0.1 + 1e-9
+    assert np.abs(np.diff(flowed)).max() > 0.9 * rate_A_per_s * 0.1, "the limit was met"
+
+
+def backwards(known_, wanted):
+    """A loop with its sign wrong."""
+    sample = yield 0.5
+    while True:
+        sample = yield 1.0 if wanted(sample.t_s) < sample.position else 0.0
+
+
+def broken(_, __):
+    yield 0.5
+    yield math.nan
+
+
+def test_a_loop_that_diverges_trips_to_zero():
+    follow = reference("steps", 6.0, 7.0, seconds=300.0, every_s=100.0, seed=1)
+    flowed, ended = driven(track(known(), backwards, follow, prepare=False, patience=Patience(0.2, 10.0)))
+    assert "diverges" in str(ended)
+    assert flowed.size < 1500
+
+
+def test_what_is_no_number_trips_to_zero():
+    follow = reference("ramps", 2.0, 8.0, seconds=60.0, seed=1)
+    flowed, ended = driven(track(known(), broken, follow, prepare=False))
+    assert "nan" in str(ended)
+    assert flowed.size == 2
+
+
+def test_it_begins_and_ends_at_zero_and_says_what_was_wanted():
+    follow = reference("ramps", 2.0, 8.0, seconds=5.0, seed=1)
+    twin, commands, answer = Twin(known_file(), known().setup.actuator, TwinSettings()), [], None
+    protocol = track(known(), made("pi", defaults("pi")), follow, name="pi", prepare=False)
+    while True:
+        try:
+            commands.append(protocol.send(answer))
+        except StopIteration:
+            break
+        answer = twin.step(commands[-1].current_A)[0] if isinstance(commands[-1], Drive) else None
+    currents = [c.current_A for c in commands if isinstance(c, Drive)]
+    assert currents[0] == currents[-1] == 0.0
+    assert len(currents) >= 51
+    mark = next(c for c in commands if isinstance(c, Mark))
+    assert mark.data["reference"]["position"] == list(follow.position)
+
+
+def known_file():
+    from smarig.config import load_rig
+
+    return load_rig("one_wire_twin")
+
+
+def test_through_the_lag_in_one_move():
+    """Against (5.1) integrated by hand."""
+    setup = known().setup
+    source = source_towards(setup, 40.0, 47.0, horizon_s=2.0)
+    temperature, dt = 40.0, 1e-4
+    for _ in range(20_000):
+        temperature += dt * (source - temperature) / setup.tau_s
+    assert temperature == pytest.approx(47.0, abs=1e-3)
+    assert source_towards(setup, 40.0, 170.0, horizon_s=0.5) == setup.upper_K
+    assert source_towards(setup, 40.0, 30.0, horizon_s=0.1) == setup.lower_K  # cooling is passive
+
+
+def test_the_observer_finds_offset_and_slope():
+    rng, observer = np.random.default_rng(1), SlopeObserver.at(0.0, 10.0, 0.02, 0.001, 0.01)
+    model = np.linspace(0.0, 8.0, 400)
+    for y in model:
+        observer = observer.seen(0.3 + 1.25 * y + 0.02 * rng.normal(), float(y), 0.1)
+    assert observer.g == pytest.approx(0.25, abs=0.02)
+    assert observer.model + observer.d == pytest.approx(0.3 + 1.25 * 8.0, abs=0.02)
+    assert 0.3 + 1.25 * observer.model_for(9.0) == pytest.approx(9.0, abs=0.05)
+
+
+def test_one_simplex_for_all_stays_within_ranges_and_budget():
+    asked = []
+
+    def cost(numbers):
+        asked.append(dict(numbers))
+        return (math.log(numbers["gain_share"]) - 12.0) ** 2 + (math.log(numbers["integral_s"]) - 1.0) ** 2
+
+    found = tuned("pi", cost, 60)
+    assert len(asked) == 60
+    assert found["gain_share"] == pytest.approx(ranges("pi")["gain_share"][1], rel=1e-2)
+    assert found["integral_s"] == pytest.approx(math.e, rel=0.2)
+    assert all(
+        0.999 * low <= n[key] <= 1.001 * high for n in asked for key, (low, high) in ranges("pi").items()
+    )
