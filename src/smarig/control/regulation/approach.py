@@ -1,0 +1,266 @@
+"""The way to B_ℓ (§8.3, Thm 8.3), planned so that the *wire* goes it: heating lag, limits and one-sided current.
+
+    u_ℓ(t) = (1 − t/t₁) A sin(ωt) + ℓ        (8.2), with sin(ωt) for the printed sin(ω)
+
+Both limits are visited first, which wipes out all memory (a sine that decays from the start does not, theory.md
+erratum 9); so A need only be the smaller of u₊ − ℓ and ℓ − u₋, the part of B_ℓ that lies inside the range, and the
+sinusoid begins at the limit it has just left. The wire is made to follow it: the source of each tick is the one that
+brings the temperature to where it should be, within what limits and cooling allow. What the wire then does is
+simulated tick by tick; its extrema are the memory, and d(B, B_ℓ) the area between boundaries. In closed form 2N
+reversals, each A/2N nearer, miss B_ℓ by 2N triangles of that side, A²/4N; what the limits clip adds to it.
+Knows of the hysteresis its range and its output; refuses to know the rig.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.command import Waveform
+from smarig.control.regulation.plane import Plane, turning
+from smarig.errors import UsageError
+from smarig.model.heating import temperature_along
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach
+from smarig.preisach.state_space import Boundary
+from smarig.protocols._setup import Setup
+
+Array = NDArray[np.float64]
+QUICKNESS = (1.6, 1.1, 0.8, 0.6, 0.45, 0.3)  # ωτ: a quicker sinusoid asks for √(1 + ω²τ²) times the amplitude
+MOST_CYCLES = 400
+MOST_S = 6 * 3600.0
+_LEFT = 0.1  # share of what is allowed that may be left of the memory before
+_GROWTH = 1.12
+
+
+@dataclass(frozen=True)
+class ApproachPlan:
+    """Currents that take the wire from any state to near B_ℓ, and how near.
+
+    ``currents_A`` one for each ``period_s``; ``cycles`` N and ``wave_s`` are the sinusoid's. Distances are areas of the
+    Preisach plane, K²: ``predicted_distance`` of the simulated wire from B_ℓ, ``closed_form`` A²/4N of a sinusoid
+    that is followed exactly, ``memory_left`` at most what older memory can change; ``area`` = 2û² is the largest.
+    ``output_error`` is the predicted output there less ψ(ℓ), as a share of the output's range: area counts all relays
+    alike, the output those that weigh.
+    ``predicted_boundary`` is in the coordinates of ``plane``.
+    """
+
+    ell: float
+    plane: Plane
+    currents_A: tuple[float, ...]
+    period_s: float
+    cycles: int
+    wave_s: float
+    amplitude: float
+    predicted_distance: float
+    predicted_boundary: Boundary
+    closed_form: float
+    memory_left: float
+    output_error: float
+    temperature_K: Array
+
+    @property
+    def area(self) -> float:
+        """2û², the area of P_r."""
+        return self.plane.area
+
+    @property
+    def duration_s(self) -> float:
+        """How long it takes, full swings included."""
+        return len(self.currents_A) * self.period_s
+
+    @property
+    def share(self) -> float:
+        """The predicted distance as a share of 2û²."""
+        return self.predicted_distance / self.area
+
+    def near(self, allowed: tuple[float, float]) -> bool:
+        """Whether it is near enough, in the plane and in the output (shares)."""
+        return self.share <= allowed[0] and abs(self.output_error) <= allowed[1]
+
+    def waveform(self) -> Waveform:
+        """The whole of it as one command."""
+        return Waveform(self.currents_A, self.period_s, branch="approach")
+
+    def text(self) -> str:
+        """One sentence for a person."""
+        return (
+            f"To B_ℓ with ℓ = {self.ell:.1f} K in {self.duration_s / 60:.0f} min: both limits, then {self.cycles} "
+            f"cycles of {self.wave_s:.0f} s from ±{self.amplitude:.1f} K; predicted distance {self.share:.2%} of the "
+            f"plane ({self.closed_form / self.area:.2%} without lag)."
+        )
+
+
+def plan(
+    setup: Setup, hysteresis: Everett, ell: float, within: float = 0.01, output_within: float = 1.0
+) -> ApproachPlan:
+    """The shortest approach found whose predicted distance is at most ``within``, a share of 2û².
+
+    ``output_within`` asks besides that the output be that near ψ(ℓ), a share of its range (1: not asked).
+
+    For each quickness ωτ of a short list the fewest cycles are found that are near enough. UsageError when ℓ is no
+    input of the hysteresis, when the limits do not reach its saturation, or when no sinusoid is near enough.
+    """
+    plane = Plane.of(hysteresis)
+    _check(setup, plane, ell, within)
+    reach = _reach(setup, plane)
+    left = _memory_left(plane, reach)
+    if left > within * plane.area:
+        raise UsageError(
+            f"The rig's limits let the wire go from {reach[0]:.1f} to {reach[1]:.1f} K, the hysteresis reaches from "
+            f"{plane.lower:.1f} to {plane.upper:.1f} K: what it remembers beyond cannot be wiped out, and may keep the "
+            f"wire {left / plane.area:.1%} of the plane away from B_ℓ. Widen the limits, or allow more than "
+            f"{within:.1%}."
+        )
+    tried: list[ApproachPlan] = []
+    at_most_s = MOST_S
+    for quickness in QUICKNESS:
+        tried.append(_fewest(setup, hysteresis, ell, (within, output_within), quickness, at_most_s))
+        if tried[-1].near((within, output_within)):
+            at_most_s = min(at_most_s, tried[-1].cycles * tried[-1].wave_s)
+    near_enough = [p for p in tried if p.near((within, output_within))]
+    if near_enough:
+        return min(near_enough, key=lambda p: p.duration_s)
+    nearest = min(tried, key=lambda p: p.share)
+    raise UsageError(
+        f"No sinusoid brings the wire within {100 * within:.3g} % of B_ℓ, ℓ = {ell:.1f} K: the best of at most "
+        f"{MOST_CYCLES} cycles and {MOST_S / 3600:.0f} h comes to {nearest.share:.2%}, its output to "
+        f"{nearest.output_error:.2%} of the range. Allow a larger distance."
+    )
+
+
+def _check(setup: Setup, plane: Plane, ell: float, within: float) -> None:
+    if not 0 < within < 1:
+        raise UsageError(f"The distance allowed is a share of the plane between 0 and 1, got {within:g}.")
+    low, high = max(plane.lower, setup.lower_K), min(plane.upper, setup.upper_K)
+    if not low - 1e-9 <= ell <= high + 1e-9:
+        raise UsageError(
+            f"ℓ = {ell:g} K is outside what this rig and this hysteresis have in common, {low:g}…{high:g} K."
+        )
+
+
+def _reach(setup: Setup, plane: Plane) -> tuple[float, float]:
+    return max(setup.lower_K, plane.lower), min(setup.upper_K, plane.upper)
+
+
+def _memory_left(plane: Plane, reach: tuple[float, float]) -> float:
+    """The area of P_r that going from end to end of ``reach`` does not sweep."""
+    return max(plane.area - 0.5 * (reach[1] - reach[0]) ** 2, 0.0)
+
+
+def _fewest(
+    setup: Setup,
+    hysteresis: Everett,
+    ell: float,
+    allowed: tuple[float, float],
+    quickness: float,
+    at_most_s: float,
+) -> ApproachPlan:
+    """The approach with the fewest cycles that is near enough, or the nearest whose sinusoid is not too long."""
+    plane = Plane.of(hysteresis)
+    low, high = _reach(setup, plane)
+    area = allowed[0] * plane.area
+    wave_s = 2 * math.pi * setup.tau_s / quickness
+    most = max(1, min(MOST_CYCLES, math.floor(at_most_s / wave_s)))
+    cycles = min(max(1, math.ceil(min(high - ell, ell - low) ** 2 / 4 / area)), most)
+    swing_s = setup.tau_s * math.log(2 * plane.bound * (high - low) / (_LEFT * area))
+    best = _approach(setup, hysteresis, ell, cycles, wave_s, swing_s)
+    while not best.near(allowed):
+        cycles = max(cycles + 1, math.ceil(cycles * _GROWTH))
+        if cycles > most:
+            break
+        longer = _approach(setup, hysteresis, ell, cycles, wave_s, swing_s)
+        if longer.share > 0.99 * best.share and best.share > allowed[0]:
+            break  # what is left is the limits', not the cycles'
+        best = longer
+    return best
+
+
+def _approach(
+    setup: Setup, hysteresis: Everett, ell: float, cycles: int, wave_s: float, swing_s: float
+) -> ApproachPlan:
+    plane = Plane.of(hysteresis)
+    low, high = _reach(setup, plane)
+    amplitude = max(min(high - ell, ell - low), 0.0)
+    limits = (high, low) if ell - low <= high - ell else (low, high)
+    goals = _goals(setup, limits, ell, amplitude, cycles, wave_s, swing_s)
+    currents, wire_K = _followed(setup, goals)
+    boundary = plane.after(wire_K)
+    short = (high - low) * math.exp(-swing_s / setup.tau_s)  # of each limit, whatever the wire began with
+    return ApproachPlan(
+        ell,
+        plane,
+        tuple(currents.tolist()),
+        setup.period_s,
+        cycles,
+        wave_s,
+        amplitude,
+        plane.distance(boundary, ell),
+        boundary,
+        amplitude**2 / (4 * cycles),
+        _memory_left(plane, (low + short, high - short)),
+        _output_error(hysteresis, wire_K, ell),
+        wire_K,
+    )
+
+
+def _output_error(hysteresis: Everett, wire_K: Array, ell: float) -> float:
+    """r(B) − ψ(ℓ) as a share of the range, after what the wire did."""
+    operator = Preisach(hysteresis, compiled=False)
+    operator.follow(turning(wire_K))
+    reached = operator.y
+    span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
+    return (reached - operator.go_to_diagonal(ell)) / span if span else 0.0
+
+
+def _goals(
+    setup: Setup,
+    limits: tuple[float, float],
+    ell: float,
+    amplitude: float,
+    cycles: int,
+    wave_s: float,
+    swing_s: float,
+) -> Array:
+    """Where the wire should be at the end of each tick: one limit, the other, and the sinusoid from there."""
+    swing = np.repeat(limits, round(swing_s / setup.period_s))
+    side = 1.0 if limits[1] > ell else -1.0
+    end_s = cycles * wave_s
+    t = setup.period_s * np.arange(1, round(end_s / setup.period_s) + 1)
+    size = side * amplitude * np.maximum(1 - t / end_s, 0.0)
+    return np.concatenate([swing, ell + size * np.cos(2 * math.pi * t / wave_s)])
+
+
+def _followed(setup: Setup, goals: Array) -> tuple[Array, Array]:
+    """Currents whose source brings a cold wire to each goal within a tick, as far as limits let it, and the wire.
+
+    T' = s + (T − s) e^(−dt/τ), solved for s; the differential rig's T₁ − T₂ obeys the same law with a signed s.
+    """
+    decay = math.exp(-setup.period_s / setup.tau_s)
+    low, high, wire = setup.lower_K, setup.upper_K, 0.0
+    sources, wires = [], []
+    for goal in goals.tolist():
+        source = min(max((goal - wire * decay) / (1 - decay), low), high)
+        wire = source + (wire - source) * decay
+        sources.append(source)
+        wires.append(wire)
+    s = np.array(sources)
+    currents = np.copysign(np.sqrt(np.abs(s) / setup.actuator.gain_K_per_A2), s)
+    currents = np.clip(currents, setup.limits.current_min_A, setup.limits.current_max_A)
+    rate_A = setup.limits.current_rate_A_per_s * setup.period_s
+    if np.max(np.abs(np.diff(currents, prepend=0.0))) <= rate_A:
+        return currents, np.array(wires)
+    currents = _rated(
+        currents, rate_A
+    )  # the wire lags a little more than it was asked to: that is predicted, too
+    return currents, temperature_along(setup.actuator, currents, setup.period_s)
+
+
+def _rated(currents_A: Array, rate_A: float) -> Array:
+    """The same currents, none further than ``rate_A`` from the one before, the first from zero."""
+    now, allowed = 0.0, []
+    for wanted in currents_A.tolist():
+        now = min(max(wanted, now - rate_A), now + rate_A)
+        allowed.append(now)
+    return np.array(allowed)

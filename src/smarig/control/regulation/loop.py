@@ -1,0 +1,117 @@
+"""Set-point regulation as a protocol (Fig. 8.4): go to a state of the wanted output, switch to the loop, hold.
+
+The state is B_ℓ with ℓ = ψʳ(y); to compare, it may be reached on an outer branch instead, rising from negative or
+falling from positive saturation, which is how a set-point is usually reached. The encoder is relative, so negative
+saturation is visited first: what is measured there is y₋. The loop may be disturbed: a pulse on the control input, in
+kelvin of source temperature. Ends at zero. Refuses to know which rig, and what the wire really did.
+"""
+
+from collections.abc import Callable
+from typing import Literal
+
+from smarig.command import Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
+from smarig.control.regulation.approach import plan
+from smarig.control.regulation.pi import PI, Loop
+from smarig.control.regulation.psi import Psi
+from smarig.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach
+from smarig.protocols._setup import Setup
+from smarig.sample import Quality, Sample
+
+Start = Literal["diagonal", "ascending", "descending"]
+PULSE_TAUS = 4.0
+OUTPUT_WITHIN = 0.005  # of the output range: what the loop would have to correct, and spoil the state by it
+_COOL_TAUS = 8.0
+
+
+def regulate(
+    setup: Setup,
+    *,
+    hysteresis: Everett,
+    setpoint: float,
+    within: float = 0.01,
+    hold_s: float = 600.0,
+    start: Start = "diagonal",
+    loop: Loop | None = None,
+    settle: Settled | None = None,
+    disturbance_K: float = 0.0,
+    quiet_s: float = 60.0,
+    pulse_s: float | None = None,
+) -> Protocol:
+    """Bring the wire to a state whose output is ``setpoint`` and hold it there in closed loop (§8.3).
+
+    ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` the distance from B_ℓ the approach may
+    leave, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
+    source for ``pulse_s`` (default 4 τ). ``loop`` takes the place of the gentle PI. What cannot be reached is refused
+    with the first command, before any current flows.
+    """
+    settle = settle or Settled()
+    pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
+    _check_times(hold_s, quiet_s, pulse_s if disturbance_K else 0.0)
+    way, rest_K = _approach(setup, hysteresis, setpoint, within, start, settle)
+    yield Mark("regulate", {"setpoint": setpoint, "start": start, "rest_K": rest_K})
+    result = yield Hold(setup.current_for(setup.lower_K), settle, target=setup.lower_K, branch="reference")
+    zero = hysteresis.y_lower - result.position if result is not None else 0.0
+    if way is not None:
+        yield way
+    yield Hold(setup.current_for(rest_K), settle, target=rest_K, branch="arrive")
+
+    def pushed_K(t_s: float) -> float:
+        return disturbance_K if quiet_s <= t_s < quiet_s + pulse_s else 0.0
+
+    yield from _closed(setup, loop or PI.gentle(setup, hysteresis), rest_K, setpoint - zero, hold_s, pushed_K)
+    yield Hold(0.0, Elapsed(_COOL_TAUS * setup.tau_s), branch="cool")
+
+
+def _check_times(hold_s: float, quiet_s: float, pulse_s: float) -> None:
+    if not (hold_s > 0 and quiet_s >= 0 and pulse_s >= 0):
+        raise UsageError(
+            f"Times must not be negative: hold {hold_s:g}, quiet {quiet_s:g}, pulse {pulse_s:g} s."
+        )
+    if pulse_s and not quiet_s + pulse_s < hold_s:
+        raise UsageError(
+            f"The disturbance ends {quiet_s + pulse_s:g} s after the loop is closed, the hold after {hold_s:g} s: "
+            "give a longer hold_s."
+        )
+
+
+def _approach(
+    setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: Start, settle: Settled
+) -> tuple[Waveform | Hold | None, float]:
+    """What leads from negative saturation to where the last move begins, and the input at which the state rests."""
+    if start == "diagonal":
+        ell = float(Psi(hysteresis).least(setpoint))
+        return plan(setup, hysteresis, ell, within, OUTPUT_WITHIN).waveform(), ell
+    if start not in ("ascending", "descending"):
+        raise UsageError(f"start is diagonal, ascending or descending, not '{start}'.")
+    up = start == "ascending"
+    rest_K = Preisach(hysteresis, "negative" if up else "positive").inverse(setpoint)
+    top = Hold(setup.current_for(setup.upper_K), settle, target=setup.upper_K, branch="saturate")
+    return None if up else top, rest_K
+
+
+def _closed(
+    setup: Setup,
+    loop: Loop,
+    rest_K: float,
+    wanted: float,
+    hold_s: float,
+    pushed_K: Callable[[float], float],
+) -> Protocol:
+    """The loop, one tick at a time; what is added to its source is told in the record."""
+    loop.start(rest_K)
+    yield Mark("loop closed", {"wanted_position": wanted})
+    source_K, push_K = rest_K, 0.0
+    rate_A = setup.limits.current_rate_A_per_s * setup.period_s
+    current_A = setup.current_for(rest_K)
+    for k in range(round(hold_s / setup.period_s)):
+        before, push_K = push_K, pushed_K(k * setup.period_s)
+        if push_K != before:
+            yield Mark("disturbance", {"source_K": push_K})
+        asked_K = min(max(source_K + push_K, setup.lower_K), setup.upper_K)
+        current_A = min(max(setup.current_for(asked_K), current_A - rate_A), current_A + rate_A)
+        sample: Sample | None = yield Drive(current_A)
+        if sample is not None and not sample.quality & Quality.STALE:
+            source_K = loop.step(wanted - sample.position)
+    yield Mark("loop opened")

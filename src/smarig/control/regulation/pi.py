@@ -1,0 +1,75 @@
+"""A gentle loop that holds a set-point: PI from the position's error to the source, its zero on the wire's own lag.
+
+    s_k = s_{k−1} + K (e_k − e^(−dt/τ) e_{k−1})    ⇒    T_{k+1} − T_k = K (1 − e^(−dt/τ)) e_k
+
+The zero cancels the heating's pole, tick by tick, so the temperature is an integral of the error: as long as the error
+keeps its sign the temperature moves one way, and no branch of the hysteresis is left that need not be. K is set by
+the steepest branch, so elsewhere the loop is slower, and nowhere overshoots unless the source is cut off. Clipping
+the source *is* the anti-windup: nothing else is summed. Knows no hysteresis and no rig.
+"""
+
+import math
+from typing import Protocol
+
+import numpy as np
+
+from smarig.preisach.everett import Everett
+from smarig.protocols._setup import Setup
+
+GENTLE = 1.0  # the loop's time constant on the steepest branch, as a multiple of τ, is 1/GENTLE
+_PLACES = 256
+
+
+class Loop(Protocol):
+    """A controller that ``regulate`` can close: an error in, a source temperature out."""
+
+    def start(self, source_K: float) -> None:
+        """Begin at rest at a source temperature."""
+        ...
+
+    def step(self, error: float) -> float:
+        """The source temperature of the next tick, K, for the error (wanted − measured) of the last."""
+        ...
+
+
+class PI:
+    """Velocity-form PI; ``gain`` in kelvin per unit of position, errors within ``band`` counting as none.
+
+    >>> loop = PI(gain=2.0, tau_s=5.0, period_s=0.1, low_K=0.0, high_K=100.0)
+    >>> loop.start(50.0)
+    >>> round(loop.step(1.0), 3), round(loop.step(1.0), 3), loop.step(1000.0)
+    (52.0, 52.04, 100.0)
+    """
+
+    def __init__(
+        self, gain: float, tau_s: float, period_s: float, low_K: float, high_K: float, band: float = 0.0
+    ) -> None:
+        self.gain, self.band = gain, band
+        self._decay = math.exp(-period_s / tau_s)
+        self._low_K, self._high_K = low_K, high_K
+        self.start(0.0)
+
+    @classmethod
+    def gentle(cls, setup: Setup, hysteresis: Everett, band: float = 0.0) -> "PI":
+        """For a rig and a model: time constant τ/GENTLE on the steepest branch."""
+        gain = GENTLE / steepest(hysteresis)
+        return cls(gain, setup.tau_s, setup.period_s, setup.lower_K, setup.upper_K, band)
+
+    def start(self, source_K: float) -> None:
+        """Begin at rest at a source temperature."""
+        self._source_K, self._error = min(max(source_K, self._low_K), self._high_K), 0.0
+
+    def step(self, error: float) -> float:
+        """The source temperature of the next tick, K."""
+        error = 0.0 if abs(error) <= self.band else error
+        wanted = self._source_K + self.gain * (error - self._decay * self._error)
+        self._source_K, self._error = min(max(wanted, self._low_K), self._high_K), error
+        return self._source_K
+
+
+def steepest(hysteresis: Everett) -> float:
+    """The steepest slope of the major loop's two branches, output per input, over 1/256 of the range."""
+    u = np.linspace(hysteresis.lower, hysteresis.upper, _PLACES + 1)
+    rising = np.diff(hysteresis.swept(u, np.full_like(u, hysteresis.lower)))
+    falling = -np.diff(hysteresis.swept(np.full_like(u, hysteresis.upper), u))
+    return float(max(np.max(rising), np.max(falling)) / (u[1] - u[0]))

@@ -1,0 +1,146 @@
+"""ψ(ℓ) = r(B_ℓ), the output of the state B_ℓ = {α = 2ℓ − β}, and its right inverse ψʳ (§8.3, Thm 8.5).
+
+    ψ(ℓ) = y₋ + ∫_{u₋}^{ℓ} ∂_βy(min(2ℓ − β, u₊), β) dβ,      ψʳ(y) = min{ℓ : ψ(ℓ) = y}
+
+ψ leads from y₋ to y₊ whatever the hysteresis. It is continuous for surfaces and tables; for single relays it jumps, at
+ℓ = (α + β)/2 by twice the relay's mass, and takes no value inside a jump: there ψʳ is the least ℓ that brings at least
+y, as in the operator's own inverse. Where μ < 0 it may turn back (one-wire p does), so the least ℓ is looked for among
+its turning points: seen in 256 places, then sharpened; a hump narrower than a place passes.
+Knows no time and no way to get to B_ℓ.
+"""
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import minimize_scalar
+
+from smarig.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.inverse import root
+
+Array = NDArray[np.float64]
+PLACES = 256
+ROUNDING = 1e-12  # of the output range
+
+
+class Psi:
+    """ψ of a hysteresis: call it with ℓ, scalar or array, in the input's unit; outputs in the output's.
+
+    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> psi = Psi(surface("two_c"))
+    >>> round(psi(0.0), 2), round(psi.least(2.65), 2), psi.monotone
+    (2.65, 0.01, True)
+    """
+
+    def __init__(self, hysteresis: Everett) -> None:
+        self.hysteresis = hysteresis
+        self.lower, self.upper = hysteresis.lower, hysteresis.upper
+        self.y_lower = hysteresis.y_lower
+        self.y_upper = self.y_lower + hysteresis.everett(self.upper, self.lower)
+        self.continuous = not len(getattr(hysteresis, "steps", ()))
+
+    def __call__(self, ell: ArrayLike) -> float | Array:
+        """ψ(ℓ); ℓ beyond [u₋, u₊] is refused, there is no such state."""
+        centres = np.asarray(ell, dtype=float)
+        outside = ~((centres >= self.lower) & (centres <= self.upper))
+        if np.any(outside):
+            raise UsageError(
+                f"There is no state B_ℓ for ℓ = {centres[outside].flat[0]:g}: ℓ lies in "
+                f"[{self.lower:g}, {self.upper:g}]."
+            )
+        values = np.array([self._at(centre) for centre in centres.ravel().tolist()])
+        return values.reshape(centres.shape) if centres.ndim else float(values[0])
+
+    def least(self, y: ArrayLike) -> float | Array:
+        """ψʳ(y), the least ℓ with ψ(ℓ) = y (or, where ψ jumps past y, that brings at least y).
+
+        UsageError when a y lies outside [y₋, y₊]: no state of the hysteresis has that output for certain.
+        """
+        wanted = np.asarray(y, dtype=float)
+        found = np.array([self._least(target) for target in wanted.ravel().tolist()])
+        return found.reshape(wanted.shape) if wanted.ndim else float(found[0])
+
+    @property
+    def monotone(self) -> bool:
+        """Whether ψ never falls, as it is for μ, g ≥ 0; then it has one inverse but for level stretches."""
+        return bool(np.all(np.diff(self._known[1]) >= -self._slack))
+
+    @cached_property
+    def curve(self) -> tuple[Array, Array]:
+        """ℓ and ψ(ℓ), both (n,), at all places looked at: for drawing."""
+        return self._known
+
+    def _at(self, centre: float) -> float:
+        return self.y_lower + self.hysteresis.fall_from_diagonal(centre, self.lower)
+
+    @property
+    def _slack(self) -> float:
+        return ROUNDING * abs(self.y_upper - self.y_lower)
+
+    @cached_property
+    def _known(self) -> tuple[Array, Array]:
+        """Places between which ψ is monotone (or, for relays, constant), and ψ there."""
+        places = np.linspace(self.lower, self.upper, PLACES + 1)
+        centres = self._jumps()
+        if centres.size:  # a relay is up in B_ℓ only once ℓ is past its middle
+            past = np.minimum(np.nextafter(centres, np.inf), self.upper)
+            places = np.unique(np.concatenate([places, centres, past]))
+            return places, self(places)  # type: ignore[return-value]
+        places = np.union1d(places, np.asarray(getattr(self.hysteresis, "kinks", ())))
+        values = np.asarray(self(places))
+        turns = self._turns(places, values)
+        if not turns.size:
+            return places, values
+        both = np.concatenate([places, turns])
+        order = np.argsort(both, kind="stable")
+        return both[order], np.concatenate([values, np.asarray(self(turns))])[order]
+
+    def _jumps(self) -> Array:
+        """Where single relays switch in B_ℓ as ℓ grows; empty for what has no single relays."""
+        alpha, beta = (getattr(self.hysteresis, name, None) for name in ("alpha", "beta"))
+        if self.continuous or alpha is None or beta is None:
+            return np.empty(0)
+        return np.unique((np.asarray(alpha) + np.asarray(beta)) / 2)
+
+    def _turns(self, places: Array, values: Array) -> Array:
+        """Where ψ turns between or at the places: each turning seen in the samples, sharpened."""
+        step = np.diff(values)
+        step[np.abs(step) <= self._slack] = 0.0
+        turning = np.flatnonzero(step[:-1] * step[1:] < 0) + 1
+        width = 1e-12 * (self.upper - self.lower)
+        found = []
+        for k in turning.tolist():
+            sign = 1.0 if step[k - 1] < 0 else -1.0
+            ends = (places[k - 1], places[k + 1])
+            best = minimize_scalar(
+                lambda ell, s=sign: s * self._at(ell), bounds=ends, method="bounded", options={"xatol": width}
+            )
+            found.append(float(best.x))  # type: ignore[attr-defined]
+        return np.array(found)
+
+    def _least(self, y: float) -> float:
+        if not self.y_lower - self._slack <= y <= self.y_upper + self._slack:
+            raise UsageError(
+                f"The set-point {y:g} lies outside the outputs of this hysteresis, "
+                f"[{self.y_lower:g}, {self.y_upper:g}]; give one inside."
+            )
+        places, values = self._known
+        k = int(np.argmax(values >= min(y, float(values.max())) - self._slack))
+        if k == 0:
+            return self.lower
+        near, far = float(places[k - 1]), float(places[k])
+        if self.continuous:
+            return root(lambda ell: self._at(ell) - y, near, far)
+        return far if self._jumps().size else self._bisected(near, far, y)
+
+    def _bisected(self, near: float, far: float, y: float) -> float:
+        """The first ℓ with ψ ≥ y between two places, where it is not known at which ℓ ψ jumps."""
+        while near < (middle := 0.5 * (near + far)) < far and math.isfinite(middle):
+            near, far = (near, middle) if self._at(middle) >= y - self._slack else (middle, far)
+        return far
+
+    def __repr__(self) -> str:
+        turns = "" if self.monotone else ", turns back"
+        return f"Psi([{self.lower:g}, {self.upper:g}] → [{self.y_lower:g}, {self.y_upper:g}]{turns})"

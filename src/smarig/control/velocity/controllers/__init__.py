@@ -1,0 +1,1 @@
+"""Velocity controllers, one file each: the file name is the name, the function of that name makes it."""

@@ -1,0 +1,15 @@
+"""Constant gain."""
+
+import numpy as np
+
+from smarig.control.velocity.controller import Memoryless, positive
+
+
+def constant_gain(gain: float) -> Memoryless:
+    """ũ = k ė: δ = γ = k, the thesis's proportional controller (§8.2).
+
+    >>> constant_gain(3.0).delta, constant_gain(3.0).gamma
+    (3.0, 3.0)
+    """
+    k = positive("gain", gain)
+    return Memoryless(lambda _, error: k * error, k, k, lambda: [np.array([1.0])])

@@ -1,0 +1,16 @@
+"""Lead or lag."""
+
+from smarig.control.velocity.controller import FirstOrder, positive
+
+
+def lead_lag(gain: float, zero_s: float, pole_s: float) -> FirstOrder:
+    """H(s) = k (1 + s zero_s)/(1 + s pole_s): a lead for zero_s > pole_s, else a lag.
+
+    H₀ = k and H∞ = k zero_s/pole_s; δ is the smaller, γ the larger.
+
+    >>> lead = lead_lag(2.0, zero_s=4.0, pole_s=1.0)
+    >>> lead.delta, lead.gamma
+    (2.0, 8.0)
+    """
+    k, zero, pole = (positive(n, v) for n, v in (("gain", gain), ("zero_s", zero_s), ("pole_s", pole_s)))
+    return FirstOrder(k, k * zero / pole, 1.0 / pole)

@@ -1,0 +1,19 @@
+"""Proportional and leaking integral."""
+
+from smarig.control.velocity.controller import FirstOrder, positive
+
+
+def leaky_pi(gain: float, integral_per_s: float, leak_per_s: float) -> FirstOrder:
+    """H(s) = k_p + k_i/(s + a): an integral that forgets at the rate a, for without a leak there is no finite gain.
+
+    δ = k_p, γ = k_p + k_i/a.
+
+    >>> pi = leaky_pi(2.0, integral_per_s=0.6, leak_per_s=0.1)
+    >>> pi.delta, round(pi.gamma, 12)
+    (2.0, 8.0)
+    """
+    k, i, a = (
+        positive(n, v)
+        for n, v in (("gain", gain), ("integral_per_s", integral_per_s), ("leak_per_s", leak_per_s))
+    )
+    return FirstOrder(k + i / a, k, a)

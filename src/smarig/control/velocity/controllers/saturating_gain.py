@@ -1,0 +1,26 @@
+"""A gain that is high for small errors and low for large ones."""
+
+import numpy as np
+
+from smarig.control.velocity.controller import Memoryless, positive
+from smarig.errors import UsageError
+
+
+def saturating_gain(least: float, most: float, width: float) -> Memoryless:
+    """ũ = k₁ ė + (k₂ − k₁) sat(ė), sat clipping at ± ``width`` (output unit per second); sector [k₁, k₂].
+
+    k₂ is met by every |ė| ≤ width, k₁ only in the limit of large errors: δ = k₁, γ = k₂. A gain that saturated
+    altogether (k₁ = 0) would not be strictly passive.
+
+    >>> law = saturating_gain(1.0, 5.0, width=0.1)
+    >>> law.delta, law.gamma, round(law.start(0.1).output(2.0), 12)
+    (1.0, 5.0, 2.4)
+    """
+    k1, k2, w = (positive(n, v) for n, v in (("least", least), ("most", most), ("width", width)))
+    if k1 > k2:
+        raise UsageError(f"A saturating gain needs least ≤ most, got {k1:g} and {k2:g}.")
+
+    def law(_: int, error: float) -> float:
+        return k1 * error + (k2 - k1) * min(max(error, -w), w)
+
+    return Memoryless(law, k1, k2, lambda: (np.array([w * 10.0**k]) for k in range(13)))

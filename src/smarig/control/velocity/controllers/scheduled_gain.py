@@ -1,0 +1,35 @@
+"""A gain on a schedule."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from smarig.control.velocity.controller import Memoryless, positive
+from smarig.errors import UsageError
+
+_SEEN = 4096
+
+
+def scheduled_gain(least: float, most: float, schedule: Callable[[int], float]) -> Memoryless:
+    """ũ_k = k(σ_k) ė_k with k₁ ≤ k(σ) ≤ k₂, whatever σ depends on: ``schedule`` gives the gain of a sample.
+
+    Without memory in ė, so ė ũ ≥ k₁ ė² and |ũ| ≤ k₂ |ė| at every sample: δ = k₁ and γ = k₂ for every schedule,
+    also one that looks at positions, at time or at earlier samples. Gains outside [k₁, k₂] are clipped to it.
+
+    >>> by_turns = scheduled_gain(1.0, 4.0, lambda k: 1.0 if k % 2 else 4.0)
+    >>> by_turns.delta, by_turns.gamma
+    (1.0, 4.0)
+    """
+    k1, k2 = positive("least", least), positive("most", most)
+    if k1 > k2:
+        raise UsageError(f"A scheduled gain needs least ≤ most, got {k1:g} and {k2:g}.")
+
+    def gain(sample: int) -> float:
+        return min(max(schedule(sample), k1), k2)
+
+    def impulses() -> Iterator[np.ndarray]:
+        gains = np.array([gain(k) for k in range(_SEEN)])
+        for where in (int(gains.argmin()), int(gains.argmax())):
+            yield np.eye(1, where + 1, where)[0]
+
+    return Memoryless(lambda sample, error: gain(sample) * error, k1, k2, impulses)

@@ -1,0 +1,93 @@
+"""A controller's δ and γ put to the test on signals: both inequalities at every T, and how tight they are.
+
+Knows a controller by what it answers; refuses to read its transfer function.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.control.velocity.controller import VelocityController
+from smarig.errors import DataError, UsageError
+
+Array = NDArray[np.float64]
+
+
+def response(controller: VelocityController, error: ArrayLike, dt_s: float) -> Array:
+    """ũ (n,) to errors (n,), from rest; DataError for errors that are not finite."""
+    errors = np.asarray(error, dtype=float)
+    if errors.ndim != 1 or not np.isfinite(errors).all():
+        raise DataError("A controller takes a row of finite errors.")
+    running, control = controller.start(dt_s), np.empty(errors.size)
+    for k, e in enumerate(errors.tolist()):
+        control[k] = running.output(e)
+        running.advance(e)
+    return control
+
+
+@dataclass(frozen=True, eq=False)
+class Inequalities:
+    """Running sums up to every T, (n,) each, times dt: ⟨ė, ũ⟩_T, ‖ė‖²_T and ‖ũ‖²_T."""
+
+    supplied: Array
+    error_squared: Array
+    control_squared: Array
+
+    def strictly_passive(self, delta: float) -> bool:
+        """⟨ė, ũ⟩_T ≥ δ ‖ė‖²_T at every T, rounding apart."""
+        return not self._too_little(delta).any()
+
+    def finite_gain(self, gamma: float) -> bool:
+        """‖ũ‖_T ≤ γ ‖ė‖_T at every T, rounding apart."""
+        return not self._too_much(gamma).any()
+
+    def _too_little(self, delta: float) -> NDArray[np.bool_]:
+        return delta * self.error_squared - self.supplied > 1e-12 * self._size(delta)
+
+    def _too_much(self, gamma: float) -> NDArray[np.bool_]:
+        most = gamma**2 * self.error_squared
+        return self.control_squared - most > 1e-12 * (self.control_squared + most)
+
+    def broken_at(self, index: Literal["delta", "gamma"], value: float) -> int | None:
+        """The first sample T at which the inequality with this δ or γ fails; None if it holds at all."""
+        broken = self._too_little(value) if index == "delta" else self._too_much(value)
+        return int(np.argmax(broken)) if broken.any() else None
+
+    def _size(self, delta: float) -> Array:
+        """What rounding is measured by: ⟨ė, ũ⟩ is a sum of products that cancel."""
+        return np.sqrt(self.error_squared * self.control_squared) + delta * self.error_squared
+
+
+def inequalities(controller: VelocityController, error: ArrayLike, dt_s: float) -> Inequalities:
+    """Both sides of Thm 8.2's two inequalities along errors (n,), from rest.
+
+    >>> from smarig.control.velocity.controllers.lead_lag import lead_lag
+    >>> lead = lead_lag(2.0, zero_s=4.0, pole_s=1.0)
+    >>> seen = inequalities(lead, [1.0, -2.0, 0.5], dt_s=0.1)
+    >>> seen.strictly_passive(lead.delta), seen.finite_gain(lead.gamma)
+    (True, True)
+    """
+    errors = np.asarray(error, dtype=float)
+    control = response(controller, errors, dt_s)
+    return Inequalities(
+        dt_s * np.cumsum(errors * control), dt_s * np.cumsum(errors**2), dt_s * np.cumsum(control**2)
+    )
+
+
+def violating(
+    controller: VelocityController, dt_s: float, index: Literal["delta", "gamma"], by: float = 1.01
+) -> Array:
+    """Errors (n,) that break ⟨ė, ũ⟩_T ≥ (by·δ) ‖ė‖²_T, or ‖ũ‖_T ≤ (γ/by) ‖ė‖_T, at their end: so tight is the index.
+
+    UsageError when none of the controller's own probes does, or for a factor that is not above 1.
+    """
+    if not by > 1:
+        raise UsageError(f"An index can only be broken beyond itself: give a factor above 1, got {by:g}.")
+    value = by * controller.delta if index == "delta" else controller.gamma / by
+    for probe in controller.probes(dt_s):
+        last = inequalities(controller, probe, dt_s).broken_at(index, value)
+        if last is not None:
+            return probe[: last + 1]
+    raise UsageError(f"No signal was found that breaks {index} by a factor {by:g}.")

@@ -1,0 +1,156 @@
+"""Thm 8.2: the bound of the velocity error, and the hypotheses it needs, each looked at.
+
+    δ ‖ė‖² ≤ γ‖ṙ‖‖ė‖ + ‖u_o‖(‖ṙ‖ + ‖ė‖) + Q₀     ⇒     ‖ė‖_T ≤ [(γ + δ)‖ṙ‖_T + ‖u_o‖_T]/δ + √(Q₀/δ)
+                                                        ≤ k_e (‖ṙ‖_T + ‖u_o‖_T),   k_e = max{γ + δ, 1}/δ,  Q₀ = 0
+
+Q₀ is the energy stored at the start, zero from u(0) = 0: the thesis's proof with that one term kept. The first
+bound holds in any units. k_e adds output per second to input, so its number belongs to the units chosen.
+What is proved is that the velocity error stays bounded; not that the position arrives anywhere.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.control.hypothesis import Hypothesis, all_hold, failing
+from smarig.control.storage import storage
+from smarig.control.velocity.controller import VelocityController
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+from smarig.preisach.properties.classes import classes
+from smarig.preisach.properties.monotone import monotone
+
+Array = NDArray[np.float64]
+
+
+def k_e(controller: VelocityController) -> float:
+    """max{γ + δ, 1}/δ.
+
+    >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
+    >>> k_e(constant_gain(4.0))
+    2.0
+    """
+    return max(controller.gamma + controller.delta, 1.0) / controller.delta
+
+
+def sharp_bound(
+    controller: VelocityController, rate_norm: ArrayLike, offset_norm: ArrayLike, stored: float = 0.0
+) -> Array:
+    """[(γ + δ)‖ṙ‖ + ‖u_o‖]/δ + √(Q₀/δ), broadcast over the norms."""
+    delta, gamma = controller.delta, controller.gamma
+    driven = ((gamma + delta) * np.asarray(rate_norm) + np.asarray(offset_norm)) / delta
+    return driven + np.sqrt(max(stored, 0.0) / delta)
+
+
+@dataclass(frozen=True)
+class Stability:
+    """What Thm 8.2 says of one model and one controller. ``stored`` is Q₀, inf where there is no bound."""
+
+    k_e: float
+    delta: float
+    gamma: float
+    stored: float
+    hypotheses: tuple[Hypothesis, ...]
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether all hypotheses hold."""
+        return all_hold(self.hypotheses)
+
+    @property
+    def text(self) -> str:
+        """The plain statement for a report."""
+        numbers = f"δ = {self.delta:.4g}, γ = {self.gamma:.4g}"
+        if self.holds:
+            return (
+                f"Stable (Thm 8.2): the velocity error never exceeds k_e = {self.k_e:.4g} times what drives the loop, "
+                f"‖ė‖ ≤ k_e (‖ṙ‖ + ‖u_o‖) up to every T ({numbers})."
+            )
+        reasons = " ".join(h.text for h in failing(self.hypotheses))
+        return f"Thm 8.2 does not cover this loop ({numbers}). {reasons}"
+
+
+def stability(
+    hysteresis: Everett, controller: VelocityController, initial: Initial = "negative"
+) -> Stability:
+    """The hypotheses of Thm 8.2, one by one, for the loop without delay (``loop``).
+
+    >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
+    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> stability(surface("one_e"), constant_gain(4.0)).holds
+    True
+    >>> [h.name for h in failing(stability(surface("two_p"), constant_gain(4.0), "anhysteretic").hypotheses)]
+    ['passive', 'output follows input']
+    """
+    start = Preisach(hysteresis, initial).state
+    energy = storage(hysteresis, start)
+    stored = energy.energy
+    return Stability(
+        k_e(controller),
+        controller.delta,
+        controller.gamma,
+        stored,
+        (
+            _passive(energy.ground, energy.proved, stored, energy.unit),
+            _follows(hysteresis),
+            _density(hysteresis),
+            _no_stored_energy(start.u, stored),
+            _strict(controller.delta),
+            _finite(controller.gamma),
+        ),
+    )
+
+
+def _passive(ground: str, proved: bool, stored: float, unit: str) -> Hypothesis:
+    if ground == "none":
+        return Hypothesis("passive", False, "some loop gives energy back in every cycle, so no bound exists")
+    if ground == "undecided":
+        return Hypothesis("passive", None, "dissipativity is not decided for this kind of hysteresis")
+    why = {
+        "positive": "ν ≥ 0 (Thm 8.1)",
+        "recoverable": "ν is negative somewhere, but Q_r is proved a storage function",
+        "dissipative": "ν is negative somewhere, but no loop gives energy back",
+    }[ground]
+    if not proved:
+        return Hypothesis(
+            "passive",
+            None,
+            f"{why}; the stored energy ({stored:.4g} {unit}".rstrip() + ") is a limit from below",
+        )
+    return Hypothesis("passive", True, why)
+
+
+def _follows(hysteresis: Everett) -> Hypothesis:
+    found = monotone(hysteresis)
+    if found.holds:
+        return Hypothesis("output follows input", True, "no branch runs against its input (Assumption 2.1)")
+    why = f"a monotone move can bring the output back by {found.setback:.3g}, so u_k Δy_k may fall short of ∫u dy"
+    return Hypothesis("output follows input", False, why)
+
+
+def _density(hysteresis: Everett) -> Hypothesis:
+    if classes(hysteresis).M_PC:
+        return Hypothesis("μ ∈ M_PC", True, "the output has no jumps, so the loop has a solution")
+    return Hypothesis("μ ∈ M_PC", False, "relays jump, so the loop need not have a solution")
+
+
+def _no_stored_energy(u: float, stored: float) -> Hypothesis:
+    if u == 0.0 and not 0.0 < stored < np.inf:
+        return Hypothesis("u(0) = 0", True, "the loop starts at zero")
+    if stored == 0.0:
+        return Hypothesis("u(0) = 0", True, f"the loop starts at u = {u:.4g}, but with no stored energy")
+    why = f"the loop starts at u = {u:.4g} with a stored energy of {stored:.4g}; the bound with √(Q₀/δ) counts it"
+    return Hypothesis("u(0) = 0", False, why)
+
+
+def _strict(delta: float) -> Hypothesis:
+    if delta > 0:
+        return Hypothesis("H₁ strictly passive", True, f"δ = {delta:.4g}")
+    return Hypothesis("H₁ strictly passive", False, f"δ = {delta:.4g} is not positive")
+
+
+def _finite(gamma: float) -> Hypothesis:
+    if np.isfinite(gamma):
+        return Hypothesis("H₁ of finite gain", True, f"γ = {gamma:.4g}")
+    return Hypothesis("H₁ of finite gain", False, "γ is infinite")

@@ -1,0 +1,20 @@
+"""A protocol of Drive commands on a twin, without runner or record: what the generator returns at its end."""
+
+from collections.abc import Generator
+from typing import Any
+
+from smarig.command import Command, Drive
+from smarig.rig.twin import Twin
+
+
+def drive(protocol: Generator[Any, Any, Any], twin: Twin, seen: list[Command] | None = None) -> Any:
+    """Answer every Drive with its sample and everything else with None; ``seen`` collects the commands."""
+    answer = None
+    while True:
+        try:
+            command = protocol.send(answer)
+        except StopIteration as end:
+            return end.value
+        if seen is not None:
+            seen.append(command)
+        answer = twin.step(command.current_A)[0] if isinstance(command, Drive) else None
