@@ -29,7 +29,7 @@ from simulators.world import AMPLIFIER, DAQ, World
 from smarig.config import RigFile, load_rig
 from smarig.errors import SmarigError, UsageError
 from smarig.model.actuator import Actuator
-from smarig.model.planted import from_pairs
+from smarig.model.planted import asked_for
 from smarig.rig.specimen import Specimen, TwinSettings
 from smarig.wire.register import load_map
 
@@ -71,7 +71,7 @@ def main(
         file = load_rig(rig)
         faults = load_faults(faults_file) if faults_file else ()
         framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
-        settings = TwinSettings(seed=seed, effects=from_pairs(effects))
+        settings = TwinSettings(seed=seed, effects=asked_for(effects))
         world = _world(file, settings, faults, *_devices(framings, device_library))
         trace = Trace(trace_file) if trace_file else None
         lines = [_line(world, name, faults, folder) for name in framings]

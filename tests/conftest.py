@@ -33,6 +33,8 @@ LONGEST = (
     "test_viewers",
     "test_readme",
     "test_diagnose",
+    "test_blocks",
+    "test_site",
     "test_recovery_on_the_twin",
     "test_promises",
 )

@@ -22,6 +22,7 @@ from smarig.identification.model_file import Model
 from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.identification.verify import verify
 from smarig.model.actuator import Actuator
+from smarig.protocols._settings import chosen_steps
 from smarig.record import Run, load_run
 from smarig.report.characterisation import characterisation_page
 from smarig.report.diagnosis_page import diagnosis_page
@@ -83,7 +84,7 @@ def characterise(
     are, an interrupted one is resumed. Raises what the runs raise; a finished run stays.
     """
     started = time.monotonic()
-    plan = load_campaign(campaign)
+    plan = chosen_steps(load_campaign(campaign))
     if not any(step.purpose == "train" for step in plan.step):
         raise UsageError(
             f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."

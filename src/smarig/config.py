@@ -1,15 +1,16 @@
 """Configuration files: TOML in, frozen and checked values out, every mistake one sentence with its key.
 
 Knows the schema of actuators and rigs. Refuses to know what is done with them, and never fills in a
-physical quantity that the file leaves out.
+physical quantity that the file leaves out. The comment after a key is its text in the reference.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 
-from smarig.catalogue import suggestion
+from smarig.catalogue import is_path, suggestion
 from smarig.errors import ConfigError, UsageError
 from smarig.resources import shipped
 from smarig.toml_file import Number, Section, check, load, read_toml
@@ -18,86 +19,89 @@ from smarig.toml_file import Number, Section, check, load, read_toml
 class Quantity(Section):
     """A physical quantity: value, unit, and where the value comes from."""
 
-    value: Number
-    unit: str
-    source: str
+    value: Number  # the number
+    unit: str  # as the key demands it
+    source: str  # where the value comes from: a paper, a data sheet, a calibration
 
     def __float__(self) -> float:
         return self.value
 
 
-def _unit(expected: str):
-    def check(q: Quantity) -> Quantity:
-        if q.unit != expected:
-            raise ValueError(f"unit is '{q.unit}', expected '{expected}'")
+@dataclass(frozen=True)
+class In:
+    """Demands a positive value in one unit."""
+
+    unit: str
+
+    def __call__(self, q: Quantity) -> Quantity:
+        if q.unit != self.unit:
+            raise ValueError(f"unit is '{q.unit}', expected '{self.unit}'")
         if q.value <= 0:
             raise ValueError(f"value {q.value:g} must be positive")
         return q
 
-    return AfterValidator(check)
 
-
-Millimetres = Annotated[Quantity, _unit("mm")]
-Ohms = Annotated[Quantity, _unit("ohm")]
-Kelvin = Annotated[Quantity, _unit("K")]
-Amperes = Annotated[Quantity, _unit("A")]
-Density = Annotated[Quantity, _unit("kg/m^3")]
-SpecificHeat = Annotated[Quantity, _unit("J/(kg K)")]
+Millimetres = Annotated[Quantity, AfterValidator(In("mm"))]
+Ohms = Annotated[Quantity, AfterValidator(In("ohm"))]
+Kelvin = Annotated[Quantity, AfterValidator(In("K"))]
+Amperes = Annotated[Quantity, AfterValidator(In("A"))]
+Density = Annotated[Quantity, AfterValidator(In("kg/m^3"))]
+SpecificHeat = Annotated[Quantity, AfterValidator(In("J/(kg K)"))]
 
 
 class Wire(Section):
     """The wire itself; lengths of one active wire."""
 
-    material: str
-    diameter: Millimetres
-    active_length: Millimetres
-    density: Density
-    specific_heat: SpecificHeat
+    material: str  # alloy and make
+    diameter: Millimetres  # of the wire
+    active_length: Millimetres  # between the clamps, of one wire
+    density: Density  # of the alloy
+    specific_heat: SpecificHeat  # of the alloy
 
 
 class Heating(Section):
     """What sets the temperature: resistances and one known steady state (5.3)."""
 
-    resistance_martensite: Ohms
-    resistance_austenite: Ohms
-    reference_current: Amperes
-    reference_temperature: Kelvin
+    resistance_martensite: Ohms  # of the cold wire
+    resistance_austenite: Ohms  # of the hot wire
+    reference_current: Amperes  # of the known steady state
+    reference_temperature: Kelvin  # above ambient, at that current: sets R/hA (5.3)
 
 
 class Transmission(Section):
     """How contraction becomes encoder angle and the rig's unit of position."""
 
-    unit: Literal["mm", "deg"]
-    radius: Millimetres
+    unit: Literal["mm", "deg"]  # of position, here and in every file made with this wire
+    radius: Millimetres  # of the pulley that the wire turns
 
 
 class Hysteresis(Section):
     """The operator a twin uses: a surface of Table 5.1 or a model file."""
 
-    surface: str
-    initial: Literal["negative", "anhysteretic"]
+    surface: str  # name of a surface of Table 5.1, or path of a model file
+    initial: Literal["negative", "anhysteretic"]  # state that a twin's wire starts in
 
 
 class ActuatorFile(Section):
     """configs/actuators/NAME.toml"""
 
-    name: str
-    arrangement: Literal["one_wire", "two_wire"]
-    source: str
-    wire: Wire
-    heating: Heating
-    transmission: Transmission
-    hysteresis: Hysteresis
-    notes: str = ""
+    name: str  # of the file
+    arrangement: Literal["one_wire", "two_wire"]  # two wires pull against each other
+    source: str  # where the set of values comes from
+    wire: Wire  # the wire itself
+    heating: Heating  # what sets the temperature
+    transmission: Transmission  # how contraction becomes position
+    hysteresis: Hysteresis  # what a twin moves by
+    notes: str = ""  # a remark
 
 
 class LimitsFile(Section):
     """[limits]: checked on every tick, by the host; the device has its own."""
 
-    current_min_A: Number
-    current_max_A: Number
-    current_rate_A_per_s: Number = Field(gt=0)
-    temperature_max_K: Number = Field(gt=0)
+    current_min_A: Number  # least current; negative for two wires only
+    current_max_A: Number  # largest current
+    current_rate_A_per_s: Number = Field(gt=0)  # fastest change
+    temperature_max_K: Number = Field(gt=0)  # hottest wire, above ambient, as predicted
     cycles_max: int | None = Field(default=None, strict=True, gt=0)  # of the wire, over all its runs
 
     @model_validator(mode="after")
@@ -114,16 +118,16 @@ class LimitsFile(Section):
 class AmplifierFile(Section):
     """[amplifier]: saturation and read-back noise (standard deviations)."""
 
-    saturation_A: Number = Field(gt=0)
-    current_noise_A: Number = Field(ge=0)
-    voltage_noise_V: Number = Field(ge=0)
+    saturation_A: Number = Field(gt=0)  # no more comes out
+    current_noise_A: Number = Field(ge=0)  # of a reading, standard deviation
+    voltage_noise_V: Number = Field(ge=0)  # of a reading, standard deviation
 
 
 class EncoderFile(Section):
     """[encoder]: resolution and noise of one sample before quantisation."""
 
-    counts_per_rev: int = Field(gt=0, le=10_000_000)
-    noise_counts: Number = Field(ge=0, le=1e6)
+    counts_per_rev: int = Field(gt=0, le=10_000_000)  # counts of a turn
+    noise_counts: Number = Field(ge=0, le=1e6)  # of one sample, before it is rounded
 
 
 class LinkFile(Section):
@@ -133,29 +137,29 @@ class LinkFile(Section):
     TCP; it may be left out where a simulator says it. ``address`` is Modbus's; 0 means the device's own.
     """
 
-    driver: str
-    framing: Literal["lines", "modbus_tcp", "modbus_rtu"]
-    url: str = ""
-    baud: int = Field(default=115200, ge=300, le=4_000_000)
-    address: int = Field(default=0, ge=0, le=247)
-    timeout_s: Number = Field(default=0.3, gt=0, le=5)
+    driver: str  # file in src/smarig/drivers
+    framing: Literal["lines", "modbus_tcp", "modbus_rtu"]  # how bytes make messages
+    url: str = ""  # port or address of the device; empty where a simulator says it
+    baud: int = Field(default=115200, ge=300, le=4_000_000)  # of a serial port
+    address: int = Field(default=0, ge=0, le=247)  # Modbus's; 0: the device's own
+    timeout_s: Number = Field(default=0.3, gt=0, le=5)  # patience for one answer
 
 
 class LinksFile(Section):
     """[links]: the two devices of a bench."""
 
-    amplifier: LinkFile
-    encoder_daq: LinkFile
+    amplifier: LinkFile  # what drives the current
+    encoder_daq: LinkFile  # what reads the position
 
 
 class ProtectionFile(Section):
     """[protection]: limits that the amplifier keeps by itself, beside those of [limits] and the lease."""
 
-    slew_max_A_per_s: Number = Field(gt=0)
-    resistance_min_ohm: Number = Field(ge=0)
-    resistance_max_ohm: Number = Field(gt=0)
-    heat_max_A2s: Number = Field(gt=0)
-    heat_settle_s: Number = Field(gt=0)
+    slew_max_A_per_s: Number = Field(gt=0)  # fastest change of current
+    resistance_min_ohm: Number = Field(ge=0)  # less is a short circuit
+    resistance_max_ohm: Number = Field(gt=0)  # more is a broken wire or clamp
+    heat_max_A2s: Number = Field(gt=0)  # largest i²t integral
+    heat_settle_s: Number = Field(gt=0)  # time constant with which the i²t integral forgets
 
 
 class SimulatorFile(Section):
@@ -165,33 +169,33 @@ class SimulatorFile(Section):
     Python; ``trace``: file for what the wire felt. Without ``start`` they are running already, where the links say.
     """
 
-    start: bool = True
-    speed: Number = Field(default=0.0, ge=0, le=1e6)
-    faults: str = ""
-    library: str = ""
-    trace: str = ""
+    start: bool = True  # false: they are running already, where the links say
+    speed: Number = Field(default=0.0, ge=0, le=1e6)  # × real time; 0: as fast as asked
+    faults: str = ""  # file of what goes wrong
+    library: str = ""  # the C firmware built for this machine, in place of Python
+    trace: str = ""  # file for what the wire felt
 
 
 class RigFile(Section):
     """configs/rigs/NAME.toml; ``base`` names another rig file, which holds every key that is not given here."""
 
-    name: str
-    kind: Literal["twin", "bench"]
-    base: str = ""
-    actuator: str
-    wire: str = Field(min_length=1, max_length=200)
-    period_s: Number = Field(ge=1e-3, le=60)
-    ambient_degC: Number = Field(ge=-273.15, le=1000)
-    lease_s: Number = Field(ge=0.01, le=60)
-    temperature_noise_K: Number = Field(ge=0)
-    temperature_noise_time_s: Number = Field(gt=0)
-    hidden_effect: bool = False
-    limits: LimitsFile
-    amplifier: AmplifierFile
-    encoder: EncoderFile
-    links: LinksFile | None = None
-    protection: ProtectionFile | None = None
-    simulator: SimulatorFile | None = None
+    name: str  # of the file
+    kind: Literal["twin", "bench"]  # twin: in this process; bench: over links
+    base: str = ""  # another rig file, which holds every key that is not given here
+    actuator: str  # file in configs/actuators, or path
+    wire: str = Field(min_length=1, max_length=200)  # who the wire is: its history is kept under this name
+    period_s: Number = Field(ge=1e-3, le=60)  # a tick
+    ambient_degC: Number = Field(ge=-273.15, le=1000)  # of the room
+    lease_s: Number = Field(ge=0.01, le=60)  # of silence, after which the amplifier switches off
+    temperature_noise_K: Number = Field(ge=0)  # that the hysteresis feels, standard deviation
+    temperature_noise_time_s: Number = Field(gt=0)  # how long such noise lasts
+    hidden_effect: bool = False  # twin: an effect is drawn from the seed
+    limits: LimitsFile  # kept by the host on every tick
+    amplifier: AmplifierFile  # what a twin's amplifier does
+    encoder: EncoderFile  # what a twin's encoder does
+    links: LinksFile | None = None  # bench: the two devices
+    protection: ProtectionFile | None = None  # bench: what the amplifier keeps by itself
+    simulator: SimulatorFile | None = None  # bench: simulated devices in place of real ones
 
     @model_validator(mode="after")
     def _reaches_something(self) -> "RigFile":
@@ -224,23 +228,23 @@ class RigFile(Section):
 class CampaignStep(Section):
     """One protocol of a campaign with its settings."""
 
-    protocol: str
-    name: str = ""
-    purpose: Literal["prepare", "test", "train", "held_out"] = "train"
-    set: dict[str, Any] = Field(default_factory=dict)
+    protocol: str  # which one
+    name: str = ""  # of its run, where a protocol comes twice
+    purpose: Literal["prepare", "test", "train", "held_out"] = "train"  # what its run is for
+    set: dict[str, Any] = Field(default_factory=dict)  # settings of the protocol, as with --set
 
     @property
     def label(self) -> str:
         """What its run is called: its name, or its protocol's."""
-        return self.name or self.protocol
+        return self.name or Path(self.protocol).stem
 
 
 class CampaignFile(Section):
     """configs/campaigns/NAME.toml: protocols in order."""
 
-    name: str
-    summary: str
-    step: tuple[CampaignStep, ...] = Field(min_length=1)
+    name: str  # of the file
+    summary: str  # one line, for smarig list
+    step: tuple[CampaignStep, ...] = Field(min_length=1)  # the protocols, in order
 
     @model_validator(mode="after")
     def _told_apart(self) -> "CampaignFile":
@@ -288,8 +292,8 @@ def load_rig(name: str) -> RigFile:
     """A rig by name or path."""
     files = _rig_files(name)
     raw: dict[str, Any] = {}
-    for _, table in files:
-        raw = _over(table, raw)
+    for path, table in files:
+        raw = _over(_placed(table, path.parent), raw)
     return check(RigFile, raw, str(files[0][0]))
 
 
@@ -299,6 +303,34 @@ def _over(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
         key: _over(base[key], mine[key]) for key in base.keys() & mine.keys() if _tables(base[key], mine[key])
     }
     return base | mine | both
+
+
+def _placed(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A rig's table with the files it names where they are: own drivers, and an actuator, beside the rig file."""
+    actuator, links = table.get("actuator"), table.get("links")
+    placed = dict(table)
+    if isinstance(actuator, str):
+        placed["actuator"] = _beside(actuator, folder)
+    if isinstance(links, dict):
+        placed["links"] = {
+            device: link | {"driver": str((folder / link["driver"]).resolve())}
+            if isinstance(link, dict) and is_path(str(link.get("driver", "")))
+            else link
+            for device, link in links.items()
+        }
+    return placed
+
+
+def _beside(name: str, folder: Path) -> str:
+    """A configuration by its path where it lies beside the file that names it; else as it was given."""
+    beside = folder / name
+    return str(beside.resolve()) if name.endswith(".toml") and beside.is_file() else name
+
+
+def own_drivers(file: RigFile) -> list[str]:
+    """The drivers that a rig file brings itself, by path."""
+    links = [file.links.amplifier, file.links.encoder_daq] if file.links else []
+    return [link.driver for link in links if is_path(link.driver)]
 
 
 def _tables(*values: Any) -> bool:
@@ -322,9 +354,18 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
         name = raw.get("base", "")
         if not isinstance(name, str):
             raise ConfigError(f"{path}: base: name another rig file.")
+        name = _beside(name, path.parent)
     return found
 
 
 def load_campaign(name: str) -> CampaignFile:
-    """A campaign by name or path."""
-    return load(CampaignFile, locate("campaigns", name))
+    """A campaign by name or path; own protocols by their paths, which stand in it from its own folder."""
+    path = locate("campaigns", name)
+    plan = load(CampaignFile, path)
+    steps = (
+        s.model_copy(update={"protocol": str((path.parent / s.protocol).resolve())})
+        if is_path(s.protocol)
+        else s
+        for s in plan.step
+    )
+    return plan.model_copy(update={"step": tuple(steps)})

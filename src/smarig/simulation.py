@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from smarig.config import load_rig
 from smarig.errors import UsageError
 from smarig.identification.model_file import Model
 from smarig.identification.simulate import simulate, simulate_along
@@ -16,6 +17,7 @@ from smarig.model.planted import from_json
 from smarig.record import Run, Step
 from smarig.record.recorder import write_run
 from smarig.rig.twin import TwinSettings
+from smarig.runner.own_files import check_drivers
 from smarig.runner.session import Session
 
 
@@ -39,6 +41,8 @@ def simulate_protocol(
     name = rig or model.rig
     if not name:
         raise UsageError("The model names no rig; give one with --rig to simulate a protocol.")
+    if not rig:
+        check_drivers(load_rig(name), f"Model {model.name}", f"to have it executed, say so with --rig {name}")
     twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")

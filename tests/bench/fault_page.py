@@ -1,4 +1,4 @@
-"""Prints the fault table: ``PYTHONPATH=tests python tests/bench/fault_page.py`` writes docs/faults.md."""
+"""Prints the fault table: ``PYTHONPATH=tests python tests/bench/fault_page.py`` writes docs/reference/faults.md."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,7 +7,7 @@ from bench.broken_rig import LEASE_S, REAL_LEASE_S, REAL_TIME
 from bench.fault_rows import HOST, LINES, POWER, READINGS, REPRESENTATIVE, ROWS, WIRING
 from bench.fault_table import LINKS, PHASES, RELAYED, Fault, whole
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "faults.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "faults.md"
 GROUPS = {"Lines": LINES, "Power": POWER, "Readings": READINGS, "Wiring": WIRING, "Host": HOST}
 CELLS = {c.name for c in whole(ROWS, REPRESENTATIVE)}
 HEAD = f"""# What goes wrong on a bench, and what happens then

@@ -1,7 +1,7 @@
 """The fault table's form: faults, phases, links, and how each cell ends. The rows are in fault_rows.py.
 
-``test_fault_table.py`` tries every cell; ``fault_page.py`` prints the table into docs/faults.md. In a sentence … stands
-for what differs: names of ports, numbers; | stands between two that may come.
+``test_fault_table.py`` tries every cell; ``fault_page.py`` prints the table into docs/reference/faults.md. In a
+sentence … stands for what differs: names of ports, numbers; | stands between two that may come.
 """
 
 import re

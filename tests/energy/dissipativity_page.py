@@ -1,4 +1,4 @@
-"""The tables of docs/dissipativity.md, from code: run this file to print them."""
+"""The tables of docs/explanation/dissipativity.md, from code: run this file to print them."""
 
 from smarig.preisach.butterfly import butterfly_relays, butterfly_table
 from smarig.preisach.energy import Certificate, certify, confirm

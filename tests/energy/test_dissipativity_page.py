@@ -1,4 +1,4 @@
-"""docs/dissipativity.md says what the code says."""
+"""docs/explanation/dissipativity.md says what the code says."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 
 from energy.dissipativity_page import rows
 
-PAGE = Path(__file__).parents[2] / "docs" / "dissipativity.md"
+PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "dissipativity.md"
 
 
 @pytest.fixture(scope="module")

@@ -8,13 +8,13 @@ import importlib
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import click
 
-from smarig.catalogue import names
+from smarig.catalogue import blamed, names, own_files
 from smarig.cli._output import report_error
-from smarig.errors import Interrupted, SmarigError
+from smarig.errors import Interrupted, SmarigError, UsageError
 
 EPILOG = """\b
 Examples:
@@ -61,7 +61,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     _interrupt_on("SIGTERM", "SIGHUP")
     try:
-        status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
+        with own_files(), _whose_fault():
+            status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except click.exceptions.Exit as leaving:
         return leaving.exit_code
@@ -92,6 +93,20 @@ def run(arguments: Sequence[str] | None = None) -> int:
             "set SMARIG_DEBUG=1 to see where.",
             1,
         )
+
+
+@contextlib.contextmanager
+def _whose_fault() -> Iterator[None]:
+    """What goes wrong in a person's own file is told as its, with the line."""
+    try:
+        yield
+    except (SmarigError, click.ClickException, click.exceptions.Exit, click.Abort):
+        raise
+    except Exception as error:
+        sentence = blamed(error)
+        if not sentence or os.environ.get("SMARIG_DEBUG"):
+            raise
+        raise UsageError(sentence) from error
 
 
 def _interrupt_on(*wanted: str) -> None:

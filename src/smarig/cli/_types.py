@@ -1,12 +1,18 @@
-"""Arguments with shell completion: rigs, protocols and campaigns by name, run files by path."""
+"""Arguments with shell completion: rigs, protocols and campaigns by name, run files by path.
+
+A protocol or effect may be a path, that of an own file: it joins its catalogue here, because a person typed it.
+"""
 
 from pathlib import Path
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
-from smarig.catalogue import names
+from smarig.catalogue import chosen, is_path, names, own
 from smarig.config import listed
+from smarig.errors import UsageError
+from smarig.model.planted import PACKAGE as EFFECTS
 
 _PACKAGES = {
     "protocols": "smarig.protocols",
@@ -23,6 +29,11 @@ class Named(click.ParamType):
     def __init__(self, *catalogues: str) -> None:
         self._catalogues = catalogues
 
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """An own protocol by its name; anything else as it was typed."""
+        del param, ctx
+        return chosen(_PACKAGES["protocols"], value) if "protocols" in self._catalogues else value
+
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
@@ -32,6 +43,28 @@ class Named(click.ParamType):
         return [CompletionItem(n) for n in known if n.startswith(incomplete)]
 
 
+class _OwnEffect(click.ParamType):
+    """The path of an own effect, which is known by its name from then on."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Its name."""
+        del param, ctx
+        if value not in own(EFFECTS) and not is_path(value):
+            raise UsageError(f"'{value}' is not the file of an own effect, ./NAME.py.")
+        return chosen(EFFECTS, value)
+
+
+own_effects = click.option(
+    "--effect",
+    "own_effects",
+    multiple=True,
+    type=_OwnEffect(),
+    expose_value=False,
+    metavar="FILE.py",
+    help="An effect of your own, beside those of the catalogue; repeatable.",
+)
 RIG = Named("rigs")
 PROTOCOL = Named("protocols")
 EXPERIMENT = Named("protocols", "campaigns")

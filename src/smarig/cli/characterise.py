@@ -25,7 +25,13 @@ from smarig.runner.preview import Preview
 )
 @click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
 @click.option("--out", type=FOLDER, required=True, help="Folder for runs, model.json and report.html.")
-@click.option("--campaign", type=Named("campaigns"), default="characterise", show_default=True)
+@click.option(
+    "--campaign",
+    type=Named("campaigns"),
+    default="characterise",
+    show_default=True,
+    help="What is run: by name or path.",
+)
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise.")
 @click.option("--wire", default="", help="Identity of the wire, if not the rig file's.")
 @click.option("--force", is_flag=True, help="Replace what is in the folder.")

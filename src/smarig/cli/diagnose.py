@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from smarig.cli._output import distinct, emit, json_option, say
-from smarig.cli._types import FILE, FOLDER
+from smarig.cli._types import FILE, FOLDER, own_effects
 from smarig.errors import UsageError
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def _gathering(process: Any) -> Any:
 @click.option("-o", "--out", type=FOLDER, help="Folder for extended.model.json, diagnosis.json, report.html.")
 @click.option("--propose", type=FILE, help="Campaign file to write: the run that separates what is left.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
+@own_effects
 @click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
 @click.option("--nulls", type=int, default=400, show_default=True, help="Empty stories to be judged by.")
 @click.option("--seed", type=int, default=0, help="Seed of the nulls.")

@@ -18,7 +18,9 @@ Examples:
 
 @click.command("identify", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
-@click.option("--surface", type=click.Choice(SURFACES), default="best", show_default=True)
+@click.option(
+    "--surface", type=click.Choice(SURFACES), default="best", show_default=True, help="Kind of density."
+)
 @click.option("--select", metavar="EXPR", help="Fit only where this holds, e.g. 'curve%2==0'.")
 @click.option(
     "--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them)."

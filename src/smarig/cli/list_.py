@@ -2,17 +2,20 @@
 
 import click
 
-from smarig.catalogue import names, summary
+from smarig.catalogue import chosen, is_path, names, summary
 from smarig.cli._output import emit, json_option
 from smarig.config import listed, load_actuator, load_campaign, load_rig
+from smarig.errors import UsageError
 from smarig.exchange.mapping import load_mapping
+from smarig.model.planted import PACKAGE as EFFECTS
 from smarig.model.planted import kinds
+from smarig.protocols._settings import PACKAGE as PROTOCOLS
 from smarig.protocols._settings import described
 from smarig.record.wire_history import histories
 
 
 def _protocols() -> dict[str, str]:
-    return {n: summary("smarig.protocols", n) for n in names("smarig.protocols")}
+    return {n: summary(PROTOCOLS, n) for n in names(PROTOCOLS)}
 
 
 def _rigs() -> dict[str, str]:
@@ -40,6 +43,11 @@ def _wires() -> dict[str, str]:
     return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in histories()}
 
 
+EPILOG = """\b
+Examples:
+  smarig list protocols
+  smarig list protocols ./my_protocol.py --settings
+"""
 _KINDS = {
     "effects": _effects,
     "rigs": _rigs,
@@ -49,6 +57,15 @@ _KINDS = {
     "imports": _imports,
     "wires": _wires,
 }
+
+
+def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
+    """Own protocols or effects, by name: only they are listed then."""
+    package = {"protocols": PROTOCOLS, "effects": EFFECTS}.get(kind)
+    for file in files:
+        if package is None or not is_path(file):
+            raise UsageError(f"'{file}': only own files of protocols or effects can be listed, ./NAME.py.")
+    return {chosen(str(package), file) for file in files}
 
 
 def _settings(group: str, name: str) -> list[str]:
@@ -61,15 +78,22 @@ def _settings(group: str, name: str) -> list[str]:
     return [f"{key} = {default}" for key, default in described(name)] if group == "protocols" else []
 
 
-@click.command("list", epilog="\b\nExample:\n  smarig list protocols")
+@click.command("list", epilog=EPILOG)
 @click.argument("kind", type=click.Choice([*_KINDS, "all"]), default="all")
+@click.argument("files", nargs=-1, metavar="[FILE.py]...")
 @click.option(
     "--settings", is_flag=True, help="Also the settings of protocols and the parameters of effects."
 )
 @json_option
-def command(kind: str, settings: bool) -> None:
-    """What there is: rigs, actuators, protocols, campaigns, import mappings, effects, and wires used."""
+def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
+    """What there is: rigs, actuators, protocols, campaigns, import mappings, effects, and wires used.
+
+    With FILE.py, own protocols or effects only.
+    """
+    mine = _chosen(kind, files)
     found: dict[str, dict] = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
+    if mine:
+        found[kind] = {name: text for name, text in found[kind].items() if name in mine}
     lines = []
     for group, entries in found.items():
         lines.append(f"{group}:")

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from smarig.cli._output import distinct, emit, json_option, say
-from smarig.cli._types import ANY_PATH, FILE
+from smarig.cli._types import ANY_PATH, FILE, own_effects
 from smarig.errors import UsageError
 
 EPILOG = """\b
@@ -24,6 +24,7 @@ Examples:
 )
 @click.option("-o", "--out", type=FILE, help="The HTML file; default: beside the (first) run.")
 @click.option("--force", is_flag=True, help="Replace existing pages.")
+@own_effects
 @json_option
 def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
     """Write offline HTML pages: about a run (finished, interrupted or imported), about every run in a folder with an

@@ -10,8 +10,9 @@ from smarig.cli._notify import notified, notify_option
 from smarig.cli._output import emit, json_option, say
 from smarig.cli._progress import STREAMS, progress
 from smarig.cli._situation import about
-from smarig.cli._types import FILE, RIG
+from smarig.cli._types import FILE, PROTOCOL, RIG, own_effects
 from smarig.cli.run_ import marked, summarised
+from smarig.errors import UsageError
 from smarig.record import load_run
 
 EPILOG = f"""{STREAMS}
@@ -19,6 +20,7 @@ EPILOG = f"""{STREAMS}
 \b
 Examples:
   smarig resume fod.run.sqlite
+  smarig resume mine.run.sqlite --protocol ./my_protocol.py
   smarig resume fod.run.sqlite --rig my_rig.toml --notify 'mail -s "$SMARIG_CAUSE" me < /dev/null'
 """
 
@@ -26,6 +28,8 @@ Examples:
 @click.command("resume", epilog=EPILOG)
 @click.argument("run", type=FILE)
 @click.option("--rig", type=RIG, default="", help="The run's rig, if its file is elsewhere now.")
+@click.option("--protocol", type=PROTOCOL, default="", help="The run's own protocol, FILE.py, given again.")
+@own_effects
 @click.option("--wire", default="", help="Identity of the wire: must be the run's.")
 @click.option(
     "--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: as it began)."
@@ -35,7 +39,7 @@ Examples:
 @notify_option
 @json_option
 def command(
-    run: Path, rig: str, wire: str, speed: float | None, quiet: bool, notify: str, live: Live
+    run: Path, rig: str, protocol: str, wire: str, speed: float | None, quiet: bool, notify: str, live: Live
 ) -> None:
     """Go on with a run that was killed, stopped or tripped, in the same file.
 
@@ -47,6 +51,8 @@ def command(
     from smarig.runner.resume import begun_with, resume_in, session_for
 
     before = load_run(run)
+    if protocol not in ("", before.meta["protocol"]):
+        raise UsageError(f"{run.name} is of protocol '{before.meta['protocol']}', not of '{protocol}'.")
     session = session_for(before, rig=rig, wire=wire, speed=speed)
     say(f"{run.name} ended so: {before.cause.rstrip('.')}.")
     settings = begun_with(before)["settings"]

@@ -15,8 +15,8 @@ from smarig.cli._situation import about
 from smarig.cli._types import ANY_PATH, EXPERIMENT, RIG, SEED
 from smarig.config import CampaignFile, CampaignStep, listed, load_campaign, load_rig
 from smarig.errors import UsageError
-from smarig.model.planted import from_pairs
-from smarig.protocols._settings import parse_pairs
+from smarig.model.planted import asked_for
+from smarig.protocols._settings import chosen_steps, parse_pairs
 from smarig.record import Run, load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.go_on import run_or_go_on
@@ -33,6 +33,7 @@ Examples:
   smarig run characterise --rig two_wire_twin -o runs/ --dry-run
   smarig run congruency --rig one_wire_twin -o c.run.sqlite --effect settling=3 --effect creep
   smarig run validation --rig one_wire_twin -o v.run.sqlite --set points=20 --set settle.band_counts=2
+  smarig run ./my_protocol.py --rig ./my_rig.toml -o mine.run.sqlite
 """
 
 
@@ -48,7 +49,7 @@ Examples:
     "effects",
     multiple=True,
     metavar="NAME[.PARAMETER]=VALUE",
-    help="Twin: plant an effect (see 'smarig list effects'); repeatable.",
+    help="Twin: plant an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
 )
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise.")
 @click.option(
@@ -85,10 +86,10 @@ def command(
     notify: str,
     live: Live,
 ) -> None:
-    """Run a protocol or a campaign on a rig and record it."""
+    """Run a protocol or a campaign on a rig and record it; by name, or your own by its path."""
     from smarig.identification.adaptive import informed
 
-    planted = from_pairs(effects)
+    planted = asked_for(effects)
     plan = _plan(experiment, parse_pairs(pairs))
     steps = plan.step
     file = load_rig(rig)
@@ -167,7 +168,7 @@ def _plan(experiment: str, settings: dict) -> CampaignFile:
         )
     if settings:
         raise UsageError("--set belongs to a single protocol; a campaign's settings stand in its file.")
-    return load_campaign(experiment)
+    return chosen_steps(load_campaign(experiment))
 
 
 def marked(run: Run) -> list[str]:

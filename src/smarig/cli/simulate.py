@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from smarig.cli._output import distinct, emit, json_option
-from smarig.cli._types import FILE, PROTOCOL, RIG
+from smarig.cli._types import FILE, PROTOCOL, RIG, own_effects
 from smarig.errors import UsageError
 from smarig.protocols._settings import parse_pairs
 
@@ -26,6 +26,7 @@ Examples:
 @click.option("--rig", type=RIG, default="", help="Rig for --protocol, if not the model's.")
 @click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
 @click.option("--force", is_flag=True, help="Replace an existing run file.")
+@own_effects
 @json_option
 def command(
     model: Path,

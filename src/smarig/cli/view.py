@@ -6,7 +6,7 @@ import click
 
 from smarig.cli._live import named
 from smarig.cli._output import distinct, emit, json_option, say
-from smarig.cli._types import FILE
+from smarig.cli._types import FILE, own_effects
 
 EPILOG = """\b
 Examples:
@@ -26,6 +26,7 @@ Examples:
 )
 @click.option("--save", "out", type=FILE, help="Write the view into FILE.rrd instead of showing it.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
+@own_effects
 @json_option
 def command(
     run: Path, models: tuple[Path, ...], web: bool, speed: float, out: Path | None, force: bool

@@ -1,6 +1,6 @@
 """What a bench needs of instruments: something that drives a current, something that reads a position."""
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from smarig.sample import Quality
 
@@ -90,3 +90,13 @@ class PositionSensor(Protocol):
     def close(self) -> None:
         """Let go of the line. Never raises."""
         ...
+
+
+def lacks(instrument: Any, role: type) -> list[str]:
+    """What a bench will ask of a role, and an instrument does not have.
+
+    >>> lacks(object(), PositionSensor)
+    ['close', 'identity', 'since', 'tick', 'zero']
+    """
+    wanted = (name for name in vars(role) if not name.startswith("_"))
+    return sorted(name for name in wanted if not hasattr(instrument, name))

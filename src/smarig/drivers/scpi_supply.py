@@ -1,7 +1,8 @@
 """Example of a foreign instrument: a laboratory supply in constant-current mode, SCPI text over a serial port.
 
 It has no lease: if the host dies, the current stays on. So it may drive a wire only behind an independent cut-out
-(docs/rig.md), and an operator at the bench. Copy this file for another instrument; its name goes into the rig file.
+(docs/how_to/rig.md), and an operator at the bench. Copy this file for another instrument; its name goes into the rig
+file.
 """
 
 import contextlib

@@ -35,11 +35,11 @@ CHANNEL_UNITS = {
 class TextLayout(Section):
     """[file]: ``names`` where there is no header row; ``header_starts`` for files of several tables."""
 
-    names: tuple[str, ...] = ()
-    delimiter: Literal["", "comma", "semicolon", "tab", "space"] = ""
-    decimal: Literal[".", ","] = "."
-    header_starts: str = ""
-    table: int = Field(default=1, ge=1)
+    names: tuple[str, ...] = ()  # of the columns, where there is no header row
+    delimiter: Literal["", "comma", "semicolon", "tab", "space"] = ""  # of columns; empty: found by itself
+    decimal: Literal[".", ","] = "."  # sign before the decimals
+    header_starts: str = ""  # how the header of each table begins, in files of several
+    table: int = Field(default=1, ge=1)  # which of them, counted from 1
 
 
 class MatLayout(Section):
@@ -49,8 +49,8 @@ class MatLayout(Section):
     ``loops``: whether each column or each row of the variables' matrices is one loop, or they are vectors.
     """
 
-    files: tuple[str, ...] = ()
-    loops: Literal["none", "columns", "rows"] = "none"
+    files: tuple[str, ...] = ()  # names that belong together, * standing for the same text
+    loops: Literal["none", "columns", "rows"] = "none"  # whether a column or a row of the matrices is a loop
 
     @model_validator(mode="after")
     def _patterns(self) -> "MatLayout":
@@ -63,11 +63,11 @@ class MatLayout(Section):
 class TimeAxis(Section):
     """[time]: a column, or a period (rows_per_period rows each, the column then counting within it)."""
 
-    column: str = ""
-    unit: str = "s"
-    period_s: float | None = Field(default=None, gt=0)
-    rows_per_period: int = Field(default=1, ge=1)
-    repeated: Literal["refuse", "mean", "keep_order"] = "refuse"
+    column: str = ""  # of the times
+    unit: str = "s"  # of the column
+    period_s: float | None = Field(default=None, gt=0)  # time of a period, where the column counts within one
+    rows_per_period: int = Field(default=1, ge=1)  # rows of a period
+    repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # what becomes of rows of one time
 
     @model_validator(mode="after")
     def _has_a_clock(self) -> "TimeAxis":
@@ -80,60 +80,60 @@ class TimeAxis(Section):
 class Column(Section):
     """One channel: value = scale × cell + offset, in ``unit``."""
 
-    column: str
-    unit: str
-    scale: float = Field(default=1.0, allow_inf_nan=False)
-    offset: float = Field(default=0.0, allow_inf_nan=False)
+    column: str  # its name in the file
+    unit: str  # of scale × cell + offset
+    scale: float = Field(default=1.0, allow_inf_nan=False)  # first multiplied
+    offset: float = Field(default=0.0, allow_inf_nan=False)  # then added
 
 
 class Branch(Section):
     """One branch of data that keep several branches on one row; unfolded in the order of the file."""
 
-    direction: Literal["up", "down"]
-    columns: dict[Channel, Column] = Field(min_length=1)
+    direction: Literal["up", "down"]  # of the input along it
+    columns: dict[Channel, Column] = Field(min_length=1)  # of this branch, by channel
 
 
 class Quantity(Section):
     """What input or output is, and the unit it is stored in."""
 
-    quantity: str
-    unit: str
+    quantity: str  # what it is, in words
+    unit: str  # it is stored in
 
 
 class Input(Quantity):
     """[input]: the channel that drives the hysteresis."""
 
-    channel: Channel
+    channel: Channel  # that drives the hysteresis
 
 
 class Compare(Section):
     """Two columns that should agree: rows further apart than ``within`` lose the ``blames`` channels."""
 
-    columns: tuple[str, str]
-    within: float = Field(gt=0)
-    unit: str
-    blames: tuple[Channel, ...] = ()
+    columns: tuple[str, str]  # two that should agree
+    within: float = Field(gt=0)  # how far apart they may be
+    unit: str  # of that
+    blames: tuple[Channel, ...] = ()  # channels that are lost where they do not agree
 
 
 class MappingFile(Section):
     """configs/imports/NAME.toml"""
 
-    name: str
-    summary: str
-    source: str
-    input: Input
-    output: Quantity | None = None
-    file: TextLayout = TextLayout()
-    mat: MatLayout | None = None
-    time: TimeAxis | None = None
-    columns: dict[Channel, Column] = Field(default_factory=dict)
-    branch: tuple[Branch, ...] = ()
-    conditions: dict[str, Column] = Field(default_factory=dict)
-    ignore: dict[str, str] = Field(default_factory=dict)
-    compare: tuple[Compare, ...] = ()
-    steps: Literal["none", "rows"] = "none"
-    initial: Literal["", "negative", "positive", "anhysteretic"] = ""
-    notes: str = ""
+    name: str  # of the file
+    summary: str  # one line, for smarig list
+    source: str  # where the data come from
+    input: Input  # what drives the hysteresis
+    output: Quantity | None = None  # what position is
+    file: TextLayout = TextLayout()  # how the text is laid out
+    mat: MatLayout | None = None  # variables of MATLAB files
+    time: TimeAxis | None = None  # left out where data have none
+    columns: dict[Channel, Column] = Field(default_factory=dict)  # what the columns are, by channel
+    branch: tuple[Branch, ...] = ()  # in place of columns: several branches on one row
+    conditions: dict[str, Column] = Field(default_factory=dict)  # kept with the run: a load, …
+    ignore: dict[str, str] = Field(default_factory=dict)  # columns not used, each with the reason
+    compare: tuple[Compare, ...] = ()  # columns that should agree
+    steps: Literal["none", "rows"] = "none"  # whether every row is a settled step
+    initial: Literal["", "negative", "positive", "anhysteretic"] = ""  # where the data begin; empty: unknown
+    notes: str = ""  # a remark
 
     @model_validator(mode="after")
     def _consistent(self) -> "MappingFile":

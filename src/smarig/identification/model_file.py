@@ -33,59 +33,59 @@ class _Table(BaseModel):
 class Channel(_Table):
     """What passes: quantity and unit."""
 
-    quantity: str
-    unit: str
+    quantity: str  # what it is, in words
+    unit: str  # of its values
 
 
 class ActuatorRecord(_Table):
     """The wire: name of its parameter set, and the set itself (value, unit, source by key)."""
 
-    name: str
-    parameters: dict[str, Any]
+    name: str  # of the parameter set
+    parameters: dict[str, Any]  # the set: value, unit, source by key
 
 
 class NoiseRecord(_Table):
     """Standard deviation of a settled output (None: nothing was repeated) and where that comes from."""
 
-    value: float | None
-    unit: str
-    source: str
+    value: float | None  # standard deviation of a settled output
+    unit: str  # of that
+    source: str  # where it comes from
 
 
 class Provenance(_Table):
     """One run the model was made from; ``start_epoch`` and ``encoder_zero`` tell runs of one sitting."""
 
-    run: str
-    sha256: str
-    protocol: str
-    source: str
-    rows: int
-    start_epoch: float | None = None
-    encoder_zero: str | None = None
-    wire: str = ""
+    run: str  # its file
+    sha256: str  # of that file
+    protocol: str  # what was run
+    source: str  # bench, twin or import
+    rows: int  # samples in it
+    start_epoch: float | None = None  # tells sittings apart
+    encoder_zero: str | None = None  # tells sittings apart
+    wire: str = ""  # identity of the wire
 
 
 class _File(_Table):
-    format: Literal["smarig model"]
-    schema_version: int
-    name: str
-    created: str
-    twin: bool
-    rig: str
-    actuator: ActuatorRecord
-    arrangement: str
-    input: Channel
-    output: Channel
-    mirrored: bool
-    hysteresis: dict[str, Any]
-    effects: list[dict[str, Any]]
-    parameters: list[str]
-    covariance: list[list[float | None]]
-    intervals: dict[str, tuple[float | None, float | None]]
-    fit: dict[str, Any]
-    noise_floor: NoiseRecord
-    provenance: list[Provenance]
-    warnings: list[str]
+    format: Literal["smarig model"]  # says that it is one
+    schema_version: int  # of these keys
+    name: str  # of the model
+    created: str  # when
+    twin: bool  # whether the data are a twin's
+    rig: str  # that was measured on
+    actuator: ActuatorRecord  # the wire
+    arrangement: str  # one_wire or two_wire
+    input: Channel  # of the hysteresis
+    output: Channel  # of the hysteresis
+    mirrored: bool  # it is the mirror image of what was fitted
+    hysteresis: dict[str, Any]  # kind and values
+    effects: list[dict[str, Any]]  # name and parameters of each, after a diagnosis
+    parameters: list[str]  # names of the covariance's rows
+    covariance: list[list[float | None]]  # of the parameters
+    intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
+    fit: dict[str, Any]  # figures of the fit, as identify --json has them
+    noise_floor: NoiseRecord  # what no model can go below
+    provenance: list[Provenance]  # the runs it was made from
+    warnings: list[str]  # what must be known before it is used
 
 
 @dataclass(frozen=True, eq=False)

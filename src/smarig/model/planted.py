@@ -1,14 +1,15 @@
 """Effects by name: from a command line, from a model file, from a seed.
 
-Knows the catalogue in ``model/effects`` by its file names only.
+Knows the catalogue in ``model/effects`` by its file names only, and own files by what a person asked for.
 """
 
 import random
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from smarig.catalogue import find, names
+from smarig.catalogue import chosen, find, names, own
 from smarig.errors import DataError, UsageError
 from smarig.model.effect import Kind, Planted
 
@@ -52,6 +53,26 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Planted, ...]:
     return tuple(find(PACKAGE, name)(**mine) for name, mine in values.items())
 
 
+def asked_for(words: Iterable[str]) -> tuple[Planted, ...]:
+    """Effects as a person writes them: as in ``from_pairs``, or own files (``./mine.py=3``, ``./mine.py.share=3``).
+
+    Own files are executed: what stands in a run or a model must go to ``from_pairs``.
+    """
+    return from_pairs([_named(word) for word in words])
+
+
+def _named(word: str) -> str:
+    path = re.fullmatch(r"(.+\.py)((?:\..*)?(?:=.*)?)", word)
+    return f"{chosen(PACKAGE, path[1])}{path[2]}" if path else word
+
+
+def to_words(effects: Iterable[Planted]) -> list[str]:
+    """The texts that ``asked_for`` reads the same effects from, in any folder."""
+    paths = {name: str(file.place) for name, file in own(PACKAGE).items()}
+    pairs = (pair.partition(".") for pair in to_pairs(effects))
+    return [f"{paths.get(name, name)}{dot}{rest}" for name, dot, rest in pairs]
+
+
 def to_pairs(effects: Iterable[Planted]) -> list[str]:
     """The texts that ``from_pairs`` reads the same effects from.
 
@@ -68,7 +89,9 @@ def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Planted, ...]:
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"an effect is not {{name, parameters}}: {error}") from None
     except UsageError as error:
-        raise DataError(str(error).rstrip(".")) from None
+        hint = " (an effect of your own is given again with --effect ./FILE.py)"
+        unknown = str(error).startswith("No effect ")
+        raise DataError(f"{str(error).rstrip('.')}{hint * unknown}") from None
     twice = next((name for name, n in Counter(p.kind.name for p in planted).items() if n > 1), None)
     if twice:
         raise DataError(f"effect {twice} is there twice")
@@ -84,7 +107,7 @@ def mystery(seed: int, arrangement: str) -> tuple[Planted, ...]:
     draw = random.Random(f"mystery {arrangement} {seed}")  # the same in every version of every library
     if draw.random() < EMPTY:
         return ()
-    kind = draw.choice(kinds(arrangement))
+    kind = draw.choice([k for k in kinds(arrangement) if k.name not in own(PACKAGE)])
     strength = kind.primary.typical * draw.uniform(0.6, 1.8)
     if kind.primary.lower < 0 and draw.random() < 0.5:
         strength = -strength

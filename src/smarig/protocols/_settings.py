@@ -4,14 +4,15 @@ Knows types and names; refuses to know values' meaning (the protocol checks that
 """
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from smarig.catalogue import find, suggestion
+from smarig.catalogue import chosen, find, suggestion
 from smarig.command import Protocol
+from smarig.config import CampaignFile
 from smarig.errors import UsageError
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
@@ -40,7 +41,16 @@ def build(
         if key not in known:
             raise UsageError(f"Protocol '{name}' has no setting '{key}'{suggestion(key, known)}.")
         given[key] = _typed(name, key, value, hints[key])
-    return function(setup, **given)
+    made = function(setup, **given)
+    if not isinstance(made, Generator):
+        raise UsageError(f"Protocol '{name}' yields nothing: it must be a generator of commands.")
+    return made
+
+
+def chosen_steps(plan: CampaignFile) -> CampaignFile:
+    """A campaign with its steps' protocols by name; own files join the catalogue."""
+    steps = (s.model_copy(update={"protocol": chosen(PACKAGE, s.protocol)}) for s in plan.step)
+    return plan.model_copy(update={"step": tuple(steps)})
 
 
 def described(name: str) -> list[tuple[str, str]]:

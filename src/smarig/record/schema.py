@@ -6,30 +6,37 @@
 VERSION = 1
 
 SAMPLE_COLUMNS = (
-    "tick",
-    "t_s",
-    "step",
-    "current_command_A",
-    "current_A",
-    "voltage_V",
-    "temperature_degC",
-    "input",
-    "counts",
-    "position",
-    "ambient_degC",
-    "quality",
+    "tick",  # the device's integer: this is time
+    "t_s",  # tick × period
+    "step",  # index of the step it belongs to
+    "current_command_A",  # what was asked for
+    "current_A",  # what was measured
+    "voltage_V",  # at the clamps
+    "temperature_degC",  # of the wire, where there is a sensor
+    "input",  # what drives the hysteresis: temperature above ambient, a field, …
+    "counts",  # raw, of the encoder, since the last zero
+    "position",  # the same in the rig's unit
+    "ambient_degC",  # of the room
+    "quality",  # marks: 0 is good
 )
 STEP_COLUMNS = (
-    "index",
-    "attempt",
-    "void",
-    "branch",
-    "target",
-    "t_start_s",
-    "t_end_s",
-    "verdict",
-    "position",
-    "n",
+    "index",  # in the order of the protocol
+    "attempt",  # 0, and one more each time it was made again
+    "void",  # 1: it was made again and does not count
+    "branch",  # what the protocol calls this part
+    "target",  # input asked for; NULL for a step that asks for none
+    "t_start_s",  # of its first sample
+    "t_end_s",  # of its last sample
+    "verdict",  # settled, timed_out, elapsed, interrupted
+    "position",  # mean over the settle window
+    "n",  # samples in that window
+)
+EVENT_COLUMNS = (
+    "t_s",  # when
+    "level",  # info, warning, error
+    "kind",  # a word
+    "text",  # a sentence
+    "data",  # figures behind it, JSON
 )
 
 CREATE = """
@@ -49,7 +56,7 @@ PAGES_BESIDE = 100  # of the write-ahead log, until they go into the file: some 
 
 INSERT_SAMPLE = f"INSERT INTO sample VALUES ({','.join('?' * len(SAMPLE_COLUMNS))})"
 INSERT_STEP = f"INSERT OR REPLACE INTO step VALUES ({','.join('?' * len(STEP_COLUMNS))})"
-INSERT_EVENT = "INSERT INTO event VALUES (?,?,?,?,?)"
+INSERT_EVENT = f"INSERT INTO event VALUES ({','.join('?' * len(EVENT_COLUMNS))})"
 UPSERT_KEY = "INSERT OR REPLACE INTO run VALUES (?,?)"
 SHIFT_SAMPLES = """UPDATE sample SET counts = counts + ?, position = position + ?
 WHERE tick BETWEEN ? AND ?"""

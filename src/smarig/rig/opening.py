@@ -12,13 +12,15 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
-from smarig.catalogue import find
+from smarig.catalogue import chosen, find, names
 from smarig.config import LinkFile, LinksFile, RigFile, SimulatorFile
+from smarig.drivers._roles import CurrentSource, PositionSensor, lacks
 from smarig.errors import ConfigError, Interrupted, RigFault, SmarigError, UsageError
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Planted
-from smarig.model.planted import to_pairs
+from smarig.model.planted import PACKAGE, to_words
 from smarig.rig.bench import Bench
 from smarig.rig.pace import Paced
 from smarig.rig.rig import Rig
@@ -40,9 +42,12 @@ def opened(
     speed: float | None = None,
     while_waiting: Callable[[], None] = lambda: None,
 ) -> Iterator[Rig]:
-    """A rig that is safe and closed afterwards. ``settings`` are a twin's, in process or behind a simulator's bytes."""
+    """A rig that is safe and closed afterwards. ``settings`` are a twin's, in process or behind a simulator's bytes.
+
+    With a model's hysteresis among them it is a twin in process, whatever the rig.
+    """
     with contextlib.ExitStack() as open_:
-        if file.kind == "twin":
+        if file.kind == "twin" or settings.hysteresis is not None:  # a model moves no hardware
             twin = Twin(file, actuator, settings)
             found: Rig = Paced(twin, speed, while_waiting=while_waiting) if speed else twin
         else:
@@ -85,11 +90,20 @@ def _links(file: RigFile) -> LinksFile:
 def _bench(
     file: RigFile, actuator: Actuator, links: LinksFile, speed: float, open_: contextlib.ExitStack
 ) -> Bench:
-    source = find(DRIVERS, links.amplifier.driver)(links.amplifier, file)
+    source = _driven(links.amplifier, file, CurrentSource, "a current source")
     open_.callback(source.close)
-    sensor = find(DRIVERS, links.encoder_daq.driver)(links.encoder_daq, file)
+    sensor = _driven(links.encoder_daq, file, PositionSensor, "a position sensor")
     open_.callback(sensor.close)
     return Bench(file, actuator, source, sensor, speed=speed)
+
+
+def _driven(link: LinkFile, file: RigFile, role: type, called: str) -> Any:
+    """An instrument by its driver, which may be the rig file's own; it can all that a bench will ask."""
+    instrument = find(DRIVERS, chosen(DRIVERS, link.driver))(link, file)
+    lacking = lacks(instrument, role)
+    if lacking:
+        raise ConfigError(f"Driver {link.driver}: it gives no {', '.join(lacking)}, which {called} needs.")
+    return instrument
 
 
 @contextmanager
@@ -97,17 +111,17 @@ def _simulated(
     rig: str, how: SimulatorFile, links: LinksFile, settings: TwinSettings, speed: float
 ) -> Iterator[LinksFile]:
     """The devices' links, while they live; they notice by their input's end that we are gone."""
-    if settings.hysteresis is not None or settings.initial is not None or not settings.noise:
+    if settings.initial is not None or not settings.noise:
         raise UsageError(
-            "Simulated devices follow the rig file; another hysteresis or no noise is for the twin in process."
+            "Simulated devices follow the rig file; another state or no noise is for the twin in process."
         )
     planted = [effect for effect in settings.effects if isinstance(effect, Planted)]
-    if len(planted) < len(settings.effects):
+    if len(planted) < len(settings.effects) or any(e.kind.name not in names(PACKAGE) for e in planted):
         raise UsageError("Simulated devices know effects of the catalogue only.")
     if links.amplifier.framing != links.encoder_daq.framing:
         raise UsageError("Simulated devices speak one framing; give both links the same.")
     pace = ["--speed", str(speed)] if speed else ["--lock-step"]
-    effects = [word for pair in to_pairs(planted) for word in ("--effect", pair)]
+    effects = [word for pair in to_words(planted) for word in ("--effect", pair)]
     files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
     extra = [word for option, path in files.items() if path for word in (option, path)]
     command = [sys.executable, "-m", "simulators", "--rig", rig, "--framing", links.amplifier.framing]

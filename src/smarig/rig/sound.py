@@ -5,8 +5,9 @@ Knows files and register maps; opens nothing.
 
 from collections.abc import Iterator
 
-from smarig.catalogue import names, suggestion
+from smarig.catalogue import chosen, names, suggestion
 from smarig.config import LinksFile, ProtectionFile, RigFile
+from smarig.errors import UsageError
 from smarig.model.actuator import Actuator
 from smarig.wire.register import load_map
 
@@ -24,8 +25,13 @@ def unsound(file: RigFile) -> list[str]:
 def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
     simulated = file.simulator is not None and file.simulator.start
     for device, link in (("amplifier", links.amplifier), ("encoder_daq", links.encoder_daq)):
-        if link.driver not in names(DRIVERS):
-            yield f"links.{device}.driver: no driver '{link.driver}'{suggestion(link.driver, names(DRIVERS))}."
+        try:
+            driver = chosen(DRIVERS, link.driver)
+        except UsageError as wrong:
+            yield f"links.{device}.driver: {wrong}"
+            continue
+        if driver not in names(DRIVERS):
+            yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, names(DRIVERS))}."
         if not link.url and not simulated:
             yield f"links.{device}.url: say where it is."
     if links.amplifier.driver == "smarig_amplifier":

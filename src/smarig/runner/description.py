@@ -11,10 +11,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from smarig.catalogue import names
 from smarig.config import RigFile
 from smarig.errors import Interrupted, SmarigError
 from smarig.model.actuator import Actuator
-from smarig.model.planted import Planted, to_pairs
+from smarig.model.planted import PACKAGE, Planted, to_pairs
 from smarig.rig.twin import TwinSettings
 
 BEGUN_WITH = "begun_with"  # key of what a run needs to be gone on with
@@ -23,9 +24,9 @@ CLOSED_LOOP = "closed_loop"  # key of runs whose protocol stands in no catalogue
 
 def source_of(file: RigFile, twin: TwinSettings) -> str:
     """Whose data these are: simulated devices are a twin too."""
-    if file.kind == "bench" and file.simulator is None:
-        return "bench"
-    return "simulation" if twin.hysteresis else "twin"
+    if twin.hysteresis is not None:
+        return "simulation"
+    return "bench" if file.kind == "bench" and file.simulator is None else "twin"
 
 
 def lives_on(file: RigFile) -> bool:
@@ -65,7 +66,7 @@ def begun_with(
 ) -> dict:
     """What `smarig resume` builds the same run from: rig file, its wire, the twin's effects, settings as given."""
     path = Path(rig)
-    planted = [e for e in twin.effects if isinstance(e, Planted)]
+    planted = [e for e in twin.effects if isinstance(e, Planted) and e.kind.name in names(PACKAGE)]
     return {
         "rig": str(path.resolve()) if path.is_file() else rig,
         "rig_wire": wire,

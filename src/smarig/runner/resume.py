@@ -24,6 +24,7 @@ from smarig.rig.twin import TwinSettings
 from smarig.runner.control import Control
 from smarig.runner.description import BEGUN_WITH, CLOSED_LOOP
 from smarig.runner.listener import Listener
+from smarig.runner.own_files import check_drivers, check_given
 from smarig.runner.preview import Preview, preview
 from smarig.runner.replay import replay, stretches
 from smarig.runner.resumption import COLD_TAUS, RE_ESTABLISH, Now, Plan, planned
@@ -38,6 +39,8 @@ def session_for(
     name = rig or str(begun["rig"])
     file = load_rig(name)
     check_rig(run, file)
+    if not rig:
+        check_drivers(file, run.path.name, f"to have it executed, say so with --rig {name}")
     of_run = str(run.meta.get("wire"))
     given = of_run if of_run != begun["rig_wire"] else file.wire  # named when it began, or the rig file's
     if (wire or given) != of_run:
@@ -275,6 +278,7 @@ def begun_with(run: Run) -> dict[str, Any]:
         )
     if begun["effects"] is None:
         raise DataError(f"{name} was run with effects of its own making: they are not in its record.")
+    check_given(run)
     return begun
 
 

@@ -13,11 +13,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from smarig.catalogue import chosen
 from smarig.command import Protocol
 from smarig.config import LimitsFile, RigFile, load_rig, rig_text
 from smarig.errors import LimitExceeded, SmarigError, StorageError
 from smarig.model.actuator import Actuator
-from smarig.protocols._settings import build
+from smarig.protocols._settings import PACKAGE, build
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.record import CONTINUED, Recorder, Run, load_run
@@ -41,6 +42,7 @@ from smarig.runner.description import (
 from smarig.runner.endings import safe_endings
 from smarig.runner.listener import Listener, Watch
 from smarig.runner.lock import wire_lock
+from smarig.runner.own_files import OWN_FILES, recorded
 from smarig.runner.preview import Maker, Preview, preview
 from smarig.runner.runner import Runner
 from smarig.runner.shift import Shift
@@ -111,12 +113,13 @@ class Session:
         chooser: Chooser | None = None,
         maker: Maker | None = None,
     ) -> Path:
-        """Run one protocol into one run file; returns its path. Raises what ended it, after closing it.
+        """Run one protocol, by name or the path of an own file, into one run file; returns its path.
 
+        Raises what ended it, after closing it.
         ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one. ``maker``
         makes a protocol that stands in no catalogue, a closed loop; ``protocol`` is its name in the record.
         """
-        out = Path(out)
+        out, protocol = Path(out), protocol if maker else chosen(PACKAGE, protocol)
         generator = maker(self.setup) if maker else build(protocol, self.setup, settings, chooser)
         cost = expected or preview(protocol, self.file, settings, self.control, chooser, maker)
         check_free_space(out, cost.bytes)
@@ -224,6 +227,7 @@ class Session:
             "config": self._config_text,
             "notes": notes,
             "device": self.device,
+            OWN_FILES: recorded(protocol, self.settings.effects, self.file),
             BEGUN_WITH: begun_with(self._name, self.file.wire, self._speed, self.settings, settings),
         }
 

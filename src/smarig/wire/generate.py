@@ -63,7 +63,7 @@ def _number(raw: int) -> str:
 
 
 def reference() -> str:
-    """``docs/registers.md``."""
+    """``docs/reference/registers.md``."""
     return f"<!-- {MADE} -->\n# Registers\n\nHow they travel: firmware_protocol/README.md.\n" + "".join(
         _chapter(load_map(name)) for name in DEVICES
     )
@@ -114,7 +114,7 @@ def outdated(write: bool) -> list[Path]:
     root = shipped("firmware_protocol")
     wanted = {
         root / "firmware" / "smarig_registers.h": header(),
-        root.parent / "docs" / "registers.md": reference(),
+        root.parent / "docs" / "reference" / "registers.md": reference(),
     }
     old = [path for path, text in wanted.items() if not path.is_file() or path.read_text("utf-8") != text]
     for path in old if write else ():

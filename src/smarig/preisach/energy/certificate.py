@@ -3,7 +3,7 @@
     dissipative (supply u ẏ, bounded range and memory)  ⇔  A(M, m) = 2∬_{m≤β≤α≤M} μ(α − β) ≥ 0 for all m < M
 
 The thesis proves the sufficient condition μ ≥ 0 (Thm 7.4) and asks for a necessary one (ch. 9); this is it,
-and it needs no sign of μ or g. Proof and figures: docs/dissipativity.md. Tables and relay measures are
+and it needs no sign of μ or g. Proof and figures: docs/explanation/dissipativity.md. Tables and relay measures are
 decided by an exact minimum, analytic surfaces by a verified lower bound. Refuses to sample and hope.
 """
 

@@ -1,0 +1,25 @@
+"""Every picture by its name, which is its file's. Draws none itself."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from figures import curves, diagnosed, memory, rig, safety
+from figures.canvas import Picture
+
+FOLDER = Path(__file__).resolve().parent
+PICTURES: dict[str, Callable[[], Picture]] = {
+    "relay": memory.relay,
+    "boundary": memory.boundary,
+    "wiping_out": memory.wiping_out,
+    "congruency": memory.congruency,
+    "everett": curves.everett,
+    "density": curves.density,
+    "lag": rig.lag,
+    "initialisation": rig.initialisation,
+    "energy": curves.energy,
+    "signatures": diagnosed.signatures,
+    "lookalikes": diagnosed.lookalikes,
+    "found_by_size": diagnosed.found_by_size,
+    "repeating": safety.repeating,
+    "lease": safety.lease,
+}

@@ -1,0 +1,83 @@
+"""Why a step cannot be repeated, and what the lease does when the host falls silent; both on the one-wire twin."""
+
+import math
+
+import numpy as np
+
+from figures.canvas import Panel, Picture
+from figures.memory import WIRE, graph, loop
+from smarig import Preisach, Twin
+
+
+def repeating() -> Picture:
+    """An interrupted step made again from the cold, and after the way back through what the wire remembered."""
+    picture = Picture(
+        740,
+        350,
+        "A step made again from the cold ends elsewhere; after the way back it ends where it should.",
+    )
+    way = [110.0, 38.0, 58.0]
+    should = float(Preisach(WIRE).simulate(way)[-1])
+    cold = float(Preisach(WIRE).simulate([110.0, 38.0, 50.0, 0.0, 58.0])[-1])
+    back = float(Preisach(WIRE).simulate([110.0, 38.0, 50.0, 0.0, 110.0, 38.0, 58.0])[-1])
+    left = graph(picture, 54, "cooled, and the step made again")
+    loop(left, way[:2], "thin dash")
+    loop(left, [*way[:2], 50.0, 0.0], "thin dash", 2)
+    loop(left, [*way[:2], 50.0, 0.0, 58.0], "thick", 4)
+    right = graph(picture, 420, "cooled, taken back, and made again")
+    loop(right, [0.0, *way[:2]], "thin dash")
+    loop(right, [0.0, *way], "thick", 3)
+    for panel, reached, words in (
+        (left, cold, f"{cold - should:+.2f} mm"),
+        (right, back, "where it should be"),
+    ):
+        panel.dots([58.0], [should], "f-model", 5)
+        panel.dots([58.0], [reached], "f-ink", 3)
+        panel.say(58, reached, words.replace("-", "−"), "f-ink", (10, 14))
+    left.say(58, should, "asked for", "f-model", (10, 4))
+    picture.say(54, 342, "dashed: before, and on the way; thick: the step made again", "small f-grey")
+    return picture
+
+
+def lease() -> Picture:
+    """The host falls silent at 0.8 A: the amplifier goes on for its lease, then the wire cools."""
+    picture = Picture(
+        740,
+        270,
+        "After the host's last word the current flows for one lease, then it is zero and the wire cools.",
+    )
+    t = np.arange(0, 31) / 10
+    output = np.array([_silent(float(s)) for s in t])
+    twin = Twin.named("one_wire_twin")
+    lease_s, tau = twin.file.lease_s, twin.actuator.tau_s
+    hot = twin.actuator.input_for(0.8)
+    left = Panel(
+        picture, (58, 34, 290, 180), (-1, 3), (0, 1.15),
+        titles=("the amplifier", "time since the host's last word (s)", "current (A)"),
+        ticks=((-1, 0, 1, 2, 3), (0, 0.4, 0.8)),
+    )  # fmt: skip
+    left.area([0, 0, lease_s, lease_s], [0, 1.15, 1.15, 0], "wash f-third")
+    ends = np.concatenate([[-1.0], np.repeat(t[1:-1], 2), t[-1:]])
+    left.line(ends, np.repeat(output[1:], 2))
+    left.dots(np.arange(-10, 1) / 10, np.full(11, 0.92), "f-cool", 2)
+    left.say(-1, 0.92, "host", "small f-cool", (4, -8))
+    left.say(lease_s / 2, 0.1, f"lease, {lease_s:g} s", "small middle f-ink")
+    right = Panel(
+        picture, (430, 34, 290, 180), (-5, 30), (0, 130),
+        titles=("the wire", "time since the host's last word (s)", "T above ambient (K)"),
+        ticks=((0, 10, 20, 30), (0, 50, 100)),
+    )  # fmt: skip
+    s = np.linspace(-5, 30, 141)
+    right.area([0, 0, lease_s, lease_s], [0, 130, 130, 0], "wash f-third")
+    right.line(s, [hot * math.exp(-max(v - lease_s, 0) / tau) for v in s], "s-heat")
+    right.say(lease_s + tau, hot / math.e, f"τ = {tau:.1f} s", "small f-heat", (8, -4))
+    return picture
+
+
+def _silent(seconds: float) -> float:
+    """The twin's output, A, so long after the host's last word."""
+    twin = Twin.named("one_wire_twin", noise=False)
+    for _ in range(5):
+        twin.step(0.8)
+    twin.idle(seconds)
+    return twin.output_A

@@ -1,0 +1,87 @@
+"""What there is by name: rigs, actuators, campaigns, protocols, drivers, formats, import mappings."""
+
+import importlib
+from collections.abc import Iterator
+
+from generate.docstring import as_markdown
+from generate.markdown import code, plain, table
+from smarig.catalogue import find, names
+from smarig.config import listed, load_actuator, load_campaign, load_rig
+from smarig.exchange.mapping import load_mapping
+from smarig.protocols._settings import described
+
+PROTOCOLS = """# Protocols
+
+Experiments by name, for `smarig run NAME --rig RIG -o FILE --set KEY=VALUE`. Shares are of the range of inputs that the
+rig's limits allow. An empty `partition_K` follows that range. Every protocol with `settle.…` holds each step until the
+wire stands still:
+
+| setting | default | means |
+|---|---|---|
+| `settle.band_counts` | `1.0` | how far apart block means may lie, in counts |
+| `settle.window_s` | `25.0` | for so long |
+| `settle.timeout_s` | `600.0` | a hold ends after this, marked |
+| `settle.approach_K` | `0.01` | the window begins when the heating model is so near its steady state |
+"""
+CATALOGUES = """# Rigs, actuators, campaigns, formats
+
+What ships, by name. A path in place of a name works everywhere.
+"""
+
+
+def pages() -> dict[str, str]:
+    """Two pages."""
+    return {
+        "protocols": PROTOCOLS + "".join(map(_protocol, names("smarig.protocols"))),
+        "catalogues": _shipped(),
+    }
+
+
+def _protocol(name: str) -> str:
+    function = find("smarig.protocols", name)
+    rows = [(code(k), code(v)) for k, v in described(name) if not k.startswith("settle.")]
+    settings = table(("setting", "default"), rows) if rows else ""
+    return f"\n## {name}\n\n{as_markdown(function.__doc__ or '')}\n\n{settings}"
+
+
+def _shipped() -> str:
+    chapters = {
+        "Rigs": (("rig", "kind", "actuator", "tick", "wire"), _rigs()),
+        "Actuators": (("actuator", "arrangement", "source"), _actuators()),
+        "Campaigns": (("campaign", "holds", "steps"), _campaigns()),
+        "Drivers": (("driver", "speaks to"), _modules("smarig.drivers")),
+        "Formats to import": (("format", "reads"), _modules("smarig.exchange.readers")),
+        "Formats to export": (("format", "writes"), _modules("smarig.exchange.writers")),
+        "Import mappings": (("mapping", "reads", "source"), _mappings()),
+    }
+    return CATALOGUES + "".join(f"\n## {name}\n\n{table(*given)}" for name, given in chapters.items())
+
+
+def _rigs() -> Iterator[tuple[str, ...]]:
+    for name in listed("rigs"):
+        rig = load_rig(name)
+        yield code(name), rig.kind, code(rig.actuator), f"{rig.period_s:g} s", plain(rig.wire)
+
+
+def _actuators() -> Iterator[tuple[str, ...]]:
+    for name in listed("actuators"):
+        actuator = load_actuator(name)
+        yield code(name), actuator.arrangement, plain(actuator.source)
+
+
+def _campaigns() -> Iterator[tuple[str, ...]]:
+    for name in listed("campaigns"):
+        campaign = load_campaign(name)
+        yield code(name), plain(campaign.summary), ", ".join(code(step.label) for step in campaign.step)
+
+
+def _mappings() -> Iterator[tuple[str, ...]]:
+    for name in listed("imports"):
+        mapping = load_mapping(name)
+        yield code(name), plain(mapping.summary), plain(mapping.source)
+
+
+def _modules(package: str) -> Iterator[tuple[str, ...]]:
+    for name in names(package):
+        said = importlib.import_module(f"{package}.{name}").__doc__ or ""
+        yield code(name), plain(said.strip().split("\n\n")[0])

@@ -1,0 +1,45 @@
+"""The effects: what each does, its parameters, what it looks like and what it is confused with."""
+
+import importlib
+
+from generate.docstring import as_markdown
+from generate.markdown import code, plain, table
+from smarig.model.effect import Kind
+from smarig.model.planted import kinds
+
+HEAD = """# Effects
+
+Physical mechanisms that a twin may have beside heating and hysteresis: `smarig run … --effect NAME.PARAMETER=VALUE`
+plants one, and a diagnosis looks for the same. `NAME=VALUE` sets the first parameter. At zero strength each is the
+identity, bit for bit.
+"""
+
+
+def pages() -> dict[str, str]:
+    """One page."""
+    rows = [(f"[{k.name}](#{k.name.replace('_', '-')})", plain(k.summary), k.arrangement) for k in kinds()]
+    head = HEAD + "\n" + table(("effect", "what happens", "only on"), rows)
+    return {"effects": head + "".join(map(_chapter, kinds()))}
+
+
+def _chapter(kind: Kind) -> str:
+    parameters = [
+        (code(p.name), p.unit, f"{p.typical:g}", f"{p.lower:g} … {p.upper:g}", plain(p.source))
+        for p in kind.parameters
+    ]
+    rows = [
+        ("enters", plain(kind.enters)),
+        ("looks like", plain(kind.looks_like)),
+        ("confused with", ", ".join(f"[{n}](#{n.replace('_', '-')})" for n in kind.confused_with)),
+        ("told apart by", plain(kind.separated_by)),
+    ]
+    said = importlib.import_module(f"smarig.model.effects.{kind.name}").__doc__ or ""
+    return "\n".join(
+        [
+            f"\n## {kind.name}\n",
+            as_markdown(said),
+            "",
+            table(("parameter", "unit", "typical", "range", "from"), parameters),
+            table(("", ""), [row for row in rows if row[1]]),
+        ]
+    )

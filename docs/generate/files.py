@@ -1,0 +1,134 @@
+"""What is in the files: the tables of a run, the keys of a model."""
+
+import sqlite3
+from collections.abc import Iterator
+
+from pydantic import BaseModel
+
+from generate.comments import of_class, of_tuple
+from generate.keys import _inner, _named, unit_of
+from generate.markdown import code, plain, table
+from smarig.identification import hysteresis_json, model_file
+from smarig.record import schema
+from smarig.sample import Quality
+
+RUN = """# Run file
+
+A run is one SQLite file, `*.run.sqlite`, written as it happens: a second of samples is the most that a power cut takes.
+`smarig.load_run` reads it; so does anything that reads SQLite. Everything else (CSV, NetCDF, …) is made from it.
+"""
+RUN_KEYS = {
+    "schema_version": "of these tables",
+    "rig": "name of the rig",
+    "config": "the rig's and the actuator's files as they were",
+    "actuator": "name of the actuator",
+    "wire": "identity of the wire",
+    "wire_history": "what the wire had been through before",
+    "source": "bench, twin, simulation or import: whose data these are",
+    "protocol": "what was run",
+    "settings": "its settings",
+    "own_files": "protocols, effects and drivers given by path, with their hashes",
+    "seed": "of the twin's noise",
+    "effects": "planted in the twin",
+    "input": "quantity and unit of the column `input`, and where it comes from",
+    "output": "quantity and unit of the column `position`; `per_count` is one count of the encoder",
+    "initial": "state of the hysteresis at the first sample",
+    "period_s": "a tick",
+    "start_epoch": "seconds since 1970 at tick 0: a label, for time is the tick",
+    "encoder_zero": "where the encoder was zeroed; with the epoch it tells sittings apart",
+    "device": "which boot of which devices",
+    "shift": "ticks and counts between the devices' zeros and the run's, where it was gone on with",
+    "recorder_pid": "process that wrote it",
+    "history_until_tick": "samples that are in the wire's history already",
+    "versions": "of smarig and of what it computes with",
+    "notes": "a remark",
+    "begun_with": "what `smarig resume` needs to build the same run",
+    "end": "cause, and when; missing where nobody closed the run",
+    "model": "simulation: name of the model",
+    "along": "simulation: the run whose inputs the model followed",
+    "imported": "import: the file, its hash, its mapping",
+    "conditions": "import: what the mapping keeps beside the channels",
+    "header": "import: the header of the table that was read, in files of several",
+    "t0_s": "import: --t0",
+    "warnings": "import: what looked wrong",
+}
+QUALITY = {
+    "GOOD": "nothing to remark",
+    "RETRIED": "an exchange had to be repeated",
+    "STALE": "the value is an older one",
+    "SATURATED": "the amplifier was at its limit",
+    "TRIPPED": "the device had switched itself off",
+}
+MODEL = """# Model file
+
+A model is one JSON file, `*.model.json`, readable by eye. `smarig.load_model` reads and checks it; an unknown key is
+an error. Where a figure is `null` nothing is known.
+"""
+
+
+def pages() -> dict[str, str]:
+    """Two pages."""
+    return {"run_file": _run_file(), "model_file": _model_file()}
+
+
+def columns() -> dict[str, dict[str, str]]:
+    """Comments on the columns of the tables that have a list of them."""
+    names = {"sample": "SAMPLE_COLUMNS", "step": "STEP_COLUMNS", "event": "EVENT_COLUMNS"}
+    return {name: of_tuple(schema, where) for name, where in names.items()}
+
+
+def models(
+    model: type[BaseModel] = model_file._File, where: str = ""
+) -> Iterator[tuple[str, type[BaseModel]]]:
+    """(place, model) of a model file and of the objects in it."""
+    yield where, model
+    for name, field in model.model_fields.items():
+        inner, kind = _inner(field.annotation)
+        if inner is not None:
+            yield from models(inner, f"{name}[]" if kind == "list" else name)
+
+
+def _run_file() -> str:
+    parts = [RUN]
+    lead = {
+        "sample": "One row a tick. A channel that was not measured is NULL.",
+        "step": "One row a step of the protocol.",
+        "event": "What happened, with a sentence.",
+    }
+    for name, said in columns().items():
+        rows = [(code(c), kind, unit_of(c), plain(said.get(c, ""))) for c, kind in _created(name)]
+        parts.append(f"## `{name}`\n\n{lead[name]}\n\n{table(('column', 'type', 'unit', 'means'), rows)}")
+        if name == "sample":
+            marks = [(str(int(Quality[n])), n, means) for n, means in QUALITY.items()]
+            parts.append(f"Marks of `quality`, added up:\n\n{table(('mark', 'name', 'means'), marks)}")
+    rows = [(code(key), means) for key, means in RUN_KEYS.items()]
+    parts.append(f"## `run`\n\nKey and value; values are JSON.\n\n{table(('key', 'means'), rows)}")
+    return "\n".join(parts)
+
+
+def _created(name: str) -> list[tuple[str, str]]:
+    """(column, SQLite's type) as the table is created."""
+    with sqlite3.connect(":memory:") as db:
+        db.executescript(schema.CREATE)
+        found = [(row[1], row[2].lower()) for row in db.execute(f'PRAGMA table_info("{name}")')]
+    db.close()
+    return found
+
+
+def _model_file() -> str:
+    parts = [MODEL]
+    for where, model in models():
+        said = of_class(model)
+        rows = [
+            (code(n), _named(f.annotation), plain(said.get(n, ""))) for n, f in model.model_fields.items()
+        ]
+        head = f"## `{where}`\n\n" if where else ""
+        parts.append(head + table(("key", "type", "means"), rows))
+    parts.append("## `hysteresis`\n\n" + table(("kind", "class"), [(code(k), code(c)) for k, c in _kinds()]))
+    return "\n".join(parts)
+
+
+def _kinds() -> list[tuple[str, str]]:
+    return [
+        (name, f"{kind.of.__module__}.{kind.of.__name__}") for name, kind in hysteresis_json._KINDS.items()
+    ]

@@ -1,0 +1,98 @@
+"""Python: what ``import smarig`` gives, and the packages below it that are meant for use. Sphinx writes the rest
+from signatures and docstrings, when it reads these pages.
+"""
+
+import smarig
+from generate.markdown import plain, table
+
+PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "python_hysteresis": (
+        "Python: hysteresis",
+        "The operator and its kinds of density, without a wire.",
+        (
+            "smarig.preisach.operator",
+            "smarig.preisach.state",
+            "smarig.preisach.everett",
+            "smarig.preisach.fod_surface",
+            "smarig.preisach.gorbet_1997",
+            "smarig.preisach.fod_table",
+            "smarig.preisach.forc_table",
+            "smarig.preisach.relay_measure",
+            "smarig.preisach.mirrored",
+        ),
+    ),
+    "python_theory": (
+        "Python: state space, properties, energy",
+        "Chapters 3, 4 and 7 of the thesis as functions.",
+        ("smarig.preisach.state_space", "smarig.preisach.properties", "smarig.preisach.energy"),
+    ),
+    "python_data": (
+        "Python: runs and data",
+        "Runs as written, read, imported and exported.",
+        ("smarig.record", "smarig.exchange", "smarig.sample"),
+    ),
+    "python_models": (
+        "Python: models and diagnosis",
+        "From runs to a model, its judgement, and what is wrong with it.",
+        (
+            "smarig.identification.identify",
+            "smarig.identification.model_file",
+            "smarig.identification.verify",
+            "smarig.identification.simulate",
+            "smarig.identification.calibrate",
+            "smarig.identification.forc_density",
+            "smarig.identification.positive",
+            "smarig.diagnosis.diagnose",
+            "smarig.diagnosis.explanation",
+        ),
+    ),
+    "python_seams": (
+        "Python: seams for your own parts",
+        "What protocols, effects, drivers and rigs are written against.",
+        (
+            "smarig.command",
+            "smarig.protocols._setup",
+            "smarig.protocols._moves",
+            "smarig.model.effect",
+            "smarig.model.planted",
+            "smarig.drivers._roles",
+            "smarig.rig.rig",
+            "smarig.rig.twin",
+            "smarig.runner.session",
+            "smarig.runner.listener",
+            "smarig.errors",
+        ),
+    ),
+}
+
+
+def pages() -> dict[str, str]:
+    """A page of the public names, and one for each group of modules."""
+    return {"python": _front()} | {name: _page(*page) for name, page in PAGES.items()}
+
+
+def _front() -> str:
+    rows = [
+        (f"[{title.removeprefix('Python: ')}]({name}.md)", plain(lead))
+        for name, (title, lead, _) in PAGES.items()
+    ]
+    names = "\n".join(_directive(name) for name in smarig.__all__)
+    return f"""# Python
+
+`import smarig` gives the names of this page. What is below them:
+
+{table(("page", "holds"), rows)}
+{names}"""
+
+
+def _directive(name: str) -> str:
+    kind = "class" if isinstance(getattr(smarig, name), type) else "function"
+    options = "   :members:\n" if kind == "class" else ""
+    return f"## {name}\n\n```{{eval-rst}}\n.. auto{kind}:: smarig.{name}\n{options}```\n"
+
+
+def _page(title: str, lead: str, modules: tuple[str, ...]) -> str:
+    chapters = "\n".join(
+        f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n```\n" for module in modules
+    )
+    return f"# {title}\n\n{lead}\n\n{chapters}"

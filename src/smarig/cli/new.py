@@ -1,0 +1,70 @@
+"""``smarig new``: a commented starting file of your own, which works as it stands.
+
+The starting points are files of that kind themselves, called ``my_KIND``; only that word is replaced.
+"""
+
+import re
+from keyword import iskeyword
+from pathlib import Path
+
+import click
+
+from smarig.catalogue import names
+from smarig.cli._output import emit, json_option
+from smarig.cli._types import FILE
+from smarig.config import listed
+from smarig.errors import UsageError
+from smarig.whole_file import whole_file
+
+_STARTS = Path(__file__).parent / "starting_points"
+_PACKAGES = {"protocol": "smarig.protocols", "effect": "smarig.model.effects", "driver": "smarig.drivers"}
+_NEXT = {
+    "rig": "smarig check {file}",
+    "actuator": 'name it in a rig file beside it: actuator = "./{beside}"',
+    "protocol": "smarig run {file} --rig one_wire_twin -o {name}.run.sqlite",
+    "effect": "smarig run validation --rig one_wire_twin --effect {file} -o {name}.run.sqlite",
+    "driver": 'name it in a rig file beside it: driver = "./{beside}"',
+    "campaign": "smarig run {file} --rig one_wire_twin --dry-run",
+}
+
+EPILOG = """\b
+Examples:
+  smarig new protocol two_loops
+  smarig run ./two_loops.py --rig one_wire_twin -o two_loops.run.sqlite
+  smarig new rig bench_3 -o rigs/bench_3.toml
+"""
+
+
+@click.command("new", epilog=EPILOG)
+@click.argument("kind", type=click.Choice(list(_NEXT)))
+@click.argument("name")
+@click.option("-o", "--out", type=FILE, help="File to write; default: NAME.toml or NAME.py in this folder.")
+@json_option
+def command(kind: str, name: str, out: Path | None) -> None:
+    """Write a commented starting file: a rig, actuator, protocol, effect, driver or campaign of your own.
+
+    It works as it stands, and is used by its path. Nothing existing is overwritten.
+    """
+    start = next(_STARTS.glob(f"my_{kind}.*"))
+    file = out or Path(name + start.suffix)
+    _check(kind, name, file, start.suffix)
+    text = re.sub(rf"\bmy_{kind}\b", name, start.read_text(encoding="utf-8"))
+    with whole_file(file, force=False) as part:
+        part.write_text(text, encoding="utf-8")
+    shown = str(file) if file.is_absolute() else f"./{file}"
+    then = _NEXT[kind].format(file=shown, beside=file.name, name=name)
+    emit({"kind": kind, "name": name, "file": str(file), "next": then}, f"{shown} is written. Next: {then}")
+
+
+def _check(kind: str, name: str, file: Path, suffix: str) -> None:
+    """UsageError where the name could not be used, or a file would be lost."""
+    if not name.isidentifier() or not name.isascii() or name.startswith("_") or iskeyword(name):
+        raise UsageError(f"'{name}' is no name for a {kind}: letters, digits and _, a letter first.")
+    known = names(_PACKAGES[kind]) if kind in _PACKAGES else listed(f"{kind}s")
+    if name in known:
+        raise UsageError(f"'{name}' is one of the {kind}s that ship: give yours another name.")
+    if file.suffix != suffix or (suffix == ".py" and file.stem != name):
+        wanted = f"{name}.py, as what it defines is" if suffix == ".py" else "…toml"
+        raise UsageError(f"{file}: the file of a {kind} is called {wanted}.")
+    if file.exists():
+        raise UsageError(f"{file} exists; give another name, or another place with -o.")

@@ -1,0 +1,125 @@
+"""A driver of your own, for a current source that speaks lines of text over a serial port (at first SCPI).
+
+It goes into a rig file, relative to it:
+
+    [links.amplifier]
+    driver = "./my_driver.py"
+    framing = "lines"                # for drivers that use it; this one does not
+    url = "/dev/serial/by-id/…"
+
+Then: smarig check ./my_rig.toml. What a current source must be able to do stands in smarig.drivers._roles as
+CurrentSource; a position sensor has since(), tick(), zero(), identity and close() instead.
+
+An instrument without a lease keeps its current on when the host dies: it may drive a wire only behind an independent
+cut-out, with somebody at the bench.
+"""
+
+import contextlib
+import math
+
+import serial
+
+from smarig.config import LinkFile, RigFile
+from smarig.drivers._roles import CurrentReading
+from smarig.errors import ConfigError
+from smarig.links.serial_line import GONE  # what pyserial raises when a port is lost
+from smarig.model.actuator import Actuator
+from smarig.sample import NAN, Quality
+from smarig.wire.blame import Garbled, Silent, WrongDevice  # a sentence each, with a remedy
+
+HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
+
+
+def my_driver(where: LinkFile, rig: RigFile) -> "Source":
+    """The function has the file's name. It opens the instrument, proves who it is, and leaves it off."""
+    if rig.limits.current_min_A < 0:
+        raise ConfigError(f"Rig '{rig.name}': this source drives one way only.")
+    heating = Actuator.named(rig.actuator).file.heating
+    ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
+    return Source(where, HEADROOM * rig.limits.current_max_A * ohm)
+
+
+class Source:
+    """A current source as a bench sees it."""
+
+    has_lease = False  # whether it switches itself off when the host falls silent
+    tripped = ""  # why it has switched itself off, a sentence; "" where it has not
+
+    def __init__(self, where: LinkFile, voltage_V: float) -> None:
+        self.where, self._voltage_V = where.url, voltage_V
+        try:
+            self._port = serial.serial_for_url(
+                where.url, where.baud, timeout=where.timeout_s, write_timeout=where.timeout_s
+            )
+        except GONE as error:
+            raise Silent(f"{where.url} cannot be opened: {error}. {Silent.remedy}") from None
+        self._say("OUTP OFF")  # before anything else: a host that was killed may have left it on
+        self.identity = self._ask("*IDN?")
+        if self.identity.count(",") < 2:
+            raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
+        self.arm()
+
+    def arm(self) -> None:
+        """Get ready at zero current; a latched trip is cleared."""
+        untold = self.off()
+        if untold:
+            raise Silent(untold)
+        self._say(f"VOLT {self._voltage_V:.3f}")
+
+    def set(self, current_A: float) -> int | None:
+        """A current from now on. Returns the last tick before it, None where the instrument counts none."""
+        self._say(f"CURR {current_A:.6f}")
+        self._say("OUTP ON")
+        taken = self._number("CURR?")
+        if not abs(taken - current_A) <= 2e-3:  # true for nan, too
+            self.off()
+            raise Garbled(f"{self.where} took {taken:g} A, not {current_A:g} A. {Garbled.remedy}")
+        return None
+
+    def since(self, tick: int, at_most: int) -> list[CurrentReading]:
+        """Readings from a tick on. One measurement stands for all of them; all but the last are marked as stale."""
+        current_A, voltage_V = self._number("MEAS:CURR?"), self._number("MEAS:VOLT?")
+        marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
+        return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
+
+    def tick(self) -> int:
+        """The last tick it has; 0 where it counts none."""
+        return 0
+
+    def off(self) -> str:
+        """Current to zero, and asked whether it is. Never raises; "", or a sentence where it could not be told."""
+        with contextlib.suppress(Silent, Garbled):
+            self._say("CURR 0")
+            self._say("OUTP OFF")
+            if self._number("OUTP?") == 0:
+                return ""
+        return f"The source at {self.where} does not say that it is off: switch it off by hand, now."
+
+    def close(self) -> None:
+        """Let go of the port. Never raises."""
+        with contextlib.suppress(*GONE):
+            self._port.close()
+
+    def _say(self, text: str) -> None:
+        try:
+            self._port.write(f"{text}\n".encode())
+        except GONE as error:
+            raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
+
+    def _ask(self, text: str) -> str:
+        try:
+            self._port.reset_input_buffer()
+            self._say(text)
+            answer = self._port.read_until(b"\n", 256)
+        except GONE as error:
+            raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
+        if not answer.endswith(b"\n"):
+            raise Silent(f"{self.where} gives no answer to {text}. {Silent.remedy}")
+        return answer.decode("ascii", "replace").strip()
+
+    def _number(self, question: str) -> float:
+        answer = self._ask(question)
+        with contextlib.suppress(ValueError):
+            if math.isfinite(number := float(answer)):
+                return number
+        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")

@@ -1,0 +1,77 @@
+"""The own files that a run was made with: written into its record, and asked for again before it is gone on with.
+
+A run file comes from anywhere, and a Python file is executed when it is loaded. So nothing that a run only names is
+ever loaded from it: the person gives the same file again. Knows catalogues and records; loads nothing itself.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from smarig.catalogue import kind_of, own
+from smarig.config import RigFile, own_drivers
+from smarig.errors import DataError, UsageError
+from smarig.model.planted import PACKAGE as EFFECTS
+from smarig.model.planted import Planted
+from smarig.protocols._settings import PACKAGE as PROTOCOLS
+from smarig.record import Run
+from smarig.rig.sound import DRIVERS
+
+OWN_FILES = "own_files"  # key of the run table
+
+
+def recorded(protocol: str, effects: Iterable[Any], file: RigFile) -> list[dict[str, str]]:
+    """The own files of a run: kind, name, path, hash and text of each; none for what ships."""
+    planted = [e.kind.name for e in effects if isinstance(e, Planted)]
+    drivers = own_drivers(file)
+    used = {
+        PROTOCOLS: {protocol},
+        EFFECTS: set(planted),
+        DRIVERS: {name for name, f in own(DRIVERS).items() if str(f.place) in drivers},
+    }
+    return [
+        {
+            "kind": kind_of(package),
+            "name": name,
+            "path": str(f.place),
+            "sha256": f.sha256,
+            "text": f.text,
+        }
+        for package, wanted in used.items()
+        for name, f in own(package).items()
+        if name in wanted
+    ]
+
+
+def check_given(run: Run) -> None:
+    """UsageError where an own protocol or effect of a run was not given again, or has changed since."""
+    for kind, name, path, sha256 in _listed(run):
+        package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
+        if package is None:  # drivers come with the rig file
+            continue
+        given = own(package).get(name)
+        if given is None:
+            raise UsageError(
+                f"{run.path.name} was made with its own {kind}, {path}. It is executed if you give it again: "
+                f"smarig resume {run.path.name} --{kind} {path}."
+            )
+        if given.sha256 != sha256:
+            raise UsageError(
+                f"{given.path} is not what {run.path.name} was made with: its {kind} '{name}' has changed since. It "
+                "cannot be gone on with; the text it was made with stands in its record, under own_files."
+            )
+
+
+def check_drivers(file: RigFile, where: str, remedy: str) -> None:
+    """UsageError where a rig that only a file has named would bring a driver of its own."""
+    for driver in own_drivers(file):
+        raise UsageError(
+            f"{where} names rig '{file.name}', which brings a driver of its own, {driver}: {remedy}."
+        )
+
+
+def _listed(run: Run) -> list[tuple[str, str, str, str]]:
+    entries = run.meta.get(OWN_FILES) or []
+    try:
+        return [(str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in entries]
+    except (KeyError, TypeError):
+        raise DataError(f"{run.path.name}: what it says of own files is damaged.") from None

@@ -1,0 +1,99 @@
+"""The fenced blocks of a page, in order, and what becomes of each.
+
+    sh        every line is a command of the shell, in the page's own folder; it must end with status 0, or with the
+              one that its comment says (``# exit status 2``). A backslash goes on in the next line.
+    python    is run; all of a page share their names
+    toml, csv, python whose first line is ``# file: NAME``: the rest is written to NAME
+    text      is what the block before it printed: its lines stand one after the other somewhere in that output,
+              where … is anything within a line, and a line of … alone is any lines
+    {…}       is a directive of MyST: of no concern here
+
+Nothing else may be fenced. Where a comment ``<!-- not run: REASON -->`` stands right above a block, that one is not run
+(installation, hardware, a window). Refuses to know what a block is about.
+"""
+
+import re
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from markdown_it import MarkdownIt
+
+FILE = re.compile(r"# file: (\S+)\n")
+NOT_RUN = re.compile(r"<!-- not run: \S.*-->\s*", flags=re.S)
+STATUS = re.compile(r"#.*\bexit status (\d+)")
+COMMENT = re.compile(r"(^|\s)#.*$")
+SHELL_ONLY = re.compile(r"[|&;<>$*`~?(){}\[\]\\]")  # anything but words and quotes
+WRITTEN = ("toml", "csv", "python")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, its text, the line of the page it begins on."""
+
+    language: str
+    text: str
+    line: int
+    run: bool = True
+
+    @property
+    def file(self) -> str:
+        """The name it is to be written to; "" for none."""
+        found = FILE.match(self.text)
+        return found[1] if found and self.language in WRITTEN else ""
+
+    @property
+    def content(self) -> str:
+        """What goes into that file."""
+        return self.text.partition("\n")[2]
+
+
+@dataclass(frozen=True)
+class Command:
+    """A line of the shell and the exit status that it promises."""
+
+    line: str
+    status: int
+
+    @property
+    def words(self) -> list[str]:
+        """Its words, where it is a plain ``smarig …``, which needs no shell; else none."""
+        plain = self.line.startswith("smarig ") and not SHELL_ONLY.search(self.line)
+        return shlex.split(self.line)[1:] if plain else []
+
+
+def blocks(page: Path) -> list[Block]:
+    """All fenced blocks of a page but directives."""
+    found: list[Block] = []
+    above = None
+    for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
+        if token.type == "fence" and not token.info.startswith("{"):
+            first = (token.map or [0])[0] + 1
+            run = above is None or not NOT_RUN.fullmatch(above.content)
+            found.append(Block(token.info.strip(), token.content, first, run))
+        above = token if token.type == "html_block" else None
+    return found
+
+
+def commands(text: str) -> list[Command]:
+    """The commands of a ``sh`` block."""
+    found = []
+    for line in text.replace("\\\n", " ").splitlines():
+        promised = STATUS.search(line)
+        command = COMMENT.sub("", line).strip()
+        if command:
+            found.append(Command(command, int(promised[1]) if promised else 0))
+    return found
+
+
+def printed(sample: str, output: str) -> bool:
+    """Whether a sample is what was printed.
+
+    >>> printed("a … c\\n…\\nz", "a b c\\nx\\ny\\nz\\n"), printed("a d", "a b c")
+    (True, False)
+    """
+    pattern = ""
+    for line in sample.rstrip().splitlines():
+        parts = (re.escape(part.strip()) for part in line.split("…"))
+        pattern += r"(?:.*\n)*?" if line.strip() == "…" else r"[ \t]*" + "[^\n]*?".join(parts) + r"[ \t]*\n"
+    return bool(re.search(rf"^{pattern}", output + "\n", flags=re.M))

@@ -1,0 +1,61 @@
+"""A laboratory supply of another make behind a pty, which keeps what it is told. Knows SCPI, and no driver."""
+
+import contextlib
+import os
+import select
+import threading
+import tty
+
+
+class Supply:
+    """A supply of another make: keeps what it is told, measures what flows through 4 Ω."""
+
+    def __init__(self, identity: str = "ACME,PS-3005,0,1.0", takes: float = 1.0) -> None:
+        self.master, slave = os.openpty()
+        tty.setraw(self.master)
+        tty.setraw(slave)
+        self.port, self._slave = os.ttyname(slave), slave
+        self.identity, self.takes = identity, takes
+        self.heard: list[str] = []
+        self.current, self.on, self.stuck = 0.0, False, False
+        self._over = False
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        buffer = b""
+        with contextlib.suppress(OSError):
+            while not self._over:
+                if not select.select([self.master], [], [], 0.02)[0]:
+                    continue
+                buffer += os.read(self.master, 256)
+                while b"\n" in buffer:
+                    line, buffer = buffer.split(b"\n", 1)
+                    answer = self._answer(line.decode())
+                    if answer is not None:
+                        os.write(self.master, f"{answer}\n".encode())
+
+    def _answer(self, line: str) -> str | None:
+        self.heard.append(line)
+        match line.split():
+            case ["*IDN?"]:
+                return self.identity
+            case ["CURR", amount]:
+                self.current = float(amount) * self.takes
+            case ["OUTP", state]:
+                self.on = state == "ON" or self.stuck
+            case ["OUTP?"]:
+                return str(int(self.on))
+            case ["CURR?"]:
+                return f"{self.current:.6f}"  # "nan" where it takes nan
+            case ["MEAS:CURR?"]:
+                return f"{self.current * self.on:.6f}"
+            case ["MEAS:VOLT?"]:
+                return f"{4 * self.current * self.on:.6f}"
+        return None
+
+    def close(self) -> None:
+        self._over = True
+        self._thread.join()  # before the next test's descriptors have the same numbers
+        os.close(self._slave)
+        os.close(self.master)
