@@ -1,4 +1,4 @@
-"""The tables of docs/control_findings.md, from code: run this file to print them."""
+"""The tables of docs/explanation/control_findings.md, from code: run this file to print them."""
 
 import numpy as np
 

@@ -7,7 +7,7 @@ function of e, and Φ is its potential. With constant r, Σ u_k Δy_k = −Σ φ
 (``velocity.loop``, with or without a lag) and, φ increasing, Φ by at most −u_k Δy_k (a convex function lies above
 its tangents, jumps of φ included). So V never rises. That needs a gain that is a function of e alone, and no delay:
 schedules by time or with a memory add (k' − k) e²/2 to V when they switch, and a tick's delay breaks the sum.
-V bounds motion; it does not say that y arrives at r (docs/control_findings.md).
+V bounds motion; it does not say that y arrives at r (docs/explanation/control_findings.md).
 """
 
 from collections.abc import Callable
