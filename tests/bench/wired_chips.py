@@ -38,8 +38,8 @@ class Chips:
 
     period_s = PERIOD_S / QUICKER
     speed = 1.0
-    lease_s = 0.5
-    lease_ticks = 25
+    lease_s = 1.5  # a busy machine keeps a host from its devices for a while
+    lease_ticks = 75
 
     def __init__(self, folder: Path, start, seed: int = 2) -> None:
         file = load_rig("one_wire_twin")

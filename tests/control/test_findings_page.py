@@ -6,7 +6,9 @@ import pytest
 
 from control import findings_page
 
-TEXT = (Path(__file__).parents[2] / "docs" / "explanation" / "control_findings.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs" / "explanation" / "control_findings.md").read_text(
+    encoding="utf-8"
+)
 TABLES = {
     "| rig | gain | k_e |": findings_page.velocity_rows,
     "| controller | a = b = c = 0 |": findings_page.class_rows,

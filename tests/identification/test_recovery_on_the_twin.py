@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-import pytest
 
+from smarig.config import load_rig
 from smarig.identification.fod_data import fod_data
 from smarig.identification.surface_fit import fit_surface
 from smarig.preisach.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
+from smarig.runner.preview import preview
 from smarig.runner.session import Session
 
 SEEDS = range(20)
@@ -26,15 +27,18 @@ class Recovery:
 
 
 def recovered(tmp_path, rig, truth_name, form):
-    rows = [one(tmp_path, rig, surface(truth_name), form, seed) for seed in SEEDS]
+    cost = preview("first_order_descending", load_rig(rig))
+    rows = [one(tmp_path, rig, surface(truth_name), form, seed, cost) for seed in SEEDS]
     rms, density_error, worst, inside = (list(column) for column in zip(*rows, strict=True))
     return Recovery(np.array(rms), np.array(density_error), np.array(worst), float(np.mean(inside)))
 
 
-def one(tmp_path, rig, truth, form, seed):
+def one(tmp_path, rig, truth, form, seed, cost):
     with Session(rig, twin=TwinSettings(seed=seed, hysteresis=truth)) as session:
         zero = round(session.rig.specimen.plant.position / session.rig.position_per_count)
-        path = session.run("first_order_descending", {}, tmp_path / "fod.run.sqlite", force=True)
+        path = session.run(
+            "first_order_descending", {}, tmp_path / "fod.run.sqlite", force=True, expected=cost
+        )
         offset = zero * session.rig.position_per_count  # what the relative encoder calls zero
     data = fod_data(load_run(path))
     fit = fit_surface(data, form)
@@ -51,31 +55,17 @@ def one(tmp_path, rig, truth, form, seed):
     return np.sqrt(np.mean(error**2)), density_error, worst, inside
 
 
-@pytest.fixture(scope="module")
-def one_e(tmp_path_factory):
-    return recovered(tmp_path_factory.mktemp("one"), "one_wire_twin", "one_e", "exponential")
-
-
-@pytest.fixture(scope="module")
-def two_c(tmp_path_factory):
-    return recovered(tmp_path_factory.mktemp("two"), "two_wire_twin", "two_c", "constant")
-
-
-def test_the_surface_is_found_far_below_a_count(one_e):
+def test_the_surface_and_its_density_are_found_far_below_a_count(tmp_path):
+    one_e = recovered(tmp_path, "one_wire_twin", "one_e", "exponential")
     assert np.median(one_e.rms) <= 0.0015
     assert one_e.rms.max() <= 0.003
-
-
-def test_the_density_is_found(one_e):
     assert np.median(one_e.density_error) <= 0.005
     assert one_e.density_error.max() <= 0.01
+    assert 0.90 <= one_e.coverage <= 0.99
 
 
-def test_the_parameters_are_found(two_c):
+def test_the_parameters_are_found_and_their_intervals_cover(tmp_path):
+    two_c = recovered(tmp_path, "two_wire_twin", "two_c", "constant")
     assert np.median(two_c.worst_parameter) <= 0.003
     assert two_c.worst_parameter.max() <= 0.01
-
-
-def test_the_intervals_cover(one_e, two_c):
-    assert 0.90 <= one_e.coverage <= 0.99
     assert 0.90 <= two_c.coverage <= 0.99
