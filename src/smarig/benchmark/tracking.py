@@ -22,10 +22,9 @@ from smarig.control.tracking.loop import track
 from smarig.control.tracking.measures import Tracked, measured
 from smarig.control.tracking.reference import Reference, reference
 from smarig.control.tracking.tuning import PACKAGE, made, tuned
-from smarig.errors import RigFault, UsageError
+from smarig.errors import RigFault
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect
-from smarig.model.planted import from_pairs
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_surface import FodSurface
 from smarig.preisach.gorbet_1997 import surface
@@ -42,21 +41,17 @@ SHAPES = ("multisine", "ramps")
 SECONDS, SKIP_S = 200.0, 20.0  # the way to the first point is no tracking
 ERROR_SHARE = 0.10
 TUNING_SEEDS = (101, 102, 103)
-EFFECTS = ("latent_heat", "ambient_drift", "stress_coupling", "backlash")
 NODES = 25
 PREVIEW_S = (0.02, 2.0)
 CALM_A = 0.015  # no more than the inverse needs
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """``{"free": {"controllers": {name: {"rms_counts", …}}, "gain"}, "calm": the same, "effects": {effect: rms}}``."""
+    """``{"free": {"controllers": {name: {"rms_counts", …}}, "gain"}, "calm": the same}``."""
     seeds, budget = (range(1, 6), 30) if quick else (range(1, 21), 90)
     nominal = known()
     wires = {seed: other_wire(seed) for seed in (*TUNING_SEEDS, *seeds)}
     free, calm = (_compared(nominal, wires, seeds, budget, most_A) for most_A in (math.inf, CALM_A))
-    numbers = {
-        name: found["numbers"] for name, found in free["controllers"].items() if name in names(PACKAGE)
-    }
     return {
         "rig": RIG,
         "model_error_share": ERROR_SHARE,
@@ -65,7 +60,6 @@ def run(quick: bool = False) -> dict[str, Any]:
         "free": free,
         "calm": calm,
         "calm_A": CALM_A,
-        "effects": _under_effects(nominal, numbers, seeds[:3] if quick else seeds[:8]),
     }
 
 
@@ -170,7 +164,8 @@ def closed(
     )
 
 
-def _references(seed: int, shapes: Sequence[str] = SHAPES) -> list[Reference]:
+def references(seed: int, shapes: Sequence[str] = SHAPES) -> list[Reference]:
+    """What the wire of a seed shall follow."""
     return [reference(shape, LOW, HIGH, seconds=SECONDS, seed=seed) for shape in shapes]
 
 
@@ -183,7 +178,7 @@ def _cost(
         loops = [
             closed(believed, name, numbers, wires[seed], follow, seed)
             for seed in TUNING_SEEDS
-            for follow in _references(seed)
+            for follow in references(seed)
         ]
         excess = max(0.0, float(np.mean([loop.moves_A for loop in loops])) / most_A - 1)
         rms = np.sqrt(np.mean([1e6 if loop.fault else loop.true.rms**2 for loop in loops]))
@@ -200,9 +195,9 @@ def _judged(
     seeds: Sequence[int],
 ) -> dict[str, Any]:
     count = believed.setup.actuator.position_per_count(believed.counts_per_rev)
-    loops = [closed(believed, name, numbers, wires[s], r, s) for s in seeds for r in _references(s)]
+    loops = [closed(believed, name, numbers, wires[s], r, s) for s in seeds for r in references(s)]
     steps = [
-        closed(believed, name, numbers, wires[s], r, s).read for s in seeds for r in _references(s, ["steps"])
+        closed(believed, name, numbers, wires[s], r, s).read for s in seeds for r in references(s, ["steps"])
     ]
     settled = np.array([value for step in steps for value in step.settle_s])
     return {
@@ -231,27 +226,3 @@ def _spread(values: Sequence[float]) -> dict[str, float]:
         "median": float(np.median(values)),
         "worst": float(np.max(values)),
     }
-
-
-def _under_effects(
-    believed: Known, numbers: Mapping[str, Mapping[str, float]], seeds: Sequence[int]
-) -> dict[str, Any]:
-    """Rms error in counts with an effect hidden in the nominal wire; the feed-forward with and without knowing it."""
-    count = believed.setup.actuator.position_per_count(believed.counts_per_rev)
-
-    def rms(name: str, effects: Sequence[Effect], told: Known) -> float:
-        loops = [
-            closed(told, name, numbers[name], believed.hysteresis, r, s, effects)
-            for s in seeds
-            for r in _references(s)
-        ]
-        if any(loop.fault for loop in loops):
-            raise UsageError(f"{name} tripped with {effects}: {loops[0].fault}")
-        return float(np.mean([loop.true.rms for loop in loops]) / count)
-
-    found: dict[str, Any] = {"none": {name: rms(name, (), believed) for name in numbers}}
-    for effect in EFFECTS:
-        planted = from_pairs([effect])
-        row = {name: rms(name, planted, believed) for name in numbers}
-        found[effect] = row | {"inverse, effect known": rms("inverse", planted, believed.extended(planted))}
-    return found
