@@ -31,7 +31,7 @@ NULLS, QUICK_NULLS = 100, 40
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """``{"rms": {effect: {controller: counts, "verdict", "names", "inverse, identified", "inverse, diagnosed", …}}}``."""
+    """``{"rms": {effect: {controller: counts, "verdict", "inverse, identified", "inverse, diagnosed", …}}}``."""
     seeds = range(1, 3) if quick else range(1, 9)
     nominal = known()
     found: dict[str, Any] = {"none": _row(nominal, (), seeds)}

@@ -39,8 +39,8 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and exactness as ratios in one run, or how well diagnosis does on sealed boxes.
 
-    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, live, mystery, regulation,
-    soak.
+    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, live, mystery, regulation, soak,
+    tracking, tracking_effects.
     """
     known = names("smarig.benchmark")
     run = _run_of(name) if name in known else None
