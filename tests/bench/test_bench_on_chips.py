@@ -8,6 +8,7 @@ import pytest
 from bench.wired_chips import Chips
 from rig.rig_contract import IN_REAL_TIME
 from smarig.config import load_rig
+from smarig.errors import SmarigError
 from smarig.model.actuator import Actuator
 from smarig.rig.opening import opened
 from smarig.rig.specimen import Specimen, TwinSettings
@@ -22,16 +23,28 @@ def make(start, tmp_path):
     with contextlib.ExitStack() as open_:
 
         def made(seed=0):
-            path = str(Chips(tmp_path, start, seed).rig)
+            made.chips = Chips(tmp_path, start, seed)
+            path = str(made.chips.rig)
             file = load_rig(path)
             return open_.enter_context(opened(path, file, Actuator.named(file.actuator), TwinSettings()))
 
         yield made
 
 
+def in_real_time(check, make):
+    """A check that means nothing where chips could not keep real time: it is made again then, twice at most."""
+    for _ in range(3):
+        try:
+            return check(make)
+        except (AssertionError, SmarigError):
+            if not make.chips.behind_ms:
+                raise
+    pytest.skip(f"the machine is too busy: chips lost {make.chips.behind_ms} ms of real time")
+
+
 @pytest.mark.parametrize("check", IN_REAL_TIME, ids=lambda check: check.__name__.removeprefix("check_"))
 def test_chips_are_a_rig(check, make):
-    check(make)
+    in_real_time(check, make)
 
 
 def settled_in_process():
@@ -42,6 +55,10 @@ def settled_in_process():
 
 
 def test_positions_settle_where_the_twins_do(make):
+    in_real_time(check_positions_settle_where_the_twins_do, make)
+
+
+def check_positions_settle_where_the_twins_do(make):
     bench, found = make(seed=2), []
     for level in LEVELS_A:
         samples = []

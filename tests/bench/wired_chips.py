@@ -47,8 +47,8 @@ class Chips:
         self._counts, self._ambient = 0, 2200
         self._one_at_a_time = threading.Lock()
         self._amplifier = start("amplifier_lines", self._amplified)
-        daq = start("encoder_daq_lines", self._counted)
-        where = {"amplifier": self._amplifier.path, "daq": daq.path}
+        self._daq = start("encoder_daq_lines", self._counted)
+        where = {"amplifier": self._amplifier.path, "daq": self._daq.path}
         actuator = quick_actuator(folder, QUICKER)
         self.rig = write_rig(folder, where, 1.0, self.lease_s, self.period_s, actuator)
 
@@ -61,6 +61,11 @@ class Chips:
     def _counted(self, _: int) -> str:
         with self._one_at_a_time:
             return f"in {self._counts} {self._ambient} 0"
+
+    @property
+    def behind_ms(self) -> int:
+        """Real time that the machine was too busy to give the chips."""
+        return self._amplifier.behind_ms + self._daq.behind_ms
 
     def driven(self) -> np.ndarray:
         """The output in every tick so far."""

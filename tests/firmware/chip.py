@@ -24,11 +24,15 @@ class Chip:
         self.path = self._process.stdout.readline().split()[1].decode()
         self._line = os.open(self.path, os.O_RDWR | os.O_NOCTTY)
         self.driven_uA = []
+        self.behind_ms = 0  # real time that a busy machine did not let it have
         self._world = threading.Thread(target=self._answer_ticks, args=(world,))
         self._world.start()
 
     def _answer_ticks(self, world):
         for line in self._process.stdout:
+            if line.startswith(b"behind"):
+                self.behind_ms += int(line.split()[1])
+                continue
             self.driven_uA.append(int(line.split()[1]))
             with contextlib.suppress(OSError, ValueError):  # it is being closed
                 self.tell(world(self.driven_uA[-1]))

@@ -3,7 +3,8 @@
  *
  *     runner ELF PLANT_ADDRESS        the address as avr-nm gives it
  *
- * Prints `pty PATH` once and `out CURRENT_uA` when a tick begins. Takes, at any time,
+ * Prints `pty PATH` once, `out CURRENT_uA` when a tick begins, and `behind MS` when the machine is too busy for real
+ * time and that much of it is given up. Takes, at any time,
  *     in CURRENT_uA VOLTAGE_uV TEMPERATURE HARDWARE     what an amplifier measures from now on
  *     in RAW_COUNTS AMBIENT HARDWARE                    what a DAQ sees from now on
  *     reset                                             the MCU's reset, as after a brown-out
@@ -183,10 +184,10 @@ static void listen_to_parent(void)
         exit(0);
 }
 
-static void tell_parent(void)
+static void tell_parent(const char *what, long value)
 {
     char line[32];
-    const int n = snprintf(line, sizeof line, "out %ld\n", (long)plant->output_uA);
+    const int n = snprintf(line, sizeof line, "%s %ld\n", what, value);
     if (write(STDOUT_FILENO, line, (size_t)n) < 0 && errno != EAGAIN) /* does not read: it misses a tick */
         fail("stdout");
 }
@@ -209,7 +210,7 @@ static void exchange_plant(void)
     static uint8_t told;
     if (told != plant->tick) {
         answered = false;
-        tell_parent();
+        tell_parent("out", (long)plant->output_uA);
         await_answer();
     }
     told = plant->tick;
@@ -238,8 +239,11 @@ static void wait_until(struct timespec *due)
         due->tv_sec++;
     }
     clock_gettime(CLOCK_MONOTONIC, &now);
-    if ((now.tv_sec - due->tv_sec) * 1000000000L + now.tv_nsec - due->tv_nsec > BEHIND_MOST_ns)
+    const long behind_ns = (now.tv_sec - due->tv_sec) * 1000000000L + now.tv_nsec - due->tv_nsec;
+    if (behind_ns > BEHIND_MOST_ns) {
         *due = now;
+        tell_parent("behind", behind_ns / 1000000);
+    }
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, due, NULL);
 }
 

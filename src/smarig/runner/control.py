@@ -8,11 +8,17 @@ class Control:
 
     def __init__(self) -> None:
         self.paused = False
+        self.waiting_since_s: float | None = None  # monotonic, while a protocol is asked for its next command
         self._stop_cause = ""
 
     def stop(self, cause: str) -> None:
         """Ask the run to end safely; the first cause is kept."""
         self._stop_cause = self._stop_cause or cause
+
+    @property
+    def cause(self) -> str:
+        """Why a stop was asked for; "" where none was."""
+        return self._stop_cause
 
     @property
     def stopping(self) -> bool:

@@ -90,7 +90,7 @@ def cause_of(error: BaseException) -> str:
     if isinstance(error, Interrupted):
         return str(error)
     if isinstance(error, KeyboardInterrupt):
-        return "interrupted by the keyboard (Ctrl-C, twice)"
+        return "interrupted at once (Ctrl-C twice, or a protocol that did not come back)"
     if isinstance(error, SmarigError):
         return f"stopped: {error}"
     return f"failed: {type(error).__name__}: {error}"

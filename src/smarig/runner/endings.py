@@ -1,10 +1,12 @@
 """Signals become a safe stop: SIGINT, SIGTERM and SIGHUP ask the run to end; a second SIGINT insists.
 
 The handler only sets a flag that the runner reads on its next tick: nothing is torn in the middle. For a while after
-such a stop further signals are not heard, lest impatience tears what is being put away. A signal that was ignored when
+such a stop further signals are not heard, lest impatience tears what is being put away. A protocol that computes and
+does not come back is torn out of it, for no tick will ever read the flag. A signal that was ignored when
 we came (nohup) stays ignored. Only the main thread may install handlers; elsewhere this does nothing.
 """
 
+import _thread
 import signal
 import threading
 import time
@@ -15,6 +17,7 @@ from typing import Any
 from smarig.runner.control import Control
 
 PUTTING_AWAY_S = 3.0
+THINKING_S = 3.0  # that a protocol may go on computing after a stop was asked for
 _WORDS = {
     "SIGINT": "interrupted by the keyboard (Ctrl-C)",
     "SIGTERM": "terminated (SIGTERM)",
@@ -33,15 +36,27 @@ def safe_endings(control: Control) -> Iterator[None]:
         if control.stopping and number == signal.SIGINT:
             raise KeyboardInterrupt
         control.stop(_WORDS[signal.Signals(number).name])
+        threading.Thread(target=_tear_out, args=(control, over), name="impatience", daemon=True).start()
 
+    over = threading.Event()
     known = [getattr(signal, name) for name in _WORDS if hasattr(signal, name)]
     heard = [number for number in known if signal.getsignal(number) != signal.SIG_IGN]
     old = {number: signal.signal(number, ask) for number in heard}
     try:
         yield
     finally:
+        over.set()
         for number, handler in old.items():
             signal.signal(number, _patient(handler) if control.stopping else handler)
+
+
+def _tear_out(control: Control, over: threading.Event) -> None:
+    """Interrupt a protocol that does not come back; nothing else is ever torn."""
+    while not over.wait(0.2):
+        since_s = control.waiting_since_s
+        if since_s is not None and time.monotonic() - since_s > THINKING_S:
+            _thread.interrupt_main()
+            return
 
 
 def _patient(handler: Any) -> Any:

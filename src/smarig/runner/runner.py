@@ -20,8 +20,8 @@ from smarig.command import (
     Waveform,
     Zero,
 )
-from smarig.errors import UsageError
 from smarig.rig.guard import Guard
+from smarig.runner.asking import Asking
 from smarig.runner.control import Control
 from smarig.runner.listener import Beginnings, Listener
 from smarig.runner.settling import Approach, SettleWindow
@@ -54,17 +54,14 @@ class Runner:
 
     def run(self, protocol: Protocol) -> None:
         """Carry out a protocol to its end; the rig is safe afterwards, whatever happened."""
+        asking = Asking(protocol, self.control)
         try:
             answer: StepResult | Sample | None = None
-            while True:
-                try:
-                    command = protocol.send(answer)
-                except StopIteration:
-                    return
+            while (command := asking.next(answer)) is not None:
                 answer = self._carry_out(command)
         finally:
             self.rig.safe()
-            protocol.close()
+            asking.close()
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:
         match command:
@@ -83,8 +80,6 @@ class Runner:
                 self._tell("zero", "Encoder zeroed.")
             case Mark(label, data):
                 self._tell("mark", label, **data)
-            case _:
-                raise UsageError(f"A protocol yielded {command!r}, which is not a command.")
         return None
 
     def _hold(self, command: Hold) -> StepResult:
