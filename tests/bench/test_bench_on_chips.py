@@ -55,8 +55,8 @@ def kept_waiting():
 
 
 def in_real_time(check, make):
-    """A check that means nothing where nobody could keep real time: it is made again then, twice at most."""
-    for _ in range(3):
+    """A check that means nothing where nobody could keep real time: it is made once more then."""
+    for _ in range(2):
         with kept_waiting() as late_ms:
             try:
                 return check(make)
