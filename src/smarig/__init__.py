@@ -11,6 +11,8 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from smarig.closed_loop import regulate as regulate
+    from smarig.closed_loop import track as track
     from smarig.diagnosis.diagnose import diagnose as diagnose
     from smarig.identification.identify import identify as identify
     from smarig.identification.model_file import load_model as load_model
@@ -31,8 +33,10 @@ _HOME = {
     "load_model": "smarig.identification.model_file",
     "load_run": "smarig.record.run",
     "plot": "smarig.report.notebook",
+    "regulate": "smarig.closed_loop",
     "resume": "smarig.runner.resume",
     "run": "smarig.runner.session",
+    "track": "smarig.closed_loop",
 }
 __all__ = [
     "FodSurface",
@@ -43,8 +47,10 @@ __all__ = [
     "load_model",
     "load_run",
     "plot",
+    "regulate",
     "resume",
     "run",
+    "track",
 ]
 
 

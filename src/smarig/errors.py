@@ -45,6 +45,7 @@ class StorageError(DataError):
 
 
 class Interrupted(SmarigError):
-    """A person or the system asked to stop; the rig is safe (exit 130)."""
+    """A person or the system asked to stop; the rig is safe (exit 130). ``remedy``: how to go on."""
 
     exit_status = 130
+    remedy = "'smarig resume' goes on with it."

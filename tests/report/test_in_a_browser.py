@@ -24,7 +24,7 @@ protocol = "validation"
 purpose = "held_out"
 set = { points = 8 }
 """
-KINDS = ("run", "index", "comparison", "models", "characterise", "diagnose")
+KINDS = ("run", "index", "comparison", "models", "characterise", "diagnose", "regulate", "certificate")
 
 
 def smarig_(*words):
@@ -50,7 +50,26 @@ def pages(tmp_path_factory):
     smarig_("report", runs)
     smarig_("report", first, second, walked, "-o", folder / "comparison.html")
     smarig_("report", "--model", models[0], "--model", models[1], first, walked, "-o", folder / "models.html")
+    held = folder / "held.run.sqlite"
+    words = (
+        "--setpoint",
+        6,
+        "--within",
+        0.2,
+        "--hold-s",
+        100,
+        "--disturbance-K",
+        6,
+        "--rig",
+        "one_wire_twin",
+        "--quiet",
+    )
+    smarig_("regulate", models[0], *words, "-o", held)
+    smarig_("report", held, "--model", models[0], "-o", folder / "held.html")
+    smarig_("certify", models[0], "-o", folder / "certificate.html")
     return {
+        "regulate": folder / "held.html",
+        "certificate": folder / "certificate.html",
         "run": runs / "first.html",
         "index": runs / "index.html",
         "comparison": folder / "comparison.html",

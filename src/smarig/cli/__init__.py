@@ -69,7 +69,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except click.ClickException as error:
         return report_error(error.format_message(), 2)
     except Interrupted as stopped:
-        sentence = f"Run {stopped}: it is closed, the current is at zero. 'smarig resume' goes on with it."
+        sentence = f"Run {stopped}: it is closed, the current is at zero. {stopped.remedy}"
         return report_error(sentence, stopped.exit_status)
     except SmarigError as error:
         return report_error(str(error), error.exit_status)

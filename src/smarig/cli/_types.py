@@ -18,6 +18,8 @@ _PACKAGES = {
     "protocols": "smarig.protocols",
     "readers": "smarig.exchange.readers",
     "writers": "smarig.exchange.writers",
+    "tracking": "smarig.control.tracking.controllers",
+    "velocity": "smarig.control.velocity.controllers",
 }
 
 
@@ -67,6 +69,8 @@ own_effects = click.option(
 )
 RIG = Named("rigs")
 PROTOCOL = Named("protocols")
+CONTROLLER = Named("tracking")
+VELOCITY = Named("velocity")
 EXPERIMENT = Named("protocols", "campaigns")
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)

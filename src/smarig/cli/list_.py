@@ -5,6 +5,7 @@ import click
 from smarig.catalogue import chosen, is_path, names, summary
 from smarig.cli._output import emit, json_option
 from smarig.config import listed, load_actuator, load_campaign, load_rig
+from smarig.control.settings import TRACKING, VELOCITY, numbers
 from smarig.errors import UsageError
 from smarig.exchange.mapping import load_mapping
 from smarig.model.planted import PACKAGE as EFFECTS
@@ -39,6 +40,12 @@ def _effects() -> dict[str, str]:
     return {k.name: k.summary for k in kinds()}
 
 
+def _controllers() -> dict[str, str]:
+    return {
+        name: f"{use}: {summary(package, name)}" for use, package in _LOOPS.items() for name in names(package)
+    }
+
+
 def _wires() -> dict[str, str]:
     return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in histories()}
 
@@ -48,11 +55,13 @@ Examples:
   smarig list protocols
   smarig list protocols ./my_protocol.py --settings
 """
+_LOOPS = {"tracking": TRACKING, "velocity": VELOCITY}
 _KINDS = {
     "effects": _effects,
     "rigs": _rigs,
     "actuators": _actuators,
     "protocols": _protocols,
+    "controllers": _controllers,
     "campaigns": _campaigns,
     "imports": _imports,
     "wires": _wires,
@@ -69,6 +78,9 @@ def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
 
 
 def _settings(group: str, name: str) -> list[str]:
+    if group == "controllers":
+        package = next(p for p in _LOOPS.values() if name in names(p))
+        return [f"{key} = {default:g}" for key, default in numbers(package, name).items()]
     if group == "effects":
         kind = next(k for k in kinds() if k.name == name)
         return [
@@ -82,11 +94,13 @@ def _settings(group: str, name: str) -> list[str]:
 @click.argument("kind", type=click.Choice([*_KINDS, "all"]), default="all")
 @click.argument("files", nargs=-1, metavar="[FILE.py]...")
 @click.option(
-    "--settings", is_flag=True, help="Also the settings of protocols and the parameters of effects."
+    "--settings",
+    is_flag=True,
+    help="Also the settings of protocols and controllers, and the parameters of effects.",
 )
 @json_option
 def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
-    """What there is: rigs, actuators, protocols, campaigns, import mappings, effects, and wires used.
+    """What there is: rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and wires used.
 
     With FILE.py, own protocols or effects only.
     """
@@ -103,5 +117,10 @@ def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
             if settings:
                 lines += [f"  {'':<{width}}    {line}" for line in _settings(group, name)]
     if settings:
-        found["settings"] = {n: dict(described(n)) for n in found.get("protocols", {})}
+        found["settings"] = {n: dict(described(n)) for n in found.get("protocols", {})} | {
+            n: numbers(package, n)
+            for package in _LOOPS.values()
+            for n in names(package)
+            if n in found.get("controllers", {})
+        }
     emit(found, "\n".join(lines))

@@ -14,6 +14,7 @@ Examples:
   smarig report out/one_wire/runs
   smarig report monday.run.sqlite tuesday.run.sqlite -o two_days.html
   smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
+  smarig report --model wire.model.json held.run.sqlite
 """
 
 
@@ -28,14 +29,17 @@ Examples:
 @json_option
 def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
     """Write offline HTML pages: about a run (finished, interrupted or imported), about every run in a folder with an
-    index to search, about several runs over each other, or about models on the same runs."""
+    index to search, about several runs over each other, or about models on the same runs. With one model, the page of a
+    closed loop has that model's certificate."""
     from smarig.report.folder import runs_in
 
     if len(runs) == 1 and runs[0].is_dir() and not models:
         _folder(runs[0], out, force)
         return
     found = [file for path in runs for file in (runs_in(path) if path.is_dir() else [path])]
-    if models:
+    if len(models) == len(found) == 1 and _is_loop(found[0]):
+        _run(found[0], out, force, models[0])
+    elif models:
         _models(models, found, out, force)
     elif len(found) == 1:
         _run(found[0], out, force)
@@ -56,16 +60,26 @@ def _folder(folder: Path, out: Path | None, force: bool) -> None:
     emit({"report": str(made.index), "reports": pages, "unread": list(made.unread)}, words)
 
 
-def _run(file: Path, out: Path | None, force: bool) -> None:
+def _is_loop(file: Path) -> bool:
+    from smarig.record import load_run
+    from smarig.report.closed_loop import is_closed_loop
+
+    return is_closed_loop(load_run(file))
+
+
+def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
+    from smarig.closed_loop import Given
     from smarig.record import load_run
     from smarig.report.folder import page_of
     from smarig.report.page import write_page
     from smarig.report.run_page import run_page
 
     target = out or page_of(file)
-    distinct(target, file)
+    distinct(target, file, model)
     run = load_run(file)
-    write_page(run_page(run), target, force=force)
+    given = Given.of(model) if model else None
+    certified = (given.model, given.name, given.sha256) if given else None
+    write_page(run_page(run, certified=certified), target, force=force)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
     emit({**page, "reports": [page]}, f"Report: {target}")
 

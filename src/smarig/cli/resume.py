@@ -9,9 +9,9 @@ from smarig.cli._live import Live, joined, live_options, live_view
 from smarig.cli._notify import notified, notify_option
 from smarig.cli._output import emit, json_option, say
 from smarig.cli._progress import STREAMS, progress
+from smarig.cli._sitting import summarised, warn
 from smarig.cli._situation import about
 from smarig.cli._types import FILE, PROTOCOL, RIG, own_effects
-from smarig.cli.run_ import marked, summarised
 from smarig.errors import UsageError
 from smarig.record import load_run
 
@@ -68,7 +68,6 @@ def command(
             plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed)
     after = load_run(run)
     say(plan.sentence())
-    for warning in marked(after):
-        say(f"Warning: {warning}")
+    warn(after)
     found = summarised(after)
     emit(found | {"start_over": plan.start_over, "how": plan.sentence(), "before": before.cause}, repr(after))

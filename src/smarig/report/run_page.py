@@ -5,8 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from smarig.errors import DataError
+from smarig.identification.model_file import Model
 from smarig.identification.representation import Representation, congruency, wiping_out
 from smarig.record import Run
+from smarig.report.closed_loop import is_closed_loop
+from smarig.report.closed_loop_page import loop_sections
 from smarig.report.conditions import (
     count_size,
     duration_s,
@@ -33,14 +36,16 @@ from smarig.report.tables import (
 )
 
 
-def run_page(run: Run, *, library: str = "") -> str:
+def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] | None = None) -> str:
     """A page with a run's time series, hysteresis graph, conditions, marks, events and provenance (HTML).
 
-    ``library`` is the address of Plotly's script where pages share it, "" to have it inside.
+    ``library`` is the address of Plotly's script where pages share it, "" to have it inside. A closed loop has sections
+    of its own, and with ``certified`` (a model, its file's name and hash) the certificate of that model.
     """
     data = list(_figures(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
     sections = [
         Section("Summary", "Summary", [headline(run), settings_words(run)]),
+        *loop_sections(run, certified),
         Section("Measurement", "Measurement", data),
         Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
@@ -63,6 +68,8 @@ def _figures(run: Run) -> Iterator[Figure | Html]:
     start = initialisation(run)
     if start:
         yield start
+    if is_closed_loop(run):  # its hysteresis is drawn with the loop
+        return
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
         yield hysteresis(run)
     if run.meta.get("protocol") in _TESTS:

@@ -7,10 +7,10 @@ kelvin of source temperature. Ends at zero. Refuses to know which rig, and what 
 """
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 from smarig.command import Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
-from smarig.control.regulation.approach import plan
+from smarig.control.regulation.approach import ApproachPlan, plan
 from smarig.control.regulation.pi import PI, Loop
 from smarig.control.regulation.psi import Psi
 from smarig.errors import UsageError
@@ -20,9 +20,13 @@ from smarig.protocols._setup import Setup
 from smarig.sample import Quality, Sample
 
 Start = Literal["diagonal", "ascending", "descending"]
-PULSE_TAUS = 4.0
+STARTS: tuple[Start, ...] = ("diagonal", "ascending", "descending")
+MARK, CLOSED, DISTURBED, OPENED = "regulate", "loop closed", "disturbance", "loop opened"  # labels of marks
+PULSE_TAUS, QUIET_S = 4.0, 60.0
+LONGEST_S = 24 * 3600.0
 OUTPUT_WITHIN = 0.005  # of the output range: what the loop would have to correct, and spoil the state by it
 _COOL_TAUS = 8.0
+_DRAWN = 128  # points of ψ that a record keeps, about
 
 
 def regulate(
@@ -36,7 +40,7 @@ def regulate(
     loop: Loop | None = None,
     settle: Settled | None = None,
     disturbance_K: float = 0.0,
-    quiet_s: float = 60.0,
+    quiet_s: float = QUIET_S,
     pulse_s: float | None = None,
 ) -> Protocol:
     """Bring the wire to a state whose output is ``setpoint`` and hold it there in closed loop (§8.3).
@@ -48,9 +52,9 @@ def regulate(
     """
     settle = settle or Settled()
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
-    _check_times(hold_s, quiet_s, pulse_s if disturbance_K else 0.0)
-    way, rest_K = _approach(setup, hysteresis, setpoint, within, start, settle)
-    yield Mark("regulate", {"setpoint": setpoint, "start": start, "rest_K": rest_K})
+    check_times(setup, hold_s, disturbance_K, quiet_s, pulse_s)
+    way, rest_K, facts = _approach(setup, hysteresis, setpoint, within, start, settle)
+    yield Mark(MARK, {"setpoint": setpoint, "start": start, "rest_K": rest_K} | facts)
     result = yield Hold(setup.current_for(setup.lower_K), settle, target=setup.lower_K, branch="reference")
     zero = hysteresis.y_lower - result.position if result is not None else 0.0
     if way is not None:
@@ -64,7 +68,14 @@ def regulate(
     yield Hold(0.0, Elapsed(_COOL_TAUS * setup.tau_s), branch="cool")
 
 
-def _check_times(hold_s: float, quiet_s: float, pulse_s: float) -> None:
+def check_times(
+    setup: Setup, hold_s: float, disturbance_K: float, quiet_s: float = QUIET_S, pulse_s: float | None = None
+) -> None:
+    """UsageError for times that are negative or do not hold the disturbance."""
+    pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
+    pulse_s = pulse_s if disturbance_K else 0.0
+    if hold_s > LONGEST_S:
+        raise UsageError(f"A hold of more than {LONGEST_S / 3600:g} h: hold it in parts.")
     if not (hold_s > 0 and quiet_s >= 0 and pulse_s >= 0):
         raise UsageError(
             f"Times must not be negative: hold {hold_s:g}, quiet {quiet_s:g}, pulse {pulse_s:g} s."
@@ -78,17 +89,48 @@ def _check_times(hold_s: float, quiet_s: float, pulse_s: float) -> None:
 
 def _approach(
     setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: Start, settle: Settled
-) -> tuple[Waveform | Hold | None, float]:
-    """What leads from negative saturation to where the last move begins, and the input at which the state rests."""
+) -> tuple[Waveform | Hold | None, float, dict[str, Any]]:
+    """What leads from negative saturation to where the last move begins, the input at which the state rests, and
+    what the record keeps of it.
+    """
+    psi = Psi(hysteresis)
     if start == "diagonal":
-        ell = float(Psi(hysteresis).least(setpoint))
-        return plan(setup, hysteresis, ell, within, OUTPUT_WITHIN).waveform(), ell
+        ell = float(psi.least(setpoint))
+        found = plan(setup, hysteresis, ell, within, OUTPUT_WITHIN)
+        return found.waveform(), ell, _range(psi) | _planned(found, float(psi(ell)))
     if start not in ("ascending", "descending"):
         raise UsageError(f"start is diagonal, ascending or descending, not '{start}'.")
     up = start == "ascending"
     rest_K = Preisach(hysteresis, "negative" if up else "positive").inverse(setpoint)
     top = Hold(setup.current_for(setup.upper_K), settle, target=setup.upper_K, branch="saturate")
-    return None if up else top, rest_K
+    return None if up else top, rest_K, _range(psi)
+
+
+def _range(psi: Psi) -> dict[str, Any]:
+    """The plane and ψ along it: what a reader of the record needs to draw them without the model."""
+    ell, y = psi.curve
+    thin = slice(None, None, max(1, ell.size // _DRAWN))
+    return {
+        "lower_K": psi.lower,
+        "upper_K": psi.upper,
+        "psi_ell_K": [*ell[thin].tolist(), float(ell[-1])],
+        "psi": [*y[thin].tolist(), float(y[-1])],
+    }
+
+
+def _planned(plan_: ApproachPlan, output: float) -> dict[str, Any]:
+    """What was foretold of the way to B_ℓ; areas in K²."""
+    return {
+        "ell_K": plan_.ell,
+        "output": output,
+        "predicted_distance_K2": plan_.predicted_distance,
+        "area_K2": plan_.area,
+        "predicted_output_error_share": plan_.output_error,
+        "cycles": plan_.cycles,
+        "wave_s": plan_.wave_s,
+        "approach_s": plan_.duration_s,
+        "predicted_boundary": [list(point) for point in plan_.plane.points(plan_.predicted_boundary)],
+    }
 
 
 def _closed(
@@ -101,17 +143,17 @@ def _closed(
 ) -> Protocol:
     """The loop, one tick at a time; what is added to its source is told in the record."""
     loop.start(rest_K)
-    yield Mark("loop closed", {"wanted_position": wanted})
+    yield Mark(CLOSED, {"wanted_position": wanted})
     source_K, push_K = rest_K, 0.0
     rate_A = setup.limits.current_rate_A_per_s * setup.period_s
     current_A = setup.current_for(rest_K)
     for k in range(round(hold_s / setup.period_s)):
         before, push_K = push_K, pushed_K(k * setup.period_s)
         if push_K != before:
-            yield Mark("disturbance", {"source_K": push_K})
+            yield Mark(DISTURBED, {"source_K": push_K})
         asked_K = min(max(source_K + push_K, setup.lower_K), setup.upper_K)
         current_A = min(max(setup.current_for(asked_K), current_A - rate_A), current_A + rate_A)
         sample: Sample | None = yield Drive(current_A)
         if sample is not None and not sample.quality & Quality.STALE:
             source_K = loop.step(wanted - sample.position)
-    yield Mark("loop opened")
+    yield Mark(OPENED)

@@ -16,7 +16,7 @@ from smarig.protocols._setup import Setup
 from smarig.protocols.initialise import initialise
 from smarig.sample import Sample
 
-CLOSED = "closed loop"  # label of the mark that begins it
+CLOSED, OPENED = "closed loop", "loop opened"  # labels of the marks that begin and end it
 
 Maker = Callable[[Known, Wanted], Controller]
 
@@ -58,7 +58,7 @@ def track(
         watch.look(sample, reference.at(sample.t_s - start_s))
         asked_A = controller.send(sample)
     controller.close()
-    yield Mark("loop opened")
+    yield Mark(OPENED)
     while given_A:
         given_A = _allowed(setup, 0.0, given_A)
         yield Drive(given_A)

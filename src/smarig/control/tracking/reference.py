@@ -17,6 +17,7 @@ from smarig.errors import UsageError
 
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000
+MOST_POINTS = 400_000
 SHAPES = ("steps", "ramps", "multisine")
 PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's parts at speed 1: no common multiple within an hour
 
@@ -88,6 +89,10 @@ def reference(
         raise UsageError(
             f"A reference needs low < high, 0 < seconds ≤ {LONGEST_S:g}, every_s > 0 and speed > 0; got "
             f"{low:g}, {high:g}, {seconds:g}, {every_s:g}, {speed:g}."
+        )
+    if seconds * speed * max(4.0, 1 / every_s) > MOST_POINTS:
+        raise UsageError(
+            f"A reference of more than {MOST_POINTS} points; give less seconds, speed, or a longer every_s."
         )
     dice = np.random.default_rng([seed, 0x7247])
     if shape == "multisine":

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.control.hypothesis import Hypothesis, all_hold, failing
-from smarig.control.storage import storage
+from smarig.control.storage import Storage, storage
 from smarig.control.velocity.controller import VelocityController
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
@@ -71,6 +71,30 @@ class Stability:
         return f"Thm 8.2 does not cover this loop ({numbers}). {reasons}"
 
 
+@dataclass(frozen=True)
+class Ground:
+    """What Thm 8.2 finds in a model, whichever the controller: Q₀, and the hypotheses about it."""
+
+    stored: float
+    hypotheses: tuple[Hypothesis, ...]
+
+
+def ground(hysteresis: Everett, initial: Initial = "negative", energy: Storage | None = None) -> Ground:
+    """Look at a model once, for any number of controllers; ``energy``: its storage, if that is known already."""
+    start = Preisach(hysteresis, initial).state
+    energy = energy or storage(hysteresis, start)
+    stored = energy.energy
+    return Ground(
+        stored,
+        (
+            _passive(energy.ground, energy.proved, stored, energy.unit),
+            _follows(hysteresis),
+            _density(hysteresis),
+            _no_stored_energy(start.u, stored),
+        ),
+    )
+
+
 def stability(
     hysteresis: Everett, controller: VelocityController, initial: Initial = "negative"
 ) -> Stability:
@@ -83,22 +107,14 @@ def stability(
     >>> [h.name for h in failing(stability(surface("two_p"), constant_gain(4.0), "anhysteretic").hypotheses)]
     ['passive', 'output follows input']
     """
-    start = Preisach(hysteresis, initial).state
-    energy = storage(hysteresis, start)
-    stored = energy.energy
+    return stability_on(ground(hysteresis, initial), controller)
+
+
+def stability_on(found: Ground, controller: VelocityController) -> Stability:
+    """The same, of a model that has been looked at."""
+    own = (_strict(controller.delta), _finite(controller.gamma))
     return Stability(
-        k_e(controller),
-        controller.delta,
-        controller.gamma,
-        stored,
-        (
-            _passive(energy.ground, energy.proved, stored, energy.unit),
-            _follows(hysteresis),
-            _density(hysteresis),
-            _no_stored_energy(start.u, stored),
-            _strict(controller.delta),
-            _finite(controller.gamma),
-        ),
+        k_e(controller), controller.delta, controller.gamma, found.stored, (*found.hypotheses, *own)
     )
 
 

@@ -1,1 +1,4 @@
-"""Velocity controllers, one file each: the file name is the name, the function of that name makes it."""
+"""Velocity controllers, one file each: the file name is the name, the function of that name makes it.
+
+Defaults are in kelvin and the rig's output unit: gentle on both of the thesis's rigs, examples and no recommendation.
+"""

@@ -5,7 +5,7 @@ import numpy as np
 from smarig.control.velocity.controller import Memoryless, positive
 
 
-def constant_gain(gain: float) -> Memoryless:
+def constant_gain(gain: float = 100.0) -> Memoryless:
     """ũ = k ė: δ = γ = k, the thesis's proportional controller (§8.2).
 
     >>> constant_gain(3.0).delta, constant_gain(3.0).gamma

@@ -3,7 +3,7 @@
 from smarig.control.velocity.controller import FirstOrder, positive
 
 
-def lead_lag(gain: float, zero_s: float, pole_s: float) -> FirstOrder:
+def lead_lag(gain: float = 100.0, zero_s: float = 4.0, pole_s: float = 1.0) -> FirstOrder:
     """H(s) = k (1 + s zero_s)/(1 + s pole_s): a lead for zero_s > pole_s, else a lag.
 
     H₀ = k and H∞ = k zero_s/pole_s; δ is the smaller, γ the larger.

@@ -3,7 +3,7 @@
 from smarig.control.velocity.controller import FirstOrder, positive
 
 
-def leaky_pi(gain: float, integral_per_s: float, leak_per_s: float) -> FirstOrder:
+def leaky_pi(gain: float = 100.0, integral_per_s: float = 30.0, leak_per_s: float = 0.1) -> FirstOrder:
     """H(s) = k_p + k_i/(s + a): an integral that forgets at the rate a, for without a leak there is no finite gain.
 
     δ = k_p, γ = k_p + k_i/a.

@@ -6,7 +6,7 @@ from smarig.control.velocity.controller import Memoryless, positive
 from smarig.errors import UsageError
 
 
-def saturating_gain(least: float, most: float, width: float) -> Memoryless:
+def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1) -> Memoryless:
     """ũ = k₁ ė + (k₂ − k₁) sat(ė), sat clipping at ± ``width`` (output unit per second); sector [k₁, k₂].
 
     k₂ is met by every |ė| ≤ width, k₁ only in the limit of large errors: δ = k₁, γ = k₂. A gain that saturated

@@ -8,9 +8,17 @@ from smarig.control.velocity.controller import Memoryless, positive
 from smarig.errors import UsageError
 
 _SEEN = 4096
+_TURN = 50
 
 
-def scheduled_gain(least: float, most: float, schedule: Callable[[int], float]) -> Memoryless:
+def by_turns(sample: int) -> float:
+    """The schedule where none is given: the least gain and the largest in turn, fifty samples each."""
+    return float("inf") if sample // _TURN % 2 else 0.0
+
+
+def scheduled_gain(
+    least: float = 50.0, most: float = 200.0, schedule: Callable[[int], float] = by_turns
+) -> Memoryless:
     """ũ_k = k(σ_k) ė_k with k₁ ≤ k(σ) ≤ k₂, whatever σ depends on: ``schedule`` gives the gain of a sample.
 
     Without memory in ė, so ė ũ ≥ k₁ ė² and |ũ| ≤ k₂ |ė| at every sample: δ = k₁ and γ = k₂ for every schedule,

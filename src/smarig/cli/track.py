@@ -1,0 +1,77 @@
+"""``smarig track``: a position follows a reference, by a model of the wire."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli._loops import carried_out
+from smarig.cli._output import json_option
+from smarig.cli._progress import STREAMS
+from smarig.cli._sitting import Sitting, sitting_options
+from smarig.cli._types import CONTROLLER, FILE
+from smarig.protocols._settings import parse_pairs
+
+EPILOG = f"""{STREAMS}
+
+\b
+Examples:
+  smarig track wire.model.json --reference steps --rig one_wire_twin -o steps.run.sqlite
+  smarig track wire.model.json --reference multisine --set low=2 --set high=8 --set seconds=240 \\
+      --controller pi --controller-set gain_share=10 --rig one_wire_twin -o pi.run.sqlite
+  smarig track wire.model.json --reference wanted.csv --rig one_wire_serial -o wanted.run.sqlite
+"""
+
+
+@click.command("track", epilog=EPILOG)
+@click.argument("model", type=FILE)
+@click.option(
+    "--reference",
+    required=True,
+    metavar="SHAPE|FILE.csv",
+    help="steps, ramps, multisine, or a file with time_s and position_mm (position_deg).",
+)
+@click.option("-o", "--out", type=FILE, help="Run file.")
+@click.option(
+    "--set",
+    "pairs",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Of the reference: low, high, seconds, every_s, speed, seed; repeatable.",
+)
+@click.option(
+    "--controller",
+    type=CONTROLLER,
+    default="inverse",
+    show_default=True,
+    help="See 'smarig list controllers'.",
+)
+@click.option(
+    "--controller-set",
+    "numbers",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="A number of the controller ('smarig list controllers --settings'); repeatable.",
+)
+@sitting_options
+@json_option
+def command(
+    model: Path,
+    reference: str,
+    out: Path | None,
+    pairs: tuple[str, ...],
+    controller: str,
+    numbers: tuple[str, ...],
+    sitting: Sitting,
+) -> None:
+    """Initialise the wire, close a loop, follow a reference, let go; record it, and say how well it went.
+
+    Positions are in the rig's unit from where initialisation zeroes the encoder. Limits, trips and lease hold as in any
+    run, and a loop that diverges ends at zero current with status 3. The model's effects are in the feed-forward.
+    """
+    from smarig.closed_loop import Given, tracking
+    from smarig.config import load_rig
+
+    given = Given.of(model)
+    chosen = (parse_pairs(pairs), controller, parse_pairs(numbers))
+    loop = tracking(given, load_rig(sitting.rig), reference, *chosen)
+    carried_out(loop, sitting, out, model, Path(reference))

@@ -1,0 +1,261 @@
+"""Closed loops on a rig by a model from a file: what may be asked is checked here, before anything flows.
+
+Puts model, rig file and ``smarig.control`` together; the session runs what comes out like any protocol. Refuses what
+does not fit (arrangement, unit) and what is out of reach, each with a sentence.
+"""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from smarig.catalogue import names, suggestion
+from smarig.config import RigFile, load_rig
+from smarig.control.regulation import PI
+from smarig.control.regulation import regulate as regulating
+from smarig.control.regulation.loop import STARTS, check_times
+from smarig.control.settings import TRACKING, given, number
+from smarig.control.tracking import Known, Reference, reference
+from smarig.control.tracking import track as following
+from smarig.control.tracking.reference import SHAPES, from_csv
+from smarig.control.tracking.tuning import made
+from smarig.errors import UsageError
+from smarig.identification.model_file import Model, load_model
+from smarig.model.actuator import Actuator
+from smarig.model.planted import from_json
+from smarig.protocols._setup import Setup
+from smarig.record import Run, load_run
+from smarig.runner.preview import Maker
+from smarig.runner.session import Session
+
+_SHARES = (0.2, 0.8)  # of the reach: where references stay unless told otherwise
+_OF_REFERENCES = ("low", "high", "seconds", "every_s", "speed", "seed")
+REGULATORS = {"pi": ("gain", "band")}
+
+
+@dataclass(frozen=True)
+class Given:
+    """A model with the file it came from, and that file's hash: what a record says of it."""
+
+    model: Model
+    name: str
+    sha256: str
+
+    @classmethod
+    def of(cls, path: str | Path) -> "Given":
+        """Read and hash a model file; errors of ``load_model``."""
+        model = load_model(path)
+        return cls(model, Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest())
+
+    def settings(self) -> dict[str, str]:
+        """For a record."""
+        return {"model": self.name, "model_sha256": self.sha256}
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A closed loop ready to be run: its protocol's name, what makes it, and its settings for the record."""
+
+    protocol: str
+    make: Maker
+    settings: dict[str, Any]
+
+
+def tracking(
+    given_: Given,
+    rig: RigFile,
+    wanted: str,
+    settings: Mapping[str, Any] | None = None,
+    controller: str = "inverse",
+    numbers: Mapping[str, Any] | None = None,
+) -> Loop:
+    """Follow a reference: steps, ramps, multisine with ``settings``, or a CSV file. UsageError says what is wrong."""
+    known = _known(given_.model, rig)
+    chosen = given(TRACKING, controller, numbers or {})
+    follow = _reference(wanted, settings or {}, known, given_.model.unit)
+    _check_reach(follow, known, given_.model.unit)
+    said = {"reference": follow.name, **(settings or {}), "controller": controller, **chosen}
+    return Loop(
+        "track",
+        lambda _: following(known, made(controller, chosen), follow, name=controller),
+        given_.settings() | said,
+    )
+
+
+def regulation(
+    given_: Given,
+    rig: RigFile,
+    setpoint: float,
+    *,
+    within: float = 0.01,
+    hold_s: float = 600.0,
+    start: str = "diagonal",
+    disturbance_K: float = 0.0,
+    controller: str = "pi",
+    numbers: Mapping[str, Any] | None = None,
+) -> Loop:
+    """Go to a state of the output ``setpoint`` (the model's scale) and hold it. UsageError says what is wrong."""
+    model, known = given_.model, _known(given_.model, rig)
+    setup = known.setup
+    low, high = (end + known.origin for end in known.reach)
+    y = number("The set-point", setpoint)
+    count = setup.actuator.position_per_count(rig.encoder.counts_per_rev)
+    if not low - count <= y <= high + count:
+        raise UsageError(
+            f"The set-point {y:g} {model.unit} is out of reach: this model on this rig reaches from {low:.4g} to "
+            f"{high:.4g} {model.unit}."
+        )
+    y = min(max(y, low), high)  # a count is what the rig can tell apart
+    if start not in STARTS:
+        raise UsageError(f"start is {', '.join(STARTS)}, not '{start}'.")
+    push_K, share = number("The disturbance", disturbance_K), number("within", within)
+    check_times(setup, number("hold_s", hold_s), push_K)
+    loop = _regulator(controller, numbers or {}, setup, model)
+    said = {"setpoint": y, "within": share, "hold_s": hold_s, "start": start, "disturbance_K": push_K}
+
+    def make(rig_setup: Setup):
+        return regulating(
+            rig_setup,
+            hysteresis=model.hysteresis,
+            setpoint=y,
+            within=share,
+            hold_s=float(hold_s),
+            start=start,  # type: ignore[arg-type]
+            loop=loop,
+            disturbance_K=push_K,
+        )
+
+    return Loop("regulate", make, given_.settings() | said | {"controller": controller, **(numbers or {})})
+
+
+def _known(model: Model, rig: RigFile) -> Known:
+    """What a controller will believe; UsageError where the model is not one of such a rig."""
+    actuator = Actuator.named(rig.actuator)
+    arrangement = actuator.file.arrangement
+    if model.arrangement != arrangement:
+        raise UsageError(
+            f"Model {model.name} is of a {_words(model.arrangement)} rig, '{rig.name}' is a {_words(arrangement)} one."
+        )
+    if model.unit != actuator.unit:
+        raise UsageError(
+            f"Model {model.name} speaks in {model.unit}, rig '{rig.name}' measures in {actuator.unit}."
+        )
+    if model.input.unit != "K":
+        raise UsageError(
+            f"Model {model.name} has an input in {model.input.unit or 'no unit'}; a rig is driven by kelvin above "
+            "ambient."
+        )
+    setup = Setup(actuator, rig.limits, rig.period_s)
+    return Known(setup, model.hysteresis, rig.encoder.counts_per_rev, from_json(model.effects))
+
+
+def _words(arrangement: str) -> str:
+    return arrangement.replace("_", "-") or "nameless"
+
+
+def _reference(wanted: str, settings: Mapping[str, Any], known: Known, unit: str) -> Reference:
+    if wanted not in SHAPES:
+        if not Path(wanted).suffix and not Path(wanted).exists():
+            raise UsageError(
+                f"No reference '{wanted}'{suggestion(wanted, list(SHAPES))}, or a CSV file with time_s and "
+                f"position_{unit}."
+            )
+        if settings:
+            raise UsageError(
+                "--set belongs to steps, ramps and multisine; a file says itself what is wanted."
+            )
+        return from_csv(Path(wanted), unit)
+    for key in settings:
+        if key not in _OF_REFERENCES:
+            raise UsageError(f"A reference has no setting '{key}'{suggestion(key, list(_OF_REFERENCES))}.")
+    low, high = known.reach
+    values: dict[str, Any] = {
+        "low": low + _SHARES[0] * (high - low),
+        "high": low + _SHARES[1] * (high - low),
+    } | {key: number(f"The reference's {key}", value) for key, value in settings.items()}
+    if "seed" in values:
+        values["seed"] = _whole(values["seed"])
+    return reference(wanted, values.pop("low"), values.pop("high"), **values)
+
+
+def _whole(seed: float) -> int:
+    if seed < 0 or seed != int(seed) or seed > 2**53:
+        raise UsageError(f"The reference's seed is a whole number from 0 on (given: {seed:g}).")
+    return int(seed)
+
+
+def _check_reach(follow: Reference, known: Known, unit: str) -> None:
+    low, high = known.reach
+    count = known.setup.actuator.position_per_count(known.counts_per_rev)
+    least, most = min(follow.position), max(follow.position)
+    if not low - count <= least <= most <= high + count:
+        raise UsageError(
+            f"The reference goes from {least:.4g} to {most:.4g} {unit}: this model on this rig reaches from {low:.4g} "
+            f"to {high:.4g} {unit}, counted from the encoder's zero."
+        )
+
+
+def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) -> PI:
+    """The loop that holds a set-point, its numbers in K per unit (gain) and units (band)."""
+    if name not in REGULATORS:
+        raise UsageError(
+            f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}; "
+            f"{', '.join(names(TRACKING))} track."
+        )
+    loop = PI.gentle(setup, model.hysteresis)
+    for key, value in pairs.items():
+        if key not in REGULATORS[name]:
+            raise UsageError(
+                f"Controller '{name}' has no number '{key}'{suggestion(key, list(REGULATORS[name]))}."
+            )
+        found = number(f"Controller '{name}', {key}", value)
+        if found < 0 or (found == 0 and key == "gain"):
+            raise UsageError(f"Controller '{name}': {key} must be positive (given: {value}).")
+        setattr(loop, key, found)
+    return loop
+
+
+# --- a notebook's way in ----------------------------------------------------------------------------------
+
+
+def run_loop(
+    loop: Loop, rig: str, out: str | Path, *, seed: int = 0, wire: str = "", force: bool = False
+) -> Run:
+    """Run a closed loop on a rig, record it, and return the run."""
+    with Session(rig, seed=seed, wire=wire) as session:
+        return load_run(session.run(loop.protocol, loop.settings, out, force=force, maker=loop.make))
+
+
+def track(
+    model: str | Path,
+    wanted: str,
+    *,
+    rig: str,
+    out: str | Path,
+    controller: str = "inverse",
+    numbers: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    wire: str = "",
+    force: bool = False,
+    **settings: Any,
+) -> Run:
+    """Follow a reference (steps, ramps, multisine with its settings, or a CSV file) on a rig and return the run."""
+    loop = tracking(Given.of(model), load_rig(rig), wanted, settings, controller, numbers)
+    return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)
+
+
+def regulate(
+    model: str | Path,
+    setpoint: float,
+    *,
+    rig: str,
+    out: str | Path,
+    seed: int = 0,
+    wire: str = "",
+    force: bool = False,
+    **settings: Any,
+) -> Run:
+    """Bring a wire to a state of the wanted output, hold it there, and return the run; settings of ``regulation``."""
+    loop = regulation(Given.of(model), load_rig(rig), setpoint, **settings)
+    return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)

@@ -1,0 +1,57 @@
+"""Numbers of a controller from ``key=value``: checked against the function that makes it. Knows no controller.
+
+What a controller is asked for is what its function names with a number as default; everything else of it (what it
+knows, what is wanted, schedules) is not for a command line.
+"""
+
+import inspect
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from smarig.catalogue import find, suggestion
+from smarig.errors import UsageError
+
+TRACKING = "smarig.control.tracking.controllers"
+VELOCITY = "smarig.control.velocity.controllers"
+
+
+def numbers(package: str, name: str) -> dict[str, float]:
+    """The numbers of a controller of a catalogue, with their defaults.
+
+    >>> numbers(TRACKING, "pi")["lead_s"]
+    0.0
+    """
+    parameters = inspect.signature(find(package, name)).parameters.values()
+    return {p.name: p.default for p in parameters if isinstance(p.default, float)}
+
+
+def given(package: str, name: str, pairs: Mapping[str, Any]) -> dict[str, float]:
+    """All numbers of a controller, those given in place of the defaults; UsageError where one is wrong.
+
+    >>> given(TRACKING, "pi", {"integral_s": "2"})["integral_s"]
+    2.0
+    """
+    known = numbers(package, name)
+    return known | {key: _checked(name, key, value, known) for key, value in pairs.items()}
+
+
+def _checked(name: str, key: str, value: Any, known: Mapping[str, float]) -> float:
+    if key not in known:
+        raise UsageError(f"Controller '{name}' has no number '{key}'{suggestion(key, list(known))}.")
+    found = number(f"Controller '{name}', {key}", value)
+    if found < 0 or (found == 0 and known[key] != 0):
+        at_least = "must not be negative" if known[key] == 0 else "must be positive"
+        raise UsageError(f"Controller '{name}': {key} {at_least} (given: {value}).")
+    return found
+
+
+def number(what: str, value: Any) -> float:
+    """A finite number as typed, or a sentence that says what is none."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{what} is no number (given: {value}).") from None
+    if not math.isfinite(found):
+        raise UsageError(f"{what} is not finite (given: {value}).")
+    return found

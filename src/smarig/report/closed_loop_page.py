@@ -1,0 +1,132 @@
+"""Sections of a run's page that only closed loops have: how well it went, over time, in the plane, and the certificate.
+
+Knows runs, and a model where one is at hand. Refuses to run anything.
+"""
+
+import math
+
+from smarig.control.certificate import certificate
+from smarig.control.tracking.measures import WITHIN_COUNTS
+from smarig.identification.model_file import Model
+from smarig.record import Run
+from smarig.report.certificate_page import certificate_parts, origin
+from smarig.report.closed_loop import Regulated, TrackedRun, closed_loop, is_closed_loop
+from smarig.report.conditions import exact_unit
+from smarig.report.figures_loop import holding_figure, loop_hysteresis, tracking_figure
+from smarig.report.figures_regulation import B_ELL, plane_figure
+from smarig.report.html import Html, cards, joined, notice, paragraph, table
+from smarig.report.numbers import number
+from smarig.report.page import Section
+
+
+def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> list[Section]:
+    """The sections of a closed-loop run, none for others; ``certified``: a model, its file's name and hash."""
+    if not is_closed_loop(run):
+        return []
+    found = closed_loop(run)
+    if found is None:
+        parts = [notice("warning", paragraph("What the record says of its closed loop cannot be read."))]
+        return [Section("Closed loop", "Closed loop", parts)]
+    parts = _tracked(run, found) if isinstance(found, TrackedRun) else _regulated(run, found)
+    return [Section("Closed loop", "Closed loop", parts), *_certified(run, certified)]
+
+
+def _tracked(run: Run, found: TrackedRun) -> list:
+    if found.figures is None or found.loop.t_s.size < 2:
+        return [paragraph("The loop ended before anything could be measured.")]
+    return [
+        _tracked_cards(run, found),
+        tracking_figure(run, found),
+        _steps(run, found),
+        loop_hysteresis(run, found.loop),
+    ]
+
+
+def _tracked_cards(run: Run, found: TrackedRun) -> Html:
+    f, count, unit = found.figures, found.loop.count, exact_unit(run.unit)
+    if f is None:
+        return Html("")
+    after = f"from {found.skip_s:g} s on, " if found.skip_s else ""
+    return cards(
+        [
+            ("Error, rms", f"{number(f.rms)} {unit}", f"{number(f.rms / count)} counts; {after}n = {f.n}"),
+            (
+                "Largest error",
+                f"{number(f.largest)} {unit}",
+                f"{number(f.largest / count)} counts; {after}readings",
+            ),
+            ("Controller", found.controller, f"along {found.reference.name}"),
+            ("Energy", f"{number(f.energy_J)} J", f"in {number(f.seconds)} s"),
+            ("Peak temperature", f"{number(f.peak_K)} K", "predicted, above ambient"),
+        ]
+    )
+
+
+def _steps(run: Run, found: TrackedRun) -> Html:
+    f, unit = found.figures, exact_unit(run.unit)
+    if f is None or not f.settle_s:
+        return Html("")
+    rows = [
+        (
+            str(k),
+            number(goal, 4),
+            number(settled) if math.isfinite(settled) else "never",
+            number(over),
+            number(over / found.loop.count),
+        )
+        for k, (goal, settled, over) in enumerate(
+            zip(found.reference.position, f.settle_s, f.overshoot), start=1
+        )
+    ]
+    header = ("Step", f"Goal ({unit})", "Settled after (s)", f"Overshoot ({unit})", "Overshoot (counts)")
+    words = f"Settled: within {WITHIN_COUNTS:g} counts and 5 s there. Readings, encoder noise included."
+    return table(header, rows, words)
+
+
+def _regulated(run: Run, found: Regulated) -> list:
+    parts = [_regulated_cards(run, found), plane_figure(run, found)]
+    held = holding_figure(run, found)
+    if held is None or found.loop is None:
+        return [*parts, paragraph("The loop was never closed: the run ended on the way.")]
+    return [*parts, held, loop_hysteresis(run, found.loop, moves=False)]
+
+
+def _regulated_cards(run: Run, found: Regulated) -> Html:
+    facts, unit = found.facts, exact_unit(run.unit)
+    area = facts.get("area_K2")
+    items = [("Set-point", f"{number(facts['setpoint'], 4)} {unit}", f"start: {facts['start']}")]
+    if area:
+        reached = number(100 * found.distance_K2 / area) if found.distance_K2 is not None else "–"
+        items.append(
+            (
+                joined(["Distance from ", B_ELL]),
+                f"{reached} %",
+                f"of the plane; foretold {number(100 * facts['predicted_distance_K2'] / area)} %",
+            )
+        )
+    for label, value, note in (
+        ("After the approach", found.output_error, "off the set-point, before the loop is closed"),
+        ("Largest transient", found.transient, "from the disturbance on, readings"),
+        ("At the end", found.last_error, "off the set-point"),
+    ):
+        if value is not None:
+            items.append((label, f"{number(value)} {unit}", f"{_counts(found, value)}{note}"))
+    return cards(items)
+
+
+def _counts(found: Regulated, value: float) -> str:
+    count = found.loop.count if found.loop else 0.0
+    return f"{number(value / count, 2)} counts; " if count else ""
+
+
+def _certified(run: Run, certified: tuple[Model, str, str] | None) -> list[Section]:
+    if certified is None:
+        return []
+    model, name, sha256 = certified
+    used = (run.meta.get("settings") or {}).get("model_sha256")
+    parts: list = []
+    if used and used != sha256:
+        words = f"{name} is not the model this loop was run with ({run.meta['settings'].get('model')})."
+        parts.append(notice("warning", paragraph(words)))
+    parts += certificate_parts(model, certificate(model.hysteresis), origin(model, name, sha256))
+    return [Section("Certificate of the model", "Certificate", parts)]

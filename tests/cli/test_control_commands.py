@@ -1,0 +1,267 @@
+"""``smarig certify``, ``track``, ``regulate`` and ``list controllers``: their objects, files and refusals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from control.model_files import model_file, model_of
+from smarig.cli import run as cli
+from smarig.control.settings import TRACKING, VELOCITY, numbers
+from smarig.control.tracking import loop
+from smarig.identification.model_file import Channel
+from smarig.model.planted import from_pairs
+from smarig.record import load_run
+from smarig.report.closed_loop import closed_loop
+from smarig.runner.control import Control
+
+RAMPS = ("--reference", "ramps", "--set", "seconds=20", "--set", "every_s=5")
+ON = ("--rig", "one_wire_twin", "--quiet")
+
+
+def call(capsys, *words):
+    status = cli([str(word) for word in words])
+    out, err = capsys.readouterr()
+    assert "Traceback" not in err
+    assert "Internal error" not in err
+    return status, out, err
+
+
+@pytest.fixture
+def one(tmp_path):
+    return model_file(tmp_path, "one_e")
+
+
+@pytest.fixture
+def two(tmp_path):
+    return model_file(tmp_path, "two_p")
+
+
+# --- certify --------------------------------------------------------------------------------------------
+
+
+def test_a_certificate_says_what_it_rests_on(capsys, one):
+    status, out, _ = call(capsys, "certify", one, "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["passive"] is True
+    assert found["classes"] == {"M_PC": True, "M_P": False, "g_not_negative": True, "positive": False}
+    assert found["storage"] == {"ground": "recoverable", "proved": True, "bias": 0.0, "unit": "mm·K"}
+    assert found["breaking"] is None
+    assert len(found["sha256"]) == 64
+    assert found["data"][0]["rows"] == 7
+    by_name = {c["name"]: c for c in found["controllers"]}
+    assert set(by_name) == {"constant_gain", "lead_lag", "leaky_pi", "saturating_gain", "scheduled_gain"}
+    assert by_name["leaky_pi"]["k_e"] == pytest.approx((400 + 100) / 100)  # k_p = 100, k_i/a = 300
+    assert all(c["holds"] for c in by_name.values())
+
+
+def test_where_passivity_fails_the_input_that_breaks_it_is_given(capsys, two):
+    from smarig.preisach.energy import energy_balance
+    from smarig.preisach.gorbet_1997 import surface
+
+    status, out, _ = call(
+        capsys, "certify", two, "--controller", "constant_gain", "--set", "gain=4", "--json"
+    )
+    found = json.loads(out)
+    assert status == 0
+    assert found["passive"] is False
+    assert [(c["name"], c["holds"], c["delta"]) for c in found["controllers"]] == [
+        ("constant_gain", False, 4.0)
+    ]
+    start, low, high = found["breaking"]["way"]
+    cycles = found["breaking"]["cycles_until_negative"]
+    u = [start, low, high, *[low, high] * cycles]
+    assert energy_balance(surface("two_p"), np.array(u), "anhysteretic").supplied[-1] < 0
+
+
+def test_a_model_with_effects_is_certified_for_its_hysteresis_alone(capsys, tmp_path):
+    (effect,) = from_pairs(["backlash"])
+    effects = ({"name": effect.kind.name, "parameters": dict(effect.values)},)
+    model = model_file(tmp_path, "one_e", effects=effects)
+    status, out, _ = call(capsys, "certify", model)
+    assert status == 0
+    assert "effects (backlash): they are not covered" in out
+
+
+# --- track and regulate ---------------------------------------------------------------------------------
+
+
+def test_a_tracked_run_is_told_in_the_rigs_unit_and_in_counts(capsys, one, tmp_path):
+    out_file = tmp_path / "t.run.sqlite"
+    words = ("--controller", "pi", "--controller-set", "gain_share=10", "-o", out_file)
+    status, out, _ = call(capsys, "track", one, *RAMPS, *words, *ON, "--json")
+    found, run = json.loads(out), load_run(out_file)
+    assert status == 0
+    assert found["cause"] == "done"
+    track = found["track"]
+    assert track["rms_counts"] == pytest.approx(track["rms"] / run.meta["output"]["per_count"])
+    assert track["rms"] < track["largest"] < 12.6
+    assert run.meta["settings"]["gain_share"] == "10.0"
+    assert run.meta["settings"]["model"] == one.name
+    assert len(run.meta["settings"]["model_sha256"]) == 64
+    loop = closed_loop(run).loop
+    assert loop.t_s[-1] == pytest.approx(20.0)
+    assert track["largest"] == pytest.approx(np.abs(loop.position - loop.wanted).max())
+
+
+def test_a_set_point_is_held_and_its_figures_told(capsys, one, tmp_path):
+    out_file = tmp_path / "r.run.sqlite"
+    words = ("--setpoint", 6, "--hold-s", 120, "--disturbance-K", 6, "-o", out_file)
+    status, out, _ = call(capsys, "regulate", one, *words, *ON, "--json")
+    found = json.loads(out)["regulate"]
+    assert status == 0
+    assert found["output"] == pytest.approx(6.0)
+    assert found["reached_distance_K2"] == pytest.approx(found["predicted_distance_K2"], rel=0.1)
+    assert abs(found["output_error"]) < 0.1
+    assert 0.05 < found["transient"] < 1.0
+    assert abs(found["last_error"]) < found["transient"]
+
+
+def test_from_a_notebook(one, tmp_path):
+    import smarig
+
+    run = smarig.track(one, "ramps", rig="one_wire_twin", out=tmp_path / "t.run.sqlite", seconds=5)
+    assert run.cause == "done"
+    assert run.meta["closed_loop"]
+
+
+def test_a_file_says_what_is_wanted(capsys, one, tmp_path):
+    wanted = tmp_path / "wanted.csv"
+    wanted.write_text("time_s,position_mm\n0,3\n10,6\n", encoding="utf-8")
+    status, out, _ = call(capsys, "track", one, "--reference", wanted, *ON, "--dry-run", "--json")
+    assert status == 0
+    assert json.loads(out)["preview"]["duration_s"] > 10
+
+
+def test_a_stopped_loop_does_not_promise_a_resume(capsys, one, tmp_path, monkeypatch):
+    look, ticks = Control.raise_if_stopped, iter(range(10**6))
+
+    def stopped(self):
+        if next(ticks) > 1500:  # of the preview's 890 and the run's
+            self.stop("stopped by the operator")
+        look(self)
+
+    monkeypatch.setattr(Control, "raise_if_stopped", stopped)
+    out_file = tmp_path / "t.run.sqlite"
+    status, _, err = call(capsys, "track", one, *RAMPS, "-o", out_file, *ON)
+    assert status == 130
+    assert "close it anew" in err
+    assert "resume" not in err
+    monkeypatch.undo()
+    status, _, err = call(capsys, "resume", out_file, "--quiet")
+    assert status == 2
+    assert "closed loop" in err
+
+
+def test_a_loop_that_diverges_ends_at_zero_with_status_3(capsys, one, tmp_path, monkeypatch):
+    """Half a minute late, an encoder shows a loop what was; the preview knows no planted effect."""
+    monkeypatch.setattr(loop, "Patience", lambda: IMPATIENT)
+    out_file = tmp_path / "t.run.sqlite"
+    far = (
+        "--reference",
+        "steps",
+        "--set",
+        "low=8",
+        "--set",
+        "high=9",
+        "--set",
+        "seconds=60",
+        "--set",
+        "every_s=60",
+    )
+    status, _, err = call(capsys, "track", one, *far, "--effect", "sensor_lag=30", "-o", out_file, *ON)
+    run = load_run(out_file)
+    assert status == 3
+    assert "The loop diverges" in err
+    assert "The current is at zero." in err
+    assert run.cause.startswith("stopped: The loop diverges")
+
+
+IMPATIENT = loop.Patience(share=0.04, seconds=5.0)
+
+
+MISTAKES = [
+    (2, ["certify", "nowhere.json"], "nowhere.json"),
+    (2, ["certify", "ONE", "--controller", "leaky"], "did you mean leaky_pi"),
+    (2, ["certify", "ONE", "--set", "gain=1"], "--controller"),
+    (2, ["certify", "ONE", "--controller", "leaky_pi", "--set", "gane=1"], "did you mean gain"),
+    (2, ["certify", "ONE", "--controller", "leaky_pi", "--set", "gain=-1"], "positive"),
+    (2, ["certify", "ONE", "--controller", "leaky_pi", "--set", "gain=nan"], "not finite"),
+    (2, ["certify", "ONE", "--controller", "saturating_gain", "--set", "least=300"], "least ≤ most"),
+    (2, ["certify", "ONE", "-o", "ONE", "--force"], "both input and output"),
+    (4, ["certify", "BROKEN"], "not a model file"),
+    (2, ["track", "ONE", *RAMPS, *ON], "-o"),
+    (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),
+    (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "speaks in deg"),
+    (2, ["track", "ONE", "--reference", "stepps", "-o", "x", *ON], "did you mean steps"),
+    (2, ["track", "ONE", "--reference", "nowhere.csv", "-o", "x", *ON], "nowhere.csv"),
+    (2, ["track", "ONE", "--reference", "BROKEN", "-o", "x", *ON], "time_s"),
+    (2, ["track", "ONE", *RAMPS, "--set", "high=99", "-o", "x", *ON], "reaches from"),
+    (2, ["track", "ONE", *RAMPS, "--set", "low=9", "--set", "high=2", "-o", "x", *ON], "low < high"),
+    (2, ["track", "ONE", *RAMPS, "--set", "hihg=9", "-o", "x", *ON], "did you mean high"),
+    (2, ["track", "ONE", *RAMPS, "--set", "seed=1.5", "-o", "x", *ON], "whole number"),
+    (2, ["track", "ONE", *RAMPS, "--set", "speed=1e12", "-o", "x", *ON], "points"),
+    (2, ["track", "ONE", *RAMPS, "--set", "seconds=inf", "-o", "x", *ON], "not finite"),
+    (2, ["track", "ONE", *RAMPS, "--controller", "pid", "-o", "x", *ON], "did you mean pi"),
+    (2, ["track", "ONE", *RAMPS, "--controller-set", "walk", "-o", "x", *ON], "key=value"),
+    (2, ["track", "ONE", *RAMPS, "--controller-set", "walk=0", "-o", "x", *ON], "positive"),
+    (2, ["track", "ONE", *RAMPS, "-o", "ONE", "--force", *ON], "both input and output"),
+    (2, ["track", "ONE", *RAMPS, "-o", "BROKEN", *ON], "--force"),
+    (2, ["regulate", "ONE", "--setpoint", "13", "-o", "x", *ON], "reaches from 0 to 12.54 mm"),
+    (2, ["regulate", "ONE", "--setpoint", "nan", "-o", "x", *ON], "not finite"),
+    (2, ["regulate", "ONE", "--setpoint", "6", "--within", "2", "-o", "x", *ON], "between 0 and 1"),
+    (
+        2,
+        ["regulate", "ONE", "--setpoint", "6", "--within", "1e-7", "-o", "x", *ON],
+        "Allow a larger distance",
+    ),
+    (2, ["regulate", "ONE", "--setpoint", "6", "--hold-s", "-1", "-o", "x", *ON], "negative"),
+    (2, ["regulate", "ONE", "--setpoint", "6", "--hold-s", "1e12", "-o", "x", *ON], "in parts"),
+    (
+        2,
+        ["regulate", "ONE", "--setpoint", "6", "--hold-s", "9", "--disturbance-K", "3", "-o", "x", *ON],
+        "longer",
+    ),
+    (2, ["regulate", "ONE", "--setpoint", "6", "--controller", "inverse", "-o", "x", *ON], "pi"),
+    (2, ["regulate", "ONE", "--setpoint", "6", "--controller-set", "gain=0", "-o", "x", *ON], "positive"),
+]
+
+
+@pytest.mark.parametrize(("status", "words", "says"), MISTAKES)
+def test_a_mistake_gets_one_sentence_and_leaves_nothing(capsys, tmp_path, monkeypatch, status, words, says):
+    monkeypatch.chdir(tmp_path)
+    files = {
+        "ONE": model_file(tmp_path, "one_e").name,
+        "DEGREES": in_degrees(tmp_path).name,
+        "BROKEN": "broken.json",
+    }
+    (tmp_path / "broken.json").write_text("{}", encoding="utf-8")
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    got, _, err = call(capsys, *(files.get(word, word) for word in words))
+    assert got == status, err
+    assert says in err
+    assert err.strip().count("\n") == 0
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+def in_degrees(folder):
+    odd = model_of("one_e", output=Channel(quantity="shaft angle", unit="deg"))
+    return odd.save(folder / "degrees.model.json")
+
+
+# --- list -----------------------------------------------------------------------------------------------
+
+
+def test_controllers_are_listed_with_their_numbers(capsys):
+    status, out, _ = call(capsys, "list", "controllers", "--settings", "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["controllers"]["inverse"].startswith("tracking: ")
+    assert found["controllers"]["leaky_pi"].startswith("velocity: ")
+    assert found["settings"]["pi"] == numbers(TRACKING, "pi")
+    assert (
+        found["settings"]["scheduled_gain"]
+        == numbers(VELOCITY, "scheduled_gain")
+        == {"least": 50.0, "most": 200.0}
+    )

@@ -1,0 +1,122 @@
+"""Closed loops over real bytes: sample by sample those of the twin in process, and safe when the link is lost."""
+
+import numpy as np
+import pytest
+
+from bench.broken_rig import LEASE_S, rig_file
+from smarig.catalogue import names
+from smarig.command import Settled
+from smarig.config import load_rig
+from smarig.control.regulation import regulate
+from smarig.control.settings import TRACKING, numbers
+from smarig.control.tracking import Known, reference, track
+from smarig.control.tracking.tuning import made
+from smarig.errors import SmarigError
+from smarig.preisach.gorbet_1997 import surface
+from smarig.record import load_run
+from smarig.runner.preview import Preview
+from smarig.runner.session import Session
+
+CONTROLLERS = names(TRACKING)
+COLUMNS = (
+    "tick",
+    "t_s",
+    "current_command_A",
+    "current_A",
+    "voltage_V",
+    "counts",
+    "position",
+    "quality",
+    "input",
+)
+KNOWN_COST = Preview("track", 20.0, 0, 1.0, 150.0, 0, 1)  # previews are not what is tested here
+LOST_S, PERIOD_S = 12.0, 0.1  # into a step upwards
+
+
+def following(name, rig):
+    """A controller along 20 s of steps, from where the wire is."""
+    file = load_rig(rig)
+
+    def make(setup):
+        known = Known(setup, surface("two_e" if setup.two_wire else "one_e"), file.encoder.counts_per_rev)
+        low, high = known.reach
+        places = (low + 0.3 * (high - low), low + 0.6 * (high - low))
+        follow = reference("steps", *places, seconds=20.0, every_s=5.0, seed=1)
+        return track(known, made(name, numbers(TRACKING, name)), follow, name=name, prepare=False)
+
+    return make
+
+
+def holding(setup):
+    """A set-point held from an outer branch, with short holds before."""
+    quick = Settled(window_s=1.0, timeout_s=2.0, approach_K=100.0, band_counts=400.0)
+    return regulate(
+        setup, hysteresis=surface("one_e"), setpoint=6.0, start="ascending", hold_s=20.0, settle=quick
+    )
+
+
+def recorded(rig, folder, wire):
+    """Every controller in one sitting."""
+    with Session(rig, seed=3, wire=wire) as session:
+        return {
+            name: load_run(
+                session.run(
+                    "track",
+                    {},
+                    folder / f"{name}.run.sqlite",
+                    expected=KNOWN_COST,
+                    maker=following(name, rig),
+                )
+            )
+            for name in CONTROLLERS
+        }
+
+
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory):
+    return {
+        arrangement: recorded(f"{arrangement}_wire_twin", tmp_path_factory.mktemp(arrangement), "in process")
+        for arrangement in ("one", "two")
+    }
+
+
+@pytest.mark.parametrize(
+    "link", ["one_wire_serial", "one_wire_modbus_tcp", "one_wire_modbus_rtu", "two_wire_serial"]
+)
+def test_bytes_make_no_difference_to_any_controller(twins, link, tmp_path):
+    runs = recorded(link, tmp_path, link)
+    for name, twin in twins[link[:3]].items():
+        assert np.ptp(twin["position"]) > 1.0, "it moves"
+        assert np.unique(twin["current_command_A"]).size > 20, "it is a loop"
+        for column in COLUMNS:
+            np.testing.assert_array_equal(runs[name][column], twin[column], err_msg=f"{name}, {column}")
+
+
+LOSSES = [
+    ("serial", "gain_scheduled", "amplifier", "dead_line"),
+    ("modbus_tcp", "inverse", "amplifier", "unplugged"),
+    ("modbus_rtu", "pi", "encoder_daq", "dead_line"),
+    ("modbus_rtu", "regulate", "amplifier", "dead_line"),
+]
+
+
+@pytest.mark.parametrize(("link", "name", "device", "loss"), LOSSES)
+def test_a_link_lost_in_mid_loop_ends_at_zero_current(link, name, device, loss, tmp_path):
+    rig = rig_file(tmp_path, link, [{"kind": loss, "device": device, "from_s": LOST_S}])
+    out = tmp_path / "r.run.sqlite"
+    maker = holding if name == "regulate" else following(name, str(rig))
+    with (
+        pytest.raises(SmarigError, match=f"{device} cannot be reached") as ended,
+        Session(str(rig)) as session,
+    ):
+        session.run("loop", {}, out, expected=KNOWN_COST, maker=maker)
+    assert ended.value.exit_status == 3
+    run = load_run(out)
+    assert run.cause.startswith("stopped: ")
+    labels = [e.text for e in run.events if e.kind == "mark"]
+    assert labels[-1] in ("closed loop", "loop closed"), "the loop was closed, and never opened"
+    tick, output_uA = np.loadtxt(tmp_path / "trace.csv", delimiter=",", skiprows=1, usecols=(0, 2), ndmin=2).T
+    flowing = tick[output_uA != 0]
+    assert flowing[-1] >= LOST_S / PERIOD_S - 1, "current flowed when it was lost"
+    assert output_uA[-1] == 0
+    assert flowing[-1] <= (LOST_S + LEASE_S) / PERIOD_S + 1

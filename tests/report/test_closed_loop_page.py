@@ -1,0 +1,139 @@
+"""Pages of closed loops and of certificates: what is drawn is what was recorded, and what is said is what is proved."""
+
+import numpy as np
+import pytest
+
+from control.model_files import model_of
+from report.pages import Page, run_of, unpacked
+from smarig.closed_loop import Given, regulation, tracking
+from smarig.control.certificate import certificate
+from smarig.preisach.gorbet_1997 import surface
+from smarig.record import Event, load_run
+from smarig.report.certificate_page import certificate_page, origin
+from smarig.report.closed_loop import closed_loop
+from smarig.report.run_page import run_page
+from smarig.runner.session import Session
+
+COUNT_mm = 0.04712
+
+
+@pytest.fixture(scope="module")
+def given():
+    return Given(model_of("one_e"), "one_e.model.json", "1" * 64)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory, given):
+    """Twenty seconds of steps, and a set-point held against a disturbance, in one sitting."""
+    folder = tmp_path_factory.mktemp("loops")
+    with Session("one_wire_twin", seed=2) as session:
+        loops = {
+            "track": tracking(given, session.file, "steps", {"seconds": 20, "every_s": 10}),
+            "regulate": regulation(given, session.file, 6.0, hold_s=120.0, disturbance_K=6.0),
+        }
+        return {
+            name: load_run(session.run(name, made.settings, folder / f"{name}.run.sqlite", maker=made.make))
+            for name, made in loops.items()
+        }
+
+
+def test_a_tracked_run_shows_wanted_and_measured_and_the_error_in_counts(runs):
+    run = runs["track"]
+    page, found = Page(run_page(run)), closed_loop(run)
+    wanted, measured = page.traces("wanted")[0], page.traces("measured")[0]
+    np.testing.assert_allclose(unpacked(wanted["y"]), found.loop.wanted, rtol=1e-6)
+    np.testing.assert_allclose(unpacked(measured["y"]), found.loop.position, atol=1e-6)
+    error = next(t for t in page.traces() if t["name"] == "error")
+    counts = (found.loop.position - found.loop.wanted) / COUNT_mm
+    np.testing.assert_allclose(unpacked(error["y"]), counts, rtol=2e-4, atol=1e-3)
+    band = page.traces("± 2 counts")[0]
+    assert sorted(set(unpacked(band["y"]).tolist())) == [-2.0, 2.0]
+    assert len([row for table in page.tables for row in table if row[0] in ("1", "2") and len(row) == 5]) == 2
+    assert f"n = {found.figures.n}" in page.card("Error, rms")
+
+
+def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
+    run = runs["regulate"]
+    page, found = Page(run_page(run)), closed_loop(run)
+    psi = page.traces("ψ(ℓ)")[0]
+    drawn = np.interp(found.facts["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
+    assert drawn == pytest.approx(6.0, abs=0.02)
+    for name in ("reached", "foretold", "wanted, α = 2ℓ − β"):
+        beta, alpha = (unpacked(page.traces(name)[0][axis]) for axis in ("x", "y"))
+        assert np.all(np.diff(beta) >= -1e-9)
+        assert np.all(np.diff(alpha) <= 1e-9)
+        assert np.abs(alpha + beta - 2 * found.facts["ell_K"])[alpha - beta < 40].max() < 30
+    shaded = unpacked(page.traces("disturbance")[0]["x"])
+    assert [shaded.min(), shaded.max()] == pytest.approx(found.pulse_s)
+    assert found.pulse_s[0] == pytest.approx(60.0, abs=0.2)
+    assert "foretold" in page.card("Distance from B")
+    assert all("TWIN" in caption for caption in page.captions)
+
+
+def test_the_transient_is_the_largest_error_since_the_disturbance(runs):
+    found = closed_loop(runs["regulate"])
+    later = found.loop.t_s > found.pulse_s[0]
+    assert found.transient == np.abs(found.loop.position - found.loop.wanted)[later].max()
+    assert found.zero == pytest.approx(6.0 - found.loop.wanted[0])
+
+
+def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_model(runs, given):
+    same = Page(run_page(runs["track"], certified=(given.model, given.name, given.sha256)))
+    other = Page(run_page(runs["track"], certified=(given.model, given.name, "2" * 64)))
+    assert "Certificate of the model" in same.headings
+    assert same.row("leaky_pi")[4:] == ["5", "covered"]
+    assert "is not the model this loop was run with" not in same.visible
+    assert "is not the model this loop was run with" in other.visible
+    assert "Certificate of the model" not in Page(run_page(runs["track"])).headings
+
+
+@pytest.mark.parametrize(("name", "verdict"), [("one_c", "Passive without bias"), ("one_p", "Not passive")])
+def test_the_page_of_a_certificate(name, verdict):
+    model = model_of(name)
+    found = certificate(model.hysteresis)
+    page = Page(certificate_page(model, found, origin(model, f"{name}.model.json", "3" * 64)))
+    assert page.visible.lstrip().startswith("TWIN")
+    assert page.visible.count(verdict) == 1
+    assert page.row("constant_gain")[-1] == ("covered" if name == "one_c" else "not covered")
+    assert page.row("Thm 8.1")[1:3] == ["ν ≥ 0", "holds"] if name == "one_c" else "gives back" in page.visible
+    psi = page.traces("ψ(ℓ)")[0]
+    assert unpacked(psi["y"])[0] == pytest.approx(surface(name).y_lower)
+    assert f"{name}.model.json" in page.visible
+    assert "f.run.sqlite" in page.visible
+
+
+MARKED = {
+    "reference": {"name": "ramps", "t_s": [0, 9], "position": [1, 2]},
+    "start_s": 0.0,
+    "controller": "pi",
+}
+
+
+@pytest.mark.parametrize(
+    "mark",
+    [
+        Event(0.0, "info", "mark", "closed loop", {}),
+        Event(0.0, "info", "mark", "closed loop", MARKED | {"reference": {"t_s": [3], "position": []}}),
+        Event(0.0, "info", "mark", "closed loop", MARKED),
+        Event(0.0, "info", "mark", "regulate", {"lower_K": None}),
+        Event(0.0, "info", "mark", "regulate", {"lower_K": 0.0, "upper_K": 100.0}),
+    ],
+)
+def test_marks_that_say_too_little_cost_the_section_and_not_the_page(mark):
+    odd = {
+        "setpoint": 1,
+        "rest_K": 2,
+        "lower_K": 0.0,
+        "upper_K": 1.0,
+        "start": 5,
+        "psi_ell_K": [0, 1],
+        "psi": [0, 1],
+    }
+    assert closed_loop(run_of({}, (), (Event(0.0, "info", "mark", "regulate", odd),))) is not None, (
+        "the least there is"
+    )
+    columns = {"t_s": [0.1], "position": [1.0], "input": [3.0], "current_A": [0.2]}
+    for run in (run_of({}, (), (mark,)), run_of(columns, (), (mark,))):
+        page = Page(run_page(run))
+        assert "Closed loop" in page.headings
+        assert "Provenance" in page.headings
