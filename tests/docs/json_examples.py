@@ -31,6 +31,9 @@ identify fod.run.sqlite -o best.model.json
 verify wire.model.json validation.run.sqlite
 simulate wire.model.json --along validation.run.sqlite -o simulated.run.sqlite
 calibrate validation.run.sqlite --actuator gorbet_one_wire
+certify wire.model.json
+track wire.model.json --reference ramps --set seconds=10 {RIG} -o tracked.run.sqlite
+regulate wire.model.json --setpoint 6 --hold-s 60 {RIG} -o held.run.sqlite
 list
 list protocols --settings
 export validation.run.sqlite --to csv -o mine.csv
