@@ -110,6 +110,14 @@ def test_a_measure_that_is_positive(tmp_path):
     assert (tmp_path / "positive.model.json").is_file()
 
 
+def test_closing_the_loop(tmp_path):
+    made = smarig.run("first_order_descending", rig="one_wire_twin", out=tmp_path / "fod.run.sqlite", seed=1)
+    smarig.identify(made, surface="exponential").model.save(tmp_path / "wire.model.json")
+    for command in lines_of("sh", "smarig certify"):
+        in_shell(command, tmp_path)
+    assert {"certificate.html", "held.html", "steps.run.sqlite"} <= {p.name for p in tmp_path.iterdir()}
+
+
 def test_other_peoples_data(tmp_path, shared_data):
     (tmp_path / "forc.txt").write_bytes((shared_data / "forc_magnetic" / "MSM33-55-1_d330.forc").read_bytes())
     (tmp_path / "test.csv").write_bytes((shared_data / "sma_staircase" / "test.csv").read_bytes())
