@@ -4,6 +4,7 @@ They stand far below the pictures, so the pictures are looked up by name, and on
 Knows no picture and none of those who are shown.
 """
 
+import html
 import importlib
 from typing import Any
 
@@ -20,5 +21,12 @@ class Shown:
         return importlib.import_module(PICTURES).plot(self, *more)
 
     def _repr_html_(self) -> str:
-        """A few kilobytes of HTML: the words that matter, and a drawing."""
-        return importlib.import_module(PICTURES).shown(self)
+        """A few kilobytes of HTML: the words that matter, and a drawing; a sentence where it cannot be drawn.
+
+        A cell that only ends in a run must not fail.
+        """
+        try:
+            return importlib.import_module(PICTURES).shown(self)
+        except Exception as error:
+            words = f"This {type(self).__name__} cannot be drawn ({type(error).__name__}: {error})."
+            return f"<p>{html.escape(words)}</p>"

@@ -1,11 +1,15 @@
 """The command line's promises: help with an example, one JSON object, exit status, one sentence for a mistake."""
 
 import json
+import os
+import subprocess
+import sys
 
 import pytest
 
 from smarig.catalogue import names
 from smarig.cli import run
+from smarig.record import load_run
 
 COMMANDS = [n.rstrip("_") for n in names("smarig.cli")]
 
@@ -92,6 +96,35 @@ def test_a_mistake_gets_its_status_and_one_sentence(capsys, tmp_path, monkeypatc
     assert "Traceback" not in err
     assert err.strip().count("\n") <= 1
     assert not [p for p in tmp_path.iterdir() if p.name != "locks"], "nothing half-written is left behind"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes")
+@pytest.mark.parametrize(("stream", "arguments"), [("stdout", ["list", "rigs"]), ("stderr", ["list", "rgs"])])
+def test_a_reader_that_has_gone_changes_no_status(capsys, monkeypatch, stream, arguments):
+    """As with ``| head``; what is left for the interpreter to flush at its end goes nowhere."""
+    status, *_ = call(capsys, *arguments)
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w", encoding="utf-8") as unheard:
+        monkeypatch.setattr(sys, stream, unheard)
+        assert run(arguments) == status
+        unheard.flush()
+
+
+def test_a_run_whose_lines_nobody_reads_is_done(tmp_path):
+    out = tmp_path / "unheard.run.sqlite"
+    where = ["--rig", "one_wire_twin", "-o", str(out), "--wire", "unheard", "--set", "points=2"]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-m", "smarig", "run", "validation", *where],
+        stdout=writer,
+        stderr=writer,
+        check=False,
+    )
+    os.close(writer)
+    assert done.returncode == 0
+    assert load_run(out).cause == "done"
 
 
 def test_errors_are_json_too(capsys):

@@ -81,6 +81,16 @@ def test_impossible_speeds_are_refused(speed):
         Paced(Twin.named("one_wire_twin"), speed)
 
 
+@pytest.mark.parametrize(
+    "command", [("run", "validation", "--rig", "one_wire_twin"), ("view", "x.run.sqlite")]
+)
+def test_a_speed_that_is_no_number_is_refused_before_anything_is_opened(capsys, command):
+    for speed in ("nan", "inf"):
+        status, _, err = call(capsys, *command, "--speed", speed)
+        assert status == 2
+        assert f"{speed} is not a finite number" in err
+
+
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_a_run_being_recorded_is_not_replaced(tmp_path):
     out = tmp_path / "r.run.sqlite"

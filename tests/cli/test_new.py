@@ -151,7 +151,12 @@ def test_the_campaign_can_be_costed_with_an_own_protocol_in_it(capsys, made):
     [
         (["protocol", "3x"], "is no name for a protocol"),
         (["protocol", "_x"], "is no name"),
-        (["protocol", "for"], "is no name"),
+        (["protocol", "for"], "'for' is no name for a protocol: it is a word of Python's own"),
+        (["effect", "n\nl"], "'n\\nl' is no name"),
+        (["protocol", "numpy"], "'numpy' is the name of a Python module, which numpy.py would hide"),
+        (["driver", "queue"], "'queue' is the name of a Python module"),
+        (["rig", "CON"], "Windows keeps it for a device"),
+        (["effect", "lpt1"], "Windows keeps it for a device"),
         (["protocol", "a/b"], "is no name"),
         (["rig", "größe"], "is no name"),
         (["rig", "one_wire_twin"], "'one_wire_twin' is one of the rigs that ship"),
@@ -172,6 +177,12 @@ def test_a_mistake_is_one_sentence_and_writes_nothing(capsys, tmp_path, monkeypa
     assert err.strip().count("\n") == 0
     assert [p.name for p in tmp_path.iterdir()] == ["there.toml"]
     assert (tmp_path / "there.toml").read_text() == "mine"
+
+
+def test_a_table_may_be_called_like_a_module(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert call(capsys, "new", "rig", "numpy")[0] == 0
+    assert load_rig("./numpy.toml").name == "numpy"
 
 
 def test_it_may_go_elsewhere(capsys, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -111,6 +112,31 @@ def test_a_failure_leaves_no_half_file_and_the_old_one(run, tmp_path, monkeypatc
         export_run(run, to="csv", out=out, force=True)
     assert out.read_text() == "precious"
     assert not list(tmp_path.glob("*.part"))
+
+
+@contextmanager
+def no_file_beyond(size: int):
+    """The system lets a file grow to ``size`` bytes, then it fails as on a full disk: in the middle."""
+    resource = pytest.importorskip("resource", reason="limits of POSIX")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize(
+    ("to", "needed"),
+    [("csv", "csv"), ("mat", "scipy"), ("netcdf", "h5netcdf"), ("parquet", "pyarrow"), ("rrd", "rerun")],
+)
+def test_a_disk_that_fills_is_a_sentence_in_every_format(run, tmp_path, to, needed, capfd):
+    """Libraries that write by themselves end the process (HDF5), or tell of it in lines of their own (Rerun)."""
+    pytest.importorskip(needed)
+    with no_file_beyond(1000), pytest.raises(StorageError, match="cannot be written: .*[Ff]ile too large"):
+        export_run(run, to=to, out=tmp_path / "out" / "it")
+    assert capfd.readouterr() == ("", "")
+    assert not list((tmp_path / "out").iterdir())
 
 
 def test_where_nothing_can_be_written_it_is_said(run, tmp_path):

@@ -66,6 +66,49 @@ def test_a_viewer_that_cannot_start_does_not_stop_the_run(tmp_path, capsys, monk
     assert len(load_run(out)) == 300
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="others need no such variable")
+def test_without_a_screen_nothing_is_begun(one_wire, tmp_path, capsys, monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"):
+        monkeypatch.delenv(name, raising=False)
+    out = tmp_path / "unseen.run.sqlite"
+    for command in ([*RUN, "-o", str(out), "--live"], ["view", str(one_wire.path)]):
+        assert smarig(command) == 2
+        err = capsys.readouterr().err
+        assert "There is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set" in err
+        assert err.strip().count("\n") == 0
+    assert not out.exists()
+
+
+def test_only_what_tells_of_an_error_is_a_complaint(tmp_path):
+    viewer = Viewer(["--version"])
+    try:
+        viewer.process.wait(PATIENCE_S)
+        log, info = viewer._log, "\x1b[32mINFO\x1b[0m Hosting a web-viewer at http://127.0.0.1:9090\n"
+        log.write_text(info)
+        assert viewer.complaint == ""
+        log.write_text(f"\x1b[31mERROR\x1b[0m no adapter\n{info}\n")
+        assert viewer.complaint == "ERROR no adapter"
+    finally:
+        viewer.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--web", "--save", "v.rrd"], "so --web has no meaning"),
+        (["--speed", "3", "--save", "v.rrd"], "so --speed has no meaning"),
+        (["--save", "view"], "call it view.rrd"),
+    ],
+)
+def test_a_view_that_is_saved_takes_no_options_of_one_that_is_shown(
+    one_wire, tmp_path, capsys, monkeypatch, options, says
+):
+    monkeypatch.chdir(tmp_path)
+    assert smarig(["view", str(one_wire.path), *options]) == 2
+    assert says in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_drawing_that_fails_does_not_stop_the_run(tmp_path, capsys, monkeypatch):
     def broken(self, items, lost=0):
         raise RuntimeError("out of colours")
@@ -122,10 +165,10 @@ def test_the_viewer_does_not_outlive_a_host_that_was_killed():
     while alive(int(pid)):
         assert time.monotonic() < until, "the viewer outlived us"
         time.sleep(LOOK_S)
-    assert Path(home).is_dir()  # nobody was there to remove it; it holds no data
-    for file in sorted(Path(home).rglob("*"), reverse=True):
-        file.rmdir() if file.is_dir() else file.unlink()
-    Path(home).rmdir()
+    later = Viewer(["--version"])  # nobody was there to remove its folder: the next one does
+    assert not Path(home).exists()
+    assert Path(later._home).is_dir()
+    later.close()
 
 
 def alive(pid: int) -> bool:

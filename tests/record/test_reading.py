@@ -122,6 +122,8 @@ IMPOSTORS = {
     "bytes for a description": with_row("INSERT INTO run VALUES ('rig', ?)", b"\xff\xfe\x00"),
     "no description": with_row("INSERT INTO run VALUES ('rig', NULL)"),
     "half a description": with_row("INSERT INTO run VALUES ('rig', '{')"),
+    "figures that are no table": with_row("INSERT INTO event VALUES (0, 'info', 'x', 'y', '3')"),
+    "an endless number": with_row("INSERT INTO step VALUES (9e999,0,0,'',0,0,0,'',0,0)"),
     "event without words": with_row("INSERT INTO event VALUES (0, 'info', 'x', 'y', '[')"),
 }
 
@@ -136,6 +138,50 @@ def test_what_is_no_run_is_refused_in_one_sentence(tmp_path, kind: str):
     assert words.startswith(f"{file} is not a run file, or is damaged: ")
     assert "\n" not in words
     assert refusal.value.exit_status == 4
+
+
+ABSURD = {
+    "start_epoch": ('"x"', "1e300", "Infinity", "true"),
+    "settings": ("3", "[]"),
+    "notes": ('"\\ud800"', "[" * 100_000 + "]" * 100_000, "[" * 100_000, "7"),
+    "protocol": ("{}",),
+    "actuator": ("4", '"' + "y" * 5000 + '"'),
+    "input": ("null", '{"unit": 3}', '{"unit": null}', '{"quantity": {}}'),
+    "output": ('{"per_count": "x"}', '{"per_count": NaN}', '{"\\udc00": 1}'),
+    "end": ('{"cause": null}',),
+    "period_s": ("-1", "1e-300", '"fast"'),
+    "seed": ("0.5", "9" * 400),
+    "versions": ("[1]",),
+    "effects": ("3", "[null]"),
+    "warnings": ('"one"', "[1]"),
+    "imported": ('{"file": 3}', "7"),
+    "somebody_elses": ("[" * 100_000, '["\\ud800"]'),
+}
+
+
+@pytest.mark.parametrize("key", ABSURD)
+def test_a_description_of_another_kind_is_refused_by_its_key(path, key: str):
+    for value in ABSURD[key]:
+        with sqlite3.connect(path) as db:
+            db.execute("INSERT OR REPLACE INTO run VALUES (?, ?)", (key, value))
+        db.close()
+        with pytest.raises(
+            DataError, match=f"is damaged: its key '({key}|cause|unit|quantity|per_count|file)'"
+        ) as no:
+            load_run(path)
+        assert f"'{key}'" in str(no.value)
+        assert len(str(no.value)) < 400, value[:40]
+
+
+def test_what_is_not_known_and_what_others_wrote_is_read(path):
+    unknown = ("rig", "wire", "actuator", "start_epoch", "notes", "settings", "effects", "period_s", "seed")
+    with sqlite3.connect(path) as db:
+        db.executemany("INSERT OR REPLACE INTO run VALUES (?, 'null')", [(key,) for key in unknown])
+        db.execute("INSERT INTO run VALUES ('somebody_elses', '{\"ö\": [1, 2.5, null]}')")
+    db.close()
+    run = load_run(path)
+    assert [run.meta[key] for key in unknown] == [None] * len(unknown)
+    assert run.meta["somebody_elses"] == {"ö": [1, 2.5, None]}
 
 
 @pytest.mark.parametrize(

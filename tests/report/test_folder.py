@@ -1,6 +1,7 @@
 """A folder of runs: its index finds every run, stays small, and is renewed without touching what is not ours."""
 
 import os
+import sqlite3
 
 import numpy as np
 import pytest
@@ -32,6 +33,18 @@ def folder(tmp_path):
         session.run("validation", {"points": 2}, tmp_path / "night" / "a b#1.run.sqlite", notes="<b>cold</b>")
         session.run("validation", {"points": 2}, tmp_path / "plain.run.sqlite")
     return tmp_path
+
+
+def test_a_run_whose_description_is_damaged_is_named_and_the_others_are_there(folder):
+    with sqlite3.connect(folder / "plain.run.sqlite") as db:
+        db.execute("UPDATE run SET value = '1e300' WHERE key = 'start_epoch'")
+    db.close()
+    made = report_folder(folder)
+    assert [page.report.name for page in made.pages] == ["a b#1.html"]
+    assert [("plain.run.sqlite" in s, "its key 'start_epoch' is not a moment" in s) for s in made.unread] == [
+        (True, True)
+    ]
+    assert "start_epoch" in Page(made.index.read_text(encoding="utf-8")).visible
 
 
 def test_a_folder_gets_an_index_pages_beside_its_runs_and_one_library(folder):

@@ -35,6 +35,12 @@ def test_what_a_person_typed_does_not_become_markup():
     assert "<img" not in shown
 
 
+def test_what_cannot_be_drawn_says_so_instead_of_failing_the_cell():
+    shown = run_of(start_epoch="<yesterday>")._repr_html_()
+    assert Page(shown).visible.startswith("This Run cannot be drawn (TypeError: ")
+    assert "<yesterday>" not in shown
+
+
 def test_a_run_is_plotted_with_the_models_answer(wire):
     run, model = wire
     figure = run.plot(model)

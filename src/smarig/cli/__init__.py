@@ -77,9 +77,6 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return report_error("Interrupted.", Interrupted.exit_status)
     except MemoryError:
         return report_error("This needs more memory than there is; ask for less.", 4)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader of our output has gone: not an error
-        return 0
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
         return report_error(f"{what}{error.strerror or error}.", 4)

@@ -6,6 +6,7 @@ Results go to stdout, everything else to stderr.
 import contextlib
 import json
 import math
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -38,9 +39,9 @@ def json_option(command: Callable) -> Callable:
 def emit(data: dict[str, Any], text: str = "") -> None:
     """Print the result: ``data`` as JSON, or the text for people."""
     if _STATE["json"]:
-        click.echo(as_json(data))
+        _print(as_json(data))
     elif text:
-        click.echo(text)
+        _print(text)
 
 
 def as_json(data: dict[str, Any]) -> str:
@@ -51,7 +52,7 @@ def as_json(data: dict[str, Any]) -> str:
 def say(text: str) -> None:
     """A remark for people, on stderr; that nobody can hear it ends nothing."""
     with contextlib.suppress(OSError):
-        click.echo(text, err=True)
+        _print(text, err=True)
 
 
 def json_wanted() -> bool:
@@ -62,10 +63,23 @@ def json_wanted() -> bool:
 def report_error(sentence: str, status: int) -> int:
     """One sentence on stderr (and as JSON on stdout with --json); returns the status."""
     with contextlib.suppress(OSError):  # nobody can hear us: the status still tells
-        click.echo(f"smarig: {sentence}", err=True)
+        _print(f"smarig: {sentence}", err=True)
         if _STATE["json"] or "--json" in sys.argv:
-            click.echo(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
+            _print(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
     return status
+
+
+def _print(text: str, *, err: bool = False) -> None:
+    """A line for whoever reads; a reader that has gone (``| head``) changes nothing of what was done.
+
+    What is left in the stream's buffer goes nowhere then: at the interpreter's end it would fail once more.
+    """
+    try:
+        click.echo(text, err=err)
+    except BrokenPipeError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, (sys.stderr if err else sys.stdout).fileno())
+        os.close(nowhere)
 
 
 def distinct(out: Path | None, *inputs: Path | None) -> None:

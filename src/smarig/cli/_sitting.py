@@ -16,7 +16,7 @@ from smarig.cli._notify import notified, notify_option
 from smarig.cli._output import say
 from smarig.cli._progress import progress
 from smarig.cli._situation import about
-from smarig.cli._types import RIG, SEED
+from smarig.cli._types import RIG, SEED, Finite
 from smarig.errors import UsageError
 from smarig.model.planted import asked_for
 from smarig.record import Run
@@ -96,9 +96,7 @@ _OPTIONS = (
         help="Twin: plant an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
     ),
     click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise."),
-    click.option(
-        "--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: free)."
-    ),
+    click.option("--speed", type=Finite(0, min_open=True), help="Twin: real time × SPEED (default: free)."),
     click.option("--wire", default="", help="Identity of the wire, if not the rig file's."),
     click.option("--notes", default="", help="A remark kept with the run."),
     click.option("--dry-run", is_flag=True, help="Only say what it would cost."),

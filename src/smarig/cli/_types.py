@@ -3,6 +3,7 @@
 A protocol or effect may be a path, that of an own file: it joins its catalogue here, because a person typed it.
 """
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,17 @@ class _OwnEffect(click.ParamType):
         if value not in own(EFFECTS) and not is_path(value):
             raise UsageError(f"'{value}' is not the file of an own effect, ./NAME.py.")
         return chosen(EFFECTS, value)
+
+
+class Finite(click.FloatRange):
+    """A number within a range; nan and inf, which are within every range, are none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """A float."""
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
 
 
 own_effects = click.option(

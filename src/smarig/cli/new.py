@@ -4,6 +4,7 @@ The starting points are files of that kind themselves, called ``my_KIND``; only 
 """
 
 import re
+from importlib.util import find_spec
 from keyword import iskeyword
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from smarig.whole_file import whole_file
 
 _STARTS = Path(__file__).parent / "starting_points"
 _PACKAGES = {"protocol": "smarig.protocols", "effect": "smarig.model.effects", "driver": "smarig.drivers"}
+_DEVICES = {"CON", "PRN", "AUX", "NUL", *(f"{port}{k}" for port in ("COM", "LPT") for k in range(10))}
 _NEXT = {
     "rig": "smarig check {file}",
     "actuator": 'name it in a rig file beside it: actuator = "./{beside}"',
@@ -58,8 +60,9 @@ def command(kind: str, name: str, out: Path | None) -> None:
 
 def _check(kind: str, name: str, file: Path, suffix: str) -> None:
     """UsageError where the name could not be used, or a file would be lost."""
-    if not name.isidentifier() or not name.isascii() or name.startswith("_") or iskeyword(name):
-        raise UsageError(f"'{name}' is no name for a {kind}: letters, digits and _, a letter first.")
+    reason = _unusable(kind, name, python=suffix == ".py")
+    if reason:
+        raise UsageError(f"{name!r} is no name for a {kind}: {reason}.")
     known = names(_PACKAGES[kind]) if kind in _PACKAGES else listed(f"{kind}s")
     if name in known:
         raise UsageError(f"'{name}' is one of the {kind}s that ship: give yours another name.")
@@ -68,3 +71,24 @@ def _check(kind: str, name: str, file: Path, suffix: str) -> None:
         raise UsageError(f"{file}: the file of a {kind} is called {wanted}.")
     if file.exists():
         raise UsageError(f"{file} exists; give another name, or another place with -o.")
+    if suffix == ".py" and _importable(name):
+        raise UsageError(
+            f"'{name}' is the name of a Python module, which {file.name} would hide: take another."
+        )
+
+
+def _unusable(kind: str, name: str, *, python: bool) -> str:
+    """Why a name is none, "" if it is one."""
+    if not name.isidentifier() or not name.isascii() or name.startswith("_"):
+        return "letters, digits and _, a letter first"
+    if python and iskeyword(name):
+        return f"it is a word of Python's own, and what defines a {kind} is called as it is"
+    return "Windows keeps it for a device" if name.upper() in _DEVICES else ""
+
+
+def _importable(name: str) -> bool:
+    """Whether ``import NAME`` means something already; nothing is imported."""
+    try:
+        return find_spec(name) is not None
+    except ValueError:  # it is loaded, and does not say from where
+        return True

@@ -11,7 +11,7 @@ from smarig.cli._output import emit, json_option, say
 from smarig.cli._progress import STREAMS, progress
 from smarig.cli._sitting import summarised, warn
 from smarig.cli._situation import about
-from smarig.cli._types import FILE, PROTOCOL, RIG, own_effects
+from smarig.cli._types import FILE, PROTOCOL, RIG, Finite, own_effects
 from smarig.errors import UsageError
 from smarig.record import load_run
 
@@ -32,7 +32,7 @@ Examples:
 @own_effects
 @click.option("--wire", default="", help="Identity of the wire: must be the run's.")
 @click.option(
-    "--speed", type=click.FloatRange(0, min_open=True), help="Twin: real time × SPEED (default: as it began)."
+    "--speed", type=Finite(0, min_open=True), help="Twin: real time × SPEED (default: as it began)."
 )
 @click.option("--quiet", is_flag=True, help="No panel, no lines.")
 @live_options

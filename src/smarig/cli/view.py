@@ -6,7 +6,8 @@ import click
 
 from smarig.cli._live import named
 from smarig.cli._output import distinct, emit, json_option, say
-from smarig.cli._types import FILE, own_effects
+from smarig.cli._types import FILE, Finite, own_effects
+from smarig.errors import UsageError
 
 EPILOG = """\b
 Examples:
@@ -22,7 +23,7 @@ Examples:
 @click.option("--model", "models", multiple=True, type=FILE, help="Model that predicts; repeatable.")
 @click.option("--web", is_flag=True, help="In a browser, on this machine only.")
 @click.option(
-    "--speed", type=click.FloatRange(0), default=0.0, show_default=True, help="Real time × SPEED; 0: at once."
+    "--speed", type=Finite(0), default=0.0, show_default=True, help="Real time × SPEED; 0: at once."
 )
 @click.option("--save", "out", type=FILE, help="Write the view into FILE.rrd instead of showing it.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
@@ -42,6 +43,7 @@ def command(
     from smarig.record import load_run
     from smarig.whole_file import whole_file
 
+    _check(out, web, speed)
     recorded = load_run(run)
     loaded = [(named(path), load_model(path)) for path in models]
     predictions = []
@@ -62,3 +64,16 @@ def command(
         "file": out and str(out),
     }
     emit(found, f"{out}: {len(recorded)} samples." if out else "")
+
+
+def _check(out: Path | None, web: bool, speed: float) -> None:
+    """UsageError where --save could not be meant as it stands."""
+    if out is None:
+        return
+    if web or speed:
+        unheard = "--web" if web else "--speed"
+        raise UsageError(
+            f"--save writes the view instead of showing it, so {unheard} has no meaning: leave one out."
+        )
+    if out.suffix.lower() != ".rrd":
+        raise UsageError(f"{out}: Rerun opens recordings that are called FILE.rrd; call it {out}.rrd.")

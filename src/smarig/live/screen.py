@@ -36,14 +36,16 @@ class Screen:
         self._stream = rr.RecordingStream(APPLICATION)
         self._stream.send_recording_name(name)
         self._sinks: list[Any] = []
+        self._files: list[tuple[Path, Any]] = []
 
     def serve(self, port: int, memory: str) -> None:
         """To viewers on this machine that ask at ``port``, now or later."""
         self._to(rr.GrpcServerSink("127.0.0.1", port, server_memory_limit=memory))
 
     def save(self, path: Path) -> None:
-        """Into a file."""
-        self._to(rr.FileSink(path))
+        """Into a file, written at ``close``: by us, because Rerun tells of a full disk in lines of its own."""
+        self._files.append((path, self._stream.binary_stream()))
+        self._to(self._files[-1][1])
 
     def _to(self, sink: Any) -> None:
         self._sinks.append(sink)
@@ -61,16 +63,19 @@ class Screen:
             self._draw(mark)
 
     def flush(self) -> None:
-        """Send what is left; StorageError where a file could not be written."""
+        """Send what is left; StorageError where that could not be done."""
         try:
             self._stream.flush()
         except RuntimeError as error:
             raise StorageError(f"The recording could not be written: {error}.") from None
 
     def close(self) -> None:
-        """Send what is left and let go of sinks."""
+        """Send what is left, write files and let go of sinks; OSError where a file could not be written."""
         self.flush()
+        written = [(path, stream.read()) for path, stream in self._files]
         self._stream.disconnect()
+        for path, content in written:
+            path.write_bytes(content)
 
     # --- one way for each kind of mark -----------------------------------------------------------------------
 

@@ -157,4 +157,9 @@ def _outstay(opened: Viewer, say: Say) -> None:
 def _said_why(opened: Viewer, say: Say) -> None:
     """A viewer that could not stay: without a screen, a driver, a port."""
     if not opened.running and opened.process.returncode:
-        say(f"The viewer ended by itself: {opened.complaint}")
+        said = opened.complaint
+        say(
+            f"The viewer ended by itself: {said}"
+            if said
+            else "The viewer ended by itself, and did not say why."
+        )

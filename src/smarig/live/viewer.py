@@ -9,6 +9,7 @@ import contextlib
 import importlib.util
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -25,6 +26,10 @@ WEB_REMARK = (
     "The page asks the internet for fonts, updates and telemetry of its own accord; "
     "it works with all of that blocked."
 )
+_HOMES = "smarig-viewer-"  # how temporary folders are called; then whose they are: PID-…
+_COLOUR = re.compile("\x1b\\[[0-9;]*m")
+_WRONG = re.compile(r"\b(error|panicked|fatal)\b", re.IGNORECASE)  # remarks of other kinds explain nothing
+_SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")
 
 
 def free_port(wanted: int = 0) -> int:
@@ -56,7 +61,8 @@ class Viewer:
     """A process that shows what is served at an address; ``close`` ends it, and so does our own end."""
 
     def __init__(self, arguments: list[str]) -> None:
-        self._home = tempfile.mkdtemp(prefix="smarig-viewer-")
+        _clear_away()
+        self._home = tempfile.mkdtemp(prefix=f"{_HOMES}{os.getpid()}-")
         self._log = Path(self._home) / "viewer.log"
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(
@@ -71,7 +77,8 @@ class Viewer:
 
     @classmethod
     def native(cls, url: str) -> "Viewer":
-        """A window on this screen."""
+        """A window on this screen; UsageError where there is none."""
+        _check_screen()
         port = str(free_port())
         return cls(
             ["--bind", LOOPBACK, "--port", port, "--memory-limit", MEMORY, "--hide-welcome-screen", url]
@@ -103,10 +110,10 @@ class Viewer:
 
     @property
     def complaint(self) -> str:
-        """What it said last."""
+        """What it said last of something that went wrong; "" where it did not."""
         with contextlib.suppress(OSError):
-            lines = [line for line in self._log.read_text(errors="replace").splitlines() if line.strip()]
-            return lines[-1] if lines else ""
+            lines = _COLOUR.sub("", self._log.read_text(errors="replace")).splitlines()
+            return next((line.strip() for line in reversed(lines) if _WRONG.search(line)), "")
         return ""
 
     def close(self) -> None:
@@ -127,6 +134,27 @@ class Viewer:
 def web_page(web_port: int, port: int) -> str:
     """What to open in a browser."""
     return f"http://{LOOPBACK}:{web_port}/?url={address(port).replace('+', '%2B')}&hide_welcome_screen"
+
+
+def _check_screen() -> None:
+    """UsageError where a window cannot be opened: asked before anything runs."""
+    if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in _SCREENS):
+        raise UsageError(
+            "There is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Use --web for a browser, or "
+            "'smarig view RUN --save FILE.rrd' to look at it elsewhere."
+        )
+
+
+def _clear_away() -> None:
+    """Remove the folders of those who were killed and could not do it themselves."""
+    if os.name == "nt":  # asking for a process there would end it
+        return
+    for home in Path(tempfile.gettempdir()).glob(f"{_HOMES}[0-9]*-*"):
+        with contextlib.suppress(ValueError, PermissionError):  # nobody of ours; another person's
+            try:
+                os.kill(int(home.name.removeprefix(_HOMES).partition("-")[0]), 0)
+            except (ProcessLookupError, OverflowError):
+                shutil.rmtree(home, ignore_errors=True)
 
 
 def _environment(home: Path) -> dict[str, str]:

@@ -3,7 +3,6 @@
 Knows how to read a run file, finished or not. Refuses to know rigs, models and plots.
 """
 
-import json
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.errors import DataError, UsageError
+from smarig.record.description import check, decoded
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
 from smarig.shown import Shown
 
@@ -132,14 +132,14 @@ def load_run(path: str | Path) -> Run:
     try:
         with _opened(file) as db:
             return _read(file, db)
-    except (sqlite3.Error, ValueError, TypeError, IndexError) as error:
+    except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
         raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
 
 
 def _read(file: Path, db: sqlite3.Connection) -> Run:
-    meta = {k: json.loads(v) for k, v in db.execute("SELECT key, value FROM run")}
+    meta = {k: _key(k, v) for k, v in db.execute("SELECT key, value FROM run").fetchall()}
     _check_version(file, meta)
-    _check_description(meta)
+    check(meta)
     rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
     steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
     events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
@@ -154,20 +154,20 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
     )
 
 
-def _check_description(meta: dict[str, Any]) -> None:
-    """TypeError where a key of the run table is of another kind than it is written."""
-    for key in ("input", "output", "end"):
-        if not isinstance(meta.get(key, {}), dict):
-            raise TypeError(f"its key '{key}' is not a table")
-    for key in ("protocol", "rig", "wire", "actuator", "source", "initial", "encoder_zero", "notes"):
-        if not isinstance(meta.get(key, ""), str | None):
-            raise TypeError(f"its key '{key}' is not a text")
+def _key(key: Any, value: Any) -> Any:
+    if not isinstance(key, str):
+        raise TypeError("a key of its description is not a text")
+    try:
+        return decoded(value)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"its key {key!r} cannot be read: {error}") from None
 
 
 def _event(t_s, level, kind, text, data) -> Event:
-    return Event(
-        float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), json.loads(data or "{}")
-    )
+    found = decoded(data or "{}")
+    if not isinstance(found, dict):
+        raise TypeError("the figures of an event are not a table")
+    return Event(float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), found)
 
 
 def _number(value: Any) -> float | None:
@@ -201,4 +201,6 @@ def _opened(file: Path) -> Iterator[sqlite3.Connection]:
 def _check_version(file: Path, meta: dict[str, Any]) -> None:
     version = meta.get("schema_version")
     if version != VERSION:
-        raise DataError(f"{file} has run schema version {version}; this smarig reads version {VERSION}.")
+        raise DataError(
+            f"{file} has run schema version {str(version)[:20]}; this smarig reads version {VERSION}."
+        )

@@ -2,8 +2,10 @@
 
 Samples stand in the root, on the coordinate ``time`` (or ``tick``, for data without time); steps and events are
 groups of their own. Texts are character arrays and attributes characters, which every reader of NetCDF knows.
+The file is made in memory: on a disk that is full, HDF5's own writing ends the process.
 """
 
+import io
 import json
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime, timedelta
@@ -16,6 +18,7 @@ import numpy as np
 from smarig.errors import UsageError
 from smarig.exchange.channels import FLAGS, Channel, events, label, samples, steps, title
 from smarig.record import Run
+from smarig.record.description import is_moment
 
 _MISSING = np.iinfo(np.int32).min
 _UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # as UDUNITS has them
@@ -26,9 +29,10 @@ _DEFLATE = 4
 def netcdf(run: Run, path: Path) -> None:
     """NetCDF-4 with CF attributes, steps and events as groups; for xarray and MATLAB's ncread (extra netcdf)."""
     try:
-        import h5netcdf  # noqa: F401 - what xarray writes with
+        import h5netcdf  # what xarray writes with
         import h5py  # noqa: F401 - what that writes with
         import xarray as xr
+        from xarray.backends import H5NetCDFStore
     except ImportError:
         raise UsageError("NetCDF needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
     columns = samples(run)
@@ -46,9 +50,12 @@ def netcdf(run: Run, path: Path) -> None:
             xr.Dataset(_table(events(run), "event"), attrs=_characters({"title": "Events of the run"})),
         ),
     ]
-    for group, part in parts:
-        mode = "a" if group else "w"
-        part.to_netcdf(path, mode=mode, group=group, engine="h5netcdf", encoding=_encoding(part))
+    made = io.BytesIO()
+    with h5netcdf.File(made, "w") as file:
+        for name, part in parts:
+            store = H5NetCDFStore(file.create_group(name) if name else file)
+            part.dump_to_store(store, encoding=_encoding(part))
+    path.write_bytes(made.getbuffer())
 
 
 def _has_clock(run: Run) -> bool:
@@ -70,11 +77,12 @@ def _time(run: Run) -> tuple:
 
 def _zero_epoch(run: Run) -> float | None:
     """When the device's clock read zero, from the event that began the run."""
-    began = next((e for e in run.events if e.kind == "start" and "epoch" in e.data), None)
+    told = (e for e in run.events if e.kind == "start" and is_moment(e.data.get("epoch")))
+    began = next(told, None)
     if began is not None:
         return float(began.data["epoch"]) - began.t_s
     given = run.meta.get("start_epoch")
-    return float(given) if isinstance(given, int | float) else None
+    return None if given is None else float(given)
 
 
 def _sampled(column: Channel, along: str) -> tuple:
