@@ -1,6 +1,6 @@
 """Identify your wire: measure first-order curves, fit a Preisach model, and judge it on a run it has not seen.
 
-Writes wire.model.json. What it shows: a small error on the points a model was fitted to proves little; the error
+Writes identified.model.json. What it shows: a small error on the points a model was fitted to proves little; the error
 on other data, beside the noise, is what counts.
 """
 
@@ -30,7 +30,7 @@ for surface in ("constant", "exponential", "positive"):
     )
 
 best = smarig.identify(CURVES, surface="exponential").model
-best.save("wire.model.json", force=True)
+best.save("identified.model.json", force=True)
 print(best)
 print(
     "This twin is itself an exponential surface, so that one wins by construction; a wire may choose otherwise."

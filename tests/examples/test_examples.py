@@ -39,7 +39,7 @@ def test_identify_your_wire(tmp_path):
     found = errors(said_by("identify_your_wire", tmp_path))
     assert set(found) == {"constant", "exponential", "positive"}
     assert found["exponential"] < 0.01 < found["positive"] < found["constant"]
-    assert (tmp_path / "wire.model.json").is_file()
+    assert (tmp_path / "identified.model.json").is_file()
 
 
 def test_read_someones_forc(tmp_path):
