@@ -1,8 +1,10 @@
 """From the twin's noisy, quantised FOD runs back to the surface that made them: 20 seeds, both rigs."""
 
+import os
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 from smarig.config import load_rig
 from smarig.identification.fod_data import fod_data
@@ -64,6 +66,7 @@ def test_the_surface_and_its_density_are_found_far_below_a_count(tmp_path):
     assert 0.90 <= one_e.coverage <= 0.99
 
 
+@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes half a minute: SMARIG_LONG=1")
 def test_the_parameters_are_found_and_their_intervals_cover(tmp_path):
     two_c = recovered(tmp_path, "two_wire_twin", "two_c", "constant")
     assert np.median(two_c.worst_parameter) <= 0.003
