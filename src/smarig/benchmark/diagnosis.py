@@ -5,6 +5,7 @@ Answers are kept as they come, so a run that was stopped goes on where it was; t
 nothing but the time.
 """
 
+import gc
 import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -103,6 +104,7 @@ def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Ite
         from distributed import as_completed as as_done
     except ImportError:
         raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
+    client, why = None, ""
     try:
         client = Client(address, timeout=PATIENCE_S)
     except (
@@ -112,7 +114,9 @@ def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Ite
         AssertionError,
     ) as error:  # the last: its own loop did not start in time
         why = str(error) or "its client did not start"
-        raise UsageError(f"No Dask scheduler answers at '{address}': {why}.") from None
+    if client is None:
+        gc.collect()  # what was begun is closed now: in the middle of another client's start that would wait for ever
+        raise UsageError(f"No Dask scheduler answers at '{address}': {why}.")
     with client:
         for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
             yield answer.result()
