@@ -8,11 +8,12 @@ import pytest
 from smarig.benchmark.tracking import closed, known, other_wire
 from smarig.catalogue import names
 from smarig.command import Drive, Mark
+from smarig.control.settings import TRACKING
 from smarig.control.tracking import Known, reference, track
 from smarig.control.tracking.lag import source_towards
 from smarig.control.tracking.loop import Patience
 from smarig.control.tracking.slope_observer import SlopeObserver
-from smarig.control.tracking.tuning import PACKAGE, defaults, made, ranges, tuned
+from smarig.control.tracking.tuning import defaults, made, ranges, tuned
 from smarig.errors import LimitExceeded
 from smarig.model.actuator import Actuator
 from smarig.model.planted import from_pairs
@@ -21,7 +22,7 @@ from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.listener import Watch
 from smarig.runner.runner import Runner
 
-CONTROLLERS = names(PACKAGE)
+CONTROLLERS = names(TRACKING)
 COUNT_mm = Actuator.named("gorbet_one_wire").position_per_count(2000)
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from smarig import config
+from smarig import config, toml_file
 from smarig.config import load_rig
 from smarig.errors import ConfigError, UsageError
 
@@ -192,7 +192,7 @@ def test_a_folder_is_no_configuration(tmp_path):
     with pytest.raises(UsageError, match="There is no file"):
         config.load_rig(str(folder))
     with pytest.raises(UsageError, match=r"mine\.toml cannot be read: "):
-        config.read_toml(folder)
+        toml_file.read_toml(folder)
 
 
 @pytest.mark.parametrize("value", ["inf", "nan", '"1.0"', "true"])

@@ -17,11 +17,12 @@ import numpy as np
 
 from smarig.catalogue import names
 from smarig.config import load_rig
+from smarig.control.settings import TRACKING
 from smarig.control.tracking.known import Known
 from smarig.control.tracking.loop import track
 from smarig.control.tracking.measures import Tracked, measured
 from smarig.control.tracking.reference import Reference, reference
-from smarig.control.tracking.tuning import PACKAGE, made, tuned
+from smarig.control.tracking.tuning import made, tuned
 from smarig.errors import RigFault
 from smarig.model.actuator import Actuator
 from smarig.model.effect import Effect
@@ -68,7 +69,7 @@ def _compared(
 ) -> dict[str, Any]:
     """Every controller, tuned and judged; gains are ratios of mean rms errors to the inverse's."""
     found = {}
-    for name in names(PACKAGE):
+    for name in names(TRACKING):
         numbers = tuned(name, _cost(believed, name, wires, most_A), budget)
         found[name] = _judged(believed, name, numbers, wires, seeds)
     told = tuned("pi", _cost(believed, "pi", wires, most_A), budget, {"lead_s": PREVIEW_S})

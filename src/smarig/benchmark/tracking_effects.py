@@ -14,8 +14,9 @@ import numpy as np
 
 from smarig.benchmark.tracking import RIG, closed, known, references
 from smarig.catalogue import names
+from smarig.control.settings import TRACKING
 from smarig.control.tracking.known import Known
-from smarig.control.tracking.tuning import PACKAGE, defaults
+from smarig.control.tracking.tuning import defaults
 from smarig.diagnosis.diagnose import diagnose
 from smarig.identification.identify import identify
 from smarig.identification.model_file import Model
@@ -44,7 +45,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 def _row(nominal: Known, planted: Sequence[Planted], seeds: Sequence[int]) -> dict[str, Any]:
-    return {name: _rms(name, nominal, nominal, planted, seeds) for name in names(PACKAGE)}
+    return {name: _rms(name, nominal, nominal, planted, seeds) for name in names(TRACKING)}
 
 
 def _rms(

@@ -1,7 +1,7 @@
 """What a hysteresis can give back from a state, and on what ground: the lower bound of every supplied energy.
 
     ν ≥ 0                      Q_r(B₀) of (7.1), by Thm 7.4
-    Q_r proved a storage       Q_r(B₀) as well, although μ < 0 somewhere (docs/dissipativity.md)
+    Q_r proved a storage       Q_r(B₀) as well, although μ < 0 somewhere (docs/explanation/dissipativity.md)
     dissipative otherwise      the available storage S_a(B₀)
     not dissipative            no bound
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 from smarig.command import Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
+from smarig.control.limits import allowed
 from smarig.control.regulation.approach import ApproachPlan, plan
 from smarig.control.regulation.pi import PI, Loop
 from smarig.control.regulation.psi import Psi
@@ -145,14 +146,13 @@ def _closed(
     loop.start(rest_K)
     yield Mark(CLOSED, {"wanted_position": wanted})
     source_K, push_K = rest_K, 0.0
-    rate_A = setup.limits.current_rate_A_per_s * setup.period_s
     current_A = setup.current_for(rest_K)
     for k in range(round(hold_s / setup.period_s)):
         before, push_K = push_K, pushed_K(k * setup.period_s)
         if push_K != before:
             yield Mark(DISTURBED, {"source_K": push_K})
         asked_K = min(max(source_K + push_K, setup.lower_K), setup.upper_K)
-        current_A = min(max(setup.current_for(asked_K), current_A - rate_A), current_A + rate_A)
+        current_A = allowed(setup, setup.current_for(asked_K), current_A)
         sample: Sample | None = yield Drive(current_A)
         if sample is not None and not sample.quality & Quality.STALE:
             source_K = loop.step(wanted - sample.position)

@@ -9,16 +9,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from smarig.command import Drive, Mark, Protocol
+from smarig.control.limits import allowed
 from smarig.control.tracking.known import Controller, Known, Wanted
 from smarig.control.tracking.reference import Reference
 from smarig.errors import LimitExceeded
-from smarig.protocols._setup import Setup
 from smarig.protocols.initialise import initialise
 from smarig.sample import Sample
 
 CLOSED, OPENED = "closed loop", "loop opened"  # labels of the marks that begin and end it
 
-Maker = Callable[[Known, Wanted], Controller]
+ControllerMaker = Callable[[Known, Wanted], Controller]
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Patience:
 
 def track(
     known: Known,
-    make: Maker,
+    make: ControllerMaker,
     reference: Reference,
     *,
     name: str = "",
@@ -53,27 +53,15 @@ def track(
     controller = make(known, lambda t_s: reference.at(t_s - start_s))
     asked_A, given_A = next(controller), first.current_command_A
     for _ in range(max(1, round(reference.duration_s / setup.period_s))):
-        given_A = _allowed(setup, asked_A, given_A)
+        given_A = allowed(setup, asked_A, given_A)
         sample: Sample = yield Drive(given_A)
         watch.look(sample, reference.at(sample.t_s - start_s))
         asked_A = controller.send(sample)
     controller.close()
     yield Mark(OPENED)
     while given_A:
-        given_A = _allowed(setup, 0.0, given_A)
+        given_A = allowed(setup, 0.0, given_A)
         yield Drive(given_A)
-
-
-def _allowed(setup: Setup, asked_A: float, last_A: float) -> float:
-    """The nearest current that limits of range and rate leave."""
-    if not math.isfinite(asked_A):
-        raise LimitExceeded(
-            f"The controller asked for {asked_A} A: the loop is broken. The current is at zero."
-        )
-    step_A = 0.999 * setup.limits.current_rate_A_per_s * setup.period_s
-    low, high = setup.current_for(setup.lower_K), setup.current_for(setup.upper_K)
-    slow = min(max(asked_A, last_A - step_A), last_A + step_A)
-    return min(max(slow, low), high)
 
 
 class _Watch:

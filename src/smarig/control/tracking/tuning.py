@@ -6,33 +6,32 @@ Nelder and Mead's simplex on the logarithms of the numbers that a controller lis
 import importlib
 import math
 from collections.abc import Callable, Mapping
-from inspect import signature
 
 import numpy as np
 from scipy.optimize import minimize
 
 from smarig.catalogue import find
-from smarig.control.tracking.loop import Maker
+from smarig.control.settings import TRACKING, numbers
+from smarig.control.tracking.loop import ControllerMaker
 
-PACKAGE = "smarig.control.tracking.controllers"
 FIRST_STEP = 0.7  # of a logarithm: a factor of two
 
 
 def ranges(name: str) -> Mapping[str, tuple[float, float]]:
     """What may be tuned of a controller, with least and largest values."""
-    return importlib.import_module(f"{PACKAGE}.{name}").RANGES
+    return importlib.import_module(f"{TRACKING}.{name}").RANGES
 
 
 def defaults(name: str) -> dict[str, float]:
     """Its numbers as they are without tuning."""
-    parameters = signature(find(PACKAGE, name)).parameters
-    return {key: parameters[key].default for key in ranges(name)}
+    every = numbers(TRACKING, name)
+    return {key: every[key] for key in ranges(name)}
 
 
-def made(name: str, numbers: Mapping[str, float]) -> Maker:
+def made(name: str, chosen: Mapping[str, float]) -> ControllerMaker:
     """A controller with its numbers, ready for a loop."""
-    found = find(PACKAGE, name)
-    return lambda known, wanted: found(known, wanted, **numbers)
+    found = find(TRACKING, name)
+    return lambda known, wanted: found(known, wanted, **chosen)
 
 
 def tuned(
@@ -51,11 +50,11 @@ def tuned(
     low, high = (np.log([allowed[key][k] for key in keys]) for k in (0, 1))
     centre = np.log([start[key] for key in keys])
 
-    def numbers(logs: np.ndarray) -> dict[str, float]:
+    def at(logs: np.ndarray) -> dict[str, float]:
         return dict(zip(keys, np.exp(np.clip(logs, low, high)).tolist()))
 
     def costs(logs: np.ndarray) -> float:
-        found = cost(numbers(logs))
+        found = cost(at(logs))
         outside = float(np.sum(np.maximum(low - logs, 0) + np.maximum(logs - high, 0)))
         return (found if math.isfinite(found) else 1e9) * (1 + outside)
 
@@ -63,4 +62,4 @@ def tuned(
     best = minimize(
         costs, centre, method="Nelder-Mead", options={"maxfev": budget, "initial_simplex": simplex}
     )
-    return numbers(best.x)
+    return at(best.x)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from smarig.command import Command, Drive, Mark
 from smarig.control.hypothesis import Hypothesis, failing
+from smarig.control.limits import allowed
 from smarig.control.velocity.controller import VelocityController
 from smarig.control.velocity.stability import k_e, stability
 from smarig.errors import UsageError
@@ -26,6 +27,7 @@ from smarig.protocols.initialise import initialise as initialised
 from smarig.sample import Sample
 
 Array = NDArray[np.float64]
+ROUNDING_K = 1e-9  # between a temperature asked for and that of the current which makes it
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +64,7 @@ class Outcome:
     @property
     def clipped_share(self) -> float:
         """Share of samples at which the limits gave another input than was asked for."""
-        return float(np.mean(np.abs(self.asked - self.given) > 1e-9))
+        return float(np.mean(np.abs(self.asked - self.given) > ROUNDING_K))
 
     def _ratio(self, velocity: Array) -> float:
         driven = np.linalg.norm(self.rate) + np.linalg.norm(self.offset)
@@ -125,7 +127,7 @@ def velocity_feedback(
     yield Mark("velocity_feedback", {"delta": controller.delta, "gamma": controller.gamma})
     signals = yield from _drive(setup, controller, rates, offsets, filter_s)
     velocity, asked, given, position = signals
-    clipped = float(np.mean(np.abs(asked - given) > 1e-9))
+    clipped = float(np.mean(np.abs(asked - given) > ROUNDING_K))
     hypotheses = (*_of_the_model(model, controller), *_of_the_rig(setup, controller, filter_s, clipped))
     outcome = Outcome(
         controller,
@@ -148,13 +150,14 @@ def _drive(
     """Velocities, asked and given inputs, positions, shape (4, n)."""
     running, signals = controller.start(setup.period_s), np.empty((4, len(rates)))
     share = setup.period_s / (setup.period_s + filter_s)
-    velocity, position = 0.0, math.nan
+    velocity, position, current_A = 0.0, math.nan, 0.0
     for k, (rate, offset) in enumerate(zip(rates, offsets, strict=True)):
         error = rate - velocity
         asked = running.output(error) + offset
         running.advance(error)
-        given = min(max(asked, setup.lower_K), setup.upper_K)
-        sample: Sample = yield Drive(setup.current_for(given))
+        current_A = allowed(setup, setup.current_for(asked), current_A)
+        given = setup.actuator.input_for(current_A)
+        sample: Sample = yield Drive(current_A)
         moved = 0.0 if math.isnan(position) else sample.position - position
         velocity += share * (moved / setup.period_s - velocity)
         position = sample.position

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from smarig.control.tracking.feedback import feedback
 from smarig.control.tracking.known import Controller, Known, Wanted
-from smarig.control.tracking.lag import clipped
 from smarig.preisach.operator import Preisach
 
 RANGES = {
@@ -29,19 +29,13 @@ def gain_scheduled(
     The thesis cites constant gains switched by the error (Grant & Hayward 1997); here the switch is the error's
     sign, with ``cooling_share`` between the two gains, and the model's own slope on top. Integration as in ``pi``.
     """
-    setup = known.setup
     places, heating, cooling = _inverse_slopes(known)
-    whole_K = 0.0
-    sample = yield setup.current_for(clipped(setup, 0.0))
-    while True:
-        error = wanted(sample.t_s + lead_s) - sample.position
+
+    def gain(error: float, position: float) -> float:
         slopes, share = (heating, 1.0) if error > 0 else (cooling, cooling_share)
-        gain = gain_share * share * float(np.interp(sample.position, places, slopes))
-        asked_K = whole_K + gain * error
-        given_K = clipped(setup, asked_K)
-        if (asked_K - given_K) * error <= 0:
-            whole_K += gain * error * setup.period_s / integral_s
-        sample = yield setup.current_for(given_K)
+        return gain_share * share * float(np.interp(position, places, slopes))
+
+    return feedback(known, wanted, gain, integral_s=integral_s, lead_s=lead_s)
 
 
 def _inverse_slopes(known: Known) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
