@@ -9,6 +9,7 @@ from control.model_files import model_file, model_of
 from smarig.cli import run as cli
 from smarig.control.settings import TRACKING, VELOCITY, numbers
 from smarig.control.tracking import loop
+from smarig.errors import UsageError
 from smarig.identification.model_file import Channel
 from smarig.model.planted import from_pairs
 from smarig.record import load_run
@@ -124,6 +125,8 @@ def test_from_a_notebook(one, tmp_path):
     run = smarig.track(one, "ramps", rig="one_wire_twin", out=tmp_path / "t.run.sqlite", seconds=5)
     assert run.cause == "done"
     assert run.meta["closed_loop"]
+    with pytest.raises(UsageError, match="start is .*diagonal.*, not 'diagnal'"):
+        smarig.regulate(one, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", start="diagnal")
 
 
 def test_a_file_says_what_is_wanted(capsys, one, tmp_path):

@@ -64,3 +64,13 @@ def test_shapes_that_are_none():
         reference("ramp", 2.0, 8.0)
     with pytest.raises(UsageError, match="low < high"):
         reference("ramps", 8.0, 2.0)
+    with pytest.raises(UsageError, match="more than 400000 points"):
+        reference("multisine", 2.0, 8.0, seconds=80_000.0, speed=2.0)
+
+
+def test_a_file_too_large_is_not_read(tmp_path):
+    path = tmp_path / "r.csv"
+    with path.open("w") as file:
+        file.truncate(20_000_001)
+    with pytest.raises(UsageError, match="larger than 20 MB"):
+        from_csv(path, "mm")

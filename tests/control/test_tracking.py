@@ -9,8 +9,8 @@ from smarig.benchmark.tracking import closed, known, other_wire
 from smarig.catalogue import names
 from smarig.command import Drive, Mark
 from smarig.control.settings import TRACKING
-from smarig.control.tracking import Known, reference, track
-from smarig.control.tracking.lag import source_towards
+from smarig.control.tracking import Known, Reference, reference, track
+from smarig.control.tracking.lag import current_towards, source_towards
 from smarig.control.tracking.loop import Patience
 from smarig.control.tracking.slope_observer import SlopeObserver
 from smarig.control.tracking.tuning import defaults, made, ranges, tuned
@@ -67,15 +67,27 @@ def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
     assert error("gain_scheduled") > 1.3 * inverse
 
 
-def test_a_known_effect_in_the_feed_forward_pays():
-    planted = from_pairs(["backlash"])
+@pytest.mark.parametrize(
+    ("effect", "times"),
+    [
+        ("backlash", 1.0),
+        ("latent_heat", 1.05),
+        ("wire_lag", 1.1),
+        ("convection", 1.2),
+        ("amplifier_gain", 1.5),
+        ("dead_zone", 4.0),
+    ],
+)
+def test_a_known_effect_in_the_feed_forward_pays(effect, times):
+    """Whatever an effect changes: the output, the lag, the heat of a current, the current of a command."""
+    planted = from_pairs([effect])
     follow = reference("multisine", 2.0, 8.0, seconds=100.0, seed=2)
     plain, told = known(), known().extended(planted)
-    errors = [
+    hidden, there = (
         closed(k, "inverse", defaults("inverse"), plain.hysteresis, follow, 2, planted).true.rms
         for k in (plain, told)
-    ]
-    assert errors[1] < errors[0]
+    )
+    assert hidden > times * there
 
 
 def test_the_wire_it_is_tuned_on_and_the_one_it_meets_differ_by_a_tenth_of_the_range():
@@ -87,18 +99,39 @@ def test_the_wire_it_is_tuned_on_and_the_one_it_meets_differ_by_a_tenth_of_the_r
     assert np.sqrt(np.mean(off[inside] ** 2)) / 12.54 == pytest.approx(0.10, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", CONTROLLERS)
-def test_limits_hold_whatever_a_controller_asks_for(name):
-    rate_A_per_s, most_A = 1.0, 0.8
+def test_plain_feedback_told_the_future_lags_less():
+    """With ``lead_s`` a loop reacts to what is wanted later: behind a ramp its mean error shrinks, or turns."""
+    follow = Reference("up", (0.0, 60.0), (1.0, 8.0))
+    behind = []
+    for lead_s in (0.0, 0.5):
+        given = track(known(), made("pi", {**defaults("pi"), "lead_s": lead_s}), follow, prepare=False)
+        twin, answer, errors = Twin.named("one_wire_twin", seed=1), None, []
+        while True:
+            try:
+                command = given.send(answer)
+            except StopIteration:
+                break
+            answer = twin.step(command.current_A)[0] if isinstance(command, Drive) else None
+            if answer and 20.0 < answer.t_s < 60.0:
+                errors.append(follow.at(answer.t_s) - answer.position)
+        behind.append(np.mean(errors))
+    assert behind[0] > behind[1] + 0.2 * 7.0 / 60.0
+
+
+def within(rate_A_per_s, most_A):
+    """What is known of the wire, on a rig with these limits."""
     plain = known()
     limits = plain.setup.limits.model_copy(
         update={"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A}
     )
-    tight = Known(
-        type(plain.setup)(plain.setup.actuator, limits, plain.setup.period_s),
-        plain.hysteresis,
-        plain.counts_per_rev,
-    )
+    setup = type(plain.setup)(plain.setup.actuator, limits, plain.setup.period_s)
+    return Known(setup, plain.hysteresis, plain.counts_per_rev)
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_limits_hold_whatever_a_controller_asks_for(name):
+    rate_A_per_s, most_A = 1.0, 0.8
+    tight = within(rate_A_per_s, most_A)
     follow = reference("steps", 1.0, 6.0, seconds=60.0, every_s=10.0, seed=1)
     flowed, ended = driven(
         track(tight, made(name, defaults(name)), follow, prepare=False),
@@ -108,6 +141,23 @@ def test_limits_hold_whatever_a_controller_asks_for(name):
     assert flowed.max() == pytest.approx(most_A)
     assert np.abs(np.diff(flowed)).max() <= rate_A_per_s * 0.1 + 1e-9
     assert np.abs(np.diff(flowed)).max() > 0.9 * rate_A_per_s * 0.1, "the limit was met"
+
+
+def greedy(_, __):
+    while True:
+        yield 99.0
+
+
+def test_what_is_asked_beyond_the_limits_is_clipped_and_the_loop_lets_go_as_slowly_as_they_say():
+    follow = reference("ramps", 2.0, 8.0, seconds=5.0, seed=1)
+    flowed, ended = driven(
+        track(within(1.0, 0.8), greedy, follow, prepare=False),
+        {"current_rate_A_per_s": 1.0, "current_max_A": 0.8},
+    )
+    assert ended is None
+    assert flowed.max() == pytest.approx(0.8)
+    assert np.abs(np.diff(flowed)).max() <= 0.1 + 1e-9
+    assert flowed[-1] == 0.0
 
 
 def backwards(known_, wanted):
@@ -132,7 +182,7 @@ def test_a_loop_that_diverges_trips_to_zero():
 def test_what_is_no_number_trips_to_zero():
     follow = reference("ramps", 2.0, 8.0, seconds=60.0, seed=1)
     flowed, ended = driven(track(known(), broken, follow, prepare=False))
-    assert "nan" in str(ended)
+    assert "asked for nan A" in str(ended)
     assert flowed.size == 2
 
 
@@ -169,6 +219,22 @@ def test_through_the_lag_in_one_move():
     assert temperature == pytest.approx(47.0, abs=1e-3)
     assert source_towards(setup, 40.0, 170.0, horizon_s=0.5) == setup.upper_K
     assert source_towards(setup, 40.0, 30.0, horizon_s=0.1) == setup.lower_K  # cooling is passive
+
+
+@pytest.mark.parametrize(
+    "effects", [["wire_lag=60"], ["amplifier_gain=8"], ["wire_lag=-30", "amplifier_gain=-8"]]
+)
+def test_through_the_lag_and_the_amplifier_of_a_model_with_effects(effects):
+    """The model's own steps are the judge: where would the wire be after this current?"""
+    told = known().extended(from_pairs(effects))
+    model = told.plant()
+    for _ in range(100):
+        model.step(0.6)
+    goal_K = model.heating.input_K + 4.0
+    current = current_towards(told.setup, model, goal_K, horizon_s=2.0)
+    for _ in range(20):
+        model.step(current)
+    assert model.heating.input_K == pytest.approx(goal_K, abs=1e-6)
 
 
 def test_the_observer_finds_offset_and_slope():

@@ -1,5 +1,7 @@
 """Pages of closed loops and of certificates: what is drawn is what was recorded, and what is said is what is proved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from control.model_files import model_of
 from report.pages import Page, run_of, unpacked
 from smarig.closed_loop import Given, regulation, tracking
 from smarig.control.certificate import certificate
+from smarig.control.regulation.loop import DISTURBED
 from smarig.preisach.gorbet_1997 import surface
 from smarig.record import Event, load_run
 from smarig.report.certificate_page import certificate_page, origin
@@ -75,6 +78,26 @@ def test_the_transient_is_the_largest_error_since_the_disturbance(runs):
     later = found.loop.t_s > found.pulse_s[0]
     assert found.transient == np.abs(found.loop.position - found.loop.wanted)[later].max()
     assert found.zero == pytest.approx(6.0 - found.loop.wanted[0])
+
+
+def test_a_transient_before_the_disturbance_does_not_count(runs):
+    """Half a millimetre before the push, in the readings themselves."""
+    run = runs["regulate"]
+    before = closed_loop(run)
+    mark = next(e for e in run.events if e.kind == "mark" and e.text == DISTURBED)
+    position = run["position"].copy()
+    position[run["t_s"] < mark.t_s - 1.0] += 0.5
+    shifted = closed_loop(replace(run, columns={**run.columns, "position": position}))
+    assert np.abs(shifted.loop.error).max() > 10
+    assert shifted.transient == before.transient
+
+
+def test_the_end_of_the_last_step_is_none(runs):
+    """At its last time a held reference has its last position already: no wire jumps there within a tick."""
+    run = runs["track"]
+    found = closed_loop(run)
+    assert found.loop.t_s[-1] < found.reference.duration_s - 1e-6
+    assert found.loop.wanted[-1] == found.reference.position[-2]
 
 
 def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_model(runs, given):

@@ -84,6 +84,17 @@ def test_nonsense_is_refused_with_its_line_and_what_was_measured_is_kept(name, t
     assert [s.target for s in run.steps] == [10.0]
 
 
+def test_the_line_is_that_of_the_innermost_generator(tmp_path):
+    def inner():
+        yield 42
+
+    def protocol():
+        yield from inner()
+
+    ended, _ = recorded(protocol(), tmp_path / "r.run.sqlite")
+    assert f"test_asking.py, line {inner.__code__.co_firstlineno + 1}:" in str(ended)
+
+
 @pytest.mark.parametrize(
     "raised", [SystemExit(0), SystemExit("bye"), GeneratorExit(), StopIteration(), BaseException("x")]
 )

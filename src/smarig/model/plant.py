@@ -102,6 +102,23 @@ class Plant:
         return self.operator.u
 
     @property
+    def asks_for_commands(self) -> bool:
+        """Whether an effect says what becomes of a command: then ``step`` is not for measured currents."""
+        return bool(self._chains[Stage.CURRENT])
+
+    @property
+    def lag(self) -> float:
+        """The time constant of the last tick over the constant one; of two wires their mean."""
+        lags = self._warming.lags
+        return sum(lags) / len(lags) if lags else 1.0
+
+    @property
+    def heat_gain(self) -> float:
+        """The steady temperature of the last tick's current, over what R/hA says of it; 1 where none flowed."""
+        by_constants_K = 0.0 if self._plain else self.heating.source(self.now.command_A)
+        return self.now.source_K / by_constants_K if by_constants_K else 1.0
+
+    @property
     def austenite(self) -> float:
         """Austenite fraction ξ of wire 1, taken from the output: 0 at y₋, 1 at y₊."""
         return (self.operator.y - self._y_lower) * self._per_span

@@ -23,6 +23,7 @@ class Warming:
         self._ambient, self._current, self._resistance, self._source, self._lag, self._input = (
             chains[stage] for stage in EARLY
         )
+        self.lags: tuple[float, ...] = ()
         self._couples = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
 
     def parts(self, current_A: float, dt_s: float) -> int:
@@ -58,8 +59,9 @@ class Warming:
             source_K = hook(source_K, now)
         now.source_K = source_K
         room_K = 0.0 if heating.two_wire else ambient_K  # common to both wires: T₁ − T₂ does not see it
-        lags = self._lags() if self._lag else ()
-        felt_K = now.input_K = heating.relax(source_K, *lags) + room_K + disturbance_K
+        if self._lag:
+            self.lags = self._lags()
+        felt_K = now.input_K = heating.relax(source_K, *self.lags) + room_K + disturbance_K
         for hook in self._input:
             felt_K = hook(felt_K, now)
         now.felt_K = felt_K

@@ -1,7 +1,7 @@
 """Feed-forward by the inverse of the hysteresis and of the heating lag, with the model's error tracked on the way."""
 
 from smarig.control.tracking.known import Controller, Known, Wanted
-from smarig.control.tracking.lag import clipped, source_towards
+from smarig.control.tracking.lag import clipped, current_towards
 from smarig.control.tracking.slope_observer import SlopeObserver
 from smarig.errors import DataError
 
@@ -27,9 +27,10 @@ def inverse(
 ) -> Controller:
     """Inverse Preisach and heating lag (§8.1's feed-forward), made robust by an observer of the model's error.
 
-    The model, effects included, follows the measured current; ``SlopeObserver`` says how far it is off. What is
-    wanted ``lead_s`` from now is turned into an output of the model, that into the temperature which the model's
-    memory needs for it, and that into the current which brings the wire there in ``horizon_s``. Within ``rest_counts``
+    The model, effects included, follows the measured current, or the command where an effect says what becomes of
+    it; ``SlopeObserver`` says how far it is off. What is wanted ``lead_s`` from now is turned into an output of the
+    model, that into the temperature which the model's memory needs for it, and that into the current which brings
+    the wire there in ``horizon_s``, with the time constant and the heat that effects leave it. Within ``rest_counts``
     of where it shall be, the temperature goal stays: a reversal costs the width of a hysteresis; noise is not worth it.
     """
     setup, model = known.setup, known.plant()
@@ -39,7 +40,7 @@ def inverse(
     goal_K = model.felt_K
     sample = yield setup.current_for(goal_K)
     while True:
-        position = model.step(sample.current_A)
+        position = model.step(sample.current_command_A if model.asks_for_commands else sample.current_A)
         observer = observer.seen(sample.position + known.origin, position, setup.period_s)
         target = observer.model_for(wanted(sample.t_s + lead_s) + known.origin)
         if abs(target - position) > rest_counts * count:
@@ -47,9 +48,7 @@ def inverse(
         # effects may shift what the hysteresis feels against what the wire has: asked of the wire is the same move
         move_K = goal_K - model.felt_K
         wire_K = model.heating.input_K
-        sample = yield setup.current_for(
-            source_towards(setup, wire_K, clipped(setup, wire_K + move_K), horizon_s)
-        )
+        sample = yield current_towards(setup, model, clipped(setup, wire_K + move_K), horizon_s)
 
 
 def _reaching(operator, output: float, otherwise_K: float) -> float:
