@@ -111,7 +111,7 @@ def regulation(
         raise UsageError(f"start is {', '.join(STARTS)}, not '{start}'.")
     push_K, share = number("The disturbance", disturbance_K), number("within", within)
     check_times(setup, number("hold_s", hold_s), push_K)
-    loop = _regulator(controller, numbers or {}, setup, model)
+    loop = _regulator(controller, {"band": count / 2} | dict(numbers or {}), setup, model)
     said = {"setpoint": y, "within": share, "hold_s": hold_s, "start": start, "disturbance_K": push_K}
 
     def make(rig_setup: Setup):
@@ -126,7 +126,8 @@ def regulation(
             disturbance_K=push_K,
         )
 
-    return Loop("regulate", make, given_.settings() | said | {"controller": controller, **(numbers or {})})
+    said |= {"controller": controller, "gain": loop.gain, "band": loop.band}
+    return Loop("regulate", make, given_.settings() | said)
 
 
 def _known(model: Model, rig: RigFile) -> Known:

@@ -19,7 +19,15 @@ def test_ramps_are_straight_and_steps_are_held():
         2.0,
         2.0,
     ]
-    assert [held.at(t) for t in (-1.0, 0.0, 9.9, 10.0, 19.9, 20.0)] == [1.0, 1.0, 1.0, 3.0, 3.0, 2.0]
+    assert [held.at(t) for t in (-1.0, 0.0, 9.9, 10.0, 19.9, 20.0, 99.0)] == [
+        1.0,
+        1.0,
+        1.0,
+        3.0,
+        3.0,
+        3.0,
+        3.0,
+    ]
 
 
 @pytest.mark.parametrize("shape", ["steps", "ramps", "multisine"])

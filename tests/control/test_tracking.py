@@ -11,9 +11,9 @@ from smarig.command import Drive, Mark
 from smarig.control.settings import TRACKING
 from smarig.control.tracking import Known, Reference, reference, track
 from smarig.control.tracking.lag import current_towards, source_towards
-from smarig.control.tracking.loop import Patience
 from smarig.control.tracking.slope_observer import SlopeObserver
 from smarig.control.tracking.tuning import defaults, made, ranges, tuned
+from smarig.control.watch import Patience
 from smarig.errors import LimitExceeded
 from smarig.model.actuator import Actuator
 from smarig.model.planted import from_pairs

@@ -1,5 +1,7 @@
 """How far a model is from runs: settled points along the whole history, the encoder's zero made explicit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -106,12 +108,18 @@ def test_points_before_the_memory_is_known_do_not_count(one):
         verify(one, made_run(inputs[:3], y[:3], initial=None))
 
 
+def later(run, by_s):
+    """The same run on a clock that had gone so far."""
+    steps = [replace(s, t_start_s=s.t_start_s + by_s, t_end_s=s.t_end_s + by_s) for s in run.steps]
+    return replace(run, columns={**run.columns, "t_s": run["t_s"] + by_s}, steps=tuple(steps))
+
+
 def test_a_run_that_continues_another_needs_it(one):
     whole = driven_run("one_e", [0, 100, 40, 80, 50, 90, 60])
     y = whole.points()[1]
     first = made_run([0, 100, 40], y[:3], start_epoch=1.0)
     second = made_run([80, 50, 90, 60], y[3:], initial="continued", start_epoch=1.0)
-    second.columns["t_s"] += first["t_s"][-1] + 1
+    second = later(second, first["t_s"][-1] + 1)
     together = verify(one, [first, second]).runs[1]
     assert together.settled.n == 4
     assert together.settled.rms < 1e-4

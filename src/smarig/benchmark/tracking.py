@@ -157,6 +157,7 @@ def closed(
             believed.setup.actuator,
             twin.position_per_count,
             skip_s=SKIP_S,
+            ahead_s=numbers.get("lead_s", 0.0),
         )
         for y in (own - rest, read)
     ]

@@ -5,6 +5,7 @@ Refuses what is no number: such a loop is broken, and the run ends at zero.
 
 import math
 
+from smarig.command import Drive, Protocol
 from smarig.errors import LimitExceeded
 from smarig.protocols._setup import Setup
 
@@ -20,3 +21,10 @@ def allowed(setup: Setup, asked_A: float, last_A: float) -> float:
     step_A = _WITHIN * setup.limits.current_rate_A_per_s * setup.period_s
     slow = min(max(asked_A, last_A - step_A), last_A + step_A)
     return min(max(slow, setup.current_for(setup.lower_K)), setup.current_for(setup.upper_K))
+
+
+def let_go(setup: Setup, current_A: float) -> Protocol:
+    """From a current to zero, as fast as the rate limit allows."""
+    while current_A:
+        current_A = allowed(setup, 0.0, current_A)
+        yield Drive(current_A)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.errors import DataError
+from smarig.identification.waypoints import way
 from smarig.preisach.operator import Preisach, State
 from smarig.preisach.relay_measure import RelayMeasure
 from smarig.record import CONTINUED, Run
@@ -44,15 +45,18 @@ def follow(
 
 @dataclass(frozen=True)
 class History:
-    """Inputs and outputs (k,) of one run's settled points, the memory at its start and at each point.
+    """Inputs and outputs (k,) of one run's settled points, the memory at its start, at each point and at its end.
 
-    None where the memory is unknown; ``continued``: the run goes on where the one before it ended.
+    None where the memory is unknown; ``turns`` are inputs between the points where it turned, too; ``continued``: the
+    run goes on where the one before it ended.
     """
 
     inputs: Array
     outputs: Array
     start: State | None
     states: tuple[State | None, ...]
+    left: State | None
+    turns: Array
     continued: bool
 
 
@@ -73,13 +77,17 @@ def histories(runs: Sequence[Run], *, mirrored: bool = False) -> tuple[float, fl
         start: Start | State | None = named[k]
         continued = start is None and k > 0 and continues(runs[k - 1], run)
         if continued:
-            start = _left(runs[k - 1], sign, done[-1], lower, upper)
+            start = done[-1].left
         if start is None:
             start = _saturated(run, sign, lower, upper)
         u = inputs[at : at + y.size]
         at += y.size
         first = Preisach(RelayMeasure.silent(lower, upper), start).state if start is not None else None
-        done.append(History(u, sign * y, first, tuple(follow(u, lower, upper, start)), continued))
+        passed, where = way(run)
+        path = np.clip(sign * passed, lower, upper)  # a turn beyond all relays saturates them, and no more
+        path[where] = u
+        states, left = _states(path, where, sign * run["input"][-1:], (lower, upper), first)
+        done.append(History(u, sign * y, first, states, left, np.delete(path, where), continued))
     return lower, upper, done
 
 
@@ -92,13 +100,12 @@ def continues(before: Run, run: Run) -> bool:
     return bool(0 <= run["t_s"][0] - before["t_s"][-1] <= LONGEST_GAP_S)
 
 
-def _left(before: Run, sign: float, history: History, lower: float, upper: float) -> State | None:
-    """The memory a run left: that of its last settled point, moved to its last input."""
-    state = history.states[-1] if history.states else history.start
-    end = sign * before["input"][-1]
-    if state is None or not np.isfinite(end):
-        return state
-    return follow([end], lower, upper, state)[0]
+def _states(
+    path: Array, where: NDArray[np.intp], end: Array, ends: tuple[float, float], start: State | None
+) -> tuple[tuple[State | None, ...], State | None]:
+    """The memory at the settled points of a path, and the one that was left at its last input (1,)."""
+    states = follow([*path, *end[np.isfinite(end)]], *ends, start)
+    return tuple(states[k] for k in where), states[-1] if states else start
 
 
 def named_start(run: Run, *, mirrored: bool = False) -> Start | None:

@@ -1,7 +1,7 @@
 """What a model says along measured runs: at their settled points, or at every sample.
 
-The whole history counts: simulation starts in the state a run names, or goes on from the run before it;
-where neither is known, in saturation when the run gets there. Knows no measured output.
+The whole history counts, turns between settled points as well: simulation starts in the state a run names, or goes on
+from the run before it; where neither is known, in saturation when the run gets there. Knows no measured output.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from smarig.identification.fod_data import FORC_PROTOCOL
 from smarig.identification.history import REST, SAME_INPUT, continues, named_start
 from smarig.identification.lived import along, settled_in_turn
 from smarig.identification.model_file import Model
+from smarig.identification.waypoints import way
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
 
@@ -45,8 +46,9 @@ def simulate_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
             continue
         goes_on = known and continues(runs[k - 1], run)
         known = goes_on or _started(operator, run)
-        y, known = _driven(operator, _snapped(operator, run.points()[0]), known)
-        outputs.append(y)
+        inputs, settled = way(run)
+        y, known = _driven(operator, _snapped(operator, inputs), known)
+        outputs.append(y[settled])
         end = run["input"][-1:]  # the memory goes on from the last input, not from the last settled one
         if end.size and np.isfinite(end[0]):
             operator.step(float(end[0]))

@@ -133,8 +133,17 @@ def _tracked(run: Run, mark: Event) -> TrackedRun:
     if t.size >= 2 and loop.count:
         columns = (loop.position, loop.current_A, loop.input_K)
         actuator = Actuator.named(run.meta["actuator"])
-        figures = measured(follow, t, *columns, actuator, loop.count, skip_s=skip_s)
+        ahead_s = _seconds(run.meta.get("settings", {}).get("lead_s"))
+        figures = measured(follow, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s)
     return TrackedRun(str(mark.data.get("controller") or "unnamed"), follow, skip_s, loop, figures)
+
+
+def _seconds(setting: Any) -> float:
+    """How far the controller of a record looked ahead; 0 where that is not said."""
+    try:
+        return max(0.0, float(setting))
+    except (TypeError, ValueError):
+        return 0.0
 
 
 def _regulated(run: Run, mark: Event) -> Regulated:

@@ -17,7 +17,8 @@ IN_A_ROW = 3  # samples: one may be wrong by itself
 FLOWING_A = 0.05  # less says nothing of a resistance
 READ_BACK = 0.05  # of the largest current: set-point against read-back
 RESISTANCE = (0.5, 2.0)  # times the least and the largest of the wire: beyond is told
-JUMP = 0.25  # of the travel within one tick: no wire is so fast
+JUMP = 0.25  # of the travel within one tick: no wire is so fast,
+JUMP_TAUS = 3.0  # unless the tick is long: times the share of its way that a temperature goes in it
 STILL = 0.03  # of the travel: no motion
 SLIPPED = 0.25  # of the travel, while the input stays
 STAYS = 0.05  # of the range
@@ -42,6 +43,7 @@ class Plausibility:
         self._lower_K = h.lower
         travel = abs(h.y_upper - h.y_lower)
         self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
+        self._jump = max(JUMP, -JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
         self._last: int | None = None
         self._rows = {"read_back": 0, "resistance": 0, "blind": 0}
         self._blind = max(BLIND, round(rig.lease_s / rig.period_s))
@@ -91,7 +93,7 @@ class Plausibility:
         return self._rows[name] == often
 
     def _motion(self, counts: int, input_K: float) -> list[Alarm]:
-        if self._last is not None and abs(counts - self._last) > JUMP * self._travel:
+        if self._last is not None and abs(counts - self._last) > self._jump:
             text = f"The encoder jumped by {counts - self._last} counts in one tick: check cable and disc."
             self._rest = (input_K, counts)
             return [Alarm("error", "jump", text)]

@@ -6,17 +6,20 @@ saturation is visited first: what is measured there is y₋. The loop may be dis
 kelvin of source temperature. Ends at zero. Refuses to know which rig, and what the wire really did.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from typing import Any, Literal
 
-from smarig.command import Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
-from smarig.control.limits import allowed
+from smarig.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
+from smarig.control.limits import allowed, let_go
 from smarig.control.regulation.approach import ApproachPlan, plan
 from smarig.control.regulation.pi import PI, Loop
 from smarig.control.regulation.psi import Psi
+from smarig.control.regulation.sense import Sense
+from smarig.control.watch import Patience, Watch
 from smarig.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Preisach
+from smarig.preisach.state import State
 from smarig.protocols._setup import Setup
 from smarig.sample import Quality, Sample
 
@@ -49,12 +52,14 @@ def regulate(
     ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` the distance from B_ℓ the approach may
     leave, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
     source for ``pulse_s`` (default 4 τ). ``loop`` takes the place of the gentle PI. What cannot be reached is refused
-    with the first command, before any current flows.
+    with the first command, before any current flows; LimitExceeded when the loop diverges, or sees what cannot be.
     """
     settle = settle or Settled()
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
     check_times(setup, hold_s, disturbance_K, quiet_s, pulse_s)
-    way, rest_K, facts = _approach(setup, hysteresis, setpoint, within, start, settle)
+    check_saturation(setup, hysteresis, start)
+    way, state, facts = _approach(setup, hysteresis, setpoint, within, start, settle)
+    rest_K = state.u
     yield Mark(MARK, {"setpoint": setpoint, "start": start, "rest_K": rest_K} | facts)
     result = yield Hold(setup.current_for(setup.lower_K), settle, target=setup.lower_K, branch="reference")
     zero = hysteresis.y_lower - result.position if result is not None else 0.0
@@ -65,7 +70,10 @@ def regulate(
     def pushed_K(t_s: float) -> float:
         return disturbance_K if quiet_s <= t_s < quiet_s + pulse_s else 0.0
 
-    yield from _closed(setup, loop or PI.gentle(setup, hysteresis), rest_K, setpoint - zero, hold_s, pushed_K)
+    senses = (Sense(setup, hysteresis, state), Watch(Patience(), _reach(setup, hysteresis)))
+    loop = loop or PI.gentle(setup, hysteresis)
+    last_A = yield from _closed(setup, loop, senses, rest_K, setpoint - zero, hold_s, pushed_K)
+    yield from let_go(setup, last_A)
     yield Hold(0.0, Elapsed(_COOL_TAUS * setup.tau_s), branch="cool")
 
 
@@ -88,23 +96,46 @@ def check_times(
         )
 
 
+def check_saturation(setup: Setup, hysteresis: Everett, start: Start) -> None:
+    """UsageError where a rig's limits do not reach the saturation that a way begins in: its output would be a guess."""
+    h, span = hysteresis, abs(hysteresis.everett(hysteresis.upper, hysteresis.lower))
+    low = abs(span - h.everett(h.upper, max(setup.lower_K, h.lower)))
+    high = abs(span - h.everett(min(setup.upper_K, h.upper), h.lower))
+    for name, missed, reached, asked in (
+        ("negative", low, setup.lower_K, h.lower),
+        ("positive", high if start == "descending" else 0.0, setup.upper_K, h.upper),
+    ):
+        if missed > OUTPUT_WITHIN * span:
+            raise UsageError(
+                f"The way to the set-point begins in {name} saturation, at {asked:.4g} K; this rig's limits reach "
+                f"{reached:.4g} K, and leave {missed / span:.1%} of the output unknown."
+            )
+
+
+def _reach(setup: Setup, hysteresis: Everett) -> tuple[float, float]:
+    high, low = Preisach(hysteresis, "negative").simulate([setup.upper_K, setup.lower_K])
+    return float(low), float(high)
+
+
 def _approach(
     setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: Start, settle: Settled
-) -> tuple[Waveform | Hold | None, float, dict[str, Any]]:
-    """What leads from negative saturation to where the last move begins, the input at which the state rests, and
-    what the record keeps of it.
+) -> tuple[Waveform | Hold | None, State, dict[str, Any]]:
+    """What leads from negative saturation to where the last move begins, the state at rest after it, and what the
+    record keeps of it.
     """
     psi = Psi(hysteresis)
     if start == "diagonal":
         ell = float(psi.least(setpoint))
         found = plan(setup, hysteresis, ell, within, OUTPUT_WITHIN)
-        return found.waveform(), ell, _range(psi) | _planned(found, float(psi(ell)))
+        y = float(psi(ell))
+        return found.waveform(), State((ell,), (y,), ell, y, True), _range(psi) | _planned(found, y)
     if start not in ("ascending", "descending"):
         raise UsageError(f"start is diagonal, ascending or descending, not '{start}'.")
     up = start == "ascending"
-    rest_K = Preisach(hysteresis, "negative" if up else "positive").inverse(setpoint)
+    outer = Preisach(hysteresis, "negative" if up else "positive")
+    outer.step(outer.inverse(setpoint))
     top = Hold(setup.current_for(setup.upper_K), settle, target=setup.upper_K, branch="saturate")
-    return None if up else top, rest_K, _range(psi)
+    return None if up else top, outer.state, _range(psi)
 
 
 def _range(psi: Psi) -> dict[str, Any]:
@@ -137,12 +168,14 @@ def _planned(plan_: ApproachPlan, output: float) -> dict[str, Any]:
 def _closed(
     setup: Setup,
     loop: Loop,
+    senses: tuple[Sense, Watch],
     rest_K: float,
     wanted: float,
     hold_s: float,
     pushed_K: Callable[[float], float],
-) -> Protocol:
-    """The loop, one tick at a time; what is added to its source is told in the record."""
+) -> Generator[Command, Any, float]:
+    """The loop, one tick at a time; what is added to its source is told in the record. Returns the last current."""
+    sense, watch = senses
     loop.start(rest_K)
     yield Mark(CLOSED, {"wanted_position": wanted})
     source_K, push_K = rest_K, 0.0
@@ -155,5 +188,9 @@ def _closed(
         current_A = allowed(setup, setup.current_for(asked_K), current_A)
         sample: Sample | None = yield Drive(current_A)
         if sample is not None and not sample.quality & Quality.STALE:
-            source_K = loop.step(wanted - sample.position)
+            error = wanted - sample.position
+            sense.look(source_K, sample.position, error)
+            watch.look(sample.t_s, error)
+            source_K = loop.step(error)
     yield Mark(OPENED)
+    return current_A

@@ -1,11 +1,12 @@
 """A gentle loop that holds a set-point: PI from the position's error to the source, its zero on the wire's own lag.
 
-    s_k = s_{k−1} + K (e_k − e^(−dt/τ) e_{k−1})    ⇒    T_{k+1} − T_k = K (1 − e^(−dt/τ)) e_k
+    s_k = K e_k + K (1 − e^(−dt/τ)) Σ_{j<k} e_j    ⇒    T_{k+1} − T_k = K (1 − e^(−dt/τ)) e_k
 
 The zero cancels the heating's pole, tick by tick, so the temperature is an integral of the error: as long as the error
 keeps its sign the temperature moves one way, and no branch of the hysteresis is left that need not be. K is set by
-the steepest branch, so elsewhere the loop is slower, and nowhere overshoots unless the source is cut off. Clipping
-the source *is* the anti-windup: nothing else is summed. Knows no hysteresis and no rig.
+the steepest branch, so elsewhere the loop is slower, and nowhere overshoots unless the source is cut off. An error that
+would push a source further beyond its limits is not summed (conditional integration); a source summed from its own
+clipped increments would turn noise into drift. Knows no hysteresis and no rig.
 """
 
 import math
@@ -33,7 +34,7 @@ class Loop(Protocol):
 
 
 class PI:
-    """Velocity-form PI; ``gain`` in kelvin per unit of position, errors within ``band`` counting as none.
+    """Proportional and integral; ``gain`` in kelvin per unit of position, errors within ``band`` counting as none.
 
     >>> loop = PI(gain=2.0, tau_s=5.0, period_s=0.1, low_K=0.0, high_K=100.0)
     >>> loop.start(50.0)
@@ -57,14 +58,19 @@ class PI:
 
     def start(self, source_K: float) -> None:
         """Begin at rest at a source temperature."""
-        self._source_K, self._error = min(max(source_K, self._low_K), self._high_K), 0.0
+        self._whole_K = self._clipped(source_K)
 
     def step(self, error: float) -> float:
         """The source temperature of the next tick, K."""
         error = 0.0 if abs(error) <= self.band else error
-        wanted = self._source_K + self.gain * (error - self._decay * self._error)
-        self._source_K, self._error = min(max(wanted, self._low_K), self._high_K), error
-        return self._source_K
+        asked_K = self._whole_K + self.gain * error
+        given_K = self._clipped(asked_K)
+        if (asked_K - given_K) * error <= 0:
+            self._whole_K = self._clipped(self._whole_K + self.gain * (1 - self._decay) * error)
+        return given_K
+
+    def _clipped(self, source_K: float) -> float:
+        return min(max(source_K, self._low_K), self._high_K)
 
 
 def steepest(hysteresis: Everett) -> float:

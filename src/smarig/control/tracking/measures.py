@@ -21,7 +21,8 @@ class Tracked:
     """Figures of one loop; positions in the rig's unit, over samples after ``skip_s``.
 
     ``settle_s`` (k,) for each step of a held reference: until the position is within 2 counts for 5 s, NaN where it
-    never is; ``overshoot`` (k,) beyond the goal. ``energy_J`` = ∫ i²R dt, ``peak_K`` above ambient.
+    never is; ``overshoot`` (k,) beyond the goal, both up to where a controller that looks ahead sees the next step.
+    ``energy_J`` = ∫ i²R dt, ``peak_K`` above ambient.
     """
 
     rms: float
@@ -44,15 +45,16 @@ def measured(
     per_count: float,
     *,
     skip_s: float = 0.0,
+    ahead_s: float = 0.0,
 ) -> Tracked:
-    """Columns (n,) of the loop, t_s from where it was closed."""
+    """Columns (n,) of the loop, t_s from where it was closed; the controller knows what is wanted ``ahead_s`` later."""
     t, y, i, u = (np.asarray(c, dtype=float) for c in (t_s, position, current_A, input_K))
     if t.size < 2:
         raise UsageError("A closed loop needs at least two samples to be measured.")
     error = y - np.array([reference.at(v) for v in t.tolist()])
     judged = error[t >= skip_s] if np.any(t >= skip_s) else error
     dt = float(np.median(np.diff(t)))
-    steps = _steps(reference, t, y, per_count) if reference.held else ()
+    steps = _steps(reference, t, y, per_count, ahead_s) if reference.held else ()
     return Tracked(
         float(np.sqrt(np.mean(judged**2))),
         float(np.abs(judged).max()),
@@ -65,11 +67,15 @@ def measured(
     )
 
 
-def _steps(reference: Reference, t: Array, y: Array, per_count: float) -> tuple[tuple[float, float], ...]:
+def _steps(
+    reference: Reference, t: Array, y: Array, per_count: float, ahead_s: float
+) -> tuple[tuple[float, float], ...]:
     """(settling time, overshoot) of each step; the last point of a reference is its end and no step."""
     found = []
+    last = len(reference.t_s) - 2
     for k, (start, goal) in enumerate(zip(reference.t_s[:-1], reference.position[:-1])):
-        inside = (t >= start) & (t < reference.t_s[k + 1])
+        end = reference.t_s[k + 1] - (ahead_s if k < last else 0.0)
+        inside = (t >= start) & (t < end)
         if inside.sum() < 2:
             continue
         time, away = t[inside] - start, y[inside] - goal

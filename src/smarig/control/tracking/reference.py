@@ -24,7 +24,10 @@ PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's parts at speed 1: no commo
 
 @dataclass(frozen=True)
 class Reference:
-    """Positions (n,) at times (n,) from 0, in the rig's unit; straight between them, or held (``held``)."""
+    """Positions (n,) at times (n,) from 0, in the rig's unit; straight between them, or held (``held``).
+
+    The last time of a held reference is its end, and its last position that of no step.
+    """
 
     name: str
     t_s: tuple[float, ...]
@@ -49,7 +52,8 @@ class Reference:
 
     def at(self, t_s: float) -> float:
         """Wanted position; before its beginning and after its end, that of its first and last point."""
-        k = min(max(bisect_right(self.t_s, t_s) - 1, 0), len(self.t_s) - 1)
+        last = len(self.t_s) - (2 if self.held else 1)
+        k = min(max(bisect_right(self.t_s, t_s) - 1, 0), last)
         if self.held or k == len(self.t_s) - 1 or t_s <= 0:
             return self.position[k]
         t0, t1 = self.t_s[k], self.t_s[k + 1]

@@ -9,7 +9,7 @@ with a known memory is one linear equation, whatever protocol it comes from. Kno
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,8 @@ class Observations:
 
     ``term`` (t,) names the observation of each term; ``curve`` (m,) numbers the whole curve a point belongs
     to; ``zero`` (m,) its unknown offset, or ``COMMON`` for the encoder's one zero, which y₋ carries.
-    ``released`` are (observation, ℓ, u, sign): the output change of a move from ℓ to u in state B_ℓ.
+    ``released`` are (observation, ℓ, u, sign): the output change of a move from ℓ to u in state B_ℓ. ``passed`` (p,)
+    are levels at which the input turned and nothing was measured.
     """
 
     y: Array
@@ -49,6 +50,7 @@ class Observations:
     lower: float
     upper: float
     unit: str = ""
+    passed: Array = field(default_factory=lambda: np.empty(0))
 
     def __len__(self) -> int:
         return self.y.size
@@ -91,7 +93,8 @@ class Observations:
         known = {k: state for k, state in enumerate(history.states) if state is not None}
         curve = excursions(history.inputs, SWING * (ends[1] - ends[0]))
         rows = list(known)
-        return cls.of_states(list(known.values()), history.outputs[rows], curve[rows], ends, unit)
+        found = cls.of_states(list(known.values()), history.outputs[rows], curve[rows], ends, unit)
+        return replace(found, passed=np.setdiff1d(history.turns, history.inputs))
 
     @classmethod
     def of_states(
@@ -159,6 +162,7 @@ class Observations:
             sign=np.concatenate([self.sign * s for _, _, s in pieces]),
             alpha=np.concatenate([x for x, _, _ in pieces]),
             beta=np.concatenate([x for _, x, _ in pieces]),
+            passed=np.concatenate([self.passed, -self.passed]),
         )
 
     def matrix(self, triangle: Triangle) -> csr_matrix:
@@ -246,7 +250,7 @@ def joined(parts: Iterable[Observations]) -> Observations:
             )
         )
         row, curve, zero = row + len(part), curve + int(part.curve.max(initial=-1)) + 1, zero + part.offsets
-    names = ("y", "curve", "zero", "term", "sign", "alpha", "beta")
+    names = ("y", "curve", "zero", "term", "sign", "alpha", "beta", "passed")
     arrays = {name: np.concatenate([getattr(part, name) for part in moved]) for name in names}
     return replace(parts[0], released=tuple(r for part in moved for r in part.released), **arrays)
 

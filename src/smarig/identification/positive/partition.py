@@ -18,7 +18,7 @@ def adapted(observations: Observations, intervals: int) -> Array:
     lower, upper = observations.lower, observations.upper
     span = upper - lower
     used = np.concatenate([observations.alpha, observations.beta])
-    levels = np.unique(np.clip(used, lower, upper))
+    levels = np.setdiff1d(np.clip(used, lower, upper), observations.passed)
     few = _thinned(np.concatenate([[lower], levels, [upper]]), SAME * span)
     if few.size > intervals / 2:  # a dense scan, not a partition: only where it begins and ends is special
         few = _thinned(

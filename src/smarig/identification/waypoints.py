@@ -1,0 +1,72 @@
+"""Where the input turned between the settled points of a run: what its memory went through and nobody waited for.
+
+A waveform or a closed loop leaves its mark on the memory like any step, only that no position was settled there. Reads
+the predicted input of the samples; knows no memory and no model.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+SWING = 0.01  # of the range of settled inputs: smaller swings are a noisy current's
+
+
+def way(run: Run) -> tuple[Array, NDArray[np.intp]]:
+    """Inputs (m,) in the order of time, turning points between settled points included, and where these are (k,)."""
+    points = run.points()[0]
+    if not run.settled:
+        return points, np.arange(points.size)
+    swing = SWING * float(np.ptp(points))
+    inputs: list[float] = []
+    where = []
+    for before, point, passed in zip([None, *points[:-1]], points.tolist(), _passed(run)):
+        inputs += turns(passed, before, point, swing)
+        where.append(len(inputs))
+        inputs.append(point)
+    inputs += turns(_after(run), inputs[-1], None, swing)
+    return np.array(inputs), np.array(where)
+
+
+def turns(passed: Array, before: float | None, after: float | None, swing: float) -> list[float]:
+    """Where a record (n,) between two inputs turns by more than ``swing``, its ends left out.
+
+    >>> turns(np.array([0.0, 5.0, 80.0, 41.0, 20.0, 40.0]), 0.0, 43.0, 1.0)
+    [80.0, 20.0]
+    """
+    ends = [[] if u is None else [u] for u in (before, after)]
+    u = np.concatenate([ends[0], passed[np.isfinite(passed)], ends[1]])
+    if u.size < 3 or _one_way(u, swing) or swing <= 0:
+        return []
+    found = [float(u[0])]
+    up = None
+    for v in u[1:].tolist():
+        if up is None:
+            if abs(v - found[0]) > swing:
+                up = v > found[0]
+                found.append(v)
+        elif (v > found[-1]) == up:
+            found[-1] = v
+        elif abs(v - found[-1]) > swing:
+            found.append(v)
+            up = not up
+    return found[1:] if after is None else found[1:-1]
+
+
+def _one_way(u: Array, swing: float) -> bool:
+    """Whether it never goes back by more than a swing: most steps, and soon said."""
+    back = (np.maximum.accumulate(u) - u).max() if u[-1] >= u[0] else (u - np.minimum.accumulate(u)).max()
+    return bool(back <= swing)
+
+
+def _passed(run: Run) -> list[Array]:
+    """Predicted inputs since the settled point before, up to the end of each."""
+    t, inputs = run["t_s"], run["input"]
+    ends = np.searchsorted(t, [s.t_end_s if s.t_end_s is not None else np.nan for s in run.settled], "left")
+    return np.split(inputs, ends)[:-1]
+
+
+def _after(run: Run) -> Array:
+    last = run.settled[-1].t_end_s
+    return run["input"][run["t_s"] > last] if last is not None else np.empty(0)

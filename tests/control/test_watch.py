@@ -1,0 +1,158 @@
+"""When a closed loop must give up: it swings, cannot reach, or reads what cannot be true. And when it must not."""
+
+import math
+
+import numpy as np
+import pytest
+
+from smarig.control.regulation import PI, regulate
+from smarig.control.regulation.sense import Sense
+from smarig.control.watch import Patience, Watch
+from smarig.errors import LimitExceeded, UsageError
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
+from smarig.protocols._setup import Setup
+from smarig.rig.guard import Guard
+from smarig.rig.twin import Twin
+from smarig.runner.runner import Runner
+
+SETUP, H = Setup.of("one_wire_twin"), surface("one_e")
+
+
+def looked(errors, seconds=30.0):
+    """The time at which a watch gives up, None where it does not; ten samples a second, a reach of 12.5."""
+    watch = Watch(Patience(0.3, seconds), (0.0, 12.5))
+    for tick, error in enumerate(errors):
+        try:
+            watch.look(0.1 * tick, error)
+        except LimitExceeded:
+            return 0.1 * tick
+    return None
+
+
+TIMES = np.arange(0.0, 600.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        np.full(6000, 5.0),
+        12.5 * np.sin(2 * np.pi * TIMES / 5.0),
+        12.5 * np.sign(np.sin(2 * np.pi * TIMES / 0.4)),
+        np.full(6000, np.nan),
+        4.0 + 0.01 * TIMES,
+    ],
+    ids=["stands", "swings", "rattles", "no number", "leaves"],
+)
+def test_large_errors_that_do_not_shrink_end_a_loop(errors):
+    assert looked(errors) == pytest.approx(30.0, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        np.full(6000, 3.7),
+        12.5 * np.exp(-TIMES / 25.0),
+        np.where(TIMES % 60.0 < 15.0, 10.0, 0.0),
+        np.where(TIMES < 20.0, np.nan, 0.0),
+    ],
+    ids=["small", "comes", "steps", "was away"],
+)
+def test_a_loop_that_holds_or_comes_is_left_alone(errors):
+    assert looked(errors) is None
+
+
+def sensed(sources, position, *, rest=40.0, wanted=6.0):
+    """Feed a sense that begins on the rising branch at ``rest``; what it said, or nothing."""
+    operator = Preisach(H, "negative")
+    operator.step(rest)
+    sense = Sense(SETUP, H, operator.state)
+    wire = rest
+    for source in sources:
+        wire += (source - wire) * -math.expm1(-SETUP.period_s / SETUP.tau_s)
+        operator.step(wire)
+        read = position(operator.y)
+        try:
+            sense.look(source, read, wanted - read)
+        except LimitExceeded as error:
+            return str(error)
+    return ""
+
+
+def test_a_source_that_drifts_while_the_encoder_stands_is_seen():
+    drifting = np.linspace(40.0, 100.0, 8000)
+    assert "is the encoder stuck" in sensed(drifting, lambda _: 6.02)
+    assert not sensed(drifting, lambda y: 0.5 * y), "a wire that moves half as far as the model says"
+
+
+def test_a_room_that_warms_is_no_stuck_encoder():
+    """The loop takes ten kelvin out of the source, and the position rightly stays."""
+    assert not sensed(np.linspace(40.0, 30.0, 8000), lambda _: 6.0)
+
+
+def test_a_set_point_out_of_reach_is_told_when_the_source_has_been_at_its_limit():
+    n = round(14 * SETUP.tau_s / SETUP.period_s)
+    assert "out of the wire's reach" in sensed(np.full(n, SETUP.upper_K), lambda y: y)
+    assert not sensed(np.full(n // 3, SETUP.upper_K), lambda y: y)
+    top = H.y_upper - 0.2
+    assert not sensed(np.full(n, SETUP.upper_K), lambda y: y, rest=140.0, wanted=top), (
+        "at the limit, and there"
+    )
+
+
+class Frozen(Twin):
+    """A twin whose encoder stands still, off by some counts, from a tick on."""
+
+    frozen = 4500, 0
+
+    def step(self, current_A, at_most=1):
+        (sample,) = super().step(current_A, at_most)
+        at, off = self.frozen
+        if sample.tick == at:
+            self.held = sample.counts + off
+        if sample.tick < at:
+            return (sample,)
+        return (sample._replace(counts=self.held, position=self.held * self.position_per_count),)
+
+
+def test_an_encoder_that_freezes_off_the_set_point_does_not_heat_without_end():
+    plain = Twin.named("one_wire_twin", seed=2)
+    twin = Frozen(plain.file, plain.actuator, plain.settings)
+    twin.frozen = 4500, -6
+    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), twin.position_per_count, [])
+    with pytest.raises(LimitExceeded, match="is the encoder stuck"):
+        runner.run(regulate(SETUP, hysteresis=H, setpoint=6.0, hold_s=7200.0))
+    assert twin.output_A == 0.0
+    assert twin.specimen.plant.felt_K < 100.0
+
+
+def test_noise_about_a_set_point_is_not_summed_into_a_drift():
+    """A gain at which every reading throws the source from end to end: the mean stays, and the wire with it."""
+    rng, loop = np.random.default_rng(3), PI(3000.0, SETUP.tau_s, SETUP.period_s, 0.0, 174.0)
+    loop.start(40.0)
+    sources = [loop.step(0.05 * e) for e in rng.normal(size=20_000)]
+    assert np.ptp(sources) == 174.0
+    assert np.mean(sources) == pytest.approx(87.0, abs=3.0), "half of the time at either end"
+
+
+@pytest.mark.parametrize("start", ["diagonal", "ascending", "descending"])
+def test_limits_short_of_saturation_are_refused(start):
+    setup = Setup.of("two_wire_twin")
+    limits = setup.limits.model_copy(update={"current_min_A": -0.8, "current_max_A": 0.8})
+    short = Setup(setup.actuator, limits, setup.period_s)
+    with pytest.raises(
+        UsageError, match=r"begins in negative saturation, at -185 K; this rig's limits reach"
+    ):
+        next(regulate(short, hysteresis=surface("two_e"), setpoint=1.0, start=start))
+
+
+def test_a_run_that_began_high_is_let_go_as_slowly_as_the_limits_say():
+    """The current at the end of a hold is the loop's, not the preview's: no step to zero may trip."""
+    setup = Setup.of("one_wire_twin")
+    limits = setup.limits.model_copy(update={"current_rate_A_per_s": 12.0})
+    twin = Twin.named("one_wire_twin", seed=2)
+    runner = Runner(Guard(twin, limits, twin.actuator), twin.position_per_count, [])
+    slow = Setup(setup.actuator, limits, setup.period_s)
+    loop = PI(3000.0, slow.tau_s, slow.period_s, slow.lower_K, slow.upper_K)
+    runner.run(regulate(slow, hysteresis=H, setpoint=6.0, hold_s=30.0, loop=loop))
+    assert twin.output_A == 0.0

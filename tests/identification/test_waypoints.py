@@ -1,0 +1,82 @@
+"""What a wire went through between settled points belongs to its memory: waveforms, loops, anything that turned."""
+
+import numpy as np
+import pytest
+
+from control.model_files import model_of
+from identification.made_runs import driven_run
+from smarig.closed_loop import Given, regulation
+from smarig.identification.history import histories
+from smarig.identification.identify import identify
+from smarig.identification.model_file import Model
+from smarig.identification.verify import verify
+from smarig.identification.waypoints import turns, way
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.operator import Preisach
+from smarig.record import load_run
+from smarig.runner.session import Session
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """FOD data, and a set-point held from B_ℓ: the sinusoid that leads there is no settled step."""
+    folder = tmp_path_factory.mktemp("runs")
+    with Session("one_wire_twin", seed=3) as session:
+        loop = regulation(
+            Given(model_of("one_e"), "one_e.model.json", "1" * 64), session.file, 6.0, hold_s=30.0
+        )
+        made = [
+            session.run("first_order_descending", {}, folder / "fod.run.sqlite"),
+            session.run("regulate", loop.settings, folder / "held.run.sqlite", maker=loop.make),
+        ]
+    return [load_run(path) for path in made]
+
+
+def test_a_model_that_is_right_is_right_along_a_waveform_too(runs):
+    (found,) = verify(model_of("one_e"), runs[1]).runs
+    assert found.settled.n == 2
+    assert found.settled.rms < 0.02
+
+
+def test_a_waveform_between_settled_points_does_not_spoil_a_fit(runs):
+    alone, both = (identify(given, "positive").model for given in (runs[:1], runs))
+    assert isinstance(both, Model)
+    u = [170.0, 60.0, 90.0, 30.0, 120.0]
+    truth = Preisach(surface("one_e")).simulate(u)
+    errors = [np.abs(Preisach(model.hysteresis).simulate(u) - truth).max() for model in (alone, both)]
+    assert errors[1] < 1.5 * errors[0]
+
+
+def test_the_memory_at_a_point_is_that_of_the_whole_way(runs):
+    lower, upper, (_, held) = histories(runs)
+    inputs, where = way(runs[1])
+    assert inputs.size > where.size == 2
+    assert len(held.states[-1].extrema) > 5, "the sinusoid's reversals are remembered"
+    whole = Preisach(surface("one_e")).simulate(np.clip(inputs, lower, upper))
+    assert whole[where[-1]] == pytest.approx(6.0, abs=0.05)
+
+
+def test_steps_have_no_turns_between_them():
+    run = driven_run("one_e", [0, 100, 40, 80, 50, 90, 60])
+    inputs, where = way(run)
+    assert inputs.tolist() == [0, 100, 40, 80, 50, 90, 60]
+    assert where.tolist() == list(range(7))
+
+
+@pytest.mark.parametrize(
+    ("passed", "before", "after", "found"),
+    [
+        ([1.0, 30.0, 43.0], 0.0, 43.0, []),
+        ([10.0, 80.0, 20.0, 70.0, 40.0], 0.0, 43.0, [80.0, 20.0, 70.0, 40.0]),
+        ([10.0, 80.0, 20.0, 70.0, 43.0], 0.0, 43.0, [80.0, 20.0, 70.0]),
+        ([80.0, 79.5, 80.2, 20.0], 0.0, 43.0, [80.2, 20.0]),
+        ([10.0, np.nan, 80.0, 20.0], 0.0, 43.0, [80.0, 20.0]),
+        ([50.0, 20.0], None, 43.0, [20.0]),
+        ([50.0, 20.0], 43.0, None, [50.0, 20.0]),
+        ([50.0, 20.0], 43.0, 10.0, [50.0]),
+        ([], 0.0, 43.0, []),
+        ([43.2, 42.9, 43.1], 43.0, 43.0, []),
+    ],
+)
+def test_turns_of_more_than_a_swing_are_found(passed, before, after, found):
+    assert turns(np.array(passed), before, after, 1.0) == found
