@@ -14,6 +14,7 @@ from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
+from smarig.runner.listener import Watch as Listener
 from smarig.runner.runner import Runner
 
 SETUP, H = Setup.of("one_wire_twin"), surface("one_e")
@@ -146,13 +147,23 @@ def test_limits_short_of_saturation_are_refused(start):
         next(regulate(short, hysteresis=surface("two_e"), setpoint=1.0, start=start))
 
 
-def test_a_run_that_began_high_is_let_go_as_slowly_as_the_limits_say():
+class Hot:
+    """Asks for all there is."""
+
+    def start(self, source_K):
+        pass
+
+    def step(self, error):
+        return SETUP.upper_K
+
+
+def test_a_loop_is_let_go_as_slowly_as_the_limits_say():
     """The current at the end of a hold is the loop's, not the preview's: no step to zero may trip."""
-    setup = Setup.of("one_wire_twin")
-    limits = setup.limits.model_copy(update={"current_rate_A_per_s": 12.0})
-    twin = Twin.named("one_wire_twin", seed=2)
-    runner = Runner(Guard(twin, limits, twin.actuator), twin.position_per_count, [])
-    slow = Setup(setup.actuator, limits, setup.period_s)
-    loop = PI(3000.0, slow.tau_s, slow.period_s, slow.lower_K, slow.upper_K)
-    runner.run(regulate(slow, hysteresis=H, setpoint=6.0, hold_s=30.0, loop=loop))
+    limits = SETUP.limits.model_copy(update={"current_rate_A_per_s": 6.0})
+    slow, twin = Setup(SETUP.actuator, limits, SETUP.period_s), Twin.named("one_wire_twin", seed=2)
+    flowed = []
+    listener = Listener(on_sample=lambda s, *_: flowed.append(s.current_command_A))
+    runner = Runner(Guard(twin, limits, twin.actuator), twin.position_per_count, [listener])
+    runner.run(regulate(slow, hysteresis=H, setpoint=6.0, start="ascending", hold_s=1.0, loop=Hot()))
+    assert max(flowed) == pytest.approx(1.0)
     assert twin.output_A == 0.0
