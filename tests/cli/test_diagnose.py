@@ -1,5 +1,7 @@
 """``smarig diagnose``: the object of its JSON, its files, and what it refuses."""
 
+import contextlib
+import io
 import json
 
 import pytest
@@ -32,14 +34,25 @@ def command(folder, *more):
 
 
 @pytest.fixture(scope="module")
-def found(sitting):
-    import contextlib
-    import io
+def diagnosed(sitting):
+    """What the command printed, and what it had found."""
+    from smarig.diagnosis import diagnose as module
 
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said):
+    said, kept = io.StringIO(), []
+
+    def keeping(*given, _diagnose=module.diagnose, **more):
+        kept.append(_diagnose(*given, **more))
+        return kept[-1]
+
+    with contextlib.redirect_stdout(said), pytest.MonkeyPatch.context() as patched:
+        patched.setattr(module, "diagnose", keeping)
         assert cli(command(sitting, "-o", str(sitting / "out"), "--nulls", "60", "--json")) == 0
-    return json.loads(said.getvalue())
+    return json.loads(said.getvalue()), kept[0]
+
+
+@pytest.fixture(scope="module")
+def found(diagnosed):
+    return diagnosed[0]
 
 
 def test_its_object_has_the_keys_others_rely_on(found):
@@ -175,11 +188,12 @@ def test_an_option_is_no_file(sitting, capsys):
     assert "A file is missing before --json." in capsys.readouterr().err
 
 
-def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(sitting, tmp_path, monkeypatch):
+def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(sitting, diagnosed, tmp_path, monkeypatch):
     def fails(found, progress):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("smarig.proposal.proposed", fails)
+    monkeypatch.setattr("smarig.diagnosis.diagnose.diagnose", lambda *_, **__: diagnosed[1])
     out = tmp_path / "out"
     words = ["-o", str(out), "--propose", str(tmp_path / "next.toml"), "--nulls", "40"]
     assert cli(command(sitting, *words)) == 130
