@@ -27,7 +27,7 @@ RUN_KEYS = {
     "source": "bench, twin, simulation or import: whose data these are",
     "protocol": "what was run",
     "settings": "its settings",
-    "own_files": "protocols, effects and drivers given by path, with their hashes",
+    "own_files": "protocols, controllers, effects and drivers given by path, with their hashes",
     "seed": "of the twin's noise",
     "effects": "planted in the twin",
     "input": "quantity and unit of the column `input`, and where it comes from",

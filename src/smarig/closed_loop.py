@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.catalogue import names, suggestion
+from smarig.catalogue import chosen, names, suggestion
 from smarig.config import RigFile, load_rig
 from smarig.control.regulation import PI
 from smarig.control.regulation import regulate as regulating
@@ -70,16 +70,23 @@ def tracking(
     controller: str = "inverse",
     numbers: Mapping[str, Any] | None = None,
 ) -> Loop:
-    """Follow a reference: steps, ramps, multisine with ``settings``, or a CSV file. UsageError says what is wrong."""
+    """Follow a reference: steps, ramps, multisine with ``settings``, or a CSV file. UsageError says what is wrong.
+
+    ``controller`` is a name or the path of an own file, which is executed.
+    """
     known = _known(given_.model, rig)
-    chosen = given(TRACKING, controller, numbers or {})
+    controller = chosen(TRACKING, controller)
+    pairs = given(TRACKING, controller, numbers or {})
     follow = _reference(wanted, settings or {}, known, given_.model.unit)
     _check_reach(follow, known, given_.model.unit)
-    said = {"reference": follow.name, **(settings or {}), "controller": controller, **chosen}
+    said = {**given_.settings(), "reference": follow.name, **(settings or {}), "controller": controller}
+    for key in pairs:
+        if key in said or key in _OF_REFERENCES:
+            raise UsageError(
+                f"Controller '{controller}': '{key}' means something else in the record; rename it."
+            )
     return Loop(
-        "track",
-        lambda _: following(known, made(controller, chosen), follow, name=controller),
-        given_.settings() | said,
+        "track", lambda _: following(known, made(controller, pairs), follow, name=controller), said | pairs
     )
 
 
@@ -241,7 +248,10 @@ def track(
     force: bool = False,
     **settings: Any,
 ) -> Run:
-    """Follow a reference (steps, ramps, multisine with its settings, or a CSV file) on a rig and return the run."""
+    """Follow a reference (steps, ramps, multisine with its settings, or a CSV file) on a rig and return the run.
+
+    ``controller`` is a name (``smarig list controllers``) or the path of an own file; ``numbers`` are the controller's.
+    """
     loop = tracking(Given.of(model), load_rig(rig), wanted, settings, controller, numbers)
     return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)
 

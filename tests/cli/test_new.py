@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 
+from control.model_files import model_file
 from effects.driven import driven
 from smarig.catalogue import chosen, find, own_files
 from smarig.cli import run as cli
@@ -14,7 +15,7 @@ from smarig.model.planted import PACKAGE as EFFECTS
 from smarig.rig.sound import DRIVERS, unsound
 from smarig.rig.twin import Twin
 
-KINDS = ("rig", "actuator", "protocol", "effect", "driver", "campaign")
+KINDS = ("rig", "actuator", "protocol", "controller", "effect", "driver", "campaign")
 
 
 def call(capsys, *arguments):
@@ -86,6 +87,15 @@ def test_the_protocol_runs(capsys, made):
         "warnings": [],
         "cause": "done",
     }
+
+
+@pytest.mark.parametrize(("model", "rig"), [("one_e", "one_wire_twin"), ("two_p", "two_wire_twin")])
+def test_the_controller_follows(capsys, made, tmp_path, model, rig):
+    words = ["--reference", "ramps", "--set", "seconds=60", "--rig", rig, "-o", "c.run.sqlite", "--quiet"]
+    file = model_file(tmp_path, model)
+    status, out, _ = call(capsys, "track", file, *words, "--controller", "./first_controller.py", "--json")
+    assert status == 0
+    assert json.loads(out)["track"]["rms_counts"] < 1.0
 
 
 def test_the_effect_is_the_identity_at_zero_strength_and_something_beyond(made):
@@ -162,6 +172,7 @@ def test_the_campaign_can_be_costed_with_an_own_protocol_in_it(capsys, made):
         (["rig", "one_wire_twin"], "'one_wire_twin' is one of the rigs that ship"),
         (["effect", "walking"], "'walking' is one of the effects that ship"),
         (["campaign", "characterise"], "that ship"),
+        (["controller", "inverse"], "'inverse' is one of the controllers that ship"),
         (["protocol", "b", "-o", "c.py"], "is called b.py"),
         (["rig", "b", "-o", "b.py"], "is called …toml"),
         (["rig", "there"], "there.toml exists"),

@@ -4,9 +4,11 @@ import json
 import shutil
 import sqlite3
 
+import numpy as np
 import pytest
 
 import smarig
+from control.model_files import model_file
 from runner.interrupted import cut
 from smarig.catalogue import own_files
 from smarig.cli import run as cli
@@ -38,6 +40,14 @@ class Shunted:
 def shunted(where, rig):
     return Shunted(smarig_amplifier(where, rig))
 '''
+CONTROLLER = '''
+def push(known, wanted, *, gain_K: float = 20.0):
+    """Plain proportional action."""
+    sample = yield 0.0
+    while True:
+        error = wanted(sample.t_s) - sample.position
+        sample = yield known.setup.current_for(min(max(gain_K * error, 0.0), known.setup.upper_K))
+'''
 RIG = """
 name = "mine"
 base = "one_wire_serial"
@@ -56,6 +66,7 @@ def call(capsys, *arguments):
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "two_holds.py").write_text(PROTOCOL)
+    (tmp_path / "push.py").write_text(CONTROLLER)
     (tmp_path / "shunted.py").write_text(DRIVER)
     (tmp_path / "mine.toml").write_text(RIG)
     shutil.copy(locate("rigs", "one_wire_twin"), tmp_path / "twin.toml")
@@ -260,3 +271,107 @@ def test_own_effects_are_looked_for_by_name(capsys, here):
     assert list(json.loads(out)["effects"]) == ["soft_mount"]
     with pytest.raises(UsageError, match="No effect 'soft_mount'"):
         smarig.model.planted.from_pairs(["soft_mount"])
+
+
+# --- controllers --------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def tracked(here):
+    """A command that tracks a ramp by a model with an own controller."""
+    model = model_file(here, "one_e").name
+    ramp = ("--reference", "ramps", "--set", "seconds=20", "--set", "every_s=5")
+    return (
+        "track",
+        model,
+        *ramp,
+        "--controller",
+        "./push.py",
+        "--rig",
+        "one_wire_twin",
+        "-o",
+        "t.run.sqlite",
+        "--quiet",
+    )
+
+
+def test_a_loop_is_closed_by_an_own_controller_and_the_run_holds_it(capsys, tracked, here):
+    status, out, _ = call(capsys, *tracked, "--controller-set", "gain_K=30", "--json")
+    assert status == 0
+    assert json.loads(out)["track"]["controller"] == "push"
+    run = load_run("t.run.sqlite")
+    assert (run.meta["settings"]["controller"], run.meta["settings"]["gain_K"]) == ("push", "30.0")
+    (entry,) = run.meta["own_files"]
+    assert (entry["kind"], entry["name"], entry["path"]) == ("controller", "push", str(here / "push.py"))
+    assert entry["text"] == CONTROLLER
+    again = smarig.track(
+        tracked[1], "ramps", rig="one_wire_twin", out="n.run.sqlite", seconds=20, every_s=5,
+        controller="./push.py", numbers={"gain_K": 30},
+    )  # fmt: skip
+    assert (again["counts"] == run["counts"]).all()
+    assert again.meta["own_files"] == run.meta["own_files"]
+    soft = smarig.track(
+        tracked[1],
+        "ramps",
+        rig="one_wire_twin",
+        out="s.run.sqlite",
+        seconds=20,
+        every_s=5,
+        controller="./push.py",
+    )
+    assert (soft["counts"] != run["counts"]).any()
+
+
+def test_a_run_by_a_shipped_controller_holds_no_file(here):
+    model = model_file(here, "one_e")
+    run = smarig.track(model, "ramps", rig="one_wire_twin", out="p.run.sqlite", seconds=5, controller="pi")
+    assert run.meta["own_files"] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (None, "There is no file push.py."),
+        ("import nowhere\n", "push.py, line 1: ModuleNotFoundError"),
+        ("def pull(known, wanted):\n    yield 0.0\n", "the controller must have the file's name"),
+        (CONTROLLER.replace("error =", "error = undefined +"), "push.py, line 6: NameError"),
+        (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: it ended"),
+        (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it yields currents"),
+        (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it asked for nan A"),
+        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' means something else in the record"),
+    ],
+)
+def test_a_wrong_controller_is_one_sentence_before_anything_flows(capsys, tracked, here, text, says):
+    (here / "push.py").unlink()
+    if text:
+        (here / "push.py").write_text(text)
+    status, _, err = call(capsys, *tracked)
+    assert status == 2
+    assert says in err
+    assert err.strip().count("\n") == 0
+    assert not (here / "t.run.sqlite").exists()
+
+
+def test_what_was_measured_before_a_controller_failed_is_kept(capsys, tracked, here):
+    """It fails in the run only: the preview has gone well."""
+    fails = CONTROLLER.replace("def push", "ROUNDS = []\ndef push").replace(
+        "    while True:",
+        "    ROUNDS.append(0)\n    for k in range(10**6):\n        if len(ROUNDS) == 2 and k == 50: return",
+    )
+    (here / "push.py").write_text(fails)
+    status, _, err = call(capsys, *tracked)
+    assert status == 2
+    assert "push.py, line 10: it ended" in err
+    run = load_run("t.run.sqlite")
+    assert "it ended" in run.cause
+    assert run["current_command_A"][-51:].any()
+    closed_s = next(e.t_s for e in run.events if e.text == "closed loop")
+    assert np.sum(run["t_s"] > closed_s) >= 51
+
+
+def test_a_path_of_a_controller_in_a_run_is_never_loaded(capsys, tracked, here):
+    assert call(capsys, *tracked)[0] == 0
+    (here / "push.py").write_text("open('executed', 'w').close()\n")
+    for words in (("report", "t.run.sqlite", "-o", "t.html"), ("resume", "t.run.sqlite")):
+        call(capsys, *words)
+    assert not (here / "executed").exists()

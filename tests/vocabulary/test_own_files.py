@@ -4,6 +4,7 @@ import pytest
 
 from smarig import catalogue
 from smarig.catalogue import blamed, chosen, find, names, own, own_files
+from smarig.control.settings import TRACKING as CONTROLLERS
 from smarig.errors import UsageError
 from smarig.model.planted import PACKAGE as EFFECTS
 from smarig.model.planted import asked_for, from_pairs, mystery, to_pairs, to_words
@@ -135,17 +136,38 @@ def test_a_file_that_cannot_be_it_is_one_sentence(tmp_path, name, sentence):
             "mine = replace(w, name='mine', parameters=())",
             "whose bounds must hold 0",
         ),
+        (CONTROLLERS, "mine = 3", "it is of type int"),
+        (CONTROLLERS, "def mine(wanted): yield 0.0", "it takes no known and wanted"),
+        (CONTROLLERS, "def mine(known, *, wanted): yield 0.0", "it takes no known and wanted"),
+        (CONTROLLERS, "def mine(known, wanted, k=1.0): yield 0.0", r"'k' stands before the \*"),
+        (CONTROLLERS, "def mine(known, wanted, *, k): yield 0.0", "'k' has no default"),
+        (CONTROLLERS, "def mine(known, wanted, *, k=3): yield 0.0", r"'k' has a whole default: write 3\.0"),
+        (
+            CONTROLLERS,
+            "def mine(known, wanted, *, k=True): yield 0.0",
+            "'k' has the default True: numbers are",
+        ),
+        (
+            CONTROLLERS,
+            "def mine(known, wanted, *, k=-1.0): yield 0.0",
+            "'k' has the default -1.0: numbers are",
+        ),
+        (
+            CONTROLLERS,
+            "def mine(known, wanted, *, k=1e999): yield 0.0",
+            "'k' has the default inf: numbers are",
+        ),
         ("smarig.drivers", "def mine(where): ...", r"must be a function mine\(where, rig\)"),
         ("smarig.drivers", "mine = 3", r"must be a function mine\(where, rig\)"),
     ],
 )
-def test_a_wrong_effect_or_driver_is_one_sentence(tmp_path, package, text, sentence):
+def test_a_wrong_effect_controller_or_driver_is_one_sentence(tmp_path, package, text, sentence):
     (tmp_path / "mine.py").write_text(text)
     with pytest.raises(UsageError, match=sentence):
         chosen(package, "./mine.py")
 
 
-@pytest.mark.parametrize("package", [PROTOCOLS, EFFECTS, "smarig.drivers"])
+@pytest.mark.parametrize("package", [PROTOCOLS, EFFECTS, CONTROLLERS, "smarig.drivers"])
 def test_everything_that_ships_would_pass_as_an_own_file(package):
     misfit = __import__(package, fromlist=["misfit"]).misfit
     assert [misfit(name, find(package, name)) for name in names(package)] == [""] * len(names(package))

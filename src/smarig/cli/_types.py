@@ -1,6 +1,7 @@
 """Arguments with shell completion: rigs, protocols and campaigns by name, run files by path.
 
-A protocol or effect may be a path, that of an own file: it joins its catalogue here, because a person typed it.
+A protocol, controller or effect may be a path, that of an own file: it joins its catalogue here, because a person typed
+it.
 """
 
 import math
@@ -22,6 +23,7 @@ _PACKAGES = {
     "tracking": "smarig.control.tracking.controllers",
     "velocity": "smarig.control.velocity.controllers",
 }
+_OWN = ("protocols", "tracking")  # what may be an own file
 
 
 class Named(click.ParamType):
@@ -33,9 +35,10 @@ class Named(click.ParamType):
         self._catalogues = catalogues
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """An own protocol by its name; anything else as it was typed."""
+        """An own file by its name; anything else as it was typed."""
         del param, ctx
-        return chosen(_PACKAGES["protocols"], value) if "protocols" in self._catalogues else value
+        own_kind = next((c for c in self._catalogues if c in _OWN), None)
+        return chosen(_PACKAGES[own_kind], value) if own_kind else value
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str

@@ -18,12 +18,18 @@ from smarig.errors import UsageError
 from smarig.whole_file import whole_file
 
 _STARTS = Path(__file__).parent / "starting_points"
-_PACKAGES = {"protocol": "smarig.protocols", "effect": "smarig.model.effects", "driver": "smarig.drivers"}
+_PACKAGES = {
+    "protocol": "smarig.protocols",
+    "controller": "smarig.control.tracking.controllers",
+    "effect": "smarig.model.effects",
+    "driver": "smarig.drivers",
+}
 _DEVICES = {"CON", "PRN", "AUX", "NUL", *(f"{port}{k}" for port in ("COM", "LPT") for k in range(10))}
 _NEXT = {
     "rig": "smarig check {file}",
     "actuator": 'name it in a rig file beside it: actuator = "./{beside}"',
     "protocol": "smarig run {file} --rig one_wire_twin -o {name}.run.sqlite",
+    "controller": "smarig track MODEL --reference ramps --controller {file} --rig one_wire_twin -o {name}.run.sqlite",
     "effect": "smarig run validation --rig one_wire_twin --effect {file} -o {name}.run.sqlite",
     "driver": 'name it in a rig file beside it: driver = "./{beside}"',
     "campaign": "smarig run {file} --rig one_wire_twin --dry-run",
@@ -43,7 +49,7 @@ Examples:
 @click.option("-o", "--out", type=FILE, help="File to write; default: NAME.toml or NAME.py in this folder.")
 @json_option
 def command(kind: str, name: str, out: Path | None) -> None:
-    """Write a commented starting file: a rig, actuator, protocol, effect, driver or campaign of your own.
+    """Write a commented starting file: a rig, actuator, protocol, controller, effect, driver or campaign of your own.
 
     It works as it stands, and is used by its path. Nothing existing is overwritten.
     """

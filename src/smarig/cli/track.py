@@ -19,6 +19,7 @@ Examples:
   smarig track wire.model.json --reference multisine --set low=2 --set high=8 --set seconds=240 \\
       --controller pi --controller-set gain_share=10 --rig one_wire_twin -o pi.run.sqlite
   smarig track wire.model.json --reference wanted.csv --rig one_wire_serial -o wanted.run.sqlite
+  smarig track wire.model.json --reference ramps --controller ./mine.py --rig one_wire_twin -o mine.run.sqlite
 """
 
 
@@ -43,7 +44,7 @@ Examples:
     type=CONTROLLER,
     default="inverse",
     show_default=True,
-    help="See 'smarig list controllers'.",
+    help="A name ('smarig list controllers'), or your own file, ./NAME.py.",
 )
 @click.option(
     "--controller-set",

@@ -9,6 +9,7 @@ from typing import Any
 
 from smarig.catalogue import kind_of, own
 from smarig.config import RigFile, own_drivers
+from smarig.control.settings import TRACKING
 from smarig.errors import DataError, UsageError
 from smarig.model.planted import PACKAGE as EFFECTS
 from smarig.model.planted import Planted
@@ -19,12 +20,15 @@ from smarig.rig.sound import DRIVERS
 OWN_FILES = "own_files"  # key of the run table
 
 
-def recorded(protocol: str, effects: Iterable[Any], file: RigFile) -> list[dict[str, str]]:
+def recorded(
+    protocol: str, effects: Iterable[Any], file: RigFile, controller: str = ""
+) -> list[dict[str, str]]:
     """The own files of a run: kind, name, path, hash and text of each; none for what ships."""
     planted = [e.kind.name for e in effects if isinstance(e, Planted)]
     drivers = own_drivers(file)
     used = {
         PROTOCOLS: {protocol},
+        TRACKING: {controller},
         EFFECTS: set(planted),
         DRIVERS: {name for name, f in own(DRIVERS).items() if str(f.place) in drivers},
     }
@@ -46,7 +50,9 @@ def check_given(run: Run) -> None:
     """UsageError where an own protocol or effect of a run was not given again, or has changed since."""
     for kind, name, path, sha256 in _listed(run):
         package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
-        if package is None:  # drivers come with the rig file
+        if (
+            package is None
+        ):  # drivers come with the rig file; a closed loop, whose controller it is, is not resumed
             continue
         given = own(package).get(name)
         if given is None:

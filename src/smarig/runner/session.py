@@ -227,7 +227,9 @@ class Session:
             "config": self._config_text,
             "notes": notes,
             "device": self.device,
-            OWN_FILES: recorded(protocol, self.settings.effects, self.file),
+            OWN_FILES: recorded(
+                protocol, self.settings.effects, self.file, str(settings.get("controller", ""))
+            ),
             BEGUN_WITH: begun_with(self._name, self.file.wire, self._speed, self.settings, settings),
         }
 

@@ -51,3 +51,6 @@ class Known:
     def extended(self, effects: Sequence[Effect]) -> "Known":
         """The same with effects, such as a diagnosis found."""
         return replace(self, effects=tuple(effects))
+
+
+ControllerMaker = Callable[[Known, Wanted], Controller]

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 
 from smarig.catalogue import find
 from smarig.control.settings import TRACKING, numbers
-from smarig.control.tracking.loop import ControllerMaker
+from smarig.control.tracking.known import ControllerMaker
 
 FIRST_STEP = 0.7  # of a logarithm: a factor of two
 

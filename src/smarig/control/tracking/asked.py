@@ -1,0 +1,103 @@
+"""Asks a controller for its next current, and takes nothing that is none.
+
+A controller may be somebody's own file: it may yield nonsense, end early, or raise what ends programs. Each is one
+sentence, with file and line where there are such; the run then ends at zero, and keeps what was measured. Refuses to
+know what a rig allows.
+"""
+
+import contextlib
+import math
+from collections.abc import Generator, Iterator
+from numbers import Real
+from typing import Any
+
+from smarig.control.tracking.known import ControllerMaker, Known, Wanted
+from smarig.errors import LimitExceeded, SmarigError, UsageError
+from smarig.sample import Sample
+
+_ENDED = object()
+
+
+class Asked:
+    """A controller at work: ``first()`` is its current before any sample, ``after(sample)`` that after one, A."""
+
+    def __init__(self, make: ControllerMaker, known: Known, wanted: Wanted, name: str = "") -> None:
+        self._name = f"Controller '{name}'" if name else "The controller"
+        self._controller: Any = None
+        self._line = ""
+        with self._faults():
+            self._controller = make(known, wanted)
+        if not isinstance(self._controller, Generator):
+            raise UsageError(f"{self._name} yields nothing: it must be a generator of currents, A.")
+
+    def first(self) -> float:
+        """UsageError for what is no number, LimitExceeded for NaN and infinity."""
+        return self._current(None)
+
+    def after(self, sample: Sample) -> float:
+        """The same, once it has seen a sample."""
+        return self._current(sample)
+
+    def close(self) -> None:
+        """Let go of the controller, whatever it thinks of that."""
+        with contextlib.suppress(Exception):
+            self._controller.close()
+
+    def _current(self, sample: Sample | None) -> float:
+        with self._faults():
+            try:
+                asked = self._controller.send(sample)
+            except StopIteration:
+                asked = _ENDED
+        if asked is _ENDED:
+            raise UsageError(
+                f"{self._place()}: it ended. A controller yields until it is closed (while True)."
+            )
+        current_A = _number(asked)
+        if current_A is None:
+            raise UsageError(f"{self._place()}: it yields currents, A, as numbers, not {_shown(asked)}.")
+        if not math.isfinite(current_A):
+            raise LimitExceeded(
+                f"{self._place()}: it asked for {current_A} A, the loop is broken. The current is at zero."
+            )
+        return current_A
+
+    @contextlib.contextmanager
+    def _faults(self) -> Iterator[None]:
+        """What would end more than a run is told as a fault of the controller; other errors are as they are."""
+        place = self._place()
+        try:
+            yield
+        except (SmarigError, KeyboardInterrupt):
+            raise
+        except BaseException as error:
+            raised = error.__cause__ if isinstance(error.__cause__, StopIteration) else error
+            if isinstance(raised, Exception) and not isinstance(raised, StopIteration):
+                raise
+            raise UsageError(
+                f"{place}: it raised {type(raised).__name__}, which no controller may."
+            ) from error
+
+    def _place(self) -> str:
+        """Its name, and the file and line at which it stands."""
+        frame = getattr(self._controller, "gi_frame", None)
+        if frame is not None:
+            self._line = f", {frame.f_code.co_filename}, line {frame.f_lineno}"
+        return self._name + self._line
+
+
+def _number(asked: object) -> float | None:
+    if not isinstance(asked, Real) or isinstance(asked, bool):
+        return None
+    try:
+        return float(asked)
+    except OverflowError:
+        return math.inf
+
+
+def _shown(value: object) -> str:
+    """On one line, and short."""
+    try:
+        return repr(value).encode("ascii", "backslashreplace").decode()[:60].replace("\n", " ")
+    except Exception:
+        return type(value).__name__
