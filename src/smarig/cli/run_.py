@@ -12,7 +12,7 @@ from smarig.cli._sitting import Sitting, free, sitting_options, summarised, warn
 from smarig.cli._types import ANY_PATH, EXPERIMENT
 from smarig.config import CampaignFile, CampaignStep, listed, load_campaign, load_rig
 from smarig.errors import UsageError
-from smarig.protocols._settings import chosen_steps, parse_pairs
+from smarig.protocols._settings import chosen_steps, parse_pairs, refuse_loops
 from smarig.record import load_run
 from smarig.runner.go_on import run_or_go_on
 from smarig.runner.listener import Listener
@@ -112,6 +112,7 @@ def _plan(experiment: str, settings: dict) -> CampaignFile:
         return CampaignFile(
             name=experiment, summary="", step=(CampaignStep(protocol=experiment, set=settings),)
         )
+    refuse_loops(experiment)
     if experiment not in campaigns and not experiment.endswith(".toml"):
         raise UsageError(
             f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from smarig.catalogue import chosen, find, suggestion
+from smarig.catalogue import chosen, find, names, suggestion
 from smarig.command import Protocol
 from smarig.config import CampaignFile
 from smarig.errors import UsageError
@@ -18,6 +18,7 @@ from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 
 PACKAGE = "smarig.protocols"
+_LOOPS = ("regulate", "track")  # need a model, and have commands of their own
 
 
 def build(
@@ -32,6 +33,7 @@ def build(
     >>> next(protocol).data["points"]
     5
     """
+    refuse_loops(name)
     function = find(PACKAGE, name)
     hints = get_type_hints(function)
     parameters = inspect.signature(function).parameters
@@ -45,6 +47,15 @@ def build(
     if not isinstance(made, Generator):
         raise UsageError(f"Protocol '{name}' yields nothing: it must be a generator of commands.")
     return made
+
+
+def refuse_loops(name: str) -> None:
+    """UsageError that says what closes a loop, where a closed loop is asked for as if it were a protocol."""
+    if name in _LOOPS and name not in names(PACKAGE):
+        raise UsageError(
+            f"'{name}' closes a loop by a model, and is no protocol: 'smarig {name} MODEL …' ('smarig {name} --help'), "
+            f"in Python smarig.{name}(model, …)."
+        )
 
 
 def chosen_steps(plan: CampaignFile) -> CampaignFile:
