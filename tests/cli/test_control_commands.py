@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file, model_of
+from smarig.catalogue import find, names
 from smarig.cli import run as cli
-from smarig.control.settings import TRACKING, VELOCITY, numbers
+from smarig.closed_loop import REGULATORS
+from smarig.control.regulation import PI
+from smarig.control.settings import TRACKING, VELOCITY, numbers, told
 from smarig.control.tracking import loop
 from smarig.errors import UsageError
 from smarig.identification.model_file import Channel
@@ -137,6 +140,19 @@ def test_a_file_says_what_is_wanted(capsys, one, tmp_path):
     assert json.loads(out)["preview"]["duration_s"] > 10
 
 
+def test_a_notebook_is_told_where_loops_are(tmp_path):
+    import smarig
+
+    with pytest.raises(UsageError, match=r"'track' closes a loop .*smarig\.track\(model, …\)"):
+        smarig.run("track", rig="one_wire_twin", out=tmp_path / "t.run.sqlite")
+
+
+def test_a_protocol_of_ones_own_may_be_called_like_a_loop(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "track.py").write_text("def track(setup):\n    yield from ()\n")
+    assert call(capsys, "run", "./track.py", *ON, "-o", "t.run.sqlite")[0] == 0
+
+
 def test_a_stopped_loop_does_not_promise_a_resume(capsys, one, tmp_path, monkeypatch):
     look, ticks = Control.raise_if_stopped, iter(range(10**6))
 
@@ -195,6 +211,9 @@ MISTAKES = [
     (2, ["certify", "ONE", "-o", "ONE", "--force"], "both input and output"),
     (4, ["certify", "BROKEN"], "not a model file"),
     (2, ["track", "ONE", *RAMPS, *ON], "-o"),
+    (2, ["run", "track", "-o", "x", *ON], "'smarig track MODEL …' ('smarig track --help')"),
+    (2, ["run", "regulate", "-o", "x", *ON], "'smarig regulate MODEL …'"),
+    (2, ["check", "one_wire_twin", "--protocol", "regulate"], "'smarig regulate MODEL …'"),
     (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),
     (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "speaks in deg"),
     (2, ["track", "ONE", "--reference", "stepps", "-o", "x", *ON], "did you mean steps"),
@@ -260,11 +279,48 @@ def test_controllers_are_listed_with_their_numbers(capsys):
     status, out, _ = call(capsys, "list", "controllers", "--settings", "--json")
     found = json.loads(out)
     assert status == 0
-    assert found["controllers"]["inverse"].startswith("tracking: ")
-    assert found["controllers"]["leaky_pi"].startswith("velocity: ")
+    assert found["controllers"]["inverse"].startswith("track: ")
+    assert found["controllers"]["leaky_pi"].startswith("certify: ")
+    assert found["controllers"]["pi (regulate)"].startswith("regulate: ")
+    assert found["settings"]["pi (regulate)"] == {"gain": None, "band": 0.0}
+    assert set(found["settings"]) == set(found["controllers"])
     assert found["settings"]["pi"] == numbers(TRACKING, "pi")
     assert (
         found["settings"]["scheduled_gain"]
         == numbers(VELOCITY, "scheduled_gain")
         == {"least": 50.0, "most": 200.0}
     )
+
+
+def test_every_number_has_a_unit_and_a_meaning(capsys):
+    documented = [(p, n) for p in (TRACKING, VELOCITY) for n in names(p)]
+    assert all(list(told(find(p, n))) == list(numbers(p, n)) for p, n in documented)
+    assert tuple(told(PI)) == REGULATORS["pi"]
+    assert call(capsys, "list", "controllers", "--settings")[0] == 0
+
+
+MINE = '''
+def mine(known, wanted, *, k=0.5, told_s=2.0):
+    """Mine.
+
+    told_s (s): a time
+    """
+    yield 0.0
+'''
+
+
+def test_a_listing_says_what_numbers_are(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = call(capsys, "list", "controllers", "--settings")[1]
+    assert "lead_s = 0.31 s (how far ahead what is wanted is looked at)" in said
+    assert "walk = 0.022 unit/√s (" in said
+    assert "gain = by the model, K/unit (kelvin" in said
+    assert "cooling_share = 1.7 (gain" in said
+    (tmp_path / "mine.py").write_text(MINE)
+    said = call(capsys, "list", "controllers", "./mine.py", "--settings")[1]
+    assert [line.split() for line in said.splitlines()] == [
+        ["controllers:"],
+        ["mine", "track:", "Mine."],
+        ["k", "=", "0.5"],
+        ["told_s", "=", "2", "s", "(a", "time)"],
+    ]

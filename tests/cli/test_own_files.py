@@ -10,9 +10,10 @@ import pytest
 import smarig
 from control.model_files import model_file
 from runner.interrupted import cut
-from smarig.catalogue import own_files
+from smarig.catalogue import chosen, own_files
 from smarig.cli import run as cli
 from smarig.config import locate
+from smarig.control.settings import TRACKING
 from smarig.errors import UsageError
 from smarig.record import load_run
 from smarig.runner.resume import session_for
@@ -323,6 +324,7 @@ def test_a_loop_is_closed_by_an_own_controller_and_the_run_holds_it(capsys, trac
 
 
 def test_a_run_by_a_shipped_controller_holds_no_file(here):
+    chosen(TRACKING, "./push.py")
     model = model_file(here, "one_e")
     run = smarig.track(model, "ramps", rig="one_wire_twin", out="p.run.sqlite", seconds=5, controller="pi")
     assert run.meta["own_files"] == []

@@ -2,10 +2,10 @@
 
 import click
 
-from smarig.catalogue import chosen, is_path, names, summary
+from smarig.catalogue import chosen, find, is_path, names, summary
 from smarig.cli._output import emit, json_option
 from smarig.config import listed, load_actuator, load_campaign, load_rig
-from smarig.control.settings import TRACKING, VELOCITY, numbers
+from smarig.control.settings import TRACKING, VELOCITY, numbers, told
 from smarig.errors import UsageError
 from smarig.exchange.mapping import load_mapping
 from smarig.model.planted import PACKAGE as EFFECTS
@@ -41,9 +41,10 @@ def _effects() -> dict[str, str]:
 
 
 def _controllers() -> dict[str, str]:
-    return {
-        name: f"{use}: {summary(package, name)}" for use, package in _LOOPS.items() for name in names(package)
-    }
+    from smarig.control.regulation.pi import PI
+
+    listed_ = {n: f"{use}: {summary(p, n)}" for use, p in _LOOPS.items() for n in names(p)}
+    return listed_ | {_HOLDING: f"regulate: {(PI.__doc__ or '').splitlines()[0]}"}
 
 
 def _wires() -> dict[str, str]:
@@ -55,7 +56,8 @@ Examples:
   smarig list protocols
   smarig list protocols ./my_protocol.py --settings
 """
-_LOOPS = {"tracking": TRACKING, "velocity": VELOCITY}
+_LOOPS = {"track": TRACKING, "certify": VELOCITY}  # the command that takes them
+_HOLDING = "pi (regulate)"  # there is another pi, which tracks
 _KINDS = {
     "effects": _effects,
     "rigs": _rigs,
@@ -69,18 +71,19 @@ _KINDS = {
 
 
 def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
-    """Own protocols or effects, by name: only they are listed then."""
-    package = {"protocols": PROTOCOLS, "effects": EFFECTS}.get(kind)
+    """Own protocols, controllers or effects, by name: only they are listed then."""
+    package = {"protocols": PROTOCOLS, "controllers": TRACKING, "effects": EFFECTS}.get(kind)
     for file in files:
         if package is None or not is_path(file):
-            raise UsageError(f"'{file}': only own files of protocols or effects can be listed, ./NAME.py.")
+            raise UsageError(
+                f"'{file}': only own protocols, controllers and effects can be listed, ./NAME.py."
+            )
     return {chosen(str(package), file) for file in files}
 
 
 def _settings(group: str, name: str) -> list[str]:
     if group == "controllers":
-        package = next(p for p in _LOOPS.values() if name in names(p))
-        return [f"{key} = {default:g}" for key, default in numbers(package, name).items()]
+        return _numbers(name)
     if group == "effects":
         kind = next(k for k in kinds() if k.name == name)
         return [
@@ -88,6 +91,28 @@ def _settings(group: str, name: str) -> list[str]:
             for p in kind.parameters
         ]
     return [f"{key} = {default}" for key, default in described(name)] if group == "protocols" else []
+
+
+def _numbers(name: str) -> list[str]:
+    """The numbers of a controller with unit and meaning, as far as its docstring gives them."""
+    texts, defaults = _documented(name)
+    return [_line(key, default, *texts.get(key, ("", ""))) for key, default in defaults.items()]
+
+
+def _line(key: str, default: float | None, unit: str, meaning: str) -> str:
+    value = "by the model," if default is None else f"{default:g}"
+    about = f" ({meaning})" if meaning else ""
+    return f"{key} = {value} {unit if unit != '1' else ''}".rstrip() + about
+
+
+def _documented(name: str) -> tuple[dict[str, tuple[str, str]], dict[str, float | None]]:
+    """Units and meanings of a controller's numbers, and their defaults; None for what the model sets."""
+    if name == _HOLDING:
+        from smarig.control.regulation.pi import PI
+
+        return told(PI), {"gain": None, "band": 0.0}
+    package = next(p for p in _LOOPS.values() if name in names(p))
+    return told(find(package, name)), dict(numbers(package, name))
 
 
 @click.command("list", epilog=EPILOG)
@@ -102,7 +127,7 @@ def _settings(group: str, name: str) -> list[str]:
 def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
     """What there is: rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and wires used.
 
-    With FILE.py, own protocols or effects only.
+    With FILE.py, own protocols, controllers or effects only. "unit" is the rig's, mm or deg.
     """
     mine = _chosen(kind, files)
     found: dict[str, dict] = {k: read() for k, read in _KINDS.items() if kind in (k, "all")}
@@ -118,9 +143,6 @@ def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
                 lines += [f"  {'':<{width}}    {line}" for line in _settings(group, name)]
     if settings:
         found["settings"] = {n: dict(described(n)) for n in found.get("protocols", {})} | {
-            n: numbers(package, n)
-            for package in _LOOPS.values()
-            for n in names(package)
-            if n in found.get("controllers", {})
+            n: _documented(n)[1] for n in found.get("controllers", {})
         }
     emit(found, "\n".join(lines))

@@ -6,6 +6,7 @@ knows, what is wanted, schedules) is not for a command line.
 
 import inspect
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,6 +15,7 @@ from smarig.errors import UsageError
 
 TRACKING = "smarig.control.tracking.controllers"
 VELOCITY = "smarig.control.velocity.controllers"
+_LINE = re.compile(r"^\s+(\w+) \(([^()]*)\): (.+)$", flags=re.M)
 
 
 def numbers(package: str, name: str) -> dict[str, float]:
@@ -24,6 +26,15 @@ def numbers(package: str, name: str) -> dict[str, float]:
     """
     parameters = inspect.signature(find(package, name)).parameters.values()
     return {p.name: p.default for p in parameters if isinstance(p.default, float)}
+
+
+def told(documented: Any) -> dict[str, tuple[str, str]]:
+    """(unit, meaning) of numbers, from the lines ``name (unit): meaning`` of a controller's docstring.
+
+    >>> told(find(TRACKING, "pi"))["integral_s"]
+    ('s', 'integral time T_i: in it a steady error is answered once more')
+    """
+    return {name: (unit, text) for name, unit, text in _LINE.findall(documented.__doc__ or "")}
 
 
 def given(package: str, name: str, pairs: Mapping[str, Any]) -> dict[str, float]:

@@ -19,11 +19,11 @@ def my_controller(
     integral_s: float = 2.0,
     lead_s: float = 0.0,
 ) -> Controller:
-    """PI on the position error: the first line is what `smarig list controllers` shows.
+    """PI on the position error: the first line is what `smarig list controllers` shows, and these with --settings.
 
-    gain_share (ranges): gain, as a multiple of the range of temperatures over that of positions
-    integral_s (s): how long a steady error takes to be answered once more
-    lead_s (s): the error is taken to what is wanted so much later
+    gain_share (1): gain, as a multiple of the range of temperatures over that of positions
+    integral_s (s): integral time T_i: in it a steady error is answered once more
+    lead_s (s): how far ahead what is wanted is looked at; 0 looks at now
     """
     setup, (low, high) = known.setup, known.reach
     gain = gain_share * (setup.upper_K - setup.lower_K) / (high - low)  # kelvin per unit of position

@@ -34,7 +34,10 @@ class Loop(Protocol):
 
 
 class PI:
-    """Proportional and integral; ``gain`` in kelvin per unit of position, errors within ``band`` counting as none.
+    """PI that holds a set-point, gentle on the steepest branch of the model.
+
+        gain (K/unit): kelvin of steady temperature per unit of position
+        band (unit): errors within it count as none
 
     >>> loop = PI(gain=2.0, tau_s=5.0, period_s=0.1, low_K=0.0, high_K=100.0)
     >>> loop.start(50.0)

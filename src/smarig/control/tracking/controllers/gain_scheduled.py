@@ -28,6 +28,11 @@ def gain_scheduled(
 
     The thesis cites constant gains switched by the error (Grant & Hayward 1997); here the switch is the error's
     sign, with ``cooling_share`` between the two gains, and the model's own slope on top. Integration as in ``pi``.
+
+        gain_share (1): gain, as a multiple of the model's inverse slope du/dy where the wire is
+        integral_s (s): integral time T_i: in it a steady error is answered once more
+        cooling_share (1): gain when the wire must cool, as a multiple of that when it must heat
+        lead_s (s): how far ahead what is wanted is looked at; 0 looks at now
     """
     places, heating, cooling = _inverse_slopes(known)
 

@@ -32,6 +32,12 @@ def inverse(
     model, that into the temperature which the model's memory needs for it, and that into the current which brings
     the wire there in ``horizon_s``, with the time constant and the heat that effects leave it. Within ``rest_counts``
     of where it shall be, the temperature goal stays: a reversal costs the width of a hysteresis; noise is not worth it.
+
+        lead_s (s): how far ahead what is wanted is looked at
+        horizon_s (s): time in which the current is to bring the wire to its temperature; short is forceful
+        walk (unit/√s): how fast the model's error may wander by itself
+        slope_walk (1/√unit): how fast the model's error of slope may change along the way
+        rest_counts (counts): nearer than this, the temperature goal stays
     """
     setup, model = known.setup, known.plant()
     count = setup.actuator.position_per_count(known.counts_per_rev)

@@ -18,6 +18,10 @@ def pi(
 
     k is ``gain_share`` times the range of temperatures over that of positions, T_i is ``integral_s``; with
     ``lead_s`` the error is taken to what is wanted so long from now, which a plain loop does not know.
+
+        gain_share (1): gain k, as a multiple of the range of temperatures over that of positions
+        integral_s (s): integral time T_i: in it a steady error is answered once more
+        lead_s (s): how far ahead what is wanted is looked at; 0 looks at now
     """
     setup, (low, high) = known.setup, known.reach
     gain = gain_share * (setup.upper_K - setup.lower_K) / (high - low)

@@ -8,6 +8,8 @@ from smarig.control.velocity.controller import Memoryless, positive
 def constant_gain(gain: float = 100.0) -> Memoryless:
     """ũ = k ė: δ = γ = k, the thesis's proportional controller (§8.2).
 
+        gain (K·s/unit): k, input over velocity error
+
     >>> constant_gain(3.0).delta, constant_gain(3.0).gamma
     (3.0, 3.0)
     """

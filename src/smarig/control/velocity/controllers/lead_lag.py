@@ -8,6 +8,10 @@ def lead_lag(gain: float = 100.0, zero_s: float = 4.0, pole_s: float = 1.0) -> F
 
     H₀ = k and H∞ = k zero_s/pole_s; δ is the smaller, γ the larger.
 
+        gain (K·s/unit): k, of steady velocity errors
+        zero_s (s): time constant of the zero
+        pole_s (s): time constant of the pole
+
     >>> lead = lead_lag(2.0, zero_s=4.0, pole_s=1.0)
     >>> lead.delta, lead.gamma
     (2.0, 8.0)

@@ -8,6 +8,10 @@ def leaky_pi(gain: float = 100.0, integral_per_s: float = 30.0, leak_per_s: floa
 
     δ = k_p, γ = k_p + k_i/a.
 
+        gain (K·s/unit): k_p, of the velocity error itself
+        integral_per_s (K/unit): k_i, of its integral
+        leak_per_s (1/s): a, the rate at which the integral forgets
+
     >>> pi = leaky_pi(2.0, integral_per_s=0.6, leak_per_s=0.1)
     >>> pi.delta, round(pi.gamma, 12)
     (2.0, 8.0)

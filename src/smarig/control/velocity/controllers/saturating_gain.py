@@ -12,6 +12,10 @@ def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1
     k₂ is met by every |ė| ≤ width, k₁ only in the limit of large errors: δ = k₁, γ = k₂. A gain that saturated
     altogether (k₁ = 0) would not be strictly passive.
 
+        least (K·s/unit): k₁, the gain of large velocity errors
+        most (K·s/unit): k₂, the gain of small ones
+        width (unit/s): velocity error up to which the gain is k₂
+
     >>> law = saturating_gain(1.0, 5.0, width=0.1)
     >>> law.delta, law.gamma, round(law.start(0.1).output(2.0), 12)
     (1.0, 5.0, 2.4)

@@ -24,6 +24,9 @@ def scheduled_gain(
     Without memory in ė, so ė ũ ≥ k₁ ė² and |ũ| ≤ k₂ |ė| at every sample: δ = k₁ and γ = k₂ for every schedule,
     also one that looks at positions, at time or at earlier samples. Gains outside [k₁, k₂] are clipped to it.
 
+        least (K·s/unit): k₁, the smallest gain of the schedule
+        most (K·s/unit): k₂, the largest
+
     >>> by_turns = scheduled_gain(1.0, 4.0, lambda k: 1.0 if k % 2 else 4.0)
     >>> by_turns.delta, by_turns.gamma
     (1.0, 4.0)
