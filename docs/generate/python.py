@@ -4,6 +4,13 @@ from signatures and docstrings, when it reads these pages.
 
 import smarig
 from generate.markdown import plain, table
+from smarig.catalogue import names
+
+
+def _controllers(package: str) -> list[str]:
+    """A catalogue and its files: what is added to it appears here by itself."""
+    return [package, *(f"{package}.{name}" for name in names(package))]
+
 
 PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "python_hysteresis": (
@@ -50,18 +57,31 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         "Python: control",
         "Chapter 8: passivity, velocity feedback, set-points, tracking.",
         (
+            "smarig.closed_loop",
             "smarig.control.passivity",
             "smarig.control.certificate",
+            "smarig.control.position_loop",
+            "smarig.control.dissipative_position",
             "smarig.control.velocity.controller",
+            *_controllers("smarig.control.velocity.controllers"),
             "smarig.control.velocity.loop",
             "smarig.control.velocity.stability",
             "smarig.control.velocity.on_a_plant",
             "smarig.control.regulation.psi",
             "smarig.control.regulation.approach",
             "smarig.control.regulation.disturbance",
+            "smarig.control.regulation.pi",
+            "smarig.control.regulation.loop",
             "smarig.control.tracking.known",
             "smarig.control.tracking.reference",
             "smarig.control.tracking.measures",
+            "smarig.control.tracking.loop",
+            "smarig.control.tracking.asked",
+            "smarig.control.tracking.feedback",
+            "smarig.control.tracking.lag",
+            "smarig.control.tracking.slope_observer",
+            "smarig.control.tracking.tuning",
+            *_controllers("smarig.control.tracking.controllers"),
         ),
     ),
     "python_seams": (
