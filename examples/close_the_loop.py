@@ -1,46 +1,53 @@
-"""Close the loop, as far as a model alone goes: the inverse of the hysteresis as feed-forward on the twin.
+"""Close a loop by a model: identify a wire, hold a set-point, follow a path, by the model's inverse and by plain PI.
 
-A path of positions is asked for; the model says which temperatures reach them, the rig makes those, and what the wire
-did is compared. What it shows: inverting the memory brings a wire where a plain calibration curve does not.
+What it shows: a controller that knows the hysteresis and looks ahead stays nearer to a moving path than one that waits
+for an error. ``inverse`` is that one; ``pi`` has neither its memory nor the future.
 """
 
-from pathlib import Path
-
-import numpy as np
-
 import smarig
-from smarig.rig.twin import TwinSettings
-from smarig.runner.session import Session
+from smarig.record import Run
+from smarig.report.closed_loop import closed_loop, in_words
 
-WANTED_mm = np.array([3.0, 9.0, 5.0, 11.0, 7.0, 10.0, 4.0, 8.0])
-
-
-def profile(name: str, temperature_K: np.ndarray) -> str:
-    """A CSV that the protocol ``step_currents`` holds, one temperature above ambient after the other."""
-    Path(name).write_text("temperature_K\n" + "".join(f"{t:.3f}\n" for t in temperature_K), encoding="utf-8")
-    return name
+RIG, SEED = "one_wire_twin", 4
+MODEL = "loop.model.json"
 
 
-names = ("loop_curves", "loop_inverse", "loop_calibrated")
-files = {name: Path(f"{name}.run.sqlite") for name in names}
-for file in files.values():
-    file.unlink(missing_ok=True)
+def told(run: Run) -> str:
+    """What the loop of a run did, in words; the figures themselves are attributes of ``closed_loop(run)``."""
+    found = closed_loop(run)
+    return in_words(found, run.unit) if found else f"{run.path.name} holds no closed loop"
 
-with Session("one_wire_twin", twin=TwinSettings(seed=4)) as session:
-    session.run("first_order_descending", {}, files["loop_curves"])
-    model = smarig.identify(files["loop_curves"], surface="exponential").model
 
-    # The model's memory moves along with the commands; nothing is measured in between.
-    commands = {"loop_inverse": model.preisach().inverse_trajectory(WANTED_mm)}
-    rising_K = np.linspace(model.hysteresis.lower, model.hysteresis.upper, 400)
-    commands["loop_calibrated"] = np.interp(WANTED_mm, model.predict(rising_K), rising_K)
-    for name, temperature_K in commands.items():
-        session.run("step_currents", {"file": profile(f"{name}.csv", temperature_K)}, files[name])
+# A short identification: fewer curves than the protocol would measure by itself.
+curves = smarig.run(
+    "first_order_descending",
+    rig=RIG,
+    out="loop_curves.run.sqlite",
+    seed=SEED,
+    force=True,
+    partition_K="0,15,30,40,50,65,85,110,140,170",
+)
+smarig.identify(curves, surface="exponential").model.save(MODEL, force=True)
 
-for name in commands:
-    reached_mm = smarig.load_run(files[name]).points()[1][-WANTED_mm.size :]
-    error_mm = reached_mm - WANTED_mm
-    print(
-        f"{name:16s} rms error {np.sqrt(np.mean(error_mm**2)):.3f} mm, largest {np.abs(error_mm).max():.3f} mm"
+# A set-point: to the state of that output which stands disturbances best, then a gentle loop, then a push of 5 K.
+held = smarig.regulate(
+    MODEL, 6.0, rig=RIG, out="loop_held.run.sqlite", seed=SEED, force=True, hold_s=150.0, disturbance_K=5.0
+)
+print(told(held))
+
+# A path, in mm from the encoder's zero: the same wire, the same noise, two controllers.
+for controller in ("inverse", "pi"):
+    run = smarig.track(
+        MODEL,
+        "multisine",
+        rig=RIG,
+        out=f"loop_{controller}.run.sqlite",
+        seed=SEED,
+        force=True,
+        controller=controller,
+        low=2.0,
+        high=8.0,
+        seconds=80.0,
+        speed=3.0,
     )
-    print("  " + ", ".join(f"{w:.0f} → {r:.2f}" for w, r in zip(WANTED_mm, reached_mm)))
+    print(told(run))

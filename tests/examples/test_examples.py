@@ -57,9 +57,20 @@ def test_find_the_hidden_effect(tmp_path):
 
 
 def test_close_the_loop(tmp_path):
-    found = errors(said_by("close_the_loop", tmp_path))
-    assert found["loop_inverse"] < 0.02
-    assert found["loop_calibrated"] > 20 * found["loop_inverse"]
+    said = said_by("close_the_loop", tmp_path)
+    off = {
+        m[1]: float(m[2])
+        for m in re.finditer(r"^(\w+) along multisine: error \S+ mm rms \((\S+) counts\)", said, re.M)
+    }
+    assert set(off) == {"inverse", "pi"}
+    assert off["inverse"] < 0.8
+    assert off["pi"] > 1.5 * off["inverse"]
+    last = re.search(r"^At the end \S+ mm \((\S+) counts\) off", said, re.M)
+    assert last is not None
+    assert abs(float(last[1])) < 2
+    pushed = re.search(r"^Largest transient .*\((\S+) counts\)", said, re.M)
+    assert pushed is not None
+    assert 2 < float(pushed[1]) < 20
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.py")), ids=lambda path: path.stem)
