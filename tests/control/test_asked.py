@@ -106,3 +106,11 @@ def test_a_controller_that_will_not_go_does_not_spoil_the_end():
     seen, ended = followed(clinging)
     assert ended is None
     assert len(seen) >= SECONDS / known().setup.period_s
+
+
+def test_a_controller_can_be_torn_out_by_an_interrupt():
+    """One that does not come back gets KeyboardInterrupt from outside, and must not turn it into a sentence."""
+    asked = Asked(raising(KeyboardInterrupt()), known(), lambda t_s: 0.0)
+    asked.first()
+    with pytest.raises(KeyboardInterrupt):
+        asked.after(None)
