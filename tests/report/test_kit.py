@@ -71,6 +71,22 @@ def test_a_twin_is_labelled_in_the_banner_the_title_each_caption_and_each_plot()
     assert "annotations" not in bench.plots[0]["layout"]
 
 
+def test_the_label_stands_at_the_frame_where_axes_of_one_scale_leave_paper_empty():
+    free = Figure([Panel([], {"xaxis": axis("u (K)"), "yaxis": axis("y (mm)")})], "t", [], "TWIN")
+    plane = Figure(
+        [Panel([], {"xaxis": axis("β (K)", constrain="domain"), "yaxis": axis("α (K)")})], "t", [], "TWIN"
+    )
+    marks = [Page(each.html()).plots[0]["layout"]["annotations"][0] for each in (free, plane)]
+    assert [(m["xref"], m["yref"]) for m in marks] == [("paper", "paper"), ("x domain", "y domain")]
+
+
+def test_a_stacked_table_says_beside_each_value_which_column_it_is_of():
+    header = ("Name", Html("k<sub>e</sub> (mm)"), "<i>")
+    cells = [attrs for name, attrs in Page(table(header, [("a", 1, 2)], stacked=True)).tags if name == "td"]
+    assert cells == [{"data-column": "k_e (mm)"}, {"data-column": "<i>"}]
+    assert "data-column" not in table(header, [("a", 1, 2)])
+
+
 def test_a_decimated_trace_keeps_every_peak_and_stays_short():
     rng = np.random.default_rng(4)
     values = rng.normal(size=100_000)

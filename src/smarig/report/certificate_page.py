@@ -180,7 +180,7 @@ def velocity_parts(model: Model, found: Certificate) -> list[Html]:
         "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ. k_e adds "
         f"{exact_unit(model.unit)}/s to K, so its number belongs to these units."
     )
-    return [paragraph(symbols(found.loops)), table(header, rows, symbols(words))]
+    return [paragraph(symbols(found.loops)), table(header, rows, symbols(words), stacked=True)]
 
 
 def hypotheses_table(found: Certificate) -> Html:

@@ -86,13 +86,19 @@ def badge_of(label: str) -> Html:
 def _panel(panel: Panel, figure: Figure) -> Html:
     layout = dict(panel.layout)
     if figure.label:
-        layout["annotations"] = [*layout.get("annotations", ()), MARK | {"text": figure.label}]
+        layout["annotations"] = [*layout.get("annotations", ()), MARK | _at(layout) | {"text": figure.label}]
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
     size = f"--high:{panel.height}px" + (f";min-width:{panel.least_px}px" if panel.least_px else "")
     plot = tag("div", script, class_="plot", style=size, role="img", aria_label=in_words(panel, figure))
     return tag("div", plot, class_="cell wide" if panel.wide else "cell")
+
+
+def _at(layout: Mapping[str, Any]) -> dict[str, str]:
+    """Where the label is put: at the frame, where axes of one scale leave part of the paper empty."""
+    framed = layout.get("xaxis", {}).get("constrain") == "domain"
+    return {"xref": "x domain", "yref": "y domain"} if framed else {}
 
 
 def in_words(panel: Panel, figure: Figure) -> str:

@@ -48,8 +48,8 @@ def _words(run: Run, found: Regulated) -> Html:
             B_ELL,
             " on the model's scale. Second: black, ",
             B_ELL,
-            "; red, as foretold for the planned currents; blue, along the temperature predicted from the measured "
-            "current. Relays above a boundary are down, those below are up. Distance from ",
+            ", dashed; orange, as foretold for the planned currents; blue, along the temperature predicted from the "
+            "measured current. Relays above a boundary are down, those below are up. Distance from ",
             B_ELL,
             f", the area between: foretold {share} %{reached} of the plane, after {facts['cycles']:.0f} cycles of "
             f"{number(facts['wave_s'])} s.",
@@ -87,7 +87,7 @@ def _boundaries(run: Run, found: Regulated) -> Panel:
     if facts.get("ell_K") is not None:
         plane = Plane(low, high)
         goal = plane.points(plane.goal(float(facts["ell_K"])))
-        data.append(line(*_curve(goal), "wanted, α = 2ℓ − β", INK, width=1.2, dash="dash"))
+        data.append(line(*_curve(goal), "wanted, α = 2ℓ − β", INK, width=2.2, dash="7px,5px"))
     ends = [low, high]
     layout = {
         "xaxis": axis(f"β ({run.input_unit})", constrain="domain", range=ends),

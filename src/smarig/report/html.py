@@ -5,7 +5,9 @@ can never become markup, because plain ``str`` is always escaped.
 """
 
 import html
+import re
 from collections.abc import Iterable, Sequence
+from itertools import zip_longest
 from typing import Any
 
 _VOID = {"br", "meta", "hr", "input"}
@@ -58,16 +60,35 @@ def bullets(items: Iterable[Any]) -> Html:
     return tag("ul", *rows) if rows else Html("")
 
 
-def table(header: Sequence[Any], rows: Iterable[Sequence[Any]], caption: Any = "") -> Html:
-    """A table with a caption; the first column heads its row. Wide ones scroll in their own frame, by keys too."""
+def table(
+    header: Sequence[Any], rows: Iterable[Sequence[Any]], caption: Any = "", *, stacked: bool = False
+) -> Html:
+    """A table with a caption; the first column heads its row. Wide ones scroll in their own frame, by keys too.
+
+    ``stacked``: on a small screen each row stands as a list of its own, every value beside its column's name.
+    """
     head = tag("thead", tag("tr", *(tag("th", cell, scope="col") for cell in header)))
-    body = tag("tbody", *(_row(row) for row in rows))
+    names = [plain(cell) for cell in header] if stacked else []
+    body = tag("tbody", *(_row(row, names) for row in rows))
     title = tag("caption", caption) if caption else ""
-    return tag("div", tag("table", title, head, body), class_="table", tabindex=0)
+    kind = "table stacked" if stacked else "table"
+    return tag("div", tag("table", title, head, body), class_=kind, tabindex=0)
 
 
-def _row(cells: Sequence[Any]) -> Html:
-    return tag("tr", tag("th", cells[0], scope="row"), *(tag("td", cell) for cell in cells[1:]))
+def _row(cells: Sequence[Any], names: Sequence[str]) -> Html:
+    told = (
+        tag("td", cell, data_column=name) for cell, name in zip_longest(cells[1:], names[1:], fillvalue="")
+    )
+    return tag("tr", tag("th", cells[0], scope="row"), *told)
+
+
+def plain(cell: Any) -> str:
+    """The text of a cell, with its indices after a low line.
+
+    >>> plain(Html("k<sub>e</sub> &lt; 2"))
+    'k_e < 2'
+    """
+    return html.unescape(re.sub(r"<[^>]*>", "", escaped(cell).replace("<sub>", "_")))
 
 
 def cards(items: Iterable[tuple[Any, Any, Any]]) -> Html:

@@ -164,7 +164,12 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
 @media (max-width:600px){body{font-size:15px}main,header.top,footer{padding:0 14px}
  .gallery{grid-template-columns:1fr 1fr;gap:8px}.gallery li{padding:6px}nav{padding:7px 14px}
  .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}
- caption{max-width:calc(100vw - 28px)}td code{display:block;min-width:17em}}
+ caption{max-width:calc(100vw - 28px)}td code{display:block;min-width:17em}
+ .stacked table,.stacked tbody,.stacked tr,.stacked tbody th,.stacked td{display:block}
+ .stacked caption{display:block}.stacked thead{position:absolute;left:-9999px}
+ .stacked tr{border-top:2px solid var(--ink);padding:4px 0 10px}.stacked tbody th{font-weight:600;padding-right:0}
+ .stacked td{display:flex;justify-content:space-between;gap:16px;padding-right:0;text-align:right}
+ .stacked td::before{content:attr(data-column);color:var(--grey);text-align:left}}
 /* .printing is set before the figures are fitted to the paper, so that screen and print agree on every width */
 body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
 .printing main,.printing header.top,.printing footer{padding:0;max-width:none}.printing section{margin:20px 0}
