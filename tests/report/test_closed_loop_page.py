@@ -14,6 +14,8 @@ from smarig.preisach.gorbet_1997 import surface
 from smarig.record import Event, load_run
 from smarig.report.certificate_page import certificate_page, origin
 from smarig.report.closed_loop import closed_loop
+from smarig.report.closed_loop_words import in_words
+from smarig.report.figures_loop import cut_words, error_reach
 from smarig.report.run_page import run_page
 from smarig.runner.session import Session
 
@@ -80,6 +82,56 @@ def test_the_transient_is_the_largest_error_since_the_disturbance(runs):
     assert found.zero == pytest.approx(6.0 - found.loop.wanted[0])
 
 
+def test_the_end_is_the_mean_and_the_spread_of_the_last_quarter(runs):
+    run = runs["regulate"]
+    found = closed_loop(run)
+    last = found.loop.t_s > 90.0
+    off = found.loop.position - found.loop.wanted
+    assert found.to_json()["last_error"] == pytest.approx(off[last].mean())
+    assert found.to_json()["last_spread"] == pytest.approx(off[last].std())
+    assert found.to_json()["last_verdict"] == "rests"
+    page = Page(run_page(run))
+    assert "mean of the last 30 s" in page.card("At the end")
+    assert "of the readings" in page.card("Largest transient")
+    assert "of the readings from the disturbance on" in in_words(found, "mm")
+    assert "does not rest" not in page.visible
+
+
+def moved(run, by):
+    """The run with its readings since the loop was closed moved by ``by`` (of the time since then), in counts."""
+    closed = next(e.t_s for e in run.events if e.text == "loop closed")
+    position, t = run["position"].copy(), run["t_s"] - closed
+    position[t > 0] += COUNT_mm * by(t[t > 0])
+    return replace(run, columns={**run.columns, "position": position})
+
+
+def test_a_loop_that_swings_or_rests_off_is_said_to_plainly(runs):
+    swinging = moved(runs["regulate"], lambda t: 5 * np.sin(t / 2))
+    elsewhere = moved(runs["regulate"], lambda t: 0 * t + 13)
+    for run, words in ((swinging, "It does not rest: it swings by"), (elsewhere, "It rests")):
+        assert words in in_words(closed_loop(run), "mm")
+        assert words in Page(run_page(run)).visible
+
+
+def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
+    """Also of a loop that is far off all the time; jumps of a reference are cut, and that is said."""
+    elsewhere = moved(runs["regulate"], lambda t: 0 * t + 40)
+    page = Page(run_page(elsewhere))
+    ranges = [
+        plot["layout"]["yaxis2"]["range"]
+        for plot in page.plots
+        if "range" in plot["layout"].get("yaxis2", {})
+    ]
+    assert ranges[0][1] > np.abs(closed_loop(elsewhere).loop.error).max() > 40
+    assert "cut off" not in page.visible
+    jumps = np.r_[np.full(97, 0.5), np.full(3, 80.0)]
+    assert error_reach(jumps) == 12.0
+    assert error_reach(jumps, 30.0) == pytest.approx(34.5)
+    assert "3 % of the readings, the largest 80.0 counts" in cut_words(jumps, 12.0)
+    assert error_reach(np.full(9, 0.1)) == 4.0
+    assert cut_words(jumps, 92.0) == ""
+
+
 def test_a_transient_before_the_disturbance_does_not_count(runs):
     """Half a millimetre before the push, in the readings themselves."""
     run = runs["regulate"]
@@ -105,6 +157,10 @@ def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_mod
     other = Page(run_page(runs["track"], certified=(given.model, given.name, "2" * 64)))
     assert "Certificate of the model" in same.headings
     assert same.row("leaky_pi")[4:] == ["5", "covered"]
+    assert same.visible.index("is not covered by this certificate") < same.visible.index(
+        "Passive without bias"
+    )
+    assert "It fed back the position (controller inverse, which followed steps)" in same.visible
     assert "is not the model this loop was run with" not in same.visible
     assert "is not the model this loop was run with" in other.visible
     assert "Certificate of the model" not in Page(run_page(runs["track"])).headings

@@ -17,7 +17,8 @@ ANEW = "A closed loop is not gone on with: close it anew."
 
 def carried_out(loop: "Loop", sitting: Sitting, out: Path | None, *inputs: Path) -> None:
     """Preview it, run it into ``out`` and say how it went."""
-    from smarig.report.closed_loop import closed_loop, in_words
+    from smarig.report.closed_loop import closed_loop
+    from smarig.report.closed_loop_words import in_words
 
     session = sitting.session()
     if out is None and not sitting.dry_run:

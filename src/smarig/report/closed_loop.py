@@ -15,12 +15,13 @@ from smarig.control.regulation.loop import CLOSED as REGULATED
 from smarig.control.regulation.loop import DISTURBED, MARK, OPENED
 from smarig.control.regulation.plane import Plane
 from smarig.control.tracking.loop import CLOSED as TRACKED
-from smarig.control.tracking.measures import WITHIN_COUNTS, Tracked, measured
+from smarig.control.tracking.measures import Tracked, measured
 from smarig.control.tracking.reference import Reference
 from smarig.errors import SmarigError
 from smarig.model.actuator import Actuator
 from smarig.record import Event, Run
 from smarig.report.conditions import count_size
+from smarig.report.loop_end import LoopEnd, loop_end
 
 Array = NDArray[np.float64]
 SKIP_S = 20.0  # the way to the first point of a moving reference is no tracking
@@ -74,8 +75,9 @@ class Regulated:
     """A run that held a set-point. ``facts`` are those of its mark; areas in K², outputs in the rig's unit.
 
     ``distance_K2`` is d(B, B_ℓ) along the predicted temperature of the wire, ``output_error`` the measured output less
-    the set-point after the approach, ``transient`` the largest |error| from the disturbance on (None without one),
-    ``pulse_s`` when it began and ended. ``zero`` is what the model's scale has more than the encoder's.
+    the set-point after the approach, ``transient`` the largest |error| of the readings from the disturbance on (None
+    without one), ``pulse_s`` when it began and ended, ``push_K`` how large it was, ``end`` the last stretch. ``zero``
+    is what the model's scale has more than the encoder's.
     """
 
     facts: dict[str, Any]
@@ -86,7 +88,8 @@ class Regulated:
     distance_K2: float | None
     output_error: float | None
     transient: float | None
-    last_error: float | None
+    push_K: float
+    end: LoopEnd | None
 
     def to_json(self) -> dict[str, Any]:
         """The figures; ψ's curve and the boundaries stay in the record."""
@@ -95,7 +98,10 @@ class Regulated:
             "reached_distance_K2": self.distance_K2,
             "output_error": self.output_error,
             "transient": self.transient,
-            "last_error": self.last_error,
+            "last_error": self.end and self.end.mean,
+            "last_spread": self.end and self.end.spread,
+            "last_s": self.end and self.end.seconds,
+            "last_verdict": self.end and (self.end.verdict or None),
         }
 
 
@@ -157,12 +163,12 @@ def _regulated(run: Run, mark: Event) -> Regulated:
     distance = plane.distance(boundary, float(ell)) if ell is not None else None
     points = plane.points(boundary)
     if closed is None:
-        return Regulated(facts, None, None, 0.0, points, distance, None, None, None)
+        return Regulated(facts, None, None, 0.0, points, distance, None, None, 0.0, None)
     wanted, rows = float(closed.data["wanted_position"]), _between(run, closed, closed.t_s)
     loop = _stretch(run, rows, run["t_s"][rows] - closed.t_s, np.full(rows.size, wanted))
     arrived = next((s.position for s in run.steps if s.branch == "arrive" and s.position is not None), None)
-    pulse = _pulse(run, closed.t_s)
-    off = np.abs(loop.position - wanted)
+    pulse, push_K = _pulse(run, closed.t_s)
+    off = loop.position - wanted
     return Regulated(
         facts,
         loop,
@@ -171,8 +177,9 @@ def _regulated(run: Run, mark: Event) -> Regulated:
         points,
         distance,
         None if arrived is None else arrived - wanted,
-        float(off[loop.t_s > pulse[0]].max()) if pulse and np.any(loop.t_s > pulse[0]) else None,
-        float(off[-1]) if off.size else None,
+        float(np.abs(off[loop.t_s > pulse[0]]).max()) if pulse and np.any(loop.t_s > pulse[0]) else None,
+        push_K,
+        loop_end(loop.t_s, off, loop.current_A, loop.count, pulse[1] if pulse else 0.0),
     )
 
 
@@ -197,11 +204,14 @@ _PLANNED = (
 )
 
 
-def _pulse(run: Run, closed_s: float) -> tuple[float, float] | None:
-    times = [e.t_s - closed_s for e in run.events if e.kind == "mark" and e.text == DISTURBED]
-    if not times:
-        return None
-    return times[0], times[1] if len(times) > 1 else float(run["t_s"][-1]) - closed_s
+def _pulse(run: Run, closed_s: float) -> tuple[tuple[float, float] | None, float]:
+    """When the disturbance began and ended, and its kelvin of source; None and 0 without one."""
+    marks = [e for e in run.events if e.kind == "mark" and e.text == DISTURBED]
+    if not marks:
+        return None, 0.0
+    times = [e.t_s - closed_s for e in marks]
+    end = times[1] if len(times) > 1 else float(run["t_s"][-1]) - closed_s
+    return (times[0], end), float(marks[0].data["source_K"])
 
 
 def _between(run: Run, mark: Event, start_s: float) -> NDArray[np.intp]:
@@ -215,55 +225,3 @@ def _between(run: Run, mark: Event, start_s: float) -> NDArray[np.intp]:
 def _stretch(run: Run, rows: NDArray[np.intp], t: Array, wanted: Array) -> Stretch:
     position, current_A, input_K = (run[name][rows] for name in ("position", "current_A", "input"))
     return Stretch(t, wanted, position, current_A, input_K, count_size(run))
-
-
-# --- in words ---------------------------------------------------------------------------------------------
-
-
-def in_words(found: TrackedRun | Regulated, unit: str) -> str:
-    """The result for a terminal."""
-    return _tracked_words(found, unit) if isinstance(found, TrackedRun) else _regulated_words(found, unit)
-
-
-def _tracked_words(found: TrackedRun, unit: str) -> str:
-    f, count = found.figures, found.loop.count
-    if f is None:
-        return f"{found.controller} along {found.reference.name}: ended before anything could be measured."
-    after = f", from {found.skip_s:g} s on" if found.skip_s else ""
-    lines = [
-        f"{found.controller} along {found.reference.name}: error {f.rms:.3g} {unit} rms ({f.rms / count:.2f} counts), "
-        f"at most {f.largest:.3g} {unit} ({f.largest / count:.1f} counts){after}; {f.energy_J:.0f} J, "
-        f"peak {f.peak_K:.0f} K above ambient."
-    ]
-    lines += [
-        f"  step {k}: within {WITHIN_COUNTS:g} counts "
-        + (f"after {settled:.1f} s" if np.isfinite(settled) else "never")
-        + f", {over / count:.1f} counts beyond."
-        for k, (settled, over) in enumerate(zip(f.settle_s, f.overshoot), start=1)
-    ]
-    return "\n".join(lines)
-
-
-def _regulated_words(found: Regulated, unit: str) -> str:
-    facts, lines = found.facts, []
-    if facts.get("ell_K") is not None:
-        shares = f"{facts['predicted_distance_K2'] / facts['area_K2']:.2%} of the plane foretold"
-        if found.distance_K2 is not None:
-            shares += f", {found.distance_K2 / facts['area_K2']:.2%} by the measured current"
-        lines.append(
-            f"B_ℓ with ℓ = {facts['ell_K']:.1f} K, ψ(ℓ) = {facts['output']:.4g} {unit}; distance {shares}."
-        )
-    else:
-        lines.append(f"On the {facts['start']} branch, resting at {facts['rest_K']:.1f} K.")
-    if found.output_error is not None:
-        lines.append(f"After the approach {_off(found, found.output_error, unit)} from the set-point.")
-    if found.transient is not None:
-        lines.append(f"Largest transient from the disturbance on: {_off(found, found.transient, unit)}.")
-    if found.last_error is not None:
-        lines.append(f"At the end {_off(found, found.last_error, unit)} off.")
-    return "\n".join(lines)
-
-
-def _off(found: Regulated, value: float, unit: str) -> str:
-    count = found.loop.count if found.loop else 0.0
-    return f"{value:.3g} {unit}" + (f" ({value / count:.1f} counts)" if count else "")

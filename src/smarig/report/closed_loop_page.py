@@ -5,17 +5,18 @@ Knows runs, and a model where one is at hand. Refuses to run anything.
 
 import math
 
-from smarig.control.certificate import certificate
+from smarig.control.certificate import POSITION, certificate
 from smarig.control.tracking.measures import WITHIN_COUNTS
 from smarig.identification.model_file import Model
 from smarig.record import Run
 from smarig.report.certificate_page import certificate_parts, origin
 from smarig.report.closed_loop import Regulated, TrackedRun, closed_loop, is_closed_loop
+from smarig.report.closed_loop_words import rest_words, tangible
 from smarig.report.conditions import exact_unit
 from smarig.report.figures_loop import holding_figure, loop_hysteresis, tracking_figure
 from smarig.report.figures_regulation import B_ELL, plane_figure
-from smarig.report.html import Html, cards, joined, notice, paragraph, table
-from smarig.report.numbers import number
+from smarig.report.html import Html, cards, joined, notice, paragraph, table, tag
+from smarig.report.numbers import counts, number, signed
 from smarig.report.page import Section
 
 
@@ -28,7 +29,7 @@ def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> 
         parts = [notice("warning", paragraph("What the record says of its closed loop cannot be read."))]
         return [Section("Closed loop", "Closed loop", parts)]
     parts = _tracked(run, found) if isinstance(found, TrackedRun) else _regulated(run, found)
-    return [Section("Closed loop", "Closed loop", parts), *_certified(run, certified)]
+    return [Section("Closed loop", "Closed loop", parts), *_certified(run, found, certified)]
 
 
 def _tracked(run: Run, found: TrackedRun) -> list:
@@ -84,7 +85,7 @@ def _steps(run: Run, found: TrackedRun) -> Html:
 
 
 def _regulated(run: Run, found: Regulated) -> list:
-    parts = [_regulated_cards(run, found), plane_figure(run, found)]
+    parts = [_regulated_cards(run, found), *_restless(run, found), plane_figure(run, found)]
     held = holding_figure(run, found)
     if held is None or found.loop is None:
         return [*parts, paragraph("The loop was never closed: the run ended on the way.")]
@@ -104,27 +105,56 @@ def _regulated_cards(run: Run, found: Regulated) -> Html:
                 f"of the plane; foretold {number(100 * facts['predicted_distance_K2'] / area)} %",
             )
         )
-    for label, value, note in (
-        ("After the approach", found.output_error, "off the set-point, before the loop is closed"),
-        ("Largest transient", found.transient, "from the disturbance on, readings"),
-        ("At the end", found.last_error, "off the set-point"),
-    ):
-        if value is not None:
-            items.append((label, f"{number(value)} {unit}", f"{_counts(found, value)}{note}"))
+    size = found.loop.count if found.loop else 0.0
+    if (error := found.output_error) is not None:
+        note = f"{_counts(found, error, sign=True)}off the set-point, before the loop is closed"
+        items.append(("After the approach", f"{signed(tangible(error, size))} {unit}", note))
+    if (most := found.transient) is not None:
+        note = f"{_counts(found, most)}of the readings, from the disturbance on"
+        items.append(("Largest transient", f"{number(most)} {unit}", note))
+    if (end := found.end) is not None:
+        spread = counts(end.spread / end.count) if end.count else f"{number(end.spread)} {unit}"
+        mean = _counts(found, end.mean, sign=True)
+        note = f"{mean}mean of the last {number(end.seconds)} s; {spread} rms about it"
+        items.append(("At the end", f"{signed(tangible(end.mean, end.count))} {unit}", note))
     return cards(items)
 
 
-def _counts(found: Regulated, value: float) -> str:
+def _counts(found: Regulated, value: float, *, sign: bool = False) -> str:
     count = found.loop.count if found.loop else 0.0
-    return f"{number(value / count, 2)} counts; " if count else ""
+    return f"{counts(value / count, sign=sign)}; " if count else ""
 
 
-def _certified(run: Run, certified: tuple[Model, str, str] | None) -> list[Section]:
+def _restless(run: Run, found: Regulated) -> list[Html]:
+    words = rest_words(found.end, run.unit) if found.end else ""
+    return [notice("warning", paragraph(words))] if words else []
+
+
+def _what_applies(run: Run, found: TrackedRun | Regulated) -> Html:
+    """That the loop on the page is none of those a theorem is about, before the table that says "covered"."""
+    settings = run.meta.get("settings") or {}
+    name = found.controller if isinstance(found, TrackedRun) else str(settings.get("controller") or "pi")
+    held = f"followed {found.reference.name}" if isinstance(found, TrackedRun) else "held a set-point"
+    return notice(
+        "warning",
+        paragraph(
+            tag("b", "The loop on this page is not covered by this certificate. "),
+            f"It fed back the position (controller {name}, which {held}); Thm 8.2 and its table below are about "
+            "velocity feedback, which was not run. What applies here is what is said of the model's hysteresis: "
+            "whether it is passive, and by what bias.",
+        ),
+        paragraph(POSITION),
+    )
+
+
+def _certified(
+    run: Run, found: TrackedRun | Regulated, certified: tuple[Model, str, str] | None
+) -> list[Section]:
     if certified is None:
         return []
     model, name, sha256 = certified
     used = (run.meta.get("settings") or {}).get("model_sha256")
-    parts: list = []
+    parts: list = [_what_applies(run, found)]
     if used and used != sha256:
         words = f"{name} is not the model this loop was run with ({run.meta['settings'].get('model')})."
         parts.append(notice("warning", paragraph(words)))

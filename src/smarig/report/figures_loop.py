@@ -3,6 +3,7 @@
 Knows runs and what their loops did; refuses to know controllers and models.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,20 +12,24 @@ from numpy.typing import NDArray
 from smarig.control.tracking.measures import WITHIN_COUNTS
 from smarig.record import Run
 from smarig.report.closed_loop import Regulated, Stretch, TrackedRun
+from smarig.report.closed_loop_words import size as size_of
 from smarig.report.conditions import count_size, exact_unit, input_title, label_of, output_title, place
 from smarig.report.decimate import POINTS, envelope, path
-from smarig.report.figure import Figure, Panel, Trace, axis, line
+from smarig.report.figure import BEYOND, Figure, Panel, Trace, axis, line
 from smarig.report.figures_hysteresis import travel
 from smarig.report.figures_regulation import B_ELL
 from smarig.report.figures_time import time_unit
 from smarig.report.html import joined
-from smarig.report.numbers import number
+from smarig.report.numbers import counts, number
 from smarig.report.style import CURRENT, GREY, INK, POSITION, TEMPERATURE
 
 Array = NDArray[np.float64]
-_ROWS = ("y", "y2", "y3", "y4")
+ROWS = ("y", "y2", "y3", "y4")
 _SHARES = (0.34, 0.26, 0.18, 0.22)  # of the height, from above
-_MOST_COUNTS = 12.0  # the error's row shows at least the band, at most so many counts either way
+_LEAST_COUNTS, _USUAL = (
+    12.0,
+    3.0,
+)  # jumps of a reference are cut off at these, the second of what 90 % keep within
 BAND = "rgba(107,114,128,.18)"
 
 
@@ -35,11 +40,13 @@ def tracking_figure(run: Run, found: TrackedRun) -> Figure:
     if f is not None:
         after = f" from {found.skip_s:g} s on" if found.skip_s else ""
         words = f"Error {number(f.rms)} {unit} rms, {number(f.largest)} {unit} at most{after}, n = {f.n}."
-    data, layout, cut = _over_time(run, found.loop)
+    loop = found.loop
+    reach = error_reach(loop.error[loop.t_s >= found.skip_s]) if loop.count else None
+    data, layout = _over_time(run, loop, reach)
     return Figure(
         [Panel(data, layout, 720)],
         f"Controller {found.controller} along the reference {found.reference.name}.",
-        [words, _band_words(found.loop, cut), place(run)],
+        [words, _band_words(loop, reach), place(run)],
         label_of(run),
     )
 
@@ -49,16 +56,19 @@ def holding_figure(run: Run, found: Regulated) -> Figure | None:
     loop = found.loop
     if loop is None or loop.t_s.size < 2:
         return None
-    data, layout, cut = _over_time(run, loop)
+    transient = (found.transient or 0.0) / (loop.count or 1.0)
+    reach = error_reach(loop.error, transient) if loop.count else None
+    data, layout = _over_time(run, loop, reach)
     words = ""
     if found.pulse_s is not None:
-        size = time_unit(float(loop.t_s[-1]))[0]
-        on, off = (t / size for t in found.pulse_s)
-        data.append(_shaded(on, off))
+        second = time_unit(float(loop.t_s[-1]))[0]
+        on, off = (t / second for t in found.pulse_s)
+        far = reach or float(np.nanmax(np.abs(loop.error)))
+        data.append(shaded(on, off, -far, far, yaxis="y2"))
         words = "Tinted: the disturbance, added to the control input."
         if found.transient is not None:
-            counts = f" ({found.transient / loop.count:.1f} counts)" if loop.count else ""
-            words += f" Largest error from then on: {number(found.transient)} {exact_unit(run.unit)}{counts}."
+            largest = size_of(found.transient, run.unit, loop.count)
+            words += f" Largest error of the readings from then on: {largest}."
     start = B_ELL if found.facts.get("ell_K") is not None else f"a state of the {found.facts['start']} branch"
     return Figure(
         [Panel(data, layout, 720)],
@@ -66,7 +76,7 @@ def holding_figure(run: Run, found: Regulated) -> Figure | None:
         [
             joined(["Begun in ", start, "."]),
             words,
-            _band_words(loop, cut),
+            _band_words(loop, reach),
             f"n = {loop.t_s.size} samples in closed loop;",
             place(run),
         ],
@@ -106,8 +116,20 @@ def _evenly(u: Array) -> NDArray[np.intp]:
     return np.unique(np.minimum(np.searchsorted(gone, np.linspace(0.0, gone[-1], POINTS)), u.size - 1))
 
 
-def _over_time(run: Run, loop: Stretch) -> tuple[list[Trace], dict[str, Any], bool]:
-    """Four rows on one time axis; whether errors beyond the error's row are cut off."""
+def error_reach(error: Array, least: float = 0.0) -> float:
+    """How far an error's row reaches either way, in counts: all of it, unless jumps would hide the rest.
+
+    At least three times what nine tenths of the errors keep within, 12 counts and ``least``, or all there is.
+    """
+    known = np.abs(error[np.isfinite(error)])
+    if not known.size:
+        return _LEAST_COUNTS
+    everything = max(BEYOND * float(known.max()), 2 * WITHIN_COUNTS)
+    return min(everything, max(_USUAL * float(np.quantile(known, 0.9)), BEYOND * least, _LEAST_COUNTS))
+
+
+def _over_time(run: Run, loop: Stretch, reach: float | None) -> tuple[list[Trace], dict[str, Any]]:
+    """Four rows on one time axis, that of the error to ``reach`` either way."""
     size, unit = time_unit(float(loop.t_s[-1]) if loop.t_s.size else 0.0)
     t, error = loop.t_s / size, loop.error
     errors = f"Error ({'counts' if loop.count else exact_unit(run.unit)})"
@@ -117,24 +139,26 @@ def _over_time(run: Run, loop: Stretch) -> tuple[list[Trace], dict[str, Any], bo
         (loop.current_A, "current", CURRENT),
         (loop.input_K, "predicted temperature", TEMPERATURE),
     )
-    data: list[Trace] = [_band(t, y_axis="y2")] if loop.count else []
-    for (values, name, colour), y_axis in zip(rows, _ROWS):
+    data: list[Trace] = [band(t, -WITHIN_COUNTS, yaxis="y2")] if loop.count else []
+    for (values, name, colour), y_axis in zip(rows, ROWS):
         kept = envelope(values, POINTS)
         data.append(
             line(t[kept], values[kept], name, colour, width=1.2, yaxis=y_axis, showlegend=name == "measured")
         )
     data.append(line(t, loop.wanted, "wanted", INK, width=1.3, dash="dot", yaxis="y"))
     titles = (output_title(run), errors, "Current (A)", input_title(run))
-    layout, cut = _stacked(
-        titles, f"Time since the loop was closed ({unit})", error if loop.count else error[:0]
-    )
-    return data, layout, cut
+    layout = stacked(titles, _SHARES, f"Time since the loop was closed ({unit})")
+    if reach is not None:
+        layout["yaxis2"]["range"] = [-reach, reach]
+    return data, layout
 
 
-def _stacked(titles: tuple[str, ...], t_title: str, error: Array) -> tuple[dict[str, Any], bool]:
-    layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=_ROWS[-1], mirror=False), "showlegend": True}
+def stacked(titles: Sequence[str], shares: Sequence[float], t_title: str) -> dict[str, Any]:
+    """Rows above each other on one time axis, each with its share of the height."""
+    last = ROWS[len(titles) - 1]
+    layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=last, mirror=False), "showlegend": True}
     top = 1.0
-    for title, share, name in zip(titles, _SHARES, _ROWS):
+    for title, share, name in zip(titles, shares, ROWS):
         words = (
             title.replace(" above ambient", "<br>above ambient")
             .replace(", ", ",<br>")
@@ -142,37 +166,46 @@ def _stacked(titles: tuple[str, ...], t_title: str, error: Array) -> tuple[dict[
         )
         layout[f"yaxis{name[1:]}"] = {
             "title": {"text": words, "font": {"size": 11}},
-            "domain": [max(top - share + 0.03, 0.0) if name != _ROWS[-1] else 0.0, top],
+            "domain": [max(top - share + 0.03, 0.0) if name != last else 0.0, top],
             "mirror": False,
             "nticks": 6,
         }
         top -= share
-    known = np.abs(error[np.isfinite(error)])
-    cut = bool(known.size and known.max() > _MOST_COUNTS)
-    if known.size:
-        half = min(max(1.15 * float(known.max()), 2 * WITHIN_COUNTS), _MOST_COUNTS)
-        layout["yaxis2"]["range"] = [-half, half]
-    return layout, cut
+    return layout
 
 
-def _band(t: Array, y_axis: str) -> Trace:
-    ends = [float(t[0]), float(t[-1])] if t.size else [0.0, 1.0]
-    edge = [ends[0], ends[1], ends[1], ends[0], ends[0]]
-    half = WITHIN_COUNTS
-    words = f"± {half:g} counts"
-    closed = {"fill": "toself", "fillcolor": BAND, "hoverinfo": "skip", "yaxis": y_axis}
-    return line(edge, [-half, -half, half, half, -half], words, GREY, width=0, **closed)
+def band(t: Array, low: float, **more: Any) -> Trace:
+    """From ``low`` to + 2 counts, behind the errors."""
+    left, right = (float(t[0]), float(t[-1])) if t.size else (0.0, 1.0)
+    words = f"{'±' if low < 0 else 'within'} {WITHIN_COUNTS:g} counts"
+    return _box(left, right, low, WITHIN_COUNTS, words, GREY, BAND, **more)
 
 
-def _shaded(on: float, off: float) -> Trace:
+def shaded(on: float, off: float, low: float, high: float, **more: Any) -> Trace:
     """The time of the disturbance over the error's row."""
-    edge, far = [on, off, off, on, on], _MOST_COUNTS * 10
-    tint = {"fill": "toself", "fillcolor": "rgba(230,159,0,.18)", "hoverinfo": "skip", "yaxis": "y2"}
-    return line(edge, [-far, -far, far, far, -far], "disturbance", CURRENT, width=0, **tint)
+    return _box(on, off, low, high, "disturbance", CURRENT, "rgba(230,159,0,.18)", **more)
 
 
-def _band_words(loop: Stretch, cut: bool) -> str:
-    if not loop.count:
+def _box(
+    left: float, right: float, low: float, high: float, words: str, colour: str, fill: str, **more: Any
+) -> Trace:
+    edge = [left, right, right, left, left]
+    closed = {"fill": "toself", "fillcolor": fill, "hoverinfo": "skip"}
+    return line(edge, [low, low, high, high, low], words, colour, width=0, **closed, **more)
+
+
+def _band_words(loop: Stretch, reach: float | None) -> str:
+    if reach is None:
         return ""
-    beyond = f" Errors beyond {_MOST_COUNTS:g} counts are cut off." if cut else ""
-    return f"Error: measured less wanted, in encoder counts; band: ± {WITHIN_COUNTS:g} counts.{beyond}"
+    words = f"Error: measured less wanted, in encoder counts; band: ± {WITHIN_COUNTS:g} counts."
+    return f"{words}{cut_words(loop.error, reach)}"
+
+
+def cut_words(error: Array, reach: float) -> str:
+    """What an error's row does not show, in a sentence; "" where it shows all."""
+    known = np.abs(error[np.isfinite(error)])
+    beyond = known > reach
+    if not beyond.any():
+        return ""
+    share = f"{number(100 * float(beyond.mean()), 2)} % of the readings"
+    return f" Errors beyond {number(reach)} counts are cut off: {share}, the largest {counts(float(known.max()))}."

@@ -8,16 +8,36 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def number(value: float | None, digits: int = 3) -> str:
     """A number with ``digits`` significant digits; '–' where there is none.
 
-    >>> number(0.012345), number(-1.93e-4), number(None), number(12.5404), number(1234.5)
-    ('0.0123', '−1.93 × 10⁻⁴', '–', '12.5', '1230')
+    >>> number(0.012345), number(-1.93e-4), number(None), number(12.5404), number(1234.5), number(-0.0)
+    ('0.0123', '−1.93 × 10⁻⁴', '–', '12.5', '1230', '0')
     """
     if value is None or not math.isfinite(value):
         return "–"
+    value += 0.0  # zero has no sign
     if value != 0 and not 1e-3 <= abs(value) < 1e5:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
         return f"{mantissa} × 10{raised(int(exponent))}".replace("-", "−")
     text = f"{value:.{digits}g}"
     return (f"{float(text):.0f}" if "e" in text else text).replace("-", "−")
+
+
+def signed(value: float, digits: int = 3) -> str:
+    """A number whose sign is told either way; zero has none.
+
+    >>> signed(0.0272), signed(-1.5), signed(-0.0)
+    ('+0.0272', '−1.5', '0')
+    """
+    return f"+{number(value, digits)}" if value > 0 else number(value, digits)
+
+
+def counts(value: float, *, sign: bool = False) -> str:
+    """Encoder counts to a tenth, for beside a length or an angle; ``sign``: told either way.
+
+    >>> counts(7.66), counts(-0.02, sign=True), counts(0.58, sign=True), counts(-13.0, sign=True)
+    ('7.7 counts', '0.0 counts', '+0.6 counts', '−13.0 counts')
+    """
+    told = round(value, 1) + 0.0
+    return f"{told:{'+' if sign and told else ''}.1f} counts".replace("-", "−")
 
 
 def raised(power: int) -> str:
