@@ -49,6 +49,13 @@ class Aligned:
 
 def aligned(runs: Mapping[str, Run]) -> list[Aligned]:
     """The runs, each aligned with the first. UsageError when their units differ."""
+    one_unit(runs)
+    first = next(iter(runs.values()))
+    return [_aligned(name, run, first) for name, run in runs.items()]
+
+
+def one_unit(runs: Mapping[str, Run]) -> None:
+    """UsageError when runs are not all in the units of the first."""
     names = list(runs)
     first = runs[names[0]]
     for name, run in runs.items():
@@ -57,7 +64,6 @@ def aligned(runs: Mapping[str, Run]) -> list[Aligned]:
                 f"Run {name} is in {run.unit} against {run.input_unit}, run {names[0]} in {first.unit} against "
                 f"{first.input_unit}; only runs in the same units can be drawn over each other."
             )
-    return [_aligned(name, run, first) for name, run in runs.items()]
 
 
 def _aligned(name: str, run: Run, first: Run) -> Aligned:

@@ -1,4 +1,7 @@
-"""The page of several runs over each other: what differs in how they were made, and in what they measured."""
+"""The page of several runs over each other: what differs in how they were made, and in what they measured.
+
+Closed loops are compared by how well they went, in a section of their own; ordinary runs by what they measured.
+"""
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -7,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from smarig.record import Run
-from smarig.report.aligned import Aligned, aligned
+from smarig.report.aligned import Aligned, aligned, one_unit
+from smarig.report.closed_loop import is_closed_loop
 from smarig.report.compared import countable, whose
+from smarig.report.comparison_loops import loops_section
 from smarig.report.conditions import duration_s, exact_unit, label_of, marks
+from smarig.report.figure import Figure
 from smarig.report.figures_comparison import differences, named, over_time, overlay
 from smarig.report.html import Html, notice, paragraph, table
 from smarig.report.numbers import duration, number
@@ -39,21 +45,30 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
     UsageError when they are more than can be told apart, or measured in different units.
     """
     countable(list(runs), "runs")
-    found = aligned(runs)
-    first = found[0]
-    subtracted = differences(found) or notice("warning", paragraph(_NOTHING.format(first.name)))
-    over = [part for part in (overlay(found), subtracted, over_time(found)) if part]
+    one_unit(runs)
+    loops = {name: run for name, run in runs.items() if is_closed_loop(run)}
+    others = {name: run for name, run in runs.items() if name not in loops}
+    found = aligned(others) if others else []
     sections = [
-        Section("In numbers", "Numbers", [_numbers(found), _differing(runs)]),
-        Section("Over each other", "Figures", over),
+        *loops_section(loops, first=len(others)),
+        Section("In numbers", "Numbers", [*([_numbers(found)] if found else []), _differing(runs)]),
+        *([Section("Over each other", "Figures", _over(found))] if found else []),
         Section("Honest numbers", "Honest numbers", [marks_table(runs)]),
         Section("Provenance", "Provenance", [provenance_table(runs)]),
     ]
     label, words = whose([label_of(run) for run in runs.values()])
-    lead = f"{', '.join(each.name for each in found[1:])} beside {first.name}"
+    first, *rest = runs
+    lead = f"{', '.join(rest)} beside {first}"
     title = f"Comparison of {len(runs)} runs"
     notices = endings(list(runs.values()))
     return page(title, lead, sections, label=label, simulated=words, notices=notices)
+
+
+def _over(found: Sequence[Aligned]) -> list[Html | Figure]:
+    """Figures of runs over each other; closed loops, whose steps are not these, have their own."""
+    nothing = notice("warning", paragraph(_NOTHING.format(found[0].name))) if len(found) > 1 else None
+    subtracted = differences(found) or nothing
+    return [part for part in (overlay(found), subtracted, over_time(found)) if part]
 
 
 _NOTHING = (

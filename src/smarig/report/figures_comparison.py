@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from smarig.record import Run
 from smarig.report.aligned import Aligned
 from smarig.report.conditions import exact_unit, input_title, label_of, output_title, place
 from smarig.report.decimate import POINTS, envelope, path
@@ -163,10 +164,17 @@ def offsets(runs: Sequence[Aligned]) -> str:
 
 def places(runs: Sequence[Aligned]) -> Html:
     """Where each run was made, with the colour that it is drawn in; what all share is said once."""
-    told = [place(each.run).removesuffix(".").split("; ") for each in runs]
+    return places_of([(k, each.name, each.run) for k, each in enumerate(runs)])
+
+
+def places_of(runs: Sequence[tuple[int, str, Run]]) -> Html:
+    """The same of (colour, name, run)."""
+    told = [place(run).removesuffix(".").split("; ") for _, _, run in runs]
     shared = [part for part in told[0] if all(part in other for other in told)]
     own = ["; ".join(part for part in parts if part not in shared) for parts in told]
-    each = [joined([named(k, e.name), f": {words}. "]) for k, (e, words) in enumerate(zip(runs, own))]
+    each = [
+        joined([named(k, name), f": {words}. " if words else ". "]) for (k, name, _), words in zip(runs, own)
+    ]
     return joined([*each, f"All: {'; '.join(shared)}." if shared else ""])
 
 

@@ -1,5 +1,7 @@
 """Set-point regulation in the Preisach plane: ψ with ψʳ of the set-point, B_ℓ wanted, foretold and reached (§8.3)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from smarig.control.regulation.plane import Plane
@@ -80,14 +82,16 @@ def _boundaries(run: Run, found: Regulated) -> Panel:
     low, high = float(facts["lower_K"]), float(facts["upper_K"])
     data = [
         line([low, high], [low, high], "α = β", GREY, width=1, hoverinfo="skip", showlegend=False),
-        line(*_curve(found.boundary), "reached", FIRST, width=5, opacity=0.45),
+        line(*boundary_curve(found.boundary), "reached", FIRST, width=5, opacity=0.45),
     ]
     if facts.get("predicted_boundary"):
-        data.append(line(*_curve(facts["predicted_boundary"]), "foretold", SECOND, width=1.6, dash="dot"))
+        data.append(
+            line(*boundary_curve(facts["predicted_boundary"]), "foretold", SECOND, width=1.6, dash="dot")
+        )
     if facts.get("ell_K") is not None:
         plane = Plane(low, high)
         goal = plane.points(plane.goal(float(facts["ell_K"])))
-        data.append(line(*_curve(goal), "wanted, α = 2ℓ − β", INK, width=2.2, dash="7px,5px"))
+        data.append(line(*boundary_curve(goal), "wanted, α = 2ℓ − β", INK, width=2.2, dash="7px,5px"))
     ends = [low, high]
     layout = {
         "xaxis": axis(f"β ({run.input_unit})", constrain="domain", range=ends),
@@ -96,7 +100,7 @@ def _boundaries(run: Run, found: Regulated) -> Panel:
     return Panel(data, layout, 460)
 
 
-def _curve(points) -> tuple[np.ndarray, np.ndarray]:
+def boundary_curve(points: Sequence[Sequence[float]]) -> tuple[np.ndarray, np.ndarray]:
     """β and α along a boundary, (k,) each."""
     beta, alpha = np.array([tuple(p) for p in points], dtype=float).T
     return beta, alpha
