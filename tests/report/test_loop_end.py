@@ -79,6 +79,11 @@ def test_without_a_count_there_is_no_verdict_and_without_readings_no_end():
     assert np.isfinite([gap.mean, gap.spread, gap.swing]).all()
 
 
+def test_currents_are_told_to_a_milliampere():
+    end = replace(ended(NOISE), current_A=(-7.07e-4, 0.48123))
+    assert end_words(end, "mm").endswith("; current −0.001 to 0.481 A.")
+
+
 def test_zero_has_no_sign():
     end = replace(ended(NOISE), mean=-1e-4 * COUNT)
     assert "s 0 mm (0.0 counts) from" in end_words(end, "mm")

@@ -85,18 +85,18 @@ def size(value: float, unit: str, count: float) -> str:
 
 def end_words(end: LoopEnd, unit: str) -> str:
     """Mean and spread of the last stretch, and the current it took."""
-    least, most = end.current_A
+    least, most = (number(round(current, 3)) for current in end.current_A)
     return (
         f"In the last {number(end.seconds)} s {off(end.mean, unit, end.count)} from the set-point on average, "
-        f"{size(end.spread, unit, end.count)} rms about that; current {number(least)} to {number(most)} A."
+        f"{size(end.spread, unit, end.count)} rms about that; current {least} to {most} A."
     )
 
 
 def rest_words(end: LoopEnd, unit: str) -> str:
     """That a loop does not rest, or rests off its set-point; "" where it rests there, or nothing can be said."""
-    least, most = end.current_A
+    least, most = (number(round(current, 3)) for current in end.current_A)
     swing = size(end.swing, unit, end.count)
-    between = f", the current between {number(least)} A and {number(most)} A"
+    between = f", the current between {least} A and {most} A"
     return {
         "swings": f"It does not rest: it swings by {swing}{between}.",
         "moves": f"It does not rest: it still moves, by {swing} in {number(end.seconds)} s{between}.",
