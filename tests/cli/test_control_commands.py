@@ -15,6 +15,7 @@ from smarig.control.tracking import loop
 from smarig.errors import UsageError
 from smarig.identification.model_file import Channel
 from smarig.model.planted import from_pairs
+from smarig.preisach.fod_table import FodTable
 from smarig.record import load_run
 from smarig.report.closed_loop import closed_loop
 from smarig.runner.control import Control
@@ -73,6 +74,8 @@ def test_where_passivity_fails_the_input_that_breaks_it_is_given(capsys, two):
     assert [(c["name"], c["holds"], c["delta"]) for c in found["controllers"]] == [
         ("constant_gain", False, 4.0)
     ]
+    assert found["controllers"][0]["k_e"] is None
+    assert found["controllers"][0]["coverage"] == "not covered: passive, output follows input fail"
     start, low, high = found["breaking"]["way"]
     cycles = found["breaking"]["cycles_until_negative"]
     u = [start, low, high, *[low, high] * cycles]
@@ -86,6 +89,19 @@ def test_a_model_with_effects_is_certified_for_its_hysteresis_alone(capsys, tmp_
     status, out, _ = call(capsys, "certify", model)
     assert status == 0
     assert "effects (backlash): they are not covered" in out
+
+
+def test_a_tables_certificate_speaks_in_the_models_units(capsys, tmp_path):
+    """A table of relays, or of anything, may not know its unit: the model file does."""
+    nodes = np.array([0.0, 50.0, 100.0, 174.0])
+    y = np.where(np.tri(4, dtype=bool), nodes[:, None] / 20 - 2 + nodes / 100, np.nan)
+    nameless = FodTable.from_arrays(nodes, nodes, y)
+    model = model_file(tmp_path, "one_e", hysteresis=nameless)
+    status, out, _ = call(capsys, "certify", model, "--controller", "constant_gain", "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert (found["dissipativity"]["unit"], found["storage"]["unit"]) == ("mm·K", "mm·K")
+    assert found["units"]["gain"] == "K·s/mm"
 
 
 # --- track and regulate ---------------------------------------------------------------------------------
@@ -203,6 +219,7 @@ IMPATIENT = loop.Patience(share=0.04, seconds=5.0)
 MISTAKES = [
     (2, ["certify", "nowhere.json"], "nowhere.json"),
     (2, ["certify", "ONE", "--controller", "leaky"], "did you mean leaky_pi"),
+    (2, ["certify", "ONE", "--controller", "inverse"], "'inverse' is a position loop"),
     (2, ["certify", "ONE", "--set", "gain=1"], "--controller"),
     (2, ["certify", "ONE", "--controller", "leaky_pi", "--set", "gane=1"], "did you mean gain"),
     (2, ["certify", "ONE", "--controller", "leaky_pi", "--set", "gain=-1"], "positive"),

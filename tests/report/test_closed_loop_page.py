@@ -173,7 +173,7 @@ def test_the_page_of_a_certificate(name, verdict):
     page = Page(certificate_page(model, found, origin(model, f"{name}.model.json", "3" * 64)))
     assert page.visible.lstrip().startswith("TWIN")
     assert page.visible.count(verdict) == 1
-    assert page.row("constant_gain")[-1] == ("covered" if name == "one_c" else "not covered")
+    assert page.row("constant_gain")[-1] == ("covered" if name == "one_c" else "not covered: passive fails")
     assert page.row("Thm 8.1")[1:3] == ["ν ≥ 0", "holds"] if name == "one_c" else "gives back" in page.visible
     psi = page.traces("ψ(ℓ)")[0]
     assert unpacked(psi["y"])[0] == pytest.approx(surface(name).y_lower)

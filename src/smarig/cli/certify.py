@@ -31,11 +31,11 @@ def command(
     model: Path, controller: str | None, pairs: tuple[str, ...], out: Path | None, force: bool
 ) -> None:
     """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ, γ and k_e
-    (Thm 8.2) with every hypothesis that fails. It speaks of the hysteresis alone; where passivity fails, the input that
-    breaks it is given."""
+    (Thm 8.2) with every hypothesis that fails. It speaks of the hysteresis alone, and says how far that reaches: the
+    loops of track and regulate are not covered. Where passivity fails, the input that breaks it is given."""
     from smarig.closed_loop import Given
     from smarig.control.certificate import certificate
-    from smarig.report.certificate_page import certificate_page, origin
+    from smarig.report.certificate_page import certificate_page, origin, units_of
     from smarig.report.page import write_page
     from smarig.whole_file import may_be_written
 
@@ -45,7 +45,8 @@ def command(
     if out is not None:
         distinct(out, model)
         may_be_written(out, force=force)
-    found = certificate(given.model.hysteresis, {controller: parse_pairs(pairs)} if controller else None)
+    numbers = {controller: parse_pairs(pairs)} if controller else None
+    found = certificate(given.model.hysteresis, numbers, units_of(given.model))
     about = origin(given.model, given.name, given.sha256)
     page = {}
     if out is not None:

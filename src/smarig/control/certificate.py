@@ -1,34 +1,36 @@
 """What can be certified of a hysteresis before a loop is closed around it: chapter 8 asked of one model.
 
 Classes (Def. 4.1), dissipativity, the storage and its bias from u(0) = 0 (Thm 8.1), Thm 8.2 for every velocity
-controller asked for, what is left of it for gains on a schedule, and the position controllers of §9.2. It speaks of
-the hysteresis alone: heating, delay, quantum and effects are not in it (docs/explanation/control_findings.md).
-Refuses to know where a model came from.
+controller asked for, and how far all that reaches (``scope``). A number that no theorem gives is None. Refuses to
+know where a model came from.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from smarig.catalogue import find, names
-from smarig.control.hypothesis import Hypothesis, failing
+from smarig.control.examined import Examined
+from smarig.control.hypothesis import Hypothesis, all_hold, coverage, failing
 from smarig.control.passivity import Breaking, breaking
-from smarig.control.settings import VELOCITY, given
+from smarig.control.scope import (
+    FINDINGS,
+    Limit,
+    Proved,
+    k_e_units,
+    limits,
+    position_controllers,
+    scheduling,
+)
+from smarig.control.settings import TRACKING, VELOCITY, given
 from smarig.control.storage import Storage, storage
+from smarig.control.units import Units, said
 from smarig.control.velocity.stability import Stability, ground, stability_on
 from smarig.errors import UsageError
-from smarig.preisach.energy import certify
 from smarig.preisach.energy.certificate import Certificate as Dissipativity
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
-from smarig.preisach.properties.classes import Classes, classes
-
-POSITION = (
-    "Position controllers of §9.2: a Preisach model is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 only, so the strict "
-    "class (a, c ≠ 0) is empty; the marginal one (a = b = c = 0) holds the controllers whose K(s)/s is positive real "
-    "(proportional, with derivative, lead), and bounds the energy without saying that y arrives at r."
-)
-
+from smarig.preisach.properties.classes import Classes
 
 _ROUNDING = 1e-9  # of the largest, as in the classes
 
@@ -40,6 +42,23 @@ class Judged:
     name: str
     numbers: dict[str, float]
     stability: Stability
+
+    @property
+    def k_e(self) -> float | None:
+        """The bound of Thm 8.2; None where it does not hold, or is not known to."""
+        return self.stability.k_e if self.stability.holds else None
+
+    @property
+    def coverage(self) -> str:
+        """Whether Thm 8.2 covers the loop, and which hypotheses are in the way."""
+        return coverage(self.stability.hypotheses)
+
+    @property
+    def text(self) -> str:
+        """One line: δ and γ with their unit, and k_e where it is proved."""
+        s, unit = self.stability, self.stability.units.gain
+        bound = f"k_e {self.coverage}" if self.k_e is None else f"k_e = {self.k_e:.4g}"
+        return f"{self.name}: δ = {said(s.delta, unit)}, γ = {said(s.gamma, unit)}, {bound}."
 
 
 @dataclass(frozen=True)
@@ -57,6 +76,17 @@ class Certificate:
     storage: Storage
     breaking: Breaking | None
     controllers: tuple[Judged, ...]
+    proved: Proved
+
+    @property
+    def units(self) -> Units:
+        """Of the hysteresis."""
+        return self.proved.units
+
+    @property
+    def limits(self) -> tuple[Limit, ...]:
+        """How far it reaches: the same list for text, page and JSON."""
+        return limits(self.proved)
 
     @property
     def passive(self) -> bool | None:
@@ -74,15 +104,15 @@ class Certificate:
     def verdict(self) -> str:
         """Passive or not, and by what bias, in a sentence."""
         s = self.storage
-        bias = f"{s.energy:.4g} {s.unit}".rstrip()
+        bias = said(s.energy, s.unit)
         if s.ground == "none":
             return "Not passive: some input takes more energy out of this model than was ever put in."
         if s.ground == "undecided":
             return "Not decided: no bound of the supplied energy is known for this model."
         ground = {
-            "positive": "ν ≥ 0, Thm 8.1",
-            "recoverable": "Q_r is proved a storage function, although ν is negative somewhere",
-            "dissipative": "no loop gives energy back, although ν is negative somewhere",
+            "positive": "neither μ nor g is negative, Thm 8.1",
+            "recoverable": "Q_r is proved a storage function, although μ or g is negative somewhere",
+            "dissipative": "no loop gives energy back, although μ or g is negative somewhere",
         }[s.ground]
         if not s.proved:
             return f"Dissipative ({ground}), but its bias is known from below only: at least {bias}."
@@ -93,16 +123,12 @@ class Certificate:
     @property
     def scheduling(self) -> str:
         """What is certified of gains on a schedule."""
-        velocity = "Gain scheduling as velocity feedback: δ is the least gain and γ the largest, whatever it looks at"
-        if self.passive is not True or self.reasons:
-            return (
-                f"{velocity}; but Thm 8.2 asks more of the model than it has, so there is no bound with it."
-            )
-        return (
-            f"{velocity}, so Thm 8.2 covers it. As position feedback, V = Q_r(B) + Φ(e) never rises for gains that are "
-            "switched by the error alone, without a tick of delay and for a constant reference: the energy is bounded, "
-            "and no more."
-        )
+        return scheduling(self.proved)
+
+    @property
+    def position_controllers(self) -> str:
+        """What is certified of the position controllers of §9.2."""
+        return position_controllers(self.proved)
 
     @property
     def reasons(self) -> tuple[Hypothesis, ...]:
@@ -116,16 +142,20 @@ class Certificate:
         c = self.classes
         lines = [
             self.verdict,
-            f"Classes: M_PC {_word(c.M_PC)}, M_P {_word(c.M_P)}, g ≥ 0 {_word(self.g_not_negative)}.",
+            f"Classes of the density μ: M_PC {_word(c.M_PC)}, M_P {_word(c.M_P)}; reversible part g ≥ 0: "
+            f"{_word(self.g_not_negative)}.",
+            *(f"Of μ and g together, {h.text}" for h in self.hypotheses if h.name == "ν ≥ 0" and not h.holds),
             self.dissipativity.text
             if self.dissipativity
             else f"Dissipativity is not decided. {self.undecided}",
-            *(h.text for h in self.hypotheses if h.name == "ν ≥ 0" and not h.holds),
             *([self.counter_example] if self.breaking else []),
             self.loops,
-            *(f"  {_of(judged)}" for judged in self.controllers),
+            *(f"  {judged.text}" for judged in self.controllers),
             self.scheduling,
-            POSITION,
+            self.position_controllers,
+            "Limits:",
+            *(f"  {limit.text}" for limit in self.limits),
+            f"  (see {FINDINGS})",
         ]
         return "\n".join(lines)
 
@@ -140,7 +170,8 @@ class Certificate:
         """What Thm 8.2 says of velocity feedback with this model, in a sentence or two."""
         if not self.reasons:
             return "Velocity feedback without delay: ‖ė‖ ≤ k_e (‖ṙ‖ + ‖u_o‖) up to every T (Thm 8.2)."
-        return "Velocity feedback: Thm 8.2 does not cover it. " + " ".join(h.text for h in self.reasons)
+        lacking = "does not cover it" if self.proved.covered is False else "is not known to cover it"
+        return f"Velocity feedback: Thm 8.2 {lacking}. " + " ".join(h.text for h in self.reasons)
 
     @property
     def counter_example(self) -> str:
@@ -149,11 +180,11 @@ class Certificate:
             return ""
         v = self.breaking.violation
         _, low, high = v.way.tolist()
-        unit = f" {self.storage.unit}".rstrip()
+        unit = self.units.input
         return (
-            f"Drive it from {v.way[0]:.4g} K to {low:.4g} K, then between {high:.4g} and {low:.4g} K: every cycle "
-            f"gives back {-v.per_cycle:.4g}{unit}, and after {self.breaking.cycles_below(0.0)} cycles more came out "
-            "than went in."
+            f"Drive it from {said(v.way[0], unit)} to {said(low, unit)}, then between {high:.4g} and "
+            f"{said(low, unit)}: every cycle gives back {said(-v.per_cycle, self.storage.unit)}, and after "
+            f"{self.breaking.cycles_below(0.0)} cycles more came out than went in."
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -173,13 +204,19 @@ class Certificate:
             "dissipativity": asdict(self.dissipativity) | {"text": self.dissipativity.text}
             if self.dissipativity
             else {"dissipative": None, "text": self.undecided},
+            "units": {
+                "output": self.units.output,
+                "input": self.units.input,
+                "gain": self.units.gain,
+                "k_e": k_e_units(self.units),
+            },
             "storage": {"ground": s.ground, "proved": s.proved, "bias": s.energy, "unit": s.unit},
             "hypotheses": _plain(self.hypotheses),
             "initial": self.initial,
             "controllers": [
-                {"name": j.name, "numbers": j.numbers, "holds": j.stability.holds}
-                | {key: getattr(j.stability, key) for key in ("delta", "gamma", "k_e", "stored")}
-                | {"hypotheses": _plain(j.stability.hypotheses)}
+                {"name": j.name, "numbers": j.numbers, "holds": j.stability.holds, "coverage": j.coverage}
+                | {"delta": j.stability.delta, "gamma": j.stability.gamma, "k_e": j.k_e}
+                | {"stored": j.stability.stored, "hypotheses": _plain(j.stability.hypotheses)}
                 for j in self.controllers
             ],
             "breaking": self.breaking
@@ -189,38 +226,56 @@ class Certificate:
                 "cycles_until_negative": self.breaking.cycles_below(0.0),
             },
             "gain_scheduling": self.scheduling,
-            "position_controllers": POSITION,
+            "position_controllers": self.position_controllers,
+            "limits": [asdict(limit) for limit in self.limits],
         }
 
 
 def certificate(
-    hysteresis: Everett, controllers: Mapping[str, Mapping[str, Any]] | None = None
+    hysteresis: Everett,
+    controllers: Mapping[str, Mapping[str, Any]] | None = None,
+    units: Units | None = None,
 ) -> Certificate:
     """Certify a hysteresis, with velocity controllers by name and the numbers that are not their defaults.
 
-    ``controllers``: the whole catalogue where it is None.
+    ``controllers``: the whole catalogue where it is None; UsageError for one that feeds back the position.
+    ``units``: the hysteresis's own where none are given.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> found = certificate(surface("one_e"), {"constant_gain": {"gain": 4.0}})
-    >>> found.passive, found.classes.M_P, found.controllers[0].stability.k_e
+    >>> found.passive, found.classes.M_P, found.controllers[0].k_e
     (True, False, 2.0)
+    >>> certificate(surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
+    True
     """
     wanted = {name: {} for name in names(VELOCITY)} if controllers is None else controllers
+    _check(wanted)
     chosen = {name: given(VELOCITY, name, pairs) for name, pairs in wanted.items()}
     made = {name: find(VELOCITY, name)(**numbers) for name, numbers in chosen.items()}
-    initial = initial_of(hysteresis)
-    dissipativity, undecided = _dissipativity(hysteresis)
-    stored = storage(hysteresis, Preisach(hysteresis, initial).state)
-    of_model = ground(hysteresis, initial, stored)
+    examined = Examined.of(hysteresis, units)
+    initial = initial_of(examined.hysteresis)
+    stored = storage(examined, Preisach(examined.hysteresis, initial).state)
+    of_model = ground(examined, initial, stored)
     return Certificate(
         initial,
-        classes(hysteresis),
-        dissipativity,
-        undecided,
+        examined.classes,
+        examined.dissipativity,
+        examined.undecided,
         stored,
-        _breaking(hysteresis, initial) if dissipativity and dissipativity.dissipative is False else None,
+        _breaking(examined, initial),
         tuple(Judged(name, chosen[name], stability_on(of_model, made[name])) for name in made),
+        Proved(stored.ground, examined.monotone.holds, all_hold(of_model.hypotheses), examined.units),
     )
+
+
+def _check(wanted: Iterable[str]) -> None:
+    """A position loop is no mistake of spelling."""
+    for name in wanted:
+        if name in names(TRACKING):
+            raise UsageError(
+                f"'{name}' is a position loop (of smarig track and regulate), which Thm 8.2 does not cover: certify "
+                f"takes {', '.join(names(VELOCITY))}; what is known of position loops is in {FINDINGS}."
+            )
 
 
 def initial_of(hysteresis: Everett) -> Initial:
@@ -228,24 +283,13 @@ def initial_of(hysteresis: Everett) -> Initial:
     return "negative" if hysteresis.lower >= 0 else "anhysteretic"
 
 
-def _dissipativity(hysteresis: Everett) -> tuple[Dissipativity | None, str]:
+def _breaking(examined: Examined, initial: Initial) -> Breaking | None:
     try:
-        return certify(hysteresis), ""
-    except UsageError as error:
-        return None, str(error)
-
-
-def _breaking(hysteresis: Everett, initial: Initial) -> Breaking | None:
-    try:
-        return breaking(hysteresis, initial)
-    except UsageError:  # its loop is too small to repay the approach in as many cycles as are tried
+        return breaking(examined, initial)
+    except (
+        UsageError
+    ):  # there is none, or its loop is too small to repay the approach in as many cycles as are tried
         return None
-
-
-def _of(judged: Judged) -> str:
-    s = judged.stability
-    reasons = "".join(f" {h.text}" for h in failing(s.hypotheses) if h.name.startswith("H₁"))
-    return f"{judged.name}: δ = {s.delta:.4g}, γ = {s.gamma:.4g}, k_e = {s.k_e:.4g}.{reasons}"
 
 
 def _plain(hypotheses: tuple[Hypothesis, ...]) -> list[dict[str, Any]]:

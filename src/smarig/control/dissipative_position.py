@@ -10,7 +10,7 @@ usual kind, u_p = K(r − y_p), is −K here: −⟨u̇, −Ku⟩ has the densit
 |D|²Π is a polynomial in ω²: its sign is decided where it turns, not sampled. For b = c (*) is exact from rest, up
 to every T: with a = 0 and K(0) ≥ 0 it says that K(s)/s is positive real; with a > 0 it asks for K(0) = 0, and what
 comes after T only costs. For b ≠ c it is necessary. At ω = 0 it reads |K(0)| ≤ √(b² − c²)/a: what that means for a
-hysteresis, which has b = 0, stands in docs/explanation/control_findings.md. Refuses to conclude stability.
+hysteresis, which has b = 0 if any, stands in docs/explanation/control_findings.md. Refuses to conclude stability.
 """
 
 from collections.abc import Sequence

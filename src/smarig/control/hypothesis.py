@@ -14,11 +14,19 @@ class Hypothesis:
 
     @property
     def text(self) -> str:
-        """One line for a report."""
-        return f"{self.name}: {_WORDS[self.holds]}: {self.why}."
+        """A sentence for a report; symbols keep their case.
+
+        >>> Hypothesis("passive", False, "some loop gives energy back").text
+        'Passive: no, some loop gives energy back.'
+        >>> Hypothesis("u(0) = 0", True, "the loop starts at zero").text
+        'u(0) = 0: yes, the loop starts at zero.'
+        """
+        first = self.name.split(" ")[0]
+        name = self.name[:1].upper() + self.name[1:] if first.isascii() and first.isalpha() else self.name
+        return f"{name}: {_WORDS[self.holds]}, {self.why}."
 
 
-_WORDS = {True: "holds", False: "fails", None: "not decided"}
+_WORDS = {True: "yes", False: "no", None: "not decided"}
 
 
 def all_hold(hypotheses: Iterable[Hypothesis]) -> bool | None:
@@ -36,3 +44,20 @@ def all_hold(hypotheses: Iterable[Hypothesis]) -> bool | None:
 def failing(hypotheses: Iterable[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Those that do not hold, or are not known to."""
     return tuple(h for h in hypotheses if h.holds is not True)
+
+
+def coverage(hypotheses: Iterable[Hypothesis]) -> str:
+    """Whether a theorem covers its subject, and by which hypotheses it does not.
+
+    >>> coverage([Hypothesis("passive", False, "seen"), Hypothesis("u(0) = 0", True, "seen")])
+    'not covered: passive fails'
+    """
+    found = tuple(hypotheses)
+    holds = all_hold(found)
+    if holds:
+        return "covered"
+    lacking = [h.name for h in found if h.holds is holds]
+    names, one = ", ".join(lacking), len(lacking) == 1
+    if holds is None:
+        return f"not decided: {names} {'is' if one else 'are'} open"
+    return f"not covered: {names} {'fails' if one else 'fail'}"

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from smarig.control.examined import Examined
 from smarig.control.hypothesis import Hypothesis, failing
 from smarig.control.storage import Ground, storage
+from smarig.control.units import Units, said
 from smarig.errors import UsageError
-from smarig.preisach.energy import Violation, certify, confirm, energy_balance
+from smarig.preisach.energy import Violation, confirm, energy_balance
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
 from smarig.preisach.state import State
@@ -78,7 +80,7 @@ class Passivity:
             return "Not passive with any bias: some input makes the supplied energy fall below every bound."
         how = {
             "positive": "Thm 8.1",
-            "recoverable": "Q_r is a storage function although ν is partly negative",
+            "recoverable": "Q_r is a storage function, although μ or g is negative somewhere",
             "dissipative": "dissipative by its loop areas",
         }[self.ground]
         if self.bound == 0.0 and self.proved:
@@ -87,7 +89,7 @@ class Passivity:
         return f"Passive with bias: the supplied energy is {kind} below {self._energy(self.bound)} ({how})."
 
     def _energy(self, value: float) -> str:
-        return f"{value:.4g} {self.unit}".rstrip()
+        return said(0.0 if abs(value) <= self.rounding else value, self.unit)
 
 
 def passivity(hysteresis: Everett, u: ArrayLike, initial: Initial = "negative") -> Passivity:
@@ -102,25 +104,26 @@ def passivity(hysteresis: Everett, u: ArrayLike, initial: Initial = "negative") 
     >>> [h.name for h in passivity(surface("two_e"), [10.0], "positive").failing]
     ['ν ≥ 0', 'u(0) = 0']
     """
-    hysteresis = getattr(hysteresis, "hysteresis", hysteresis)
-    start = Preisach(hysteresis, initial).state
-    balance = energy_balance(hysteresis, u, initial)
-    found = storage(hysteresis, start)
+    examined = Examined.of(hysteresis)
+    start = Preisach(examined.hysteresis, initial).state
+    balance = energy_balance(examined.hysteresis, u, initial)
+    found = storage(examined, start)
     return Passivity(
         balance.supplied,
         0.0 - found.energy,
         found.proved,
         found.ground,
-        (*found.hypotheses, _at_rest(start)),
+        (*found.hypotheses, _at_rest(start, examined.units)),
         balance.rounding,
         found.unit,
     )
 
 
-def _at_rest(start: State) -> Hypothesis:
+def _at_rest(start: State, units: Units) -> Hypothesis:
     if start.u == 0.0:
         return Hypothesis("u(0) = 0", True, "the input begins at zero")
-    return Hypothesis("u(0) = 0", False, f"the input begins at {start.u:.4g}, so energy may be stored")
+    where = said(start.u, units.input)
+    return Hypothesis("u(0) = 0", False, f"the input begins at {where}, so energy may be stored")
 
 
 @dataclass(frozen=True)
@@ -146,8 +149,10 @@ class Breaking:
         return np.concatenate([self.violation.way, np.tile([low, high], cycles)])
 
 
-def breaking(hysteresis: Everett, initial: Initial = "negative") -> Breaking:
+def breaking(hysteresis: Everett | Examined, initial: Initial = "negative") -> Breaking:
     """The loop that breaks passivity, from an initial state; UsageError for a model that has none.
+
+    Takes a hysteresis that has been examined as well, and does not look again.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> two_p = breaking(surface("two_p"), "anhysteretic")
@@ -155,7 +160,9 @@ def breaking(hysteresis: Everett, initial: Initial = "negative") -> Breaking:
     >>> two_p.supplied_after(n) < -1000.0 <= two_p.supplied_after(n - 1)
     True
     """
-    found = certify(hysteresis)
-    if found.dissipative is not False:
-        raise UsageError(f"No input is known to break the passivity of this model. {found.text}")
-    return Breaking(confirm(hysteresis, found.at, initial))
+    examined = hysteresis if isinstance(hysteresis, Examined) else Examined.of(hysteresis)
+    found = examined.dissipativity
+    if found is None or found.dissipative is not False:
+        why = found.text if found else examined.undecided
+        raise UsageError(f"No input is known to break the passivity of this model. {why}")
+    return Breaking(confirm(examined.hysteresis, found.at, initial))

@@ -20,7 +20,8 @@ def held_supply(
 ) -> float:
     """∫(u ẏ − b² y²) dt of a quick move to u, then held for ``hold_s``: without a lower bound for b > 0 and y ≠ 0.
 
-    A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 only.
+    A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 at most
+    (``certify`` says whether it is for that).
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> held_supply(surface("two_c"), 60.0, 1e6, b=0.1) < -1e5 < 0 < held_supply(surface("two_c"), 60.0, 1e6, b=0.0)

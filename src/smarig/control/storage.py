@@ -12,12 +12,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from smarig.control.examined import Examined
 from smarig.control.hypothesis import Hypothesis
-from smarig.errors import UsageError
-from smarig.preisach.energy import available_storage, certify, recoverable_energy
-from smarig.preisach.energy.storage_function import recoverable_energy_is_storage
-from smarig.preisach.everett import Everett
-from smarig.preisach.properties.classes import Classes, classes
+from smarig.control.units import said
+from smarig.preisach.energy import available_storage, recoverable_energy
 from smarig.preisach.state import State
 
 Ground = Literal["positive", "recoverable", "dissipative", "none", "undecided"]
@@ -34,53 +32,54 @@ class Storage:
     unit: str = ""
 
 
-def storage(hysteresis: Everett, state: State) -> Storage:
+def storage(found: Examined, state: State) -> Storage:
     """How much energy a state can give back; nothing is assumed of the hysteresis, everything is checked.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> from smarig.preisach.operator import Preisach
     >>> wire = Preisach(surface("one_e"))
-    >>> found = storage(wire.hysteresis, wire.state)
-    >>> found.energy, found.ground, found.proved
+    >>> stored = storage(Examined.of(wire.hysteresis), wire.state)
+    >>> stored.energy, stored.ground, stored.proved
     (0.0, 'recoverable', True)
     """
-    found = classes(hysteresis)
-    sign = _sign(found)
-    unit = getattr(hysteresis, "unit", "")
-    unit = f"{unit}·K" if unit else ""
+    sign, unit = _sign(found), found.units.energy
     if sign.holds:
-        return Storage(recoverable_energy(hysteresis, state), True, "positive", (sign,), unit)
-    verdict, why = _dissipative(hysteresis)
+        return Storage(recoverable_energy(found.hysteresis, state), True, "positive", (sign,), unit)
+    verdict, why = _dissipative(found)
     hypotheses = (sign, Hypothesis("dissipative", verdict, why))
     if verdict is None:
         return Storage(math.nan, False, "undecided", hypotheses, unit)
     if not verdict:
         return Storage(math.inf, True, "none", hypotheses, unit)
-    if _recoverable_is_storage(hysteresis):
-        return Storage(recoverable_energy(hysteresis, state), True, "recoverable", hypotheses, unit)
-    found = available_storage(hysteresis, state)
-    return Storage(found.value, found.exact, "dissipative", hypotheses, unit)
+    if found.recoverable_is_storage:
+        return Storage(recoverable_energy(found.hysteresis, state), True, "recoverable", hypotheses, unit)
+    available = available_storage(found.hysteresis, state)
+    tolerance = found.dissipativity.tolerance if found.dissipativity else 0.0
+    energy = 0.0 if abs(available.value) <= tolerance else available.value
+    return Storage(energy, available.exact, "dissipative", hypotheses, unit)
 
 
-def _sign(found: Classes) -> Hypothesis:
-    least, name = (found.mu_min, "μ") if not found.mu_min.value >= 0 else (found.g_min, "g")
-    if found.positive:
-        kind = "no relay has a negative mass" if found.atoms else "neither μ nor g is negative anywhere"
+def _sign(found: Examined) -> Hypothesis:
+    c, units = found.classes, found.units
+    if c.positive:
+        kind = (
+            "no relay has a negative mass"
+            if c.atoms
+            else "neither the density μ nor the reversible g is negative"
+        )
         return Hypothesis("ν ≥ 0", True, kind)
-    where = f"({least.at[0]:.4g}, {least.at[1]:.4g})"
-    return Hypothesis("ν ≥ 0", False, f"{name} is {least.value:.3g} at (α, β) = {where}")
+    of_density = not c.mu_min.value >= 0
+    least, name = (c.mu_min, "the density μ") if of_density else (c.g_min, "the reversible g")
+    unit = units.density if of_density else units.slope
+    if c.atoms:
+        name, unit = "the mass of a relay", units.output
+    where = f"({least.at[0]:.4g}, {least.at[1]:.4g}) {units.input}".rstrip()
+    return Hypothesis("ν ≥ 0", False, f"{name} is {said(least.value, unit, 3)} at (α, β) = {where}")
 
 
-def _dissipative(hysteresis: Everett) -> tuple[bool | None, str]:
-    try:
-        found = certify(hysteresis)
-    except UsageError as error:
-        return None, str(error).rstrip(".")
-    return found.dissipative, found.text.rstrip(".")
-
-
-def _recoverable_is_storage(hysteresis: Everett) -> bool:
-    try:
-        return recoverable_energy_is_storage(hysteresis)
-    except UsageError:
-        return False
+def _dissipative(found: Examined) -> tuple[bool | None, str]:
+    decided = found.dissipativity
+    if decided is None:
+        return None, found.undecided.rstrip(".")
+    _, _, why = decided.text.partition(": ")
+    return decided.dissipative, why.rstrip(".")

@@ -5,9 +5,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.control.certificate import POSITION, Certificate
+from smarig.control.certificate import Certificate
 from smarig.control.hypothesis import Hypothesis
+from smarig.control.scope import FINDINGS
 from smarig.control.storage import Storage
+from smarig.control.units import Units
 from smarig.identification.model_file import Model
 from smarig.report.conditions import exact_unit
 from smarig.report.figures_certificate import plane_figure
@@ -17,12 +19,8 @@ from smarig.report.page import Section, page
 from smarig.report.tables_model import M_P, M_PC
 
 _HOLDS = {True: "holds", False: "fails", None: "not decided"}
-_INDEX = re.compile(r"\b(Q|k|u|Δy|M)_(PC|P|r|e|o|k)\b")
+_INDEX = re.compile(r"\b(Q|S|k|u|Δy|M)_(PC|P|r|a|e|o|k)\b")
 _BOX = {True: "good", False: "bad", None: "warning"}
-ALONE = (
-    "It speaks of the hysteresis alone: behind a heating lag and limits passivity stays, a tick of delay and a "
-    "velocity from counts break it (docs/explanation/control_findings.md)."
-)
 
 
 @dataclass(frozen=True)
@@ -74,17 +72,23 @@ def origin(model: Model, file: str, sha256: str) -> Origin:
     return Origin(model.name, file, sha256, model.twin, model.rig, runs, effects)
 
 
+def units_of(model: Model) -> Units:
+    """Of the model's hysteresis, which need not know them itself."""
+    return Units(model.unit, model.input.unit)
+
+
 def certificate_page(model: Model, found: Certificate, about: Origin) -> str:
     """The whole page (HTML)."""
     label = "TWIN" if model.twin else ""
     sections = [
         Section("Verdict", "Verdict", [verdict_box(found), headline(found), *_left_out(about)]),
-        Section("Velocity feedback", "Velocity feedback", [*velocity_parts(model, found)]),
+        Section("Velocity feedback", "Velocity feedback", [*velocity_parts(found)]),
         Section("Hypotheses", "Hypotheses", [hypotheses_table(found)]),
         Section(
             "Weighting function and set-points", "μ and ψ", [plane_figure(model, found, _words(about), label)]
         ),
-        Section("Other loops", "Other loops", [paragraph(symbols(found.scheduling)), paragraph(POSITION)]),
+        Section("Limits", "Limits", [limits_table(found)]),
+        Section("Other loops", "Other loops", [*other_loops(found)]),
         Section("What it rests on", "Provenance", [provenance(about)]),
     ]
     simulated = "the model was identified from a software simulation. No wire was measured."
@@ -92,13 +96,14 @@ def certificate_page(model: Model, found: Certificate, about: Origin) -> str:
     return page(title, f"{about.file}, identified on {about.rig}", sections, label=label, simulated=simulated)
 
 
-def certificate_parts(model: Model, found: Certificate, about: Origin) -> list[Html]:
+def certificate_parts(found: Certificate, about: Origin) -> list[Html]:
     """A certificate as part of another page: verdict, table, hypotheses, origin."""
     return [
         verdict_box(found),
         *_left_out(about),
-        *velocity_parts(model, found),
+        *velocity_parts(found),
         hypotheses_table(found),
+        limits_table(found),
         paragraph(about.sentence()),
     ]
 
@@ -110,7 +115,7 @@ def verdict_box(found: Certificate) -> Html:
         parts.append(paragraph(found.dissipativity.text))
     if found.breaking is not None:
         parts.append(paragraph(found.counter_example))
-    return notice(_BOX[found.passive], *parts, paragraph(ALONE))
+    return notice(_BOX[found.passive], *parts)
 
 
 def headline(found: Certificate) -> Html:
@@ -122,7 +127,7 @@ def headline(found: Certificate) -> Html:
     ground = {
         "positive": "Q_r",
         "recoverable": "Q_r",
-        "dissipative": "available storage",
+        "dissipative": "S_a",
         "none": "none exists",
         "undecided": "not known",
     }[s.ground]
@@ -161,26 +166,37 @@ def symbols(text: str) -> Html:
     return Html(_INDEX.sub(r"\1<sub>\2</sub>", escaped(text)))
 
 
-def velocity_parts(model: Model, found: Certificate) -> list[Html]:
+def velocity_parts(found: Certificate) -> list[Html]:
     """The sentence of Thm 8.2, and k_e of each controller."""
-    per = f"K·s/{exact_unit(model.unit)}"
+    per = exact_unit(found.units.gain)
     rows = [
         (
             j.name,
             ", ".join(f"{key} = {value:g}" for key, value in j.numbers.items()),
             number(j.stability.delta),
             number(j.stability.gamma),
-            number(j.stability.k_e),
-            {True: "covered", False: "not covered", None: "not decided"}[j.stability.holds],
+            number(j.k_e),
+            j.coverage,
         )
         for j in found.controllers
     ]
     header = ("Controller", "Numbers", f"δ ({per})", f"γ ({per})", symbols("k_e"), "Thm 8.2")
     words = (
-        "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ. k_e adds "
-        f"{exact_unit(model.unit)}/s to K, so its number belongs to these units."
+        "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ where "
+        "Thm 8.2 covers the loop."
     )
     return [paragraph(symbols(found.loops)), table(header, rows, symbols(words), stacked=True)]
+
+
+def limits_table(found: Certificate) -> Html:
+    """How far the certificate reaches."""
+    rows = [(symbols(limit.about), symbols(limit.text)) for limit in found.limits]
+    return table(("About", "What holds"), rows, f"How far the certificate reaches; see {FINDINGS}.")
+
+
+def other_loops(found: Certificate) -> list[Html]:
+    """Gains on a schedule, and position controllers."""
+    return [paragraph(symbols(found.scheduling)), paragraph(symbols(found.position_controllers))]
 
 
 def hypotheses_table(found: Certificate) -> Html:

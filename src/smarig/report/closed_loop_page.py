@@ -9,7 +9,7 @@ from smarig.control.certificate import POSITION, certificate
 from smarig.control.tracking.measures import WITHIN_COUNTS
 from smarig.identification.model_file import Model
 from smarig.record import Run
-from smarig.report.certificate_page import certificate_parts, origin
+from smarig.report.certificate_page import certificate_parts, origin, units_of
 from smarig.report.closed_loop import Regulated, TrackedRun, closed_loop, is_closed_loop
 from smarig.report.closed_loop_words import rest_words, tangible
 from smarig.report.conditions import exact_unit
@@ -158,5 +158,7 @@ def _certified(
     if used and used != sha256:
         words = f"{name} is not the model this loop was run with ({run.meta['settings'].get('model')})."
         parts.append(notice("warning", paragraph(words)))
-    parts += certificate_parts(model, certificate(model.hysteresis), origin(model, name, sha256))
+    parts += certificate_parts(
+        certificate(model.hysteresis, units=units_of(model)), origin(model, name, sha256)
+    )
     return [Section("Certificate of the model", "Certificate", parts)]

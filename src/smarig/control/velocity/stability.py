@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from smarig.control.examined import Examined
 from smarig.control.hypothesis import Hypothesis, all_hold, failing
 from smarig.control.storage import Storage, storage
+from smarig.control.units import UNKNOWN, Units, said
 from smarig.control.velocity.controller import VelocityController
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
-from smarig.preisach.properties.classes import classes
-from smarig.preisach.properties.monotone import monotone
 
 Array = NDArray[np.float64]
 
@@ -52,6 +52,7 @@ class Stability:
     gamma: float
     stored: float
     hypotheses: tuple[Hypothesis, ...]
+    units: Units = UNKNOWN
 
     @property
     def holds(self) -> bool | None:
@@ -61,7 +62,7 @@ class Stability:
     @property
     def text(self) -> str:
         """The plain statement for a report."""
-        numbers = f"δ = {self.delta:.4g}, γ = {self.gamma:.4g}"
+        numbers = f"δ = {said(self.delta, self.units.gain)}, γ = {said(self.gamma, self.units.gain)}"
         if self.holds:
             return (
                 f"Stable (Thm 8.2): the velocity error never exceeds k_e = {self.k_e:.4g} times what drives the loop, "
@@ -77,22 +78,20 @@ class Ground:
 
     stored: float
     hypotheses: tuple[Hypothesis, ...]
+    units: Units = UNKNOWN
 
 
-def ground(hysteresis: Everett, initial: Initial = "negative", energy: Storage | None = None) -> Ground:
+def ground(found: Examined, initial: Initial = "negative", energy: Storage | None = None) -> Ground:
     """Look at a model once, for any number of controllers; ``energy``: its storage, if that is known already."""
-    start = Preisach(hysteresis, initial).state
-    energy = energy or storage(hysteresis, start)
-    stored = energy.energy
-    return Ground(
-        stored,
-        (
-            _passive(energy.ground, energy.proved, stored, energy.unit),
-            _follows(hysteresis),
-            _density(hysteresis),
-            _no_stored_energy(start.u, stored),
-        ),
+    start = Preisach(found.hysteresis, initial).state
+    energy = energy or storage(found, start)
+    hypotheses = (
+        _passive(energy),
+        _follows(found),
+        _density(found),
+        _no_stored_energy(start.u, energy.energy, found.units),
     )
+    return Ground(energy.energy, hypotheses, found.units)
 
 
 def stability(
@@ -107,66 +106,72 @@ def stability(
     >>> [h.name for h in failing(stability(surface("two_p"), constant_gain(4.0), "anhysteretic").hypotheses)]
     ['passive', 'output follows input']
     """
-    return stability_on(ground(hysteresis, initial), controller)
+    return stability_on(ground(Examined.of(hysteresis), initial), controller)
 
 
 def stability_on(found: Ground, controller: VelocityController) -> Stability:
     """The same, of a model that has been looked at."""
-    own = (_strict(controller.delta), _finite(controller.gamma))
+    unit = found.units.gain
+    own = (_strict(controller.delta, unit), _finite(controller.gamma, unit))
     return Stability(
-        k_e(controller), controller.delta, controller.gamma, found.stored, (*found.hypotheses, *own)
+        k_e(controller),
+        controller.delta,
+        controller.gamma,
+        found.stored,
+        (*found.hypotheses, *own),
+        found.units,
     )
 
 
-def _passive(ground: str, proved: bool, stored: float, unit: str) -> Hypothesis:
-    if ground == "none":
+def _passive(energy: Storage) -> Hypothesis:
+    if energy.ground == "none":
         return Hypothesis("passive", False, "some loop gives energy back in every cycle, so no bound exists")
-    if ground == "undecided":
+    if energy.ground == "undecided":
         return Hypothesis("passive", None, "dissipativity is not decided for this kind of hysteresis")
     why = {
         "positive": "ν ≥ 0 (Thm 8.1)",
-        "recoverable": "ν is negative somewhere, but Q_r is proved a storage function",
-        "dissipative": "ν is negative somewhere, but no loop gives energy back",
-    }[ground]
-    if not proved:
-        return Hypothesis(
-            "passive",
-            None,
-            f"{why}; the stored energy ({stored:.4g} {unit}".rstrip() + ") is a limit from below",
-        )
+        "recoverable": "ν ≥ 0 fails, but Q_r is proved a storage function",
+        "dissipative": "ν ≥ 0 fails, but no loop gives energy back",
+    }[energy.ground]
+    if not energy.proved:
+        stored = said(energy.energy, energy.unit)
+        return Hypothesis("passive", None, f"{why}; the stored energy ({stored}) is a limit from below")
     return Hypothesis("passive", True, why)
 
 
-def _follows(hysteresis: Everett) -> Hypothesis:
-    found = monotone(hysteresis)
-    if found.holds:
+def _follows(found: Examined) -> Hypothesis:
+    seen = found.monotone
+    if seen.holds:
         return Hypothesis("output follows input", True, "no branch runs against its input (Assumption 2.1)")
-    why = f"a monotone move can bring the output back by {found.setback:.3g}, so u_k Δy_k may fall short of ∫u dy"
+    back = said(seen.setback, found.units.output, 3)
+    why = f"a monotone move can bring the output back by {back}, so u_k Δy_k may fall short of ∫u dy"
     return Hypothesis("output follows input", False, why)
 
 
-def _density(hysteresis: Everett) -> Hypothesis:
-    if classes(hysteresis).M_PC:
+def _density(found: Examined) -> Hypothesis:
+    if found.classes.M_PC:
         return Hypothesis("μ ∈ M_PC", True, "the output has no jumps, so the loop has a solution")
     return Hypothesis("μ ∈ M_PC", False, "relays jump, so the loop need not have a solution")
 
 
-def _no_stored_energy(u: float, stored: float) -> Hypothesis:
+def _no_stored_energy(u: float, stored: float, units: Units) -> Hypothesis:
     if u == 0.0 and not 0.0 < stored < np.inf:
         return Hypothesis("u(0) = 0", True, "the loop starts at zero")
+    where = f"u = {said(u, units.input)}"
     if stored == 0.0:
-        return Hypothesis("u(0) = 0", True, f"the loop starts at u = {u:.4g}, but with no stored energy")
-    why = f"the loop starts at u = {u:.4g} with a stored energy of {stored:.4g}; the bound with √(Q₀/δ) counts it"
+        return Hypothesis("u(0) = 0", True, f"the loop starts at {where}, but with no stored energy")
+    energy = said(stored, units.energy)
+    why = f"the loop starts at {where} with a stored energy of {energy}; the bound with √(Q₀/δ) counts it"
     return Hypothesis("u(0) = 0", False, why)
 
 
-def _strict(delta: float) -> Hypothesis:
+def _strict(delta: float, unit: str) -> Hypothesis:
     if delta > 0:
-        return Hypothesis("H₁ strictly passive", True, f"δ = {delta:.4g}")
-    return Hypothesis("H₁ strictly passive", False, f"δ = {delta:.4g} is not positive")
+        return Hypothesis("H₁ strictly passive", True, f"δ = {said(delta, unit)}")
+    return Hypothesis("H₁ strictly passive", False, f"δ = {said(delta, unit)} is not positive")
 
 
-def _finite(gamma: float) -> Hypothesis:
+def _finite(gamma: float, unit: str) -> Hypothesis:
     if np.isfinite(gamma):
-        return Hypothesis("H₁ of finite gain", True, f"γ = {gamma:.4g}")
+        return Hypothesis("H₁ of finite gain", True, f"γ = {said(gamma, unit)}")
     return Hypothesis("H₁ of finite gain", False, "γ is infinite")

@@ -34,8 +34,9 @@ class Certificate:
     ``dissipative`` is None when the bound was not tight enough to decide. ``area`` is the smallest loop area
     found, at the loop ``at`` = (M, m); every loop's area is at least ``lower_bound`` (equal to ``area`` where
     the minimum is exact). ``area`` is never above 0, the value of the degenerate loop M = m. Areas within
-    ``tolerance`` of zero are rounding. ``evaluations`` counts the loops or cells looked at. ``unit`` is that of
-    the areas and ``input_unit`` that of the loop, empty where the hysteresis does not say.
+    ``tolerance`` of zero are rounding, and an exact minimum that small is given as 0. ``evaluations`` counts the
+    loops or cells looked at. ``unit`` is that of the areas and ``input_unit`` that of the loop, empty where the
+    hysteresis does not say.
     """
 
     dissipative: bool | None
@@ -88,18 +89,22 @@ def certify(hysteresis: Everett) -> Certificate:
         return _exact(*_least_of_relays(hysteresis), rounding(hysteresis))
     if isinstance(hysteresis, FodTable):
         cells = (hysteresis.nodes.size - 1) * (hysteresis.nodes.size - 2) // 2
-        return _exact(*least_area(hysteresis), cells, rounding(hysteresis))
+        return _in_units(_exact(*least_area(hysteresis), cells, rounding(hysteresis)), hysteresis.unit)
     if isinstance(hysteresis, FodSurface):
-        found, unit = _bounded(hysteresis, rounding(hysteresis)), hysteresis.unit
-        return replace(found, unit=f"{unit}·K", input_unit="K") if unit else found
+        return _in_units(_bounded(hysteresis, rounding(hysteresis)), hysteresis.unit)
     raise UsageError(
         f"Dissipativity of a {type(hysteresis).__name__} cannot be decided exactly: "
         "give an analytic surface, a table on one partition, or a measure of relays."
     )
 
 
+def _in_units(found: Certificate, unit: str) -> Certificate:
+    return replace(found, unit=f"{unit}·K", input_unit="K") if unit else found
+
+
 def _exact(area: float, at: tuple[float, float], evaluations: int, tolerance: float) -> Certificate:
-    return Certificate(area >= -tolerance, area, at, area, evaluations, tolerance)
+    area = 0.0 if area >= -tolerance else area
+    return Certificate(area == 0.0, area, at, area, evaluations, tolerance)
 
 
 def _least_of_relays(measure: RelayMeasure) -> tuple[float, tuple[float, float], int]:

@@ -1,0 +1,167 @@
+"""A certificate promises what is proved of its model, and no more, in text, page and JSON alike."""
+
+import html
+import json
+import re
+
+import numpy as np
+import pytest
+
+from control.measures import table
+from control.model_files import model_of
+from smarig.control.certificate import certificate
+from smarig.control.hypothesis import Hypothesis, coverage
+from smarig.control.passivity import passivity
+from smarig.control.scope import Proved, limits, position_controllers, position_loops, scheduling
+from smarig.control.units import Units
+from smarig.errors import UsageError
+from smarig.preisach.fod_table import FodTable
+from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.relay_measure import RelayMeasure
+from smarig.report.certificate_page import certificate_page, origin, units_of
+
+PROMISES = ("bounds the energy", "energy is bounded", "never rises", "stays passive", "covers it")
+ONE = {"constant_gain": {"gain": 4.0}}
+
+
+def sampled(name: str, unit: str) -> FodTable:
+    """A surface by its first-order curves on eight levels, as ``--surface table`` makes one."""
+    s = surface(name)
+    u = np.linspace(s.lower, s.upper, 8)
+    y = s.y_lower + np.array(
+        [[s.everett(a, s.lower) - s.everett(a, b) if b <= a else np.nan for b in u] for a in u]
+    )
+    return FodTable.from_arrays(u, u, y, unit)
+
+
+def said_everywhere(hysteresis, controllers=None) -> tuple[str, str, str]:
+    """Text, page without its marks, and JSON of one model's certificate."""
+    model = model_of("one_e", hysteresis=hysteresis)
+    found = certificate(hysteresis, controllers, units_of(model))
+    page = certificate_page(model, found, origin(model, "m.model.json", "0" * 64)).replace("<sub>", "_")
+    page = re.sub(r"<[^>]*>", "", page)
+    return found.text, html.unescape(page), json.dumps(found.to_json(), ensure_ascii=False)
+
+
+@pytest.mark.parametrize("kind", ["one_p", "two_p", "table"])
+def test_what_is_not_dissipative_gets_no_promise(kind):
+    hysteresis = sampled("two_p", "deg") if kind == "table" else surface(kind)
+    found = certificate(hysteresis)
+    assert found.passive is False
+    for words in said_everywhere(hysteresis):
+        assert [promise for promise in PROMISES if promise in words] == []
+        assert not re.search(r"k_e = \d", words), "its formula is no promise"
+        assert "not covered: passive" in words
+        assert "Nothing is proved of them with this model, because this model is not dissipative." in words
+        assert "nothing is certified, because this model is not dissipative" in words
+    plain = found.to_json()
+    assert [c["k_e"] for c in plain["controllers"]] == [None] * len(found.controllers)
+    assert all(c["delta"] > 0 for c in plain["controllers"]), "that is the controller's own"
+
+
+def test_a_model_that_is_covered_is_promised_its_bound():
+    for words in said_everywhere(surface("one_e")):
+        assert [promise for promise in PROMISES if promise not in words] == []
+    found = certificate(surface("one_e"), ONE)
+    assert found.text.count("k_e = 2.") == 1
+    assert found.to_json()["controllers"][0]["k_e"] == 2.0
+
+
+def test_what_is_not_decided_is_neither_promised_nor_denied():
+    proved = Proved("undecided", True, None)
+    words = [limit.text for limit in limits(proved)] + [scheduling(proved), position_controllers(proved)]
+    assert not [promise for promise in PROMISES for text in words if promise in text]
+    assert "not decided whether" in position_loops(proved)
+    assert coverage([Hypothesis("passive", None, "open")]) == "not decided: passive is open"
+    assert coverage(
+        [Hypothesis("a", False, "seen"), Hypothesis("b", False, "seen"), Hypothesis("c", None, "open")]
+    ) == ("not covered: a, b fail")
+
+
+def test_a_dissipative_model_whose_theorem_fails_keeps_its_stored_energy():
+    """A relay of negative mass within a larger one: Q_r is no storage function, relays jump, and S_a is what bounds."""
+    made = RelayMeasure.from_arrays([0.0, 1.0, 2.0], [-2.0, -2.0, -2.0], [1.0, -0.5, 1.0])
+    found = certificate(made, ONE)
+    assert (found.storage.ground, found.proved.covered) == ("dissipative", False)
+    assert found.controllers[0].k_e is None
+    assert "V = S_a(B) + Φ(e) never rises" in position_loops(found.proved)
+    assert "is dissipative" in found.position_controllers
+
+
+@pytest.mark.parametrize("name", ["one_e", "two_p"])
+def test_text_page_and_json_tell_the_same_limits(name):
+    found = certificate(surface(name))
+    told = {limit.about for limit in found.limits}
+    assert {"hysteresis alone", "delay and counts", "position loops"} <= told
+    assert ("units of k_e" in told) == ("lag and limits" in told) == (name == "one_e")
+    words = said_everywhere(surface(name))
+    for limit in found.limits:
+        assert [limit.text in w for w in words] == [True] * 3, limit.about
+    assert [limit["text"] for limit in found.to_json()["limits"]] == [limit.text for limit in found.limits]
+
+
+def test_every_number_of_a_loop_has_its_unit():
+    found = certificate(surface("one_e"), ONE)
+    assert "constant_gain: δ = 4 K·s/mm, γ = 4 K·s/mm, k_e = 2." in found.text
+    assert "k_e bounds ‖ė‖ in mm/s by ‖ṙ‖ in mm/s + ‖u_o‖ in K" in found.text
+    assert found.to_json()["units"] == {
+        "output": "mm",
+        "input": "K",
+        "gain": "K·s/mm",
+        "k_e": "bounds ‖ė‖ in mm/s by ‖ṙ‖ in mm/s + ‖u_o‖ in K",
+    }
+    back = certificate(surface("two_p"), ONE).text
+    assert re.search(r"bring the output back by [0-9.]+ deg,", back)
+    assert re.search(r"μ is -[0-9.]+ deg/K² at \(α, β\) = \([^)]*\) K\.", back)
+
+
+def test_a_table_has_the_units_of_its_model():
+    found = certificate(sampled("two_p", "deg"), ONE).to_json()["dissipativity"]
+    assert (found["unit"], found["input_unit"]) == ("deg·K", "K")
+    assert re.search(r"↔ 185 K gives back [0-9.]+ deg·K in every cycle", found["text"])
+    nameless = certificate(table(1), ONE, Units("deg", "K"))
+    assert nameless.dissipativity.unit == nameless.storage.unit == "deg·K"
+    mirrored = certificate(Mirrored(surface("one_e")), ONE, Units("mm", "K"))
+    assert "at least 0 mm·K" in mirrored.text
+    assert "δ = 4, γ = 4, k_e = 2." in certificate(table(1), ONE).text, (
+        "and nothing is made up where none is known"
+    )
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_rounding_is_no_energy(seed):
+    found = certificate(table(seed), ONE)
+    assert found.dissipativity.lower_bound == 0.0
+    assert "at least 0)." in found.text
+    along = passivity(table(seed), [3.0, -3.0, 2.5, 0.0, 3.0, -3.0, 0.0], "anhysteretic")
+    assert "e-" not in along.text
+
+
+def test_an_energy_within_rounding_reads_zero():
+    along = passivity(surface("one_e"), [50.0, 20.0])
+    tiny = type(along)(
+        np.array([-9.3e-23, 4.0]),
+        0.0,
+        along.proved,
+        along.ground,
+        along.hypotheses,
+        along.rounding,
+        along.unit,
+    )
+    assert "never below 0 mm·K (sample 0)" in tiny.text
+
+
+def test_a_failing_hypothesis_is_a_sentence():
+    assert (
+        Hypothesis("output follows input", False, "it does not").text
+        == "Output follows input: no, it does not."
+    )
+    assert Hypothesis("ν ≥ 0", None, "nobody looked").text == "ν ≥ 0: not decided, nobody looked."
+    assert not re.search(r"[.:] [a-z ]+: fails", certificate(surface("two_p")).text)
+
+
+@pytest.mark.parametrize("name", ["inverse", "pi", "gain_scheduled"])
+def test_a_position_loop_is_refused_by_what_it_is(name):
+    with pytest.raises(UsageError, match=r"is a position loop \(.*control_findings\.md"):
+        certificate(surface("one_e"), {name: {}})
