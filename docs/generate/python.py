@@ -59,6 +59,8 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         (
             "smarig.closed_loop",
             "smarig.control.passivity",
+            "smarig.control.readings",
+            "smarig.identification.run_passivity",
             "smarig.control.certificate",
             "smarig.control.position_loop",
             "smarig.control.dissipative_position",

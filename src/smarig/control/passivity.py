@@ -92,8 +92,10 @@ class Passivity:
         return said(0.0 if abs(value) <= self.rounding else value, self.unit)
 
 
-def passivity(hysteresis: Everett, u: ArrayLike, initial: Initial = "negative") -> Passivity:
+def passivity(hysteresis: Everett | Examined, u: ArrayLike, initial: Initial = "negative") -> Passivity:
     """⟨u, ẏ⟩_T along inputs u (n,), monotone between samples, from an initial state, with its lower bound.
+
+    Takes a hysteresis that has been examined as well, and does not look again.
 
     Raises DataError for an input that is empty or not finite, UsageError for one of another shape.
 
@@ -104,7 +106,7 @@ def passivity(hysteresis: Everett, u: ArrayLike, initial: Initial = "negative") 
     >>> [h.name for h in passivity(surface("two_e"), [10.0], "positive").failing]
     ['ν ≥ 0', 'u(0) = 0']
     """
-    examined = Examined.of(hysteresis)
+    examined = hysteresis if isinstance(hysteresis, Examined) else Examined.of(hysteresis)
     start = Preisach(examined.hysteresis, initial).state
     balance = energy_balance(examined.hysteresis, u, initial)
     found = storage(examined, start)

@@ -34,12 +34,12 @@ def simulate_in_turn(model: Model, runs: Sequence[Run]) -> list[Array]:
     """
     if model.effects:
         for run in runs:
-            _check_input(model, run)
+            check_input(model, run)
         return settled_in_turn(model, runs)
     outputs: list[Array] = []
     operator, known = model.preisach(), False
     for k, run in enumerate(runs):
-        _check_input(model, run)
+        check_input(model, run)
         if run.meta.get("protocol") == FORC_PROTOCOL:
             outputs.append(_reversal_curves(operator, run))
             known = False
@@ -60,7 +60,7 @@ def simulate_along(model: Model, run: Run) -> Array:
 
     NaN before the memory is known; an unknown input holds the last one. With effects, along its currents.
     """
-    _check_input(model, run)
+    check_input(model, run)
     if model.effects:
         return along(model, run)
     operator = model.preisach()
@@ -89,7 +89,8 @@ def check_output(model: Model, run: Run) -> None:
         )
 
 
-def _check_input(model: Model, run: Run) -> None:
+def check_input(model: Model, run: Run) -> None:
+    """UsageError when a run's input is of another unit than the model's."""
     if model.input.unit and run.input_unit and model.input.unit != run.input_unit:
         raise UsageError(
             f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}': "

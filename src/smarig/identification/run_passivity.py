@@ -1,0 +1,76 @@
+"""Passivity of a measured run: ∫ u dy of its readings along its predicted input, against a model's bound (Thm 8.1).
+
+Cuts the record where an input or a reading is missing, and follows the memory: a stretch whose first state is not
+known is summed, but held against no bound. After a missing input the memory is unknown until the input saturates.
+Refuses to know how energies are computed (``control.readings``).
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.control.examined import Examined
+from smarig.control.readings import Readings, noise_of, stretch
+from smarig.control.units import Units
+from smarig.errors import DataError
+from smarig.identification.fod_data import FORC_PROTOCOL
+from smarig.identification.history import REST, Start, named_start
+from smarig.identification.model_file import Model
+from smarig.identification.simulate import check_input, check_output
+from smarig.preisach.operator import Preisach
+from smarig.preisach.state import State
+from smarig.record import Run
+
+_UNKNOWN = "the state at the start of the run is not known, and the input has not saturated since"
+_LOST = "the input was missing, so the memory is not known until it saturates"
+
+
+def of_run(run: Run, model: Model, start: Start | None = None) -> Readings:
+    """Supplied energy of the readings of a run, sample by sample, with the model's beside it and its bound.
+
+    ``start``: the state the run began in, where its record does not say. Effects of a model are left out: the bound is
+    its hysteresis's. UsageError or DataError for a run of other units, without readings, or of reversal curves.
+    """
+    check_input(model, run)
+    check_output(model, run)
+    if run.meta.get("protocol") == FORC_PROTOCOL:
+        raise DataError(f"{run.path} holds reversal curves, not a run in time: there is no energy along it.")
+    u, y = run["input"], run["position"]
+    present = np.isfinite(u) & np.isfinite(y)
+    if not present.any():
+        raise DataError(f"{run.path} has no sample with both input and position.")
+    examined = Examined.of(model.hysteresis, Units(model.unit, model.input.unit))
+    noise = noise_of(y, float(run.meta.get("output", {}).get("per_count") or 0.0))
+    starts = list(_starts(model.preisach(), u, present, start or named_start(run)))
+    ends = [a for a, _ in starts[1:]] + [u.size]
+    made = []
+    for (a, memory), end in zip(starts, ends):
+        b = a + int(np.argmin(np.append(present[a:end], False)))  # up to the next gap
+        made.append(stretch(examined, u[a:b], y[a:b], noise, a, memory))
+    return Readings(tuple(made), noise, examined.units.energy, model.unit)
+
+
+def _starts(
+    operator: Preisach, u: NDArray[np.float64], present: NDArray[np.bool_], start: Start | None
+) -> Iterator[tuple[int, State | str]]:
+    """Rows where a stretch begins (after a gap, or as the memory gets known) with its state, or why there is none."""
+    h, unknown = operator.hysteresis, "" if start else _UNKNOWN
+    rest = REST * (h.upper - h.lower)
+    operator.reset(start or "negative")
+    before = False
+    for k, value in enumerate(u.tolist()):
+        learnt = False
+        if value != value:
+            unknown = _LOST
+        else:
+            saturated = (
+                "negative" if value <= h.lower + rest else "positive" if value >= h.upper - rest else None
+            )
+            if unknown and saturated:
+                operator.reset(saturated)
+                unknown, learnt = "", True
+            operator.step(value)
+        if present[k] and (learnt or not before):
+            yield k, unknown or operator.state
+        before = bool(present[k])
