@@ -5,7 +5,7 @@ Knows runs, and a model where one is at hand. Refuses to run anything.
 
 import math
 
-from smarig.control.certificate import POSITION, certificate
+from smarig.control.certificate import certificate
 from smarig.control.tracking.measures import WITHIN_COUNTS
 from smarig.identification.model_file import Model
 from smarig.record import Run
@@ -141,9 +141,8 @@ def _what_applies(run: Run, found: TrackedRun | Regulated) -> Html:
             tag("b", "The loop on this page is not covered by this certificate. "),
             f"It fed back the position (controller {name}, which {held}); Thm 8.2 and its table below are about "
             "velocity feedback, which was not run. What applies here is what is said of the model's hysteresis: "
-            "whether it is passive, and by what bias.",
+            "whether it is passive, and by what bias; and the last of its limits, on position loops.",
         ),
-        paragraph(POSITION),
     )
 
 
