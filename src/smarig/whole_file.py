@@ -1,4 +1,7 @@
-"""A file written whole or not at all: beside its place first, then moved there. Knows no content."""
+"""A file written whole or not at all: beside its place first, then moved there.
+
+With ``force`` it replaces another file of its kind only, so that a slip of the hand costs no measurement.
+"""
 
 import contextlib
 import tempfile
@@ -6,13 +9,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from smarig.errors import StorageError, UsageError
+from smarig.file_kind import kind_of
 
 
 @contextlib.contextmanager
 def whole_file(path: Path, *, force: bool) -> Iterator[Path]:
     """Yield the path to write to; it becomes ``path`` if the block ends well, and is gone if not.
 
-    Raises what ``may_be_written`` does, and StorageError when the disk is full after all.
+    Raises what ``may_be_written`` and ``replaceable`` do, and StorageError when the disk is full after all.
 
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder, whole_file(Path(folder) / "a.txt", force=False) as part:
@@ -22,6 +26,7 @@ def whole_file(path: Path, *, force: bool) -> Iterator[Path]:
     part = path.with_name(path.name + ".part")
     try:
         yield part
+        replaceable(path, kind_of(part, path.name))
         part.replace(path)
     except OSError as error:
         raise StorageError(f"{path} cannot be written: {error.strerror or error}.") from None
@@ -30,16 +35,17 @@ def whole_file(path: Path, *, force: bool) -> Iterator[Path]:
             part.unlink(missing_ok=True)
 
 
-def may_be_written(path: Path, *, force: bool) -> None:
-    """Make a file's folder and try it, before hours are spent on what goes into it.
+def may_be_written(path: Path, *, force: bool, kind: str = "") -> None:
+    """Make a file's folder and try it, before hours are spent on what goes into it: something of ``kind``, if known.
 
-    UsageError if ``path`` is a folder, exists (without ``force``), or lies in what is no folder; StorageError
-    if it cannot be written.
+    UsageError if ``path`` is a folder, exists (without ``force``, or as another kind), or lies in what is no
+    folder; StorageError if it cannot be written.
     """
     if path.is_dir():
         raise UsageError(f"{path} is a folder; name a file in it.")
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    replaceable(path, kind)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path.parent):
@@ -48,3 +54,20 @@ def may_be_written(path: Path, *, force: bool) -> None:
         raise UsageError(f"{path.parent} is not a folder; name a file inside one.") from None
     except OSError as error:
         raise StorageError(f"{path} cannot be written: {error.strerror or error}.") from None
+
+
+def replaceable(path: Path, kind: str) -> None:
+    """UsageError where a file exists that holds something else than ``kind``; an empty one may become anything.
+
+    A device such as /dev/null holds nothing, and is not read.
+    """
+    if not kind or not path.is_file():
+        return
+    try:
+        there = kind_of(path)
+    except OSError as error:
+        raise StorageError(f"{path} cannot be read: {error.strerror or error}.") from None
+    if there not in ("", kind):
+        raise UsageError(
+            f"{path} holds {there}, which --force does not replace by {kind}: give another name."
+        )

@@ -18,6 +18,7 @@ from smarig.cli._progress import progress
 from smarig.cli._situation import about
 from smarig.cli._types import RIG, SEED, Finite
 from smarig.errors import UsageError
+from smarig.file_kind import RUN
 from smarig.model.planted import asked_for
 from smarig.record import Run
 from smarig.rig.twin import TwinSettings
@@ -25,6 +26,7 @@ from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview
 from smarig.runner.session import Session
 from smarig.sample import Quality
+from smarig.whole_file import replaceable
 
 Shown = Callable[..., AbstractContextManager[Listener]]
 
@@ -106,9 +108,10 @@ _OPTIONS = (
 
 
 def free(target: Path, *, force: bool, remedy: str = "") -> None:
-    """UsageError when a run file exists and may not be replaced."""
+    """UsageError when a file exists and may not be replaced by a run."""
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name,{remedy} or --force to replace it.")
+    replaceable(target, RUN)
 
 
 def marked(run: Run) -> list[str]:

@@ -7,6 +7,7 @@ import click
 from smarig.cli._output import distinct, emit, json_option
 from smarig.cli._types import FILE, VELOCITY
 from smarig.errors import UsageError
+from smarig.file_kind import PAGE
 from smarig.protocols._settings import parse_pairs
 
 EPILOG = """\b
@@ -44,7 +45,7 @@ def command(
     given = Given.of(model)
     if out is not None:
         distinct(out, model)
-        may_be_written(out, force=force)
+        may_be_written(out, force=force, kind=PAGE)
     numbers = {controller: parse_pairs(pairs)} if controller else None
     found = certificate(given.model.hysteresis, numbers, units_of(given.model))
     about = origin(given.model, given.name, given.sha256)

@@ -9,6 +9,7 @@ import click
 from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import FILE, FOLDER, own_effects
 from smarig.errors import UsageError
+from smarig.file_kind import TOML
 
 if TYPE_CHECKING:
     from smarig.diagnosis.diagnose import Diagnosis
@@ -98,7 +99,7 @@ def command(
         folder_ready(out, force=force)
     if propose is not None:
         distinct(propose, *inputs)
-        may_be_written(propose, force=force)
+        may_be_written(propose, force=force, kind=TOML)
     found = diagnose(
         model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=say
     )

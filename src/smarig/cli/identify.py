@@ -6,6 +6,8 @@ import click
 
 from smarig.cli._output import distinct, emit, json_option, say
 from smarig.cli._types import FILE
+from smarig.file_kind import MODEL
+from smarig.whole_file import may_be_written
 
 SURFACES = ("constant", "parabolic", "exponential", "positive", "table", "best")
 EPILOG = """\b
@@ -44,6 +46,7 @@ def command(
     from smarig.identification.identify import identify
 
     distinct(out, *runs)
+    may_be_written(out, force=force, kind=MODEL)
     result = identify(runs, surface=surface, select=select, anchor=anchor, symmetric=symmetric)
     result.model.save(out, force=force)
     for warning in result.warnings:

@@ -4,10 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
+from smarig import file_kind
 from smarig.diagnosis.diagnose import Diagnosis
 from smarig.diagnosis.thermal import ThermalDiagnosis
 from smarig.errors import StorageError, UsageError
-from smarig.whole_file import whole_file
+from smarig.whole_file import replaceable, whole_file
 
 FILES = JSON, MODEL, PAGE = "diagnosis.json", "extended.model.json", "report.html"
 
@@ -18,9 +19,10 @@ def folder_ready(out: Path, *, force: bool) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StorageError(f"Folder {out} cannot be made: {error.strerror or error}.") from None
-    for name in FILES:
+    for name, kind in zip(FILES, (file_kind.JSON, file_kind.MODEL, file_kind.PAGE)):
         if (out / name).exists() and not force:
             raise UsageError(f"{out / name} exists; give another folder or --force to replace it.")
+        replaceable(out / name, kind)
 
 
 def write_diagnosis(found: Diagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:

@@ -17,10 +17,12 @@ from typing import Any
 
 from smarig.command import StepResult
 from smarig.errors import StorageError, UsageError
+from smarig.file_kind import RUN
 from smarig.record import schema
 from smarig.record.clock import ClockWatch
 from smarig.record.going_on import GoingOn, reopened
 from smarig.sample import Sample
+from smarig.whole_file import replaceable
 
 COMMIT_INTERVAL_S = 0.5
 RESERVE_BYTES = 8_000_000  # stop while there is still room to close the run
@@ -207,6 +209,7 @@ def _leave_one_file(db: sqlite3.Connection) -> None:
 def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    replaceable(path, RUN)
     _refuse_if_recording(path)
     try:
         for suffix in ("", "-wal", "-shm"):
@@ -252,6 +255,7 @@ def write_run(
     part = path.with_name(path.name + ".part")
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    replaceable(path, RUN)
     _refuse_if_recording(path)
     try:
         db = _create(

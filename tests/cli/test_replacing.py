@@ -1,0 +1,131 @@
+"""--force replaces a file by another of its kind, and nothing else: told by what is in it, not by its name alone."""
+
+import pytest
+
+from control.model_files import model_file
+from record.runs import META
+from smarig.cli import run as cli
+from smarig.errors import UsageError
+from smarig.exchange import export_run
+from smarig.file_kind import JSON, MODEL, PAGE, RUN, TABLE, TOML, kind_of
+from smarig.record.recorder import Recorder, write_run
+from smarig.report.page import page, write_page
+from smarig.whole_file import may_be_written, whole_file
+
+COLUMNS = {"tick": [0, 1, 2], "t_s": [0.0, 0.1, 0.2], "position": [0.0, 1.0, 2.0]}
+STEPS = ("--reference", "steps", "--set", "seconds=5", "--set", "every_s=5")
+ON = ("--rig", "one_wire_twin", "--quiet")
+
+
+def made(folder, kind, name):
+    """A file of a kind under any name, written as smarig writes it."""
+    path = folder / name
+    if kind == RUN:
+        write_run(path, META, COLUMNS, [], force=True)
+    elif kind == MODEL:
+        model_file(folder, "one_e").rename(path)
+    elif kind == PAGE:
+        write_page(page("A title", "A lead.", []), path)
+    elif kind == TABLE:
+        made(folder, RUN, "source.run.sqlite")
+        export_run(folder / "source.run.sqlite", to="csv", out=path)
+    elif kind == TOML:
+        path.write_text('# why\nname = "separating"\n\n[[step]]\nprotocol = "wiping_out"\n', encoding="utf-8")
+    else:
+        path.write_text('{\n  "verdict": 1\n}\n', encoding="utf-8")
+    return path
+
+
+KINDS = (RUN, MODEL, PAGE, TABLE, TOML, JSON)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_is_known_whatever_the_name(tmp_path, kind):
+    assert kind_of(made(tmp_path, kind, "a.html")) == kind
+    assert kind_of(made(tmp_path, kind, "b.run.sqlite")) == kind
+
+
+def test_what_nothing_tells_goes_by_its_name(tmp_path):
+    notes = tmp_path / "notes"
+    notes.write_text("buy wire", encoding="utf-8")
+    assert kind_of(notes) == "something else"
+    assert kind_of(notes, "notes.csv") == TABLE
+    notes.write_text("", encoding="utf-8")
+    assert kind_of(notes, "notes.csv") == ""
+
+
+@pytest.mark.parametrize("to", ["parquet", "mat", "netcdf", "rrd"])
+def test_other_programs_files_are_known_by_their_first_bytes(tmp_path, to):
+    pytest.importorskip({"parquet": "pyarrow", "mat": "scipy", "netcdf": "h5netcdf", "rrd": "rerun"}[to])
+    run = made(tmp_path, RUN, "r.run.sqlite")
+    out = tmp_path / "no_name"
+    export_run(run, to=to, out=out)
+    before = out.read_bytes()
+    with pytest.raises(UsageError, match="no_name holds a .*, which --force does not replace by a table"):
+        export_run(run, to="csv", out=out, force=True)
+    assert out.read_bytes() == before
+    export_run(run, to=to, out=out, force=True)
+
+
+@pytest.mark.parametrize("there", KINDS)
+@pytest.mark.parametrize("new", [RUN, MODEL, PAGE, TABLE])
+def test_a_file_becomes_its_own_kind_only(tmp_path, there, new):
+    fresh, old = made(tmp_path, new, "fresh"), made(tmp_path, there, "old")
+    before = old.read_bytes()
+
+    def write():
+        with whole_file(old, force=True) as part:
+            part.write_bytes(fresh.read_bytes())
+
+    if there == new:
+        write()
+        return
+    with pytest.raises(UsageError, match=f"old holds {there}, which --force does not replace by {new}"):
+        write()
+    with pytest.raises(UsageError, match=f"does not replace by {new}"):
+        may_be_written(old, force=True, kind=new)
+    assert old.read_bytes() == before
+    assert not list(tmp_path.glob("*.part"))
+
+
+@pytest.mark.parametrize("there", [MODEL, PAGE, TABLE])
+def test_no_recorder_begins_on_what_is_no_run(tmp_path, there):
+    old = made(tmp_path, there, "x.run.sqlite")
+    before = old.read_bytes()
+    for write in (
+        lambda: write_run(old, META, COLUMNS, [], force=True),
+        lambda: Recorder(old, META, force=True).close("done"),
+    ):
+        with pytest.raises(UsageError, match=f"holds {there}, which --force does not replace by a run"):
+            write()
+    assert old.read_bytes() == before
+
+
+COMMANDS = [
+    (RUN, ["certify", "MODEL", "-o", "OLD"]),
+    (MODEL, ["certify", "MODEL", "-o", "OLD"]),
+    (RUN, ["report", "RUN", "-o", "OLD"]),
+    (TABLE, ["track", "MODEL", *STEPS, *ON, "-o", "OLD"]),
+    (MODEL, ["regulate", "MODEL", "--setpoint", 6, *ON, "-o", "OLD"]),
+    (TABLE, ["run", "validation", *ON, "-o", "OLD"]),
+    (PAGE, ["simulate", "MODEL", "--protocol", "wiping_out", "-o", "OLD"]),
+    (PAGE, ["export", "RUN", "--to", "csv", "-o", "OLD"]),
+    (RUN, ["identify", "RUN", "-o", "OLD"]),
+    (TABLE, ["diagnose", "MODEL", "--train", "RUN", "--propose", "OLD"]),
+]
+
+
+@pytest.mark.parametrize(("there", "words"), COMMANDS)
+def test_force_destroys_nothing_of_another_kind(capsys, tmp_path, there, words):
+    files = {
+        "RUN": made(tmp_path, RUN, "r"),
+        "OLD": made(tmp_path, there, "old"),
+        "MODEL": model_file(tmp_path, "one_e"),
+    }
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    status = cli([str(files.get(word, word)) for word in (*words, "--force")])
+    err = capsys.readouterr().err
+    assert status == 2, err
+    assert f"old holds {there}, which --force does not replace by" in err
+    assert err.strip().count("\n") == 0
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
