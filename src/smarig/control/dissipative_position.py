@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 
+from smarig.control.velocity.controller import not_negative
 from smarig.errors import UsageError
 
 Array = NDArray[np.float64]
@@ -29,11 +30,15 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Supply:
-    """The constants of w_c, as they are squared in it."""
+    """The constants of w_c, as they are squared in it; UsageError unless they are finite numbers from 0 on."""
 
     a: float = 0.0
     b: float = 0.0
     c: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("a", "b", "c"):
+            not_negative(name, getattr(self, name))
 
 
 @dataclass(frozen=True)

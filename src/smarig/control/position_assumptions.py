@@ -5,6 +5,7 @@
 
 from dataclasses import dataclass
 
+from smarig.control.velocity.controller import finite, not_negative
 from smarig.errors import UsageError
 from smarig.preisach.energy import work
 from smarig.preisach.everett import Everett
@@ -21,15 +22,18 @@ def held_supply(
     """∫(u ẏ − b² y²) dt of a quick move to u, then held for ``hold_s``: without a lower bound for b > 0 and y ≠ 0.
 
     A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 at most
-    (``certify`` says whether it is for that).
+    (``certify`` says whether it is for that). UsageError for a time that runs backwards and for what is no number.
 
     >>> from smarig.preisach.gorbet_1997 import surface
     >>> held_supply(surface("two_c"), 60.0, 1e6, b=0.1) < -1e5 < 0 < held_supply(surface("two_c"), 60.0, 1e6, b=0.0)
     True
     """
+    finite("u", u)
+    finite("b", b)
+    not_negative("hold_s", hold_s)
     operator = Preisach(hysteresis, initial)
     supplied = work(hysteresis, operator.state, u)
-    return supplied - b**2 * operator.step(u) ** 2 * hold_s
+    return finite("The supply", supplied - b * b * operator.step(u) ** 2 * hold_s)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ and with one linear state. ũ and ė in the model's input unit and output unit p
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite
+from numbers import Real
 from typing import Protocol
 
 import numpy as np
@@ -79,7 +80,7 @@ class Memoryless:
 
     def start(self, dt_s: float) -> Running:
         """At sample 0."""
-        del dt_s  # without memory there is nothing to discretise
+        positive("dt_s", dt_s)  # without memory there is nothing to discretise, but signals are summed by it
         return _Counting(self.law)
 
     def probes(self, dt_s: float) -> Iterator[Array]:
@@ -158,6 +159,20 @@ class _Linear:
 
 def positive(name: str, value: float) -> float:
     """A constant of a controller: UsageError unless it is a positive, finite number."""
-    if not (isfinite(value) and value > 0):
-        raise UsageError(f"{name} must be a positive number, got {value:g}.")
+    if not (isinstance(value, Real) and isfinite(value) and value > 0):
+        raise UsageError(f"{name} must be a positive number, got {value}.")
+    return float(value)
+
+
+def not_negative(name: str, value: float) -> float:
+    """UsageError unless it is a finite number from 0 on."""
+    if finite(name, value) < 0:
+        raise UsageError(f"{name} must not be negative, got {value:g}.")
+    return float(value)
+
+
+def finite(name: str, value: float) -> float:
+    """UsageError for what is no number, and for numbers that nothing can be computed with."""
+    if not (isinstance(value, Real) and isfinite(value)):
+        raise UsageError(f"{name} must be a finite number, got {value}.")
     return float(value)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.control.velocity.controller import VelocityController
+from smarig.control.velocity.controller import VelocityController, finite, not_negative
 from smarig.errors import DataError, UsageError
 
 Array = NDArray[np.float64]
@@ -36,32 +36,32 @@ class Inequalities:
     control_squared: Array
 
     def strictly_passive(self, delta: float) -> bool:
-        """⟨ė, ũ⟩_T ≥ δ ‖ė‖²_T at every T, rounding apart."""
+        """⟨ė, ũ⟩_T ≥ δ ‖ė‖²_T at every T, rounding apart; UsageError for what cannot be computed."""
         return not self._too_little(delta).any()
 
     def finite_gain(self, gamma: float) -> bool:
-        """‖ũ‖_T ≤ γ ‖ė‖_T at every T, rounding apart."""
+        """‖ũ‖_T ≤ γ ‖ė‖_T at every T, rounding apart; UsageError for γ < 0 and what cannot be computed."""
         return not self._too_much(gamma).any()
 
     def _too_little(self, delta: float) -> NDArray[np.bool_]:
-        return delta * self.error_squared - self.supplied > 1e-12 * self._size(delta)
+        least = _computed(_times(finite("delta", delta), self.error_squared))
+        size = np.sqrt(self.error_squared) * np.sqrt(self.control_squared) + np.abs(least)
+        return least - self.supplied > 1e-12 * size  # ⟨ė, ũ⟩ is a sum of products that cancel
 
     def _too_much(self, gamma: float) -> NDArray[np.bool_]:
-        most = gamma**2 * self.error_squared
+        gain = not_negative("gamma", gamma)
+        most = _computed(_times(gain * gain, self.error_squared))
         return self.control_squared - most > 1e-12 * (self.control_squared + most)
 
     def broken_at(self, index: Literal["delta", "gamma"], value: float) -> int | None:
         """The first sample T at which the inequality with this δ or γ fails; None if it holds at all."""
+        _either(index)
         broken = self._too_little(value) if index == "delta" else self._too_much(value)
         return int(np.argmax(broken)) if broken.any() else None
 
-    def _size(self, delta: float) -> Array:
-        """What rounding is measured by: ⟨ė, ũ⟩ is a sum of products that cancel."""
-        return np.sqrt(self.error_squared * self.control_squared) + delta * self.error_squared
-
 
 def inequalities(controller: VelocityController, error: ArrayLike, dt_s: float) -> Inequalities:
-    """Both sides of Thm 8.2's two inequalities along errors (n,), from rest.
+    """Both sides of Thm 8.2's two inequalities along errors (n,), from rest; UsageError where they grow past computing.
 
     >>> from smarig.control.velocity.controllers.lead_lag import lead_lag
     >>> lead = lead_lag(2.0, zero_s=4.0, pole_s=1.0)
@@ -71,9 +71,28 @@ def inequalities(controller: VelocityController, error: ArrayLike, dt_s: float) 
     """
     errors = np.asarray(error, dtype=float)
     control = response(controller, errors, dt_s)
-    return Inequalities(
-        dt_s * np.cumsum(errors * control), dt_s * np.cumsum(errors**2), dt_s * np.cumsum(control**2)
-    )
+    with np.errstate(all="ignore"):
+        sums = [dt_s * np.cumsum(products) for products in (errors * control, errors**2, control**2)]
+    return Inequalities(*map(_computed, sums))
+
+
+def _times(index: float, sums: Array) -> Array:
+    with np.errstate(all="ignore"):  # what overflows is refused
+        return index * sums
+
+
+def _computed(sums: Array) -> Array:
+    """An infinite sum decides nothing: neither inequality may be said to hold by one."""
+    if not np.isfinite(sums).all():
+        raise UsageError(
+            "These errors, or this index, are beyond what can be computed with: give smaller ones."
+        )
+    return sums
+
+
+def _either(index: str) -> None:
+    if index not in ("delta", "gamma"):
+        raise UsageError(f"An index is delta or gamma, not '{index}'.")
 
 
 def violating(
@@ -83,6 +102,7 @@ def violating(
 
     UsageError when none of the controller's own probes does, or for a factor that is not above 1.
     """
+    _either(index)
     if not by > 1:
         raise UsageError(f"An index can only be broken beyond itself: give a factor above 1, got {by:g}.")
     value = by * controller.delta if index == "delta" else controller.gamma / by

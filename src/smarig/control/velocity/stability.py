@@ -18,6 +18,7 @@ from smarig.control.hypothesis import Hypothesis, all_hold, failing
 from smarig.control.storage import Storage, storage
 from smarig.control.units import UNKNOWN, Units, said
 from smarig.control.velocity.controller import VelocityController
+from smarig.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
 
@@ -37,9 +38,14 @@ def k_e(controller: VelocityController) -> float:
 def sharp_bound(
     controller: VelocityController, rate_norm: ArrayLike, offset_norm: ArrayLike, stored: float = 0.0
 ) -> Array:
-    """[(γ + δ)‖ṙ‖ + ‖u_o‖]/δ + √(Q₀/δ), broadcast over the norms."""
+    """[(γ + δ)‖ṙ‖ + ‖u_o‖]/δ + √(Q₀/δ), broadcast over the norms; UsageError for what is no norm, or Q₀ undecided."""
     delta, gamma = controller.delta, controller.gamma
-    driven = ((gamma + delta) * np.asarray(rate_norm) + np.asarray(offset_norm)) / delta
+    rates, offsets = np.asarray(rate_norm, dtype=float), np.asarray(offset_norm, dtype=float)
+    if not (np.all(rates >= 0) and np.all(offsets >= 0)):
+        raise UsageError("A norm is a number from 0 on; a rate's or an offset's is none.")
+    if np.isnan(stored):
+        raise UsageError("The stored energy is not decided, so there is no bound with it.")
+    driven = ((gamma + delta) * rates + offsets) / delta
     return driven + np.sqrt(max(stored, 0.0) / delta)
 
 
@@ -112,7 +118,7 @@ def stability(
 def stability_on(found: Ground, controller: VelocityController) -> Stability:
     """The same, of a model that has been looked at."""
     unit = found.units.gain
-    own = (_strict(controller.delta, unit), _finite(controller.gamma, unit))
+    own = (_strict(controller.delta, unit), _finite(controller, unit))
     return Stability(
         k_e(controller),
         controller.delta,
@@ -171,7 +177,12 @@ def _strict(delta: float, unit: str) -> Hypothesis:
     return Hypothesis("H₁ strictly passive", False, f"δ = {said(delta, unit)} is not positive")
 
 
-def _finite(gamma: float, unit: str) -> Hypothesis:
-    if np.isfinite(gamma):
-        return Hypothesis("H₁ of finite gain", True, f"γ = {said(gamma, unit)}")
-    return Hypothesis("H₁ of finite gain", False, "γ is infinite")
+def _finite(controller: VelocityController, unit: str) -> Hypothesis:
+    """γ, and with it k_e: a bound that has overflowed bounds nothing."""
+    delta, gamma = controller.delta, controller.gamma
+    if not np.isfinite(gamma):
+        return Hypothesis("H₁ of finite gain", False, "γ is infinite")
+    if delta > 0 and not np.isfinite(k_e(controller)):
+        why = f"k_e is beyond what can be computed with δ = {delta:.4g} and γ = {gamma:.4g}, so it bounds nothing"
+        return Hypothesis("H₁ of finite gain", False, why)
+    return Hypothesis("H₁ of finite gain", True, f"γ = {said(gamma, unit)}")
