@@ -29,6 +29,8 @@ from smarig.record import Run, load_run
 from smarig.runner.preview import Maker
 from smarig.runner.session import Session
 
+LEAST_COUNTS = 10  # of the encoder that a model must move: less is no motion that a loop could hold
+LEAST_TICKS = 10  # that a reference lasts: fewer samples tell nothing of a loop
 _SHARES = (0.2, 0.8)  # of the reach: where references stay unless told otherwise
 _OF_REFERENCES = ("low", "high", "seconds", "every_s", "speed", "seed")
 REGULATORS = {"pi": ("gain", "band")}
@@ -45,6 +47,7 @@ class Given:
     @classmethod
     def of(cls, path: str | Path) -> "Given":
         """Read and hash a model file; errors of ``load_model``."""
+        _path("The model", path)
         model = load_model(path)
         return cls(model, Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest())
 
@@ -74,10 +77,13 @@ def tracking(
 
     ``controller`` is a name or the path of an own file, which is executed.
     """
+    _check_words(controller, numbers)
+    _path("The reference", wanted)
     known = _known(given_.model, rig)
     controller = chosen(TRACKING, controller)
     pairs = given(TRACKING, controller, numbers or {})
     follow = _reference(wanted, settings or {}, known, given_.model.unit)
+    _check_length(follow, rig.period_s)
     _check_reach(follow, known, given_.model.unit)
     said = {**given_.settings(), "reference": follow.name, **(settings or {}), "controller": controller}
     for key in pairs:
@@ -103,6 +109,7 @@ def regulation(
     numbers: Mapping[str, Any] | None = None,
 ) -> Loop:
     """Go to a state of the output ``setpoint`` (the model's scale) and hold it. UsageError says what is wrong."""
+    _check_words(controller, numbers)
     model, known = given_.model, _known(given_.model, rig)
     setup = known.setup
     low, high = (end + known.origin for end in known.reach)
@@ -117,6 +124,7 @@ def regulation(
     if start not in STARTS:
         raise UsageError(f"start is {', '.join(STARTS)}, not '{start}'.")
     push_K, share = number("The disturbance", disturbance_K), number("within", within)
+    _check_push(push_K, setup)
     check_times(setup, number("hold_s", hold_s), push_K)
     loop = _regulator(controller, {"band": count / 2} | dict(numbers or {}), setup, model)
     said = {"setpoint": y, "within": share, "hold_s": hold_s, "start": start, "disturbance_K": push_K}
@@ -155,7 +163,62 @@ def _known(model: Model, rig: RigFile) -> Known:
             "ambient."
         )
     setup = Setup(actuator, rig.limits, rig.period_s)
-    return Known(setup, model.hysteresis, rig.encoder.counts_per_rev, from_json(model.effects))
+    known = Known(setup, model.hysteresis, rig.encoder.counts_per_rev, from_json(model.effects))
+    _check_moves(known, model)
+    return known
+
+
+def _check_moves(known: Known, model: Model) -> None:
+    """UsageError where the output does not rise with the input by more than noise: these loops heat to raise it."""
+    low, high = known.reach
+    setup = known.setup
+    limits = f"within this rig's limits, {setup.lower_K:.4g} to {setup.upper_K:.4g} K"
+    least = LEAST_COUNTS * setup.actuator.position_per_count(known.counts_per_rev)
+    if low == high:
+        raise UsageError(
+            f"The output of model {model.name} does not move {limits}: no loop can be closed by it."
+        )
+    if abs(high - low) < least:
+        raise UsageError(
+            f"Model {model.name} moves by {abs(high - low):.3g} {model.unit} only {limits}: less than {LEAST_COUNTS} "
+            f"counts of the encoder ({least:.3g} {model.unit}), which no loop can hold."
+        )
+    if high < low:
+        raise UsageError(
+            f"The output of model {model.name} falls as its input rises, by {low - high:.4g} {model.unit} {limits}: "
+            "these loops hold an output that rises with the input."
+        )
+
+
+def _check_length(follow: Reference, period_s: float) -> None:
+    if follow.duration_s < LEAST_TICKS * period_s:
+        raise UsageError(
+            f"The reference lasts {follow.duration_s:g} s: nothing can be measured in less than {LEAST_TICKS} samples, "
+            f"{LEAST_TICKS * period_s:g} s on this rig."
+        )
+
+
+def _check_push(push_K: float, setup: Setup) -> None:
+    range_K = setup.upper_K - setup.lower_K
+    if abs(push_K) > range_K:
+        raise UsageError(
+            f"A disturbance of {push_K:g} K is more than this rig's whole range, {range_K:.4g} K; give a smaller one."
+        )
+
+
+def _check_words(controller: Any, numbers: Any) -> None:
+    """UsageError for a notebook's slip: what is no name, and what is no mapping."""
+    if not isinstance(controller, str | Path):
+        raise UsageError(f"A controller is given by its name, not by {controller!r}.")
+    if not isinstance(numbers, Mapping | None):
+        raise UsageError(
+            f"A controller's numbers are given by name, such as {{'gain': 2}}, not by {numbers!r}."
+        )
+
+
+def _path(what: str, given_: Any) -> None:
+    if not isinstance(given_, str | Path):
+        raise UsageError(f"{what} is given by a name or a path, not by {given_!r}.")
 
 
 def _words(arrangement: str) -> str:
@@ -164,7 +227,7 @@ def _words(arrangement: str) -> str:
 
 def _reference(wanted: str, settings: Mapping[str, Any], known: Known, unit: str) -> Reference:
     if wanted not in SHAPES:
-        if not Path(wanted).suffix and not Path(wanted).exists():
+        if not Path(wanted).suffix and not Path(wanted).is_file():
             raise UsageError(
                 f"No reference '{wanted}'{suggestion(wanted, list(SHAPES))}, or a CSV file with time_s and "
                 f"position_{unit}."
@@ -178,19 +241,24 @@ def _reference(wanted: str, settings: Mapping[str, Any], known: Known, unit: str
         if key not in _OF_REFERENCES:
             raise UsageError(f"A reference has no setting '{key}'{suggestion(key, list(_OF_REFERENCES))}.")
     low, high = known.reach
+    settings = dict(settings)
+    seed = {"seed": _whole(settings.pop("seed"))} if "seed" in settings else {}
     values: dict[str, Any] = {
         "low": low + _SHARES[0] * (high - low),
         "high": low + _SHARES[1] * (high - low),
     } | {key: number(f"The reference's {key}", value) for key, value in settings.items()}
-    if "seed" in values:
-        values["seed"] = _whole(values["seed"])
-    return reference(wanted, values.pop("low"), values.pop("high"), **values)
+    return reference(wanted, values.pop("low"), values.pop("high"), **values, **seed)
 
 
-def _whole(seed: float) -> int:
-    if seed < 0 or seed != int(seed) or seed > 2**53:
-        raise UsageError(f"The reference's seed is a whole number from 0 on (given: {seed:g}).")
-    return int(seed)
+def _whole(seed: Any) -> int:
+    """A seed as typed."""
+    try:
+        found = float(seed)
+    except (TypeError, ValueError, OverflowError):
+        found = -1.0
+    if not 0 <= found <= 2**53 or found != int(found):
+        raise UsageError(f"The reference's seed is a whole number from 0 to 2^53 (given: {seed}).")
+    return int(found)
 
 
 def _check_reach(follow: Reference, known: Known, unit: str) -> None:
@@ -219,7 +287,8 @@ def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) 
             )
         found = number(f"Controller '{name}', {key}", value)
         if found < 0 or (found == 0 and key == "gain"):
-            raise UsageError(f"Controller '{name}': {key} must be positive (given: {value}).")
+            at_least = "must be positive" if key == "gain" else "must not be negative"
+            raise UsageError(f"Controller '{name}': {key} {at_least} (given: {value}).")
         setattr(loop, key, found)
     return loop
 
@@ -231,6 +300,7 @@ def run_loop(
     loop: Loop, rig: str, out: str | Path, *, seed: int = 0, wire: str = "", force: bool = False
 ) -> Run:
     """Run a closed loop on a rig, record it, and return the run."""
+    _path("The run", out)
     with Session(rig, seed=seed, wire=wire) as session:
         return load_run(session.run(loop.protocol, loop.settings, out, force=force, maker=loop.make))
 

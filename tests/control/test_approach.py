@@ -149,6 +149,8 @@ def test_what_limits_do_not_allow_is_refused_in_a_sentence():
         plan(setup, hysteresis, 180.0, 0.01)
     with pytest.raises(UsageError, match="a share of the plane between 0 and 1, got 0"):
         plan(setup, hysteresis, 60.0, 0.0)
+    with pytest.raises(UsageError, match=r"The period of a tick must be a positive number, got 0\.0"):
+        plan(Setup(setup.actuator, setup.limits, 0.0), hysteresis, 60.0)
 
 
 def test_what_no_sinusoid_reaches_is_refused_in_a_sentence(monkeypatch):

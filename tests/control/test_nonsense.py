@@ -1,6 +1,7 @@
 """Numbers that are none, and what overflows: no theorem is stated on them, and no inequality said to hold."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,7 +57,8 @@ def test_a_gain_is_not_negative_and_an_index_may_be():
 
 
 def test_an_index_is_delta_or_gamma():
-    for ask in (lambda: violating(GAIN, 0.1, "foo"), lambda: SEEN.broken_at("foo", 4.0)):
+    nonsense: Any = "foo"
+    for ask in (lambda: violating(GAIN, 0.1, nonsense), lambda: SEEN.broken_at(nonsense, 4.0)):
         with pytest.raises(UsageError, match="An index is delta or gamma, not 'foo'"):
             ask()
     assert violating(GAIN, 0.1, "delta").size

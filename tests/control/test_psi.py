@@ -132,3 +132,8 @@ def test_set_points_and_centres_outside_are_refused_in_one_sentence():
             psi.least(bad)
     with pytest.raises(UsageError, match="no state B_ℓ for ℓ = 180"):
         psi([10.0, 180.0])
+
+
+def test_what_is_no_hysteresis_is_refused():
+    with pytest.raises(UsageError, match="ψ is of a hysteresis, such as a model's, not of a str"):
+        Psi("a")  # type: ignore[arg-type]

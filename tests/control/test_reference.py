@@ -82,3 +82,36 @@ def test_a_file_too_large_is_not_read(tmp_path):
         file.truncate(20_000_001)
     with pytest.raises(UsageError, match="larger than 20 MB"):
         from_csv(path, "mm")
+
+
+NOT_NUMBERS = [
+    ((0.0, 1.0), (1.0,)),
+    ((0.0, 1.0), ("1", "2")),
+    (("0", "1"), (1.0, 2.0)),
+    ((0.0, 1.0), (1.0, None)),
+    (None, (1.0, 2.0)),
+]
+
+
+@pytest.mark.parametrize(("t_s", "position"), NOT_NUMBERS)
+def test_a_reference_has_as_many_numbers_as_times(t_s, position):
+    with pytest.raises(UsageError, match="needs as many positions as times, all of them numbers"):
+        Reference("r", t_s, position)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", None])
+def test_a_seed_is_a_whole_number(seed):
+    with pytest.raises(UsageError, match="seed is a whole number from 0 on"):
+        reference("steps", 2.0, 8.0, seed=seed)
+
+
+@pytest.mark.parametrize("key", ["low", "high", "seconds", "every_s", "speed"])
+@pytest.mark.parametrize("value", [np.nan, "3", None])
+def test_a_shape_takes_numbers(key, value):
+    with pytest.raises(UsageError, match=f"The reference's {key} must be a finite number"):
+        reference(**({"shape": "steps", "low": 2.0, "high": 8.0} | {key: value}))
+
+
+def test_bounds_too_far_apart_are_refused():
+    with pytest.raises(UsageError, match="too far apart"):
+        reference("steps", -1e308, 1e308)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.control.velocity.controller import not_negative
+from smarig.control.checked import not_negative
 from smarig.errors import UsageError
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@
 
 from dataclasses import dataclass
 
-from smarig.control.velocity.controller import finite, not_negative
+from smarig.control.checked import finite, not_negative
 from smarig.errors import UsageError
 from smarig.preisach.energy import work
 from smarig.preisach.everett import Everett

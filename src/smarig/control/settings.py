@@ -16,6 +16,8 @@ from smarig.errors import UsageError
 TRACKING = "smarig.control.tracking.controllers"
 VELOCITY = "smarig.control.velocity.controllers"
 _LINE = re.compile(r"^\s+(\w+) \(([^()]*)\): (.+)$", flags=re.M)
+# What may be typed, zero apart: with squares and quotients of these can still be computed.
+SMALLEST, LARGEST = 1e-100, 1e12
 
 
 def numbers(package: str, name: str) -> dict[str, float]:
@@ -58,11 +60,15 @@ def _checked(name: str, key: str, value: Any, known: Mapping[str, float]) -> flo
 
 
 def number(what: str, value: Any) -> float:
-    """A finite number as typed, or a sentence that says what is none."""
+    """A finite number as typed, or a sentence that says what is none, or what none of a rig is."""
     try:
         found = float(value)
     except (TypeError, ValueError):
         raise UsageError(f"{what} is no number (given: {value}).") from None
+    except OverflowError:
+        found = LARGEST * 10
     if not math.isfinite(found):
         raise UsageError(f"{what} is not finite (given: {value}).")
+    if found and not SMALLEST <= abs(found) <= LARGEST:
+        raise UsageError(f"{what} is beyond what can be computed with (given: {value}).")
     return found

@@ -39,6 +39,7 @@ def load_hysteresis(data: Any) -> Everett:
     if not isinstance(data, dict) or data.get("kind") not in _KINDS:
         given = data.get("kind") if isinstance(data, dict) else data
         raise DataError(f"unknown kind of hysteresis '{given}'; expected one of {', '.join(_KINDS)}")
+    _bounded(data)
     rest = {key: value for key, value in data.items() if key != "kind"}
     try:
         return _KINDS[data["kind"]].load(rest)
@@ -72,9 +73,21 @@ def _load_surface(data: dict[str, Any]) -> FodSurface:
 def _finite(value: Any, key: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
         raise DataError(f"hysteresis key {key} is {value!r}, expected a number")
-    if abs(value) > LARGEST:
-        raise DataError(f"hysteresis key {key} is {value:g}, beyond any wire's")
     return float(value)
+
+
+def _bounded(data: dict[str, Any]) -> None:
+    """DataError for a number beyond any wire's, however deep: in parameters, nodes, rows and curves alike."""
+    left = list(data.items())
+    while left:
+        key, value = left.pop()
+        if isinstance(value, dict):
+            left += value.items()
+        elif isinstance(value, list):
+            left += ((key, item) for item in value)
+        elif isinstance(value, int | float) and abs(value) > LARGEST:
+            shown = f"{value:g}" if isinstance(value, float) else "a number of many digits"
+            raise DataError(f"hysteresis key {key} is {shown}, beyond any wire's")
 
 
 def _dump_table(t: FodTable) -> dict[str, Any]:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.command import Waveform
+from smarig.control.checked import positive
 from smarig.control.regulation.plane import Plane, turning
 from smarig.errors import UsageError
 from smarig.model.heating import temperature_along
@@ -131,6 +132,7 @@ def plan(
 
 
 def _check(setup: Setup, plane: Plane, ell: float, within: float) -> None:
+    positive("The period of a tick", setup.period_s)
     if not 0 < within < 1:
         raise UsageError(f"The distance allowed is a share of the plane between 0 and 1, got {within:g}.")
     low, high = max(plane.lower, setup.lower_K), min(plane.upper, setup.upper_K)

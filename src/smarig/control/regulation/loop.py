@@ -80,15 +80,17 @@ def regulate(
 def check_times(
     setup: Setup, hold_s: float, disturbance_K: float, quiet_s: float = QUIET_S, pulse_s: float | None = None
 ) -> None:
-    """UsageError for times that are negative or do not hold the disturbance."""
+    """UsageError for times that are negative, for a hold of no tick, and where the disturbance does not fit."""
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
     pulse_s = pulse_s if disturbance_K else 0.0
     if hold_s > LONGEST_S:
         raise UsageError(f"A hold of more than {LONGEST_S / 3600:g} h: hold it in parts.")
-    if not (hold_s > 0 and quiet_s >= 0 and pulse_s >= 0):
+    if not (hold_s >= 0 and quiet_s >= 0 and pulse_s >= 0):
         raise UsageError(
             f"Times must not be negative: hold {hold_s:g}, quiet {quiet_s:g}, pulse {pulse_s:g} s."
         )
+    if hold_s < setup.period_s:
+        raise UsageError(f"A hold of {hold_s:g} s is shorter than a tick of this rig, {setup.period_s:g} s.")
     if pulse_s and not quiet_s + pulse_s < hold_s:
         raise UsageError(
             f"The disturbance ends {quiet_s + pulse_s:g} s after the loop is closed, the hold after {hold_s:g} s: "

@@ -35,6 +35,10 @@ class Psi:
     """
 
     def __init__(self, hysteresis: Everett) -> None:
+        if not hasattr(hysteresis, "fall_from_diagonal"):
+            raise UsageError(
+                f"ψ is of a hysteresis, such as a model's, not of a {type(hysteresis).__name__}."
+            )
         self.hysteresis = hysteresis
         self.lower, self.upper = hysteresis.lower, hysteresis.upper
         self.y_lower = hysteresis.y_lower

@@ -6,13 +6,16 @@ Knows positions and times; refuses to know whether a wire can follow.
 import csv
 import math
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from numbers import Integral, Real
 from pathlib import Path
 
 import numpy as np
 
 from smarig.catalogue import suggestion
+from smarig.control.checked import finite
 from smarig.errors import UsageError
 
 LONGEST_S = 24 * 3600.0
@@ -35,6 +38,10 @@ class Reference:
     held: bool = False
 
     def __post_init__(self) -> None:
+        if not (_all_numbers(self.t_s) and _all_numbers(self.position)) or len(self.t_s) != len(
+            self.position
+        ):
+            raise UsageError(f"Reference {self.name} needs as many positions as times, all of them numbers.")
         numbers = np.array([self.t_s, self.position], dtype=float)
         if numbers.shape[1] < 2 or not np.isfinite(numbers).all():
             raise UsageError(f"Reference {self.name} needs at least two times with finite positions.")
@@ -72,6 +79,10 @@ class Reference:
         )
 
 
+def _all_numbers(values: object) -> bool:
+    return isinstance(values, Sequence) and all(isinstance(value, Real) for value in values)
+
+
 def reference(
     shape: str,
     low: float,
@@ -89,6 +100,16 @@ def reference(
     """
     if shape not in SHAPES:
         raise UsageError(f"No reference '{shape}'{suggestion(shape, list(SHAPES))}, or a CSV file.")
+    for name, value in zip(
+        ("low", "high", "seconds", "every_s", "speed"), (low, high, seconds, every_s, speed)
+    ):
+        finite(f"The reference's {name}", value)
+    if not (isinstance(seed, Integral) and seed >= 0):
+        raise UsageError(f"The reference's seed is a whole number from 0 on (given: {seed}).")
+    if not math.isfinite(high - low):
+        raise UsageError(
+            f"The reference's low and high are too far apart to be computed with: {low:g}, {high:g}."
+        )
     if not (low < high and 0 < seconds <= LONGEST_S and every_s > 0 and speed > 0):
         raise UsageError(
             f"A reference needs low < high, 0 < seconds ≤ {LONGEST_S:g}, every_s > 0 and speed > 0; got "
@@ -122,16 +143,46 @@ def from_csv(path: Path, unit: str) -> Reference:
         raise UsageError(f"No reference file {path}; give {', '.join(SHAPES)}, or a CSV file.")
     if path.stat().st_size > LARGEST_BYTES:
         raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB: that is no reference.")
-    wanted = f"position_{unit}"
+    wanted = ("time_s", f"position_{unit}")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file)
-            missing = [c for c in ("time_s", wanted) if c not in (reader.fieldnames or ())]
-            if missing:
-                raise UsageError(
-                    f"{path} has no column '{missing[0]}'; a reference needs time_s and {wanted}."
-                )
-            rows = [(float(row["time_s"]), float(row[wanted])) for row in reader]
-    except (ValueError, TypeError, UnicodeDecodeError, csv.Error) as error:
+            _check_columns(path, reader.fieldnames or (), wanted)
+            rows = [(reader.line_num, *(_cell(row, c, reader.line_num) for c in wanted)) for row in reader]
+        _check_rows(rows)
+    except (ValueError, csv.Error) as error:
         raise UsageError(f"{path} is not a reference: {error}.") from None
-    return Reference(path.name, tuple(t for t, _ in rows), tuple(y for _, y in rows))
+    return Reference(path.name, tuple(t for _, t, _ in rows), tuple(y for _, _, y in rows))
+
+
+def _check_columns(path: Path, names: Sequence[str], wanted: tuple[str, str]) -> None:
+    for name in wanted:
+        if name not in names:
+            raise UsageError(f"{path} has no column '{name}'; a reference needs {' and '.join(wanted)}.")
+        if names.count(name) > 1:
+            raise UsageError(
+                f"{path} has {names.count(name)} columns '{name}'; leave the one that is wanted."
+            )
+
+
+def _cell(row: Mapping[str, str | None], column: str, line: int) -> float:
+    """A cell as a number; ValueError names line and column."""
+    text = row[column]
+    if text is None:
+        raise ValueError(f"line {line} has no {column}")
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise ValueError(f"line {line}: {column} is '{text}', which is no finite number")
+    return found
+
+
+def _check_rows(rows: Sequence[tuple[int, float, float]]) -> None:
+    """ValueError where there are none, or where time does not go on."""
+    if not rows:
+        raise ValueError("it has no rows below its columns")
+    for (_, before_s, _), (line, t_s, _) in pairwise(rows):
+        if t_s <= before_s:
+            raise ValueError(f"line {line}: time_s must increase, but {t_s:g} follows {before_s:g}")

@@ -9,14 +9,12 @@ and with one linear state. ũ and ė in the model's input unit and output unit p
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from math import isfinite
-from numbers import Real
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import UsageError
+from smarig.control.checked import positive
 
 Array = NDArray[np.float64]
 _SHORTEST, _LONGEST = 64, 1 << 20
@@ -155,24 +153,3 @@ class _Linear:
 
     def advance(self, error: float) -> None:
         self._x = self._pole * self._x + error
-
-
-def positive(name: str, value: float) -> float:
-    """A constant of a controller: UsageError unless it is a positive, finite number."""
-    if not (isinstance(value, Real) and isfinite(value) and value > 0):
-        raise UsageError(f"{name} must be a positive number, got {value}.")
-    return float(value)
-
-
-def not_negative(name: str, value: float) -> float:
-    """UsageError unless it is a finite number from 0 on."""
-    if finite(name, value) < 0:
-        raise UsageError(f"{name} must not be negative, got {value:g}.")
-    return float(value)
-
-
-def finite(name: str, value: float) -> float:
-    """UsageError for what is no number, and for numbers that nothing can be computed with."""
-    if not (isinstance(value, Real) and isfinite(value)):
-        raise UsageError(f"{name} must be a finite number, got {value}.")
-    return float(value)

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.control.velocity.controller import VelocityController, finite, not_negative
+from smarig.control.checked import finite, not_negative
+from smarig.control.velocity.controller import VelocityController
 from smarig.errors import DataError, UsageError
 
 Array = NDArray[np.float64]
