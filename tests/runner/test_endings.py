@@ -12,8 +12,10 @@ from pathlib import Path
 import pytest
 
 import smarig
-from smarig.errors import RigFault, StorageError
+from smarig.errors import Interrupted, RigFault, StorageError
 from smarig.record import recorder as recorder_module
+from smarig.runner import endings
+from smarig.runner.control import Control
 from smarig.runner.listener import Watch
 from smarig.runner.lock import wire_lock
 from smarig.runner.session import Session
@@ -84,6 +86,54 @@ def test_a_storm_of_signals_ends_as_one(tmp_path):
     assert stderr.count("smarig: ") == 1, stderr
     assert "Traceback" not in stderr
     assert smarig.load_run(out).complete
+
+
+@posix
+def test_a_storm_of_ctrl_c_says_that_the_current_is_at_zero(tmp_path):
+    """A key held down is one wish: the run is closed into one file, and the sentence is that of any interrupted run."""
+    out = tmp_path / "r.run.sqlite"
+    process = start(out)
+    wait_for_samples(process, out, 100)
+    for _ in range(12):
+        process.send_signal(signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.002)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "Ctrl-C): it is closed, the current is at zero." in stderr
+    assert smarig.load_run(out).complete
+    assert sorted(p.name for p in tmp_path.iterdir()) == [out.name]
+
+
+def impatient(control: Control, put_away: list[str]) -> None:
+    """Ctrl-C twice at once, a third time after a while, and a fourth while things are put away."""
+    with endings.safe_endings(control):
+        try:
+            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(0.1)
+            put_away.append("nothing torn yet")
+            signal.raise_signal(signal.SIGINT)
+            put_away.append("never reached")
+        finally:
+            signal.raise_signal(signal.SIGINT)
+            put_away.append("closed")
+
+
+@posix
+def test_who_insists_is_heard_once_and_told_the_same(monkeypatch):
+    """A run that does not end is torn by a second Ctrl-C; what it puts away then is not torn by a third."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    monkeypatch.setattr(endings, "INSISTS_S", 0.05)
+    put_away, control = [], Control()
+    try:
+        with pytest.raises(Interrupted, match="Ctrl-C"):
+            impatient(control, put_away)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    assert put_away == ["nothing torn yet", "closed"]
+    assert control.stopping
 
 
 @posix

@@ -30,8 +30,8 @@ def carried_out(loop: "Loop", sitting: Sitting, out: Path | None, *inputs: Path)
     if sitting.dry_run or out is None:
         emit({"preview": cost.__dict__}, cost.sentence())
         return
-    with sitting.watched(session, {}, loop.protocol) as shown, shown(out, cost) as face:
-        try:
+    try:
+        with sitting.watched(session, {}, loop.protocol) as shown, shown(out, cost) as face:
             session.run(
                 loop.protocol,
                 loop.settings,
@@ -42,9 +42,9 @@ def carried_out(loop: "Loop", sitting: Sitting, out: Path | None, *inputs: Path)
                 expected=cost,
                 maker=loop.make,
             )
-        except Interrupted as stopped:
-            stopped.remedy = ANEW
-            raise
+    except Interrupted as stopped:
+        stopped.remedy = ANEW
+        raise
     run = load_run(out)
     warn(run)
     found = closed_loop(run)

@@ -1,7 +1,8 @@
 """Signals become a safe stop: SIGINT, SIGTERM and SIGHUP ask the run to end; a second SIGINT insists.
 
 The handler only sets a flag that the runner reads on its next tick: nothing is torn in the middle. For a while after
-such a stop further signals are not heard, lest impatience tears what is being put away. A protocol that computes and
+such a stop, and after each that insisted, further signals are not heard, lest impatience (a key held down) tears what
+is being put away; the ending is told as an interrupted run's, whichever of them it was. A protocol that computes and
 does not come back is torn out of it, for no tick will ever read the flag. A signal that was ignored when
 we came (nohup) stays ignored. Only the main thread may install handlers; elsewhere this does nothing.
 """
@@ -14,8 +15,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from smarig.errors import Interrupted
 from smarig.runner.control import Control
 
+INSISTS_S = 0.5  # after the first Ctrl-C: what comes sooner is the same wish
 PUTTING_AWAY_S = 3.0
 THINKING_S = 3.0  # that a protocol may go on computing after a stop was asked for
 _WORDS = {
@@ -27,14 +30,22 @@ _WORDS = {
 
 @contextmanager
 def safe_endings(control: Control) -> Iterator[None]:
-    """Within: a signal stops the run safely. Afterwards: the old handlers are back."""
+    """Within: a signal stops the run safely, as Interrupted. Afterwards: the old handlers are back."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
+    deaf_until_s = 0.0
+
     def ask(number: int, _frame) -> None:
+        nonlocal deaf_until_s
+        now_s = time.monotonic()
+        if now_s < deaf_until_s:
+            return
         if control.stopping and number == signal.SIGINT:
+            deaf_until_s = now_s + PUTTING_AWAY_S
             raise KeyboardInterrupt
+        deaf_until_s = now_s + INSISTS_S
         control.stop(_WORDS[signal.Signals(number).name])
         threading.Thread(target=_tear_out, args=(control, over), name="impatience", daemon=True).start()
 
@@ -44,6 +55,10 @@ def safe_endings(control: Control) -> Iterator[None]:
     old = {number: signal.signal(number, ask) for number in heard}
     try:
         yield
+    except KeyboardInterrupt:
+        if not control.stopping:
+            raise
+        raise Interrupted(control.cause) from None
     finally:
         over.set()
         for number, handler in old.items():

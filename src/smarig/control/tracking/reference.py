@@ -148,7 +148,7 @@ def from_csv(path: Path, unit: str) -> Reference:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file)
             _check_columns(path, reader.fieldnames or (), wanted)
-            rows = [(reader.line_num, *(_cell(row, c, reader.line_num) for c in wanted)) for row in reader]
+            rows = [_row(row, wanted, reader.line_num) for row in reader]
         _check_rows(rows)
     except (ValueError, csv.Error) as error:
         raise UsageError(f"{path} is not a reference: {error}.") from None
@@ -163,6 +163,10 @@ def _check_columns(path: Path, names: Sequence[str], wanted: tuple[str, str]) ->
             raise UsageError(
                 f"{path} has {names.count(name)} columns '{name}'; leave the one that is wanted."
             )
+
+
+def _row(row: Mapping[str, str | None], wanted: tuple[str, str], line: int) -> tuple[int, float, float]:
+    return line, _cell(row, wanted[0], line), _cell(row, wanted[1], line)
 
 
 def _cell(row: Mapping[str, str | None], column: str, line: int) -> float:
