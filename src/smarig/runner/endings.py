@@ -11,7 +11,7 @@ import _thread
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -37,6 +37,10 @@ def safe_endings(control: Control) -> Iterator[None]:
 
     deaf_until_s = 0.0
 
+    def listen() -> None:
+        nonlocal deaf_until_s
+        deaf_until_s = 0.0
+
     def ask(number: int, _frame) -> None:
         nonlocal deaf_until_s
         now_s = time.monotonic()
@@ -47,7 +51,9 @@ def safe_endings(control: Control) -> Iterator[None]:
             raise KeyboardInterrupt
         deaf_until_s = now_s + INSISTS_S
         control.stop(_WORDS[signal.Signals(number).name])
-        threading.Thread(target=_tear_out, args=(control, over), name="impatience", daemon=True).start()
+        threading.Thread(
+            target=_tear_out, args=(control, over, listen), name="impatience", daemon=True
+        ).start()
 
     over = threading.Event()
     known = [getattr(signal, name) for name in _WORDS if hasattr(signal, name)]
@@ -65,11 +71,12 @@ def safe_endings(control: Control) -> Iterator[None]:
             signal.signal(number, _patient(handler) if control.stopping else handler)
 
 
-def _tear_out(control: Control, over: threading.Event) -> None:
-    """Interrupt a protocol that does not come back; nothing else is ever torn."""
+def _tear_out(control: Control, over: threading.Event, listen: Callable[[], None]) -> None:
+    """Interrupt a protocol that does not come back, which is heard at once; nothing else is ever torn."""
     while not over.wait(0.2):
         since_s = control.waiting_since_s
         if since_s is not None and time.monotonic() - since_s > THINKING_S:
+            listen()
             _thread.interrupt_main()
             return
 
