@@ -5,6 +5,7 @@ import pytest
 from control.model_files import model_file
 from record.runs import META
 from smarig.cli import run as cli
+from smarig.diagnosis.files import FILES, folder_ready
 from smarig.errors import UsageError
 from smarig.exchange import export_run
 from smarig.file_kind import JSON, MODEL, PAGE, RUN, TABLE, TOML, kind_of
@@ -129,3 +130,12 @@ def test_force_destroys_nothing_of_another_kind(capsys, tmp_path, there, words):
     assert f"old holds {there}, which --force does not replace by" in err
     assert err.strip().count("\n") == 0
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_diagnosis_looks_at_its_folder_before_it_computes(tmp_path, name):
+    made(tmp_path, TABLE, name)
+    with pytest.raises(
+        UsageError, match=f"{name} holds a table of numbers, which --force does not replace by"
+    ):
+        folder_ready(tmp_path, force=True)
