@@ -6,7 +6,8 @@ for an error. ``inverse`` is that one; ``pi`` has neither its memory nor the fut
 
 import smarig
 from smarig.record import Run
-from smarig.report.closed_loop import closed_loop, in_words
+from smarig.report.closed_loop import closed_loop
+from smarig.report.closed_loop_words import in_words
 
 RIG, SEED = "one_wire_twin", 4
 MODEL = "loop.model.json"

@@ -114,7 +114,9 @@ def _ahead(loops: Sequence[TrackedLoop]) -> list[Html]:
         "reference moves; part of the difference is that."
     )
     if loops[0].found.reference.held:
-        words += " What it moves before the next step counts as error of the step before, not as its overshoot."
+        words += (
+            " What it moves before the next step counts as error of the step before, not as its overshoot."
+        )
     return [paragraph(words)]
 
 

@@ -192,7 +192,8 @@ def _closed(
         if sample is not None and not sample.quality & Quality.STALE:
             error = wanted - sample.position
             sense.look(source_K, sample.position, error)
-            watch.look(sample.t_s, error)
+            if not push_K:  # what is pushed away is no loop that diverges
+                watch.look(sample.t_s, error)
             source_K = loop.step(error)
     yield Mark(OPENED)
     return current_A
