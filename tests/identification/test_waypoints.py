@@ -1,5 +1,7 @@
 """What a wire went through between settled points belongs to its memory: waveforms, loops, anything that turned."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -80,3 +82,18 @@ def test_steps_have_no_turns_between_them():
 )
 def test_turns_of_more_than_a_swing_are_found(passed, before, after, found):
     assert turns(np.array(passed), before, after, 1.0) == found
+
+
+def test_a_run_that_was_interrupted_and_went_on_has_the_memory_of_a_whole_one(tmp_path):
+    """Void steps turn near the levels that were aimed at: 75.002 K on the way is the 75 K of the step."""
+    steps = [0.0, 65.0, 0.0, 75.0, 65.0, 0.0, 174.0, 75.0, 0.0]
+    whole = driven_run("one_e", steps)
+    passed = np.insert(np.array(steps), 3, [75.002, 0.0004])
+    broken = replace(whole, columns={**whole.columns, "input": passed, "t_s": on_the_way(whole["t_s"])})
+    (*_, (one,)), (*_, (other,)) = histories([whole]), histories([broken])
+    assert [s.extrema for s in other.states] == [s.extrema for s in one.states]
+
+
+def on_the_way(t):
+    """Two samples more within the fourth step."""
+    return np.insert(t, 3, [t[3] - 20.0, t[3] - 10.0])

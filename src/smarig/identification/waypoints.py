@@ -14,7 +14,10 @@ SWING = 0.01  # of the range of settled inputs: smaller swings are a noisy curre
 
 
 def way(run: Run) -> tuple[Array, NDArray[np.intp]]:
-    """Inputs (m,) in the order of time, turning points between settled points included, and where these are (k,)."""
+    """Inputs (m,) in the order of time, turning points between settled points included, and where these are (k,).
+
+    A turn within a swing of a settled level is taken for a visit to it: a predicted input only nears what was aimed at.
+    """
     points = run.points()[0]
     if not run.settled:
         return points, np.arange(points.size)
@@ -22,11 +25,16 @@ def way(run: Run) -> tuple[Array, NDArray[np.intp]]:
     inputs: list[float] = []
     where = []
     for before, point, passed in zip([None, *points[:-1]], points.tolist(), _passed(run)):
-        inputs += turns(passed, before, point, swing)
+        inputs += _aimed(turns(passed, before, point, swing), points, swing)
         where.append(len(inputs))
         inputs.append(point)
-    inputs += turns(_after(run), inputs[-1], None, swing)
+    inputs += _aimed(turns(_after(run), inputs[-1], None, swing), points, swing)
     return np.array(inputs), np.array(where)
+
+
+def _aimed(found: list[float], levels: Array, swing: float) -> list[float]:
+    nearest = [float(levels[np.argmin(np.abs(levels - u))]) for u in found]
+    return [level if abs(level - u) <= swing else u for u, level in zip(found, nearest)]
 
 
 def turns(passed: Array, before: float | None, after: float | None, swing: float) -> list[float]:
