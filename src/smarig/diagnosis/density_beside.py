@@ -12,7 +12,7 @@ import numpy as np
 
 from smarig.diagnosis import given
 from smarig.diagnosis.refit import Refit, refit
-from smarig.identification.positive.fit import fit_positive, fit_table
+from smarig.identification.positive.fit import fit_table
 from smarig.identification.positive.observations import Observations
 from smarig.preisach.everett import Everett
 from smarig.preisach.fod_table import FodTable
@@ -101,7 +101,7 @@ def _fitted(story: Story, told: Retelling, subject: Subject, smoothing: float | 
         rows = replace(rows, zero=story.zero - 1)
     if story.given:
         rows = _weighted(rows, given.trust(story, told, subject))
-    return fit_table(rows, smoothing) if smoothing else fit_positive(rows).table
+    return fit_table(rows, smoothing)
 
 
 def _weighted(rows: Observations, weight: np.ndarray) -> Observations:

@@ -143,6 +143,45 @@ def fit_positive(
     >>> bool(abs(fit.y(0.55, 0.3) - 0.55 * 0.3) < 2e-3), bool((fit.masses >= 0).all())
     (True, True)
     """
+    return _described(_posed(observations, intervals, nodes, smoothing, symmetric), observations.unit)
+
+
+def fit_table(observations: Observations, smoothing: float | None = None) -> FodTable:
+    """The hysteresis of ``fit_positive`` and nothing said about it; as coarse as can be where λ is known."""
+    posed = _posed(observations, INTERVALS if smoothing else None, None, smoothing, symmetric=False)
+    solution = posed.problem.solved(posed.smoothing)
+    return posed.table(solution, _masses(solution, posed.scale), observations.unit)
+
+
+@dataclass(frozen=True, eq=False)
+class _Posed:
+    """A problem with its λ, before anything is said of its solution."""
+
+    problem: Problem
+    every: Observations
+    masks: list[NDArray[np.bool_]]
+    smoothing: float
+    by_smoothing: dict[float, float]
+    scale: float
+    zero: float
+    symmetric: bool
+
+    def y_lower(self, solution: Solution) -> float:
+        """The output of negative saturation."""
+        return self.zero + self.scale * float(solution.x[self.problem.triangle.unknowns - 1])
+
+    def table(self, solution: Solution, masses: Array, unit: str) -> FodTable:
+        """The hysteresis of a solution."""
+        return self.problem.triangle.table(masses, self.y_lower(solution), unit)
+
+
+def _posed(
+    observations: Observations,
+    intervals: int | None,
+    nodes: ArrayLike | None,
+    smoothing: float | None,
+    symmetric: bool,
+) -> _Posed:
     scale, zero = _scales(observations, smoothing)
     every = joined([observations, observations.mirrored()]) if symmetric else observations
     masks = _folds(observations, copies=2 if symmetric else 1)
@@ -157,18 +196,8 @@ def fit_positive(
         rough = problem if same else Problem.of(Triangle(coarse), every, scale, zero)
         smoothing, errors = _smoothing(rough, masks, every, observations)
         by_smoothing = {k: scale * v for k, v in errors.items()}
-    return _described(
-        problem, every, masks, smoothing or DEFAULT_SMOOTHING, by_smoothing, (scale, zero), symmetric
-    )
-
-
-def fit_table(observations: Observations, smoothing: float) -> FodTable:
-    """The hysteresis of ``fit_positive`` at a known λ, and nothing said about it."""
-    scale, zero = _scales(observations, smoothing)
-    triangle = Triangle(adapted(observations, INTERVALS))
-    solution = Problem.of(triangle, observations, scale, zero).solved(smoothing)
-    y_lower = zero + scale * float(solution.x[triangle.unknowns - 1])
-    return triangle.table(_masses(solution, scale), y_lower, observations.unit)
+    smoothing = smoothing or DEFAULT_SMOOTHING
+    return _Posed(problem, every, masks, smoothing, by_smoothing, scale, zero, symmetric)
 
 
 def _masses(solution: Solution, scale: float) -> Array:
@@ -202,38 +231,29 @@ def _folds(observations: Observations, copies: int) -> list[NDArray[np.bool_]]:
     return [np.tile(mask, copies) for mask in folds(observations.curve)]
 
 
-def _described(
-    problem: Problem,
-    observations: Observations,
-    masks: list[NDArray[np.bool_]],
-    smoothing: float,
-    by_smoothing: dict[float, float],
-    scales: tuple[float, float],
-    symmetric: bool,
-) -> PositiveFit:
-    (scale, zero), triangle = scales, problem.triangle
+def _described(posed: _Posed, unit: str) -> PositiveFit:
+    problem, every, scale, smoothing = posed.problem, posed.every, posed.scale, posed.smoothing
     solution = problem.solved(smoothing)
     masses = _masses(solution, scale)
     residual = problem.rows @ solution.x - problem.y
     freedom = min(_freedom(problem, solution), 0.9 * problem.y.size)
     sigma = float(np.sqrt(residual @ residual / (problem.y.size - freedom)))
-    seen = judged(problem, masks, observations.curve, smoothing, sigma)
-    y_lower = zero + scale * float(solution.x[triangle.unknowns - 1])
+    seen = judged(problem, posed.masks, every.curve, smoothing, sigma)
     return PositiveFit(
-        table=triangle.table(masses, y_lower, observations.unit),
-        triangle=triangle,
+        table=posed.table(solution, masses, unit),
+        triangle=problem.triangle,
         masses=masses,
         smoothing=smoothing,
-        by_smoothing=by_smoothing,
+        by_smoothing=posed.by_smoothing,
         held_out=HeldOut(scale * seen.rms, scale * seen.signed_rms, seen.stretch, seen.curves),
         sigma=scale * sigma,
         rms=scale * float(np.sqrt(np.mean(residual**2))),
         freedom=freedom,
         null_space=problem.rows.get_shape()[1] - int(structural_rank(problem.rows)),
         points=problem.y.size,
-        curves=int(np.unique(observations.curve).size),
-        symmetric=symmetric,
-        unit=observations.unit,
+        curves=int(np.unique(every.curve).size),
+        symmetric=posed.symmetric,
+        unit=unit,
         _solution=solution,
     )
 
