@@ -60,11 +60,13 @@ LONG = {
     "resistance_phase",
     "saturation",
     "sensor_lag",
+    "settling",
     "slack",
     "slip",
     "stress_coupling",
     "temperature_memory",
     "thermal_expansion",
+    "walking",
     "wire_lag",
 }
 
