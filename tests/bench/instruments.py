@@ -84,12 +84,14 @@ class Sensor(Instrument):
         super().__init__(*args, **kwargs)
         self.oldest = 0
         self.zeroed = 0
+        self._zero_tick = 0  # later ticks count from its position, earlier ones as ever
 
     def since(self, tick, at_most):
         return [
-            PositionReading(k, 10 * k, 22.0, Quality.GOOD)
+            PositionReading(k, 10 * (k - self._zero_tick * (k > self._zero_tick)), 22.0, Quality.GOOD)
             for k in self.ticks(max(tick, self.oldest), at_most)
         ]
 
     def zero(self):
         self.zeroed += 1
+        self._zero_tick = self.tick()

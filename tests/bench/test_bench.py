@@ -147,6 +147,20 @@ def test_zero_and_close_reach_the_instruments():
     assert (sensor.zeroed, sensor.closed, source.closed) == (1, True, True)
 
 
+@pytest.mark.parametrize("late_s", [0.0, 0.35])
+def test_what_a_late_host_reads_after_a_zero_counts_from_there_too(late_s):
+    bench, _, _, clock = made()
+    for _ in range(20):
+        bench.step(0.5)
+    clock.sleep(late_s)
+    bench.zero()
+    samples = [s for _ in range(10) for s in bench.step(0.5)]
+    ticks, counts = zip(*[(s.tick, s.counts) for s in samples])
+    assert list(ticks) == list(range(21, 21 + len(ticks))), "none is lost"
+    assert {b - a for a, b in zip(counts, counts[1:])} == {10}, "and none has another origin"
+    assert -40 < counts[0] <= 0
+
+
 def test_in_lock_step_no_more_than_what_was_asked_for_passes():
     clock = FakeClock()
 

@@ -90,7 +90,7 @@ def check_zero_makes_here_the_origin(make):
     rig = make()
     hold(rig, 1.0, TRAVEL)
     rig.zero()
-    assert abs(drive(rig, [1.0] * 3)[-1].counts) <= 3  # a late host first reads what was made before
+    assert abs(drive(rig, [1.0])[-1].counts) <= 3
 
 
 def check_what_is_beyond_the_amplifier_is_refused_or_marked(make):

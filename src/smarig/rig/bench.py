@@ -61,6 +61,7 @@ class Bench:
         )  # last tick of a current, by the source, and the current
         self._last: CurrentReading | None = None
         self._alarms: list[Alarm] = []
+        self._made: list[PositionReading] = []  # read before a zero, and still to be told
         self._tripped = ""
         self.untold = ""  # why the source may not know that it is to be off
 
@@ -109,6 +110,9 @@ class Bench:
 
     def _positions(self, at_most: int) -> list[PositionReading]:
         """What the encoder read since; waits for its next tick where time passes by itself."""
+        if self._made:
+            found, self._made = self._made, []
+            return found
         wanted = at_most if self.lock_step else self._block
         self._due_s += self._tick_s
         wait_s = self._due_s - self._clock()
@@ -182,8 +186,10 @@ class Bench:
         return alarms
 
     def zero(self) -> None:
-        """Zero the encoder where it stands."""
+        """Zero the encoder where it stands: what it made before and is still to be told counts from there as well."""
+        made = [] if self.lock_step else self._positions(self._block)
         self.sensor.zero()
+        self._made = [p._replace(counts=p.counts - made[-1].counts) for p in made]
 
     def idle(self, seconds: float) -> None:
         """Say nothing for so long: the lease must end what flows. Devices that wait for us do so for a second only."""
