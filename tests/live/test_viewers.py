@@ -80,11 +80,12 @@ def calm() -> None:
 
 
 def shows(asked: str, end_s: float) -> dict[str, Any] | None:
-    """What a viewer shows, once it has a run from its first second to its end."""
+    """What a viewer shows, once it has a layout and a run from its first second to its end."""
     from smarig.live.screen import looked_at
 
     seen = looked_at(asked)
-    whole = seen["ends_s"] and min(seen["begins_s"]) < BEGINNING_S and max(seen["ends_s"]) >= end_s
+    laid_out = seen["views"] and seen["ends_s"]  # the layout may arrive after the data
+    whole = laid_out and min(seen["begins_s"]) < BEGINNING_S and max(seen["ends_s"]) >= end_s
     return seen if whole else None
 
 
@@ -149,7 +150,7 @@ def test_two_wires_and_a_shaft_are_shown_without_a_complaint(two_wire, tmp_path)
     save(two_wire, tmp_path / "two.rrd")
     viewer, asked = headless(str(tmp_path / "two.rrd"))
     try:
-        seen = until(lambda: (s := looked_at(asked))["ends_s"] and s, "the run is shown")
+        seen = until(lambda: (s := looked_at(asked))["ends_s"] and s["views"] and s, "the run is laid out")
         picture, at_s = pictures(tmp_path) / "live_two_wires.png", 0.6 * max(seen["ends_s"])
         until(lambda: calm() or photographed(asked, picture, at_s) or picture.is_file(), "a picture")
     finally:
