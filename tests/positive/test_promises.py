@@ -1,12 +1,14 @@
 """What the positive identification promises: the thesis's trade-off is gone, on the twin and on real curves."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 from smarig.benchmark.truths import random_truth
 from smarig.cli import run as smarig_command
+from smarig.config import load_rig
 from smarig.identification.fod_data import FodData, fod_data
 from smarig.identification.fod_table_data import table
 from smarig.identification.positive import Observations, fit_positive
@@ -14,8 +16,10 @@ from smarig.identification.surface_fit import fit_surface
 from smarig.preisach.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
+from smarig.runner.preview import Preview, preview
 from smarig.runner.session import Session
 
+PROTOCOL = "first_order_descending"
 SURFACES = ("constant", "parabolic", "exponential")
 
 
@@ -28,6 +32,12 @@ class Errors:
     least_mass: float
 
 
+@cache
+def cost(rig) -> Preview:
+    """The same for every truth: it is the rig's own model that is asked."""
+    return preview(PROTOCOL, load_rig(rig))
+
+
 def judged(folder, rig, truth, seed, kinds) -> Errors:
     """One FOD run of the twin (0.4 counts of noise, whole counts), identified in several ways."""
     with Session(rig, twin=TwinSettings(seed=seed, hysteresis=truth)) as session:
@@ -35,7 +45,7 @@ def judged(folder, rig, truth, seed, kinds) -> Errors:
         zero = (
             round(session.rig.specimen.plant.position / step) * step
         )  # what the relative encoder calls zero
-        path = session.run("first_order_descending", {}, folder / "fod.run.sqlite", force=True)
+        path = session.run(PROTOCOL, {}, folder / "fod.run.sqlite", force=True, expected=cost(rig))
     run = load_run(path)
     data = fod_data([run])
     u = np.linspace(truth.lower, truth.upper, 61)
