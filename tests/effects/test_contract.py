@@ -7,7 +7,7 @@ import pytest
 
 from effects.driven import CATALOGUE, WIRES, driven, kind, settled, wire_of
 from smarig.errors import UsageError
-from smarig.model.effect import Setup, Stage
+from smarig.model.effect import Moment, Setup, Stage
 from smarig.model.plant import Plant
 
 NAMES = [
@@ -185,6 +185,26 @@ def test_it_acts_at_the_stages_it_names_only(name):
     assert set(planted(name).hooks(setup)) <= set(Stage)
     assert planted(name).hooks(setup)
     assert not planted(name, 0.0).hooks(setup)
+
+
+def test_a_momentary_effect_is_one_that_remembers_nothing_of_the_positions_it_was_asked_for():
+    """Asked for many moments and for the last alone it answers the same, to the bit; the others do not."""
+    late = (Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
+    rng = np.random.default_rng(5)
+    forgetful = set()
+    for name in NAMES:
+        actuator, hysteresis, initial = WIRES[wire_of(name)]
+        setup = Setup(actuator, hysteresis, initial)
+        moments = [(Moment(*rng.uniform(0.1, 90.0, 9)), float(rng.uniform(0, 12))) for _ in range(40)]
+        for moment, y in moments:
+            moment.output, moment.austenite, moment.travel = y, float(rng.uniform()), float(rng.uniform(0, 9))
+        answers = []
+        for asked in (moments, moments[-1:]):
+            hooks = {stage: hook for stage, hook in planted(name).hooks(setup).items() if stage in late}
+            answers.append([[hook(y, moment) for moment, y in asked][-1] for hook in hooks.values()])
+        if answers[0] and answers[0] == answers[1]:
+            forgetful.add(name)
+    assert forgetful == {name for name in NAMES if kind(name).momentary}
 
 
 def test_two_wires_share_their_room():

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_solve, cholesky
-from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.optimize import OptimizeResult, minimize
 
 from smarig.diagnosis import given
@@ -114,13 +113,14 @@ class Stack:
         for w, part in zip(weights, parts):
             C += w * part
         C[np.diag_indices_from(C)] += own(self.white, self.moves, s_m, s0)
-        try:
-            L = cholesky(C, lower=True, check_finite=False, overwrite_a=True)
-        except LinAlgError:
+        L, fallen = dpotrf(
+            C.T, lower=1, clean=1, overwrite_a=1
+        )  # C.T is C in LAPACK's order: all in one place
+        if fallen:
             return 1e12, np.zeros(x.size)
-        inverse = dpotri(L, lower=1)[0]  # its lower half
-        a = cho_solve((L, True), self.y, check_finite=False)
+        a = dpotrs(L, self.y, lower=1)[0]
         value = 0.5 * float(self.y @ a) + float(np.log(np.diag(L)).sum())
+        inverse = dpotri(L, lower=1, overwrite_c=1)[0].T  # one half of it, in the order of the parts
         diagonal = np.diag(inverse).copy()
         by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
         alone = diagonal - a * a

@@ -139,11 +139,15 @@ def _joined(sitting: list[Run], limit: int) -> _Stretch:
 
 def _errors(s: _Stretch, tau_s: float, actuator: Actuator, hysteresis: Everett) -> list[Array]:
     """Model minus measurement in each hold, its mean taken out."""
-    heating = Heating(actuator, 1.0)
     operator = Preisach(hysteresis, s.start)  # pyright: ignore[reportArgumentType]
-    model = np.empty(len(s.current_A))
-    for k, (current, decay) in enumerate(zip(s.current_A, np.exp(-np.maximum(s.dt_s, 0.0) / tau_s).tolist())):
-        heating.decay = decay
-        model[k] = operator.step(heating.step(current))
-    difference = model - s.position
+    difference = operator.follow(_felt(s, tau_s, actuator)) - s.position
     return [difference[w] - difference[w].mean() for w in s.windows]
+
+
+def _felt(s: _Stretch, tau_s: float, actuator: Actuator) -> list[float]:
+    """The hysteresis input at each sample, kelvin."""
+    heating, felt = Heating(actuator, 1.0), []
+    for current, decay in zip(s.current_A, np.exp(-np.maximum(s.dt_s, 0.0) / tau_s).tolist()):
+        heating.decay = decay
+        felt.append(heating.step(current))
+    return felt

@@ -146,6 +146,8 @@ class Kind:
 
     ``parameters``: the first is the primary one, its strength, at whose 0 the plant is untouched bit for bit.
     ``act`` gives the hooks. The texts are for people: how it enters, looks, hides, and what tells it apart.
+    ``momentary``: what it does to the position follows from the moment alone, so a replay need ask only where
+    something was read; an effect with a memory is asked at every step.
 
     >>> from smarig.model.effects.walking import walking
     >>> walking(0.2)
@@ -162,6 +164,7 @@ class Kind:
     parameters: tuple[Parameter, ...]
     act: Callable[[Values, Setup], Mapping[Stage, Hook]] = field(repr=False)
     arrangement: str = ""  # TWO_WIRE where it needs two wires
+    momentary: bool = False
 
     @property
     def primary(self) -> Parameter:

@@ -16,6 +16,7 @@ from smarig.rig.rig import Alarm, Rig
 from smarig.sample import Quality, Sample
 
 _ROUNDING = 1e-9
+_STALE = int(Quality.STALE)  # a plain integer: an enum's & costs a µs a tick
 
 
 class Guard:
@@ -76,7 +77,7 @@ class Guard:
 
     def _flows(self, sample: Sample) -> float:
         """The measured current; where there is none, what was set or measured last, whichever heats more."""
-        if not sample.quality & Quality.STALE:
+        if not sample.quality & _STALE:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 

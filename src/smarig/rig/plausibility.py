@@ -26,7 +26,8 @@ COLD, HOT = 0.2, 0.8  # of the range: heated through
 
 BLIND = 20  # samples without a current of their own: more than a late host ever sees
 
-_TRUST = int(Quality.STALE | Quality.TRIPPED)
+_STALE, _SATURATED = int(Quality.STALE), int(Quality.SATURATED)  # plain integers, as in every tick's way
+_TRUST = _STALE | int(Quality.TRIPPED)
 
 
 class Plausibility:
@@ -63,7 +64,7 @@ class Plausibility:
 
     def looked(self, sample: Sample, input_K: float) -> list[Alarm]:
         """Errors and warnings that this sample is the first to show."""
-        if self._row("blind", bool(sample.quality & Quality.STALE), self._blind):
+        if self._row("blind", bool(sample.quality & _STALE), self._blind):
             text = f"The amplifier gave no reading of the current for {self._blind} samples: look at its converter."
             return [Alarm("error", "blind", text)]
         if sample.quality & _TRUST or math.isnan(sample.current_A):
@@ -75,7 +76,7 @@ class Plausibility:
 
     def _electrical(self, s: Sample) -> list[Alarm]:
         asked = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
-        off = abs(s.current_A - asked) > READ_BACK * self._largest_A and not s.quality & Quality.SATURATED
+        off = abs(s.current_A - asked) > READ_BACK * self._largest_A and not s.quality & _SATURATED
         ohm = s.voltage_V / s.current_A if abs(s.current_A) >= FLOWING_A else math.nan
         found = []
         if self._row("read_back", off):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.model.effect import Effect, Hook, Moment, Setup, Stage, chains
+from smarig.model.effect import Effect, Hook, Moment, Planted, Setup, Stage, chains
 from smarig.model.plant import Plant
 from smarig.model.warming import through
 from smarig.preisach.operator import Preisach, State
@@ -65,9 +65,12 @@ def _by_parts(story: Story, subject: Subject, effects: Sequence[Effect], way: Fe
     h = subject.hysteresis
     at = way.ends[story.ticks[2]]  # the parts at whose ends something was read
     output, states = _remembered(subject, way["felt_K"], at)
-    late = chains(effects, Setup(subject.actuator, h, subject.initial))
+    setup = Setup(subject.actuator, h, subject.initial)
+    late = chains(effects, setup)
     if any(late[stage] for stage in LATE):
-        counts = _counts(subject, late, way)[at]
+        counts = _counts(
+            subject, late, way, at if _momentary(effects, setup) else np.arange(way["t_s"].size)
+        )[at]
     else:
         counts = output / (subject.per_count or 1.0)
     others = [way[name][at] for name in ("resistance", "command_A", "current_A", "ambient_K")]
@@ -94,11 +97,19 @@ def _remembered(subject: Subject, felt_K: Array, at: NDArray[np.int64]) -> tuple
     return np.array(output), tuple(states)
 
 
-def _counts(subject: Subject, late: Mapping[Stage, tuple[Hook, ...]], way: Felt) -> Array:
-    """What the sensor shows at the ends of parts (m,); between whole ticks it is not asked."""
+def _momentary(effects: Sequence[Effect], setup: Setup) -> bool:
+    """Whether nothing that acts after the hysteresis remembers."""
+    late = [e for e in effects if any(stage in LATE for stage in e.hooks(setup))]
+    return all(isinstance(e, Planted) and e.kind.momentary for e in late)
+
+
+def _counts(
+    subject: Subject, late: Mapping[Stage, tuple[Hook, ...]], way: Felt, asked: NDArray[np.int64]
+) -> Array:
+    """What the sensor shows at the ends of parts (m,), 0 where it is not asked; between whole ticks it never is."""
     per_count, maps, added, sensor = subject.per_count or 1.0, *(late[stage] for stage in LATE)
     counts = np.zeros(way["t_s"].size)
-    for k, (now, whole_s) in enumerate(_moments(subject, way, maps)):
+    for k, (now, whole_s) in zip(asked.tolist(), _moments(subject, way, maps, asked)):
         position = through(added, through(maps, now.output, now), now)
         if whole_s:
             now.dt_s = whole_s
@@ -106,8 +117,10 @@ def _counts(subject: Subject, late: Mapping[Stage, tuple[Hook, ...]], way: Felt)
     return counts
 
 
-def _moments(subject: Subject, way: Felt, maps: tuple[Hook, ...]) -> Iterator[tuple[Moment, float]]:
-    """(the moment at the end of each part, the length of the tick that ends there or 0)."""
+def _moments(
+    subject: Subject, way: Felt, maps: tuple[Hook, ...], asked: NDArray[np.int64]
+) -> Iterator[tuple[Moment, float]]:
+    """(the moment at the end of each part that is asked, the length of the tick that ends there or 0)."""
     h = subject.hysteresis
     operator = Preisach(h, subject.initial)
     span, began, y = h.everett(h.upper, h.lower), operator.y, operator.follow(way["felt_K"])
@@ -117,7 +130,8 @@ def _moments(subject: Subject, way: Felt, maps: tuple[Hook, ...]) -> Iterator[tu
     travel = np.cumsum(np.abs(np.diff(y, prepend=began)) * per_span)
     whole = np.zeros(y.size)
     whole[way.ends] = np.diff(way["t_s"][way.ends], prepend=0.0)
-    rows = zip(*(c.tolist() for c in (*way.columns, y, (y - h.y_lower) * per_span, travel, whole)))
+    columns = (*way.columns, y, (y - h.y_lower) * per_span, travel, whole)
+    rows = zip(*(column[asked].tolist() for column in columns))
     for row in rows:
         (
             now.t_s,

@@ -33,4 +33,5 @@ eccentricity = Kind(
         Parameter("phase", "turn", 0.0, 1.0, 0.25, "where the pulley stands when y = 0", tries=(0.0, 0.25)),
     ),
     act=_act,
+    momentary=True,
 )

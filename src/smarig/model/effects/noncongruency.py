@@ -30,4 +30,5 @@ noncongruency = Kind(
     separated_by="turning the pulley (eccentricity moves with it); the voltage; a second load",
     parameters=(Parameter("bend_percent", "%", -40.0, 40.0, 10.0, "1–20 %, engineering estimate"),),
     act=_act,
+    momentary=True,
 )

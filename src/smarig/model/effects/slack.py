@@ -33,4 +33,5 @@ slack = Kind(
         ),
     ),
     act=_act,
+    momentary=True,
 )

@@ -41,4 +41,5 @@ slip = Kind(
         ),
     ),
     act=_act,
+    momentary=True,
 )

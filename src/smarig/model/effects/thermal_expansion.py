@@ -36,4 +36,5 @@ thermal_expansion = Kind(
         ),
     ),
     act=_act,
+    momentary=True,
 )

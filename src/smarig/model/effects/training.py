@@ -38,5 +38,6 @@ training = Kind(
         Parameter("cycles", "cycle", 0.05, 200.0, 2.0, "engineering estimate", tries=(0.3, 2.0, 15.0)),
     ),
     act=_act,
+    momentary=True,
     arrangement="untrained",
 )

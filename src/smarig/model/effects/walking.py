@@ -31,4 +31,5 @@ walking = Kind(
         ),
     ),
     act=_act,
+    momentary=True,
 )
