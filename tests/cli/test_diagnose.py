@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -12,7 +13,7 @@ from smarig.model.planted import from_pairs, kinds
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
-TRAIN = ("wiping_out", "congruency", "first_order_descending")
+TRAIN = ("congruency", "first_order_descending")
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +83,15 @@ def test_it_names_what_was_planted(found):
     assert found["held_out"]["removable_share"] > 0.9
 
 
+def test_time_between_runs_that_no_run_tells_is_said(diagnosed):
+    found = diagnosed[1]
+    assert "none tells" not in found.text()
+    first, *rest = found.story.runs
+    late = [replace(run, columns=run.columns | {"t_s": run["t_s"] + 1500.0}) for run in rest]
+    apart = replace(found, story=replace(found.story, runs=(first, *late)))
+    assert "Of 25 min between these runs none tells" in apart.text()
+
+
 def test_the_extended_model_is_what_verify_judges_then(found, sitting, capsys):
     def rms(model):
         capsys.readouterr()
@@ -138,7 +148,7 @@ def test_a_run_cannot_teach_and_judge(sitting, capsys):
 def test_runs_of_two_sittings_are_one_story_with_two_zeros(sitting, tmp_path, capsys):
     other = tmp_path / "other.run.sqlite"
     assert cli(["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o", str(other)]) == 0
-    train = str(sitting / "wiping_out.run.sqlite")
+    train = str(sitting / "congruency.run.sqlite")
     model = str(sitting / "wire.model.json")
     without = [part for k in kinds() if k.name not in ("walking", "slip") for part in ("--without", k.name)]
     capsys.readouterr()
@@ -149,13 +159,13 @@ def test_runs_of_two_sittings_are_one_story_with_two_zeros(sitting, tmp_path, ca
 
 
 def test_clocks_of_one_sitting_that_overlap_are_refused(sitting, capsys):
-    train = str(sitting / "wiping_out.run.sqlite")
+    train = str(sitting / "congruency.run.sqlite")
     twice = ["diagnose", str(sitting / "wire.model.json"), "--train", train, "--train", train]
     assert cli(twice) == 4
     assert "of one sitting" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["wire.model.json", "wiping_out.run.sqlite", "validation.run.sqlite"])
+@pytest.mark.parametrize("name", ["wire.model.json", "congruency.run.sqlite", "validation.run.sqlite"])
 def test_a_proposal_is_never_written_over_an_input(sitting, name, capsys):
     before = (sitting / name).read_bytes()
     assert cli(command(sitting, "--propose", str(sitting / name), "--force")) == 2

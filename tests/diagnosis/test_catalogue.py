@@ -52,6 +52,7 @@ LONG = {
     "convection",
     "creep",
     "cross_talk",
+    "dead_zone",
     "end_conduction",
     "fatigue",
     "latent_heat",

@@ -1,5 +1,6 @@
 """What the positive identification promises: the thesis's trade-off is gone, on the twin and on real curves."""
 
+import os
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -20,6 +21,7 @@ from smarig.runner.preview import Preview, preview
 from smarig.runner.session import Session
 
 PROTOCOL = "first_order_descending"
+SEEDS = 10 if os.environ.get("SMARIG_LONG") else 5
 SURFACES = ("constant", "parabolic", "exponential")
 
 
@@ -65,7 +67,7 @@ def judged(folder, rig, truth, seed, kinds) -> Errors:
 )
 def test_positive_and_good_on_truths_that_are_not_positive(tmp_path, rig, name, most):
     truth = surface(name)
-    all_seeds = [judged(tmp_path, rig, truth, seed, ("constant", "table")) for seed in range(10)]
+    all_seeds = [judged(tmp_path, rig, truth, seed, ("constant", "table")) for seed in range(SEEDS)]
     for found in all_seeds:
         assert found.least_mass >= 0
         assert found.positive <= most
@@ -75,11 +77,11 @@ def test_positive_and_good_on_truths_that_are_not_positive(tmp_path, rig, name, 
 
 def test_better_than_every_surface_on_truths_outside_all_families(tmp_path):
     wins = 0
-    for seed in range(10):
+    for seed in range(SEEDS):
         found = judged(tmp_path, "one_wire_twin", random_truth(seed), seed, SURFACES)
         wins += found.positive < min(found.others.values())
         assert found.least_mass >= 0
-    assert wins >= 9
+    assert wins >= 0.9 * SEEDS
 
 
 REAL = [("hchb_forc", 0.009), ("MSM33-55-1_d330.forc", 0.0006), ("UB199BF", 0.0018)]

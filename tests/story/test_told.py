@@ -37,6 +37,13 @@ def test_stretches_carry_the_charge_that_was_commanded_at_every_sample(runs, sto
     assert drive.end_s.size < 0.01 * t.size
 
 
+def test_time_between_runs_is_told_or_counted(runs, story):
+    assert story.untold_s == pytest.approx(0.0, abs=1e-6)
+    first, last = runs
+    late = replace(last, columns=last.columns | {"t_s": last["t_s"] + 90.0})
+    assert told([first, late], TAU_S).untold_s == pytest.approx(90.0, abs=1e-6)
+
+
 @pytest.mark.parametrize("at_s", [[], [0.05, 31.7, 402.0, 402.0001]])
 def test_ticks_carry_the_same_charge_and_stop_at_every_time_that_is_wanted(story, at_s):
     drive, at_s = story.drive, np.array(at_s, dtype=float)

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 ASTRAY = 10.0  # times what a density of its own misses: the model is not of this wire, or not of this state
 
+UNTOLD_S = 60.0  # of a sitting: two commands typed one after the other
+
 
 def sentences(d: "Diagnosis") -> Iterator[str]:
     """A diagnosis for people."""
@@ -47,6 +49,11 @@ def sentences(d: "Diagnosis") -> Iterator[str]:
         yield (
             f"More is left beside {'it' if len(d.effects()) == 1 else 'them'} than noise leaves, and it goes with "
             f"{d.left}: the name explains most, but sizes may be wrong by more than their intervals say."
+        )
+    if d.story.untold_s > UNTOLD_S:
+        yield (
+            f"Of {d.story.untold_s / 60:.0f} min between these runs none tells: if the wire was driven meanwhile, what "
+            "goes with time or counts cycles is judged wrongly; give every run of the sitting."
         )
     if gain is not None and d.extended:
         yield _gained(gain, e.unit)

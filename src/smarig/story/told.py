@@ -7,6 +7,7 @@ positions, resistance, current, room). Knows no model: nothing here depends on w
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -103,6 +104,18 @@ class Story:
     def sitting(self) -> Integers:
         """The number (k,) of the sitting of each step."""
         return self.zero if self.sittings else np.zeros(len(self.settled), dtype=np.int64)
+
+    @property
+    def untold_s(self) -> float:
+        """Seconds between runs of one sitting of which no run tells; 0 where the input itself is the drive."""
+        if self.given:
+            return 0.0
+        gaps = [
+            float(after["t_s"][0] - before["t_s"][-1]) - float(after.meta.get("period_s") or 0.1)
+            for sitting in self.sittings or (self,)
+            for before, after in pairwise(sitting.runs)
+        ]
+        return sum(gaps, 0.0)
 
     @property
     def unit(self) -> str:
