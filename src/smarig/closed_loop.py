@@ -136,7 +136,7 @@ def regulation(
             setpoint=y,
             within=share,
             hold_s=float(hold_s),
-            start=start,  # type: ignore[arg-type]
+            start=start,
             loop=loop,
             disturbance_K=push_K,
         )

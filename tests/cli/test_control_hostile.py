@@ -178,5 +178,5 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
     with pytest.raises(UsageError, match="seed is a whole number"):
         tracking_loop(Given.of(one), load_rig("one_wire_twin"), "steps", {"seed": 10**400})
     with pytest.raises(UsageError, match="The model is given"):
-        Given.of(3)  # type: ignore[arg-type]
+        Given.of(3)
     assert not (tmp_path / "x.run.sqlite").exists()

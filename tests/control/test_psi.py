@@ -136,4 +136,4 @@ def test_set_points_and_centres_outside_are_refused_in_one_sentence():
 
 def test_what_is_no_hysteresis_is_refused():
     with pytest.raises(UsageError, match="ψ is of a hysteresis, such as a model's, not of a str"):
-        Psi("a")  # type: ignore[arg-type]
+        Psi("a")

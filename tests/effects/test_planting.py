@@ -50,7 +50,7 @@ def test_a_model_file_gives_back_what_was_written():
     ]
     for record in wrong:
         with pytest.raises(DataError):
-            from_json([record])  # pyright: ignore[reportArgumentType]
+            from_json([record])
 
 
 def test_what_is_there_twice_or_has_more_to_say_is_no_effect():

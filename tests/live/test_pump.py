@@ -98,7 +98,7 @@ def test_the_watcher_puts_what_it_is_told():
     class Kept:
         put = staticmethod(items.append)
 
-    watcher = Watcher(Kept())  # type: ignore[arg-type]
+    watcher = Watcher(Kept())
     s = Sample(3, 0.3, 0.5, 0.5, 2.4, NAN, 12, 0.565, 22.0, 0)
     result = StepResult(4, Verdict.SETTLED, 0.5, 11.0, 0.1, 250, 0.1, 0.3)
     watcher.sample(s, 4, 20.0)

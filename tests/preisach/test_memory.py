@@ -351,7 +351,7 @@ def test_words_and_tables_of_inputs_are_refused():
     with pytest.raises(
         UsageError, match="Initial state 'cold' is not negative, positive, anhysteretic or a State"
     ):
-        op.reset("cold")  # type: ignore[arg-type]
+        op.reset("cold")
     with pytest.raises(UsageError, match=r"one-dimensional input, got shape \(2, 2\)"):
         op.simulate(np.zeros((2, 2)))
 

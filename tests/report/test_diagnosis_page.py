@@ -69,7 +69,7 @@ def named(tmp_path_factory) -> Diagnosis:
     error = Error(story.unit, first.refitted.noise.settled, float(misses[0]), *map(float, misses))
     return Diagnosis(
         NAMED, story, first, (level,), base, visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
-    )  # pyright: ignore[reportArgumentType]
+    )
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnose import Diagnosis
 
 ASTRAY = 10.0  # times what a density of its own misses: the model is not of this wire, or not of this state
-
 UNTOLD_S = 60.0  # of a sitting: two commands typed one after the other
 
 

@@ -113,9 +113,7 @@ class Stack:
         for w, part in zip(weights, parts):
             C += w * part
         C[np.diag_indices_from(C)] += own(self.white, self.moves, s_m, s0)
-        L, fallen = dpotrf(
-            C.T, lower=1, clean=1, overwrite_a=1
-        )  # C.T is C in LAPACK's order: all in one place
+        L, fallen = dpotrf(C.T, lower=1, clean=1, overwrite_a=1)  # turned, C is in LAPACK's order: no copy
         if fallen:
             return 1e12, np.zeros(x.size)
         a = dpotrs(L, self.y, lower=1)[0]

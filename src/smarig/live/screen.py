@@ -225,7 +225,7 @@ def _plane(view: View, replay: bool) -> Any:
         name=view.name,
         background=GROUND,
         visual_bounds=rrb.VisualBounds2D(x_range=x, y_range=y),
-        overrides={trail: [_range(TRAIL_S)] for trail in view.trails},  # type: ignore[dict-item]
+        overrides={trail: [_range(TRAIL_S)] for trail in view.trails},
     )
 
 

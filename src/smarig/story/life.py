@@ -68,9 +68,8 @@ def _by_parts(story: Story, subject: Subject, effects: Sequence[Effect], way: Fe
     setup = Setup(subject.actuator, h, subject.initial)
     late = chains(effects, setup)
     if any(late[stage] for stage in LATE):
-        counts = _counts(
-            subject, late, way, at if _momentary(effects, setup) else np.arange(way["t_s"].size)
-        )[at]
+        asked = at if _momentary(effects, setup) else np.arange(way["t_s"].size)
+        counts = _counts(subject, late, way, asked)[at]
     else:
         counts = output / (subject.per_count or 1.0)
     others = [way[name][at] for name in ("resistance", "command_A", "current_A", "ambient_K")]
@@ -99,8 +98,8 @@ def _remembered(subject: Subject, felt_K: Array, at: NDArray[np.int64]) -> tuple
 
 def _momentary(effects: Sequence[Effect], setup: Setup) -> bool:
     """Whether nothing that acts after the hysteresis remembers."""
-    late = [e for e in effects if any(stage in LATE for stage in e.hooks(setup))]
-    return all(isinstance(e, Planted) and e.kind.momentary for e in late)
+    remembering = [e for e in effects if not (isinstance(e, Planted) and e.kind.momentary)]
+    return not any(stage in LATE for e in remembering for stage in e.hooks(setup))
 
 
 def _counts(

@@ -111,7 +111,7 @@ class Story:
         if self.given:
             return 0.0
         gaps = [
-            float(after["t_s"][0] - before["t_s"][-1]) - float(after.meta.get("period_s") or 0.1)
+            float(after["t_s"][0] - before["t_s"][-1]) - _period_s(after)
             for sitting in self.sittings or (self,)
             for before, after in pairwise(sitting.runs)
         ]
@@ -181,7 +181,7 @@ def _by_sitting(runs: Sequence[Run]) -> list[list[Run]]:
 
 def _sitting(order: Sequence[Run], tau_s: float) -> Story:
     _check_clock(order)
-    start = float(order[0]["t_s"][0]) - float(order[0].meta.get("period_s") or 0.1)
+    start = float(order[0]["t_s"][0]) - _period_s(order[0])
     parts = [_Part(run, k, start, tau_s) for k, run in enumerate(order)]
     steps = np.concatenate([np.full(len(p.steps), p.number) for p in parts]).astype(np.int64)
     first = np.cumsum([0, *[len(p.steps) for p in parts]])[:-1]
@@ -208,6 +208,11 @@ def _check_clock(runs: Sequence[Run]) -> None:
                 f"{before.path.name} and {run.path.name} say that they are of one sitting, but their clocks overlap. "
                 "Imported runs share one clock: say where on it each begins, 'smarig import --t0 SECONDS'."
             )
+
+
+def _period_s(run: Run) -> float:
+    """Length of its ticks; a tenth of a second where it does not say."""
+    return float(run.meta.get("period_s") or 0.1)
 
 
 def _growing(begin: float, end: float, tau_s: float) -> Array:
@@ -250,7 +255,7 @@ class _Part:
     def drive(self) -> Drive:
         changes = np.flatnonzero(np.diff(self.command)) if self.t.size else np.empty(0, dtype=np.int64)
         last = np.append(changes, self.t.size - 1)
-        begin = self.t[:1] - float(self.run.meta.get("period_s") or 0.1)  # until then the current was off
+        begin = self.t[:1] - _period_s(self.run)  # until then the current was off
         return Drive(np.append(begin, self.t[last]), np.append(np.zeros(begin.size), self.command[last]))
 
     def _rows(self) -> list[slice]:
@@ -269,7 +274,7 @@ class _Part:
 
     def _late(self) -> Array:
         """The middle of each settled window."""
-        period = float(self.run.meta.get("period_s") or 0.1)
+        period = _period_s(self.run)
         end = np.array([s.t_end_s or s.t_start_s for s in self.steps], dtype=float)
         begin = np.array([s.t_start_s for s in self.steps], dtype=float)
         half = 0.5 * period * np.array([max(s.n - 1, 0) for s in self.steps])

@@ -64,7 +64,7 @@ def drawn_plan(rng: np.random.Generator, wire: Wire, hysteresis: Hysteresis) -> 
     so_far = sum(len(run.holds) for run in (*train, *held_out)) + 3
     points = min(max(points, _FEWEST - so_far), _MOST - so_far)
     held_out.append(RunPlan("validation", True, (*_saturate(where), *_walk(rng, where, points))))
-    rng.shuffle(held_out)  # pyright: ignore[reportArgumentType]
+    rng.shuffle(held_out)
     last = held_out[-1]
     end = (Hold(where.upper, "saturate"), Hold(where.lower, "saturate"))
     plan = (*train, *held_out[:-1], RunPlan(last.name, True, (*last.holds, *end)))
