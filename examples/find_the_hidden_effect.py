@@ -7,7 +7,7 @@ misfit is tested against chance, a cause is named only where the data can tell, 
 from pathlib import Path
 
 import smarig
-from smarig.model.planted import from_pairs
+from smarig.plant.effect_catalogue import from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 

@@ -13,25 +13,25 @@ from pathlib import Path
 
 import click
 
-from simulators.faults import Fault, Unplugged, load_faults
+from simulators.faults import SimulatedFault, Unplugged, load_faults
 from simulators.firmware import FirmwareAmplifier, FirmwareDaq, open_library
-from simulators.framing import Framing
-from simulators.line import Line
-from simulators.line_troubles import LineTroubles
-from simulators.lines import Lines
+from simulators.framing import ServerFraming
+from simulators.line import DeviceLine
+from simulators.line_troubles import LineFaults
+from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
 from simulators.pace import LockStep, Pace, RealTime
 from simulators.server import Server
 from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
-from simulators.trace import Trace
+from simulators.trace import TickTrace
 from simulators.transports import Port, Pty, TcpPort
-from simulators.world import AMPLIFIER, DAQ, World
+from simulators.world import AMPLIFIER, DAQ, SimulatedBench
 from smarig.config import RigFile, load_rig
-from smarig.errors import SmarigError, UsageError
-from smarig.model.actuator import Actuator
-from smarig.model.planted import asked_for
+from smarig.core.errors import SmarigError, UsageError
+from smarig.device.wire.register import load_map
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect_catalogue import from_arguments
 from smarig.rig.specimen import Specimen, TwinSettings
-from smarig.wire.register import load_map
 
 AFTER_LEASE = 5  # ticks for which the trip may be watched once the host is gone
 FRAMINGS = ("lines", "modbus_tcp", "modbus_rtu")
@@ -71,9 +71,9 @@ def main(
         file = load_rig(rig)
         faults = load_faults(faults_file) if faults_file else ()
         framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
-        settings = TwinSettings(seed=seed, effects=asked_for(effects))
+        settings = TwinSettings(seed=seed, effects=from_arguments(effects))
         world = _world(file, settings, faults, *_devices(framings, device_library))
-        trace = Trace(trace_file) if trace_file else None
+        trace = TickTrace(trace_file) if trace_file else None
         lines = [_line(world, name, faults, folder) for name in framings]
     except (SmarigError, OSError) as error:
         click.echo(f"Error: {error}", err=True)
@@ -92,14 +92,14 @@ def main(
     _serve(world, lines, pace, (file.lease_s + AFTER_LEASE * file.period_s) / (speed or 1.0))
 
 
-def _framing(file: RigFile, device: str, chosen: str | None) -> Framing:
+def _framing(file: RigFile, device: str, chosen: str | None) -> ServerFraming:
     link = getattr(file.links, device) if file.links else None
     name = chosen or (link.framing if link else FRAMINGS[0])
     address = (link.address if link else 0) or load_map(device).device.default_address
-    return {"lines": Lines(), "modbus_tcp": Tcp(address), "modbus_rtu": Rtu(address)}[name]
+    return {"lines": TextFraming(), "modbus_tcp": Tcp(address), "modbus_rtu": Rtu(address)}[name]
 
 
-def _devices(framings: dict[str, Framing], library: Path | None) -> tuple[AmplifierStation, DaqStation]:
+def _devices(framings: dict[str, ServerFraming], library: Path | None) -> tuple[AmplifierStation, DaqStation]:
     if library is None:
         return PythonAmplifier(framings[AMPLIFIER]), PythonDaq(framings[DAQ])
     opened = open_library(library)
@@ -109,15 +109,17 @@ def _devices(framings: dict[str, Framing], library: Path | None) -> tuple[Amplif
 def _world(
     file: RigFile,
     settings: TwinSettings,
-    faults: Sequence[Fault],
+    faults: Sequence[SimulatedFault],
     amplifier: AmplifierStation,
     daq: DaqStation,
-) -> World:
+) -> SimulatedBench:
     specimen = Specimen(file, Actuator.named(file.actuator), settings)
-    return World(specimen, amplifier, daq, file.period_s, file.encoder.counts_per_rev, faults)
+    return SimulatedBench(specimen, amplifier, daq, file.period_s, file.encoder.counts_per_rev, faults)
 
 
-def _line(world: World, name: str, faults: Sequence[Fault], folder: Path | None) -> Line:
+def _line(
+    world: SimulatedBench, name: str, faults: Sequence[SimulatedFault], folder: Path | None
+) -> DeviceLine:
     mine = [f for f in faults if f.device == name]
     framing = world.station(name).framing
     port: Port
@@ -132,10 +134,10 @@ def _line(world: World, name: str, faults: Sequence[Fault], folder: Path | None)
     else:
         folder.mkdir(parents=True, exist_ok=True)
         port = Pty(folder.resolve() / name)
-    return Line(name, port, framing, world, LineTroubles(mine))
+    return DeviceLine(name, port, framing, world, LineFaults(mine))
 
 
-def _serve(world: World, lines: list[Line], pace: Pace, afterwards_s: float) -> None:
+def _serve(world: SimulatedBench, lines: list[DeviceLine], pace: Pace, afterwards_s: float) -> None:
     server = Server(world, lines, pace, sys.stdin.fileno(), afterwards_s)
     signal.signal(signal.SIGTERM, lambda *_: server.stop())
     where = {line.name: {"url": line.port.url} for line in lines}

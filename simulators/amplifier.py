@@ -6,8 +6,8 @@ Refuses to know bytes, clocks and wires.
 from simulators.layout import BAD_VALUE, NOT_NOW
 from simulators.protection import Protection, lease_ticks
 from simulators.register_device import RegisterDevice
-from smarig.wire.exchange import Refusal
-from smarig.wire.register import load_map, to_words
+from smarig.device.wire.exchange import Refusal
+from smarig.device.wire.register import load_map, to_words
 
 RING_SAMPLES = 256
 SATURATED, STOP = 1, 2  # bits of a tick's ``hardware``
@@ -36,12 +36,12 @@ class Amplifier(RegisterDevice):
 
     def tick(self, current_uA: int, voltage_uV: int, temperature: int, hardware: int) -> None:
         """The output flowed for a period, and this was measured."""
-        self._protection.warm(self.stored, current_uA)
+        self._protection.add_heat(self.stored, current_uA)
         self._silent_ticks += 1
         if self.state == "armed":
             stop = bool(hardware & STOP)
-            seen = (self.output_uA, current_uA, voltage_uV, stop, self._silent_ticks)
-            cause = self._protection.cause(self.stored, *seen)
+            measured = (self.output_uA, current_uA, voltage_uV, stop, self._silent_ticks)
+            cause = self._protection.cause(self.stored, *measured)
             if cause:
                 self._trip(cause)
         marks = _MARK["saturated"] if hardware & SATURATED else 0
@@ -88,13 +88,13 @@ class Amplifier(RegisterDevice):
         else:
             self.output_uA = values["current"]
 
-    def heard(self) -> None:
+    def on_command(self) -> None:
         """The lease begins anew."""
         self._silent_ticks = 0
 
     def _switch_off(self, state: str) -> None:
         self.state, self.trip, self.output_uA = state, "", 0
-        self._protection.forget_rows()
+        self._protection.reset_counts()
 
     def _trip(self, cause: str) -> None:
         self.state, self.trip, self.output_uA = "tripped", cause, 0

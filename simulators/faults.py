@@ -18,15 +18,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from smarig.toml_file import Number, Section, load
+from smarig.core.toml_file import Number, TomlTable, load
 
-Device = Literal["amplifier", "encoder_daq"]
+DeviceName = Literal["amplifier", "encoder_daq"]
 
 
-class Fault(Section):
+class SimulatedFault(TomlTable):
     """Any fault: from a time or an exchange on, until a time or before an exchange; for ever where no end is given."""
 
-    device: Device
+    device: DeviceName
     from_s: Number = Field(default=0, ge=0)
     to_s: Number | None = None
     from_exchange: int = Field(default=0, ge=0)
@@ -42,114 +42,114 @@ class Fault(Section):
         )
 
 
-class _Random(Fault):
+class _RandomFault(SimulatedFault):
     share: Number = Field(default=1, ge=0, le=1)
     seed: int = 0
 
 
-class _EitherWay(_Random):
+class _DirectedFault(_RandomFault):
     direction: Literal["request", "reply"] = "reply"
 
 
-class Dropped(_EitherWay):
+class Dropped(_DirectedFault):
     """Nothing arrives."""
 
     kind: Literal["dropped"]
 
 
-class Garbled(_EitherWay):
+class GarbledBytes(_DirectedFault):
     """One bit of what arrives is another."""
 
     kind: Literal["garbled"]
 
 
-class Repeated(_EitherWay):
+class Repeated(_DirectedFault):
     """It arrives twice."""
 
     kind: Literal["repeated"]
 
 
-class Delayed(_Random):
+class Delayed(_RandomFault):
     """The reply is late, by wall time: what it answers has been done at once."""
 
     kind: Literal["delayed"]
     delay_s: Number = Field(gt=0, le=60)
 
 
-class ForeignBytes(_Random):
+class ForeignBytes(_RandomFault):
     """Noise before a reply."""
 
     kind: Literal["foreign_bytes"]
     bytes: int = Field(default=3, ge=1, le=1000)
 
 
-class DeadLine(Fault):
+class DeadLine(SimulatedFault):
     """The line carries nothing either way; the port stays open."""
 
     kind: Literal["dead_line"]
 
 
-class Unplugged(Fault):
+class Unplugged(SimulatedFault):
     """The port itself is gone, and back at the end under the same name."""
 
     kind: Literal["unplugged"]
 
 
-class Reboot(Fault):
+class Reboot(SimulatedFault):
     """The device begins anew, once."""
 
     kind: Literal["reboot"]
 
 
-class BrownOut(Fault):
+class BrownOut(SimulatedFault):
     """No power: no output, no answers, no ticks; the device boots at the end."""
 
     kind: Literal["brown_out"]
 
 
-class ClockDrift(Fault):
+class ClockDrift(SimulatedFault):
     """The device's clock is faster than the bench's by so many parts in a million."""
 
     kind: Literal["clock_drift"]
     ppm: Number = Field(ge=-500_000, le=500_000)
 
 
-class _OfEncoder(Fault):
+class _EncoderFault(SimulatedFault):
     device: Literal["encoder_daq"] = "encoder_daq"
 
 
-class StuckEncoder(_OfEncoder):
+class StuckEncoder(_EncoderFault):
     """The counts stay where they were; at the end they are true again."""
 
     kind: Literal["stuck_encoder"]
 
 
-class SlippingEncoder(_OfEncoder):
+class SlippingEncoder(_EncoderFault):
     """A share of every movement is lost, for good."""
 
     kind: Literal["slipping_encoder"]
     share: Number = Field(gt=0, le=1)
 
 
-class JumpingEncoder(_OfEncoder):
+class JumpingEncoder(_EncoderFault):
     """The counts jump once, for good."""
 
     kind: Literal["jumping_encoder"]
     counts: int = Field(ge=-1_000_000, le=1_000_000)
 
 
-class _OfAmplifier(Fault):
+class _AmplifierFault(SimulatedFault):
     device: Literal["amplifier"] = "amplifier"
 
 
-class OpenWire(_OfAmplifier):
+class OpenWire(_AmplifierFault):
     """No current flows, and the supply's whole voltage stands where the wire was."""
 
     kind: Literal["open_wire"]
     supply_V: Number = Field(default=12.0, ge=0, le=1000)
 
 
-class DriftingShunt(_OfAmplifier):
+class DriftingShunt(_AmplifierFault):
     """The measured current is too large, by a share that grows from the beginning on."""
 
     kind: Literal["drifting_shunt"]
@@ -158,7 +158,7 @@ class DriftingShunt(_OfAmplifier):
 
 AnyFault = Annotated[
     Dropped
-    | Garbled
+    | GarbledBytes
     | Repeated
     | Delayed
     | ForeignBytes
@@ -176,10 +176,10 @@ AnyFault = Annotated[
 ]
 
 
-class _File(Section):
+class _FaultsFile(TomlTable):
     fault: tuple[AnyFault, ...] = ()
 
 
-def load_faults(path: Path) -> tuple[Fault, ...]:
+def load_faults(path: Path) -> tuple[SimulatedFault, ...]:
     """The faults of a file; ConfigError names what is wrong in it."""
-    return load(_File, path).fault
+    return load(_FaultsFile, path).fault

@@ -3,9 +3,9 @@
 import ctypes
 from pathlib import Path
 
-from simulators.framing import Framing
-from smarig.errors import UsageError
-from smarig.wire.register import from_words, load_map
+from simulators.framing import ServerFraming
+from smarig.core.errors import UsageError
+from smarig.device.wire.register import from_words, load_map
 
 _RTU, _LINE = 0, 1  # the library's numbers for framings
 _NUMBERS = {"modbus_rtu": _RTU, "lines": _LINE}
@@ -36,7 +36,7 @@ def open_library(path: Path) -> ctypes.CDLL:
 class _Firmware:
     """One device in memory of its own."""
 
-    def __init__(self, library: ctypes.CDLL, short: str, name: str, framing: Framing) -> None:
+    def __init__(self, library: ctypes.CDLL, short: str, name: str, framing: ServerFraming) -> None:
         if framing.name not in _NUMBERS:
             raise UsageError(
                 f"The C firmware does not speak {framing.name}; take one of {', '.join(_NUMBERS)}."
@@ -85,7 +85,7 @@ class _Firmware:
 class FirmwareAmplifier(_Firmware):
     """The amplifier in C."""
 
-    def __init__(self, library: ctypes.CDLL, framing: Framing) -> None:
+    def __init__(self, library: ctypes.CDLL, framing: ServerFraming) -> None:
         super().__init__(library, "amp", "amplifier", framing)
 
     def tick(self, current_uA: int, voltage_uV: int, temperature: int, hardware: int) -> None:
@@ -112,7 +112,7 @@ class FirmwareAmplifier(_Firmware):
 class FirmwareDaq(_Firmware):
     """The encoder DAQ in C."""
 
-    def __init__(self, library: ctypes.CDLL, framing: Framing) -> None:
+    def __init__(self, library: ctypes.CDLL, framing: ServerFraming) -> None:
         super().__init__(library, "daq", "encoder_daq", framing)
 
     def tick(self, raw_counts: int, ambient: int, hardware: int) -> None:

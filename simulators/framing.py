@@ -5,17 +5,17 @@ Knows devices by ``accept`` alone, so that any of them answers in any framing.
 
 from typing import NamedTuple, Protocol
 
-from smarig.wire.exchange import Exchange, Refusal
+from smarig.device.wire.exchange import Exchange, Refusal
 
 
-class Heard(NamedTuple):
+class ParsedRequest(NamedTuple):
     """One request that is for this device: what it asks, and what its framing needs to answer it."""
 
-    asks: Exchange | Refusal
+    requested: Exchange | Refusal
     envelope: bytes = b""
 
 
-class Accepts(Protocol):
+class ExchangeHandler(Protocol):
     """A device's state machine."""
 
     def accept(self, exchange: Exchange) -> list[int] | Refusal:
@@ -40,7 +40,7 @@ class Receiver(Protocol):
         ...
 
 
-class Framing(Protocol):
+class ServerFraming(Protocol):
     """One way of writing exchanges as bytes."""
 
     name: str
@@ -49,19 +49,19 @@ class Framing(Protocol):
         """A fresh one, for a fresh line."""
         ...
 
-    def decode(self, request: bytes) -> Heard | None:
+    def decode(self, request: bytes) -> ParsedRequest | None:
         """What one request asks; None where it is not to be answered."""
         ...
 
-    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+    def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
         """The reply."""
         ...
 
 
-def answer(device: Accepts, framing: Framing, request: bytes) -> bytes | None:
+def answer(device: ExchangeHandler, framing: ServerFraming, request: bytes) -> bytes | None:
     """The reply to the bytes of one request, or silence; no bytes at all make it raise."""
-    heard = framing.decode(request)
-    if heard is None:
+    parsed = framing.decode(request)
+    if parsed is None:
         return None
-    words = heard.asks if isinstance(heard.asks, Refusal) else device.accept(heard.asks)
-    return framing.encode(heard, words)
+    words = parsed.requested if isinstance(parsed.requested, Refusal) else device.accept(parsed.requested)
+    return framing.encode(parsed, words)

@@ -5,17 +5,17 @@ Knows a register map; no values, states or framings.
 
 from collections.abc import Iterator
 
-from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import Map, Raw, Register
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.register import RawValues, Register, RegisterMap
 
 NO_FUNCTION, NO_REGISTER, BAD_VALUE, NOT_NOW, BAD_CHECK, NOT_READABLE = 1, 2, 3, 4, 8, 9  # codes of refusals
 MOST_READ, MOST_WRITTEN = 125, 121  # words in one exchange
 
 
-class Layout:
+class RegisterLayout:
     """The blocks of a map and where values begin and end in them."""
 
-    def __init__(self, m: Map) -> None:
+    def __init__(self, m: RegisterMap) -> None:
         self._map = m
         self.starts = {name: m.start(name) for name in m.blocks}
         ends = {name: m.start(name) + m.size(name) for name in m.blocks}
@@ -36,7 +36,7 @@ class Layout:
             return Refusal(NO_REGISTER)
         return None
 
-    def values(self, e: Exchange) -> Raw | Refusal:
+    def values(self, e: Exchange) -> RawValues | Refusal:
         """What is written, by register; refused where one word is out of its range."""
         values = self._map.decode(self._written[e.write_at], e.words)
         for name, raw in values.items():

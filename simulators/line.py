@@ -4,10 +4,10 @@ import heapq
 from itertools import count
 from typing import NamedTuple
 
-from simulators.framing import Framing, Receiver
-from simulators.line_troubles import LineTroubles
+from simulators.framing import Receiver, ServerFraming
+from simulators.line_troubles import LineFaults
 from simulators.transports import Port
-from simulators.world import World
+from simulators.world import SimulatedBench
 
 FRAME_END_s = 0.002  # of silence: more than 3.5 characters, and what a computer can keep to
 
@@ -21,12 +21,14 @@ class _Late(NamedTuple):
     data: bytes
 
 
-class Line:
+class DeviceLine:
     """Between a port and the device ``name`` of the world."""
 
-    def __init__(self, name: str, port: Port, framing: Framing, world: World, troubles: LineTroubles) -> None:
+    def __init__(
+        self, name: str, port: Port, framing: ServerFraming, world: SimulatedBench, line_faults: LineFaults
+    ) -> None:
         self.name, self.port = name, port
-        self._framing, self._world, self._troubles = framing, world, troubles
+        self._framing, self._world, self._line_faults = framing, world, line_faults
         self._receivers: dict[int, Receiver] = {}
         self._quiet_at_s: dict[int, float] = {}
         self._late: list[_Late] = []
@@ -34,7 +36,7 @@ class Line:
 
     def channels(self) -> list[int]:
         """What to poll, after plugging or unplugging what is due."""
-        if self._troubles.plugged(self._world.time_s, self._world.exchanges[self.name]):
+        if self._line_faults.plugged(self._world.time_s, self._world.exchanges[self.name]):
             self.port.plug()
         elif self.port.channels():
             self.port.unplug()
@@ -61,11 +63,11 @@ class Line:
     def arrived(self, request: bytes) -> list[bytes]:
         """What of a request reaches the device."""
         self._world.exchanges[self.name] += 1
-        return self._troubles.requests(request, *self._moment())
+        return self._line_faults.requests(request, *self._moment())
 
     def send(self, channel: int, reply: bytes, now_s: float) -> None:
         """A reply on its way to the host, now or late."""
-        for delay_s, data in self._troubles.replies(reply, *self._moment()):
+        for delay_s, data in self._line_faults.replies(reply, *self._moment()):
             if delay_s:
                 heapq.heappush(self._late, _Late(now_s + delay_s, next(self._numbers), channel, data))
             else:

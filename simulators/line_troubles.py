@@ -8,10 +8,10 @@ from simulators.faults import (
     DeadLine,
     Delayed,
     Dropped,
-    Fault,
     ForeignBytes,
-    Garbled,
+    GarbledBytes,
     Repeated,
+    SimulatedFault,
     Unplugged,
 )
 
@@ -23,10 +23,10 @@ class Late(NamedTuple):
     data: bytes
 
 
-class LineTroubles:
+class LineFaults:
     """The faults of one device's line; every random choice follows from a fault's seed and the exchange's number."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         self._faults = tuple(faults)
 
     def plugged(self, time_s: float, exchange: int) -> bool:
@@ -66,11 +66,13 @@ class LineTroubles:
                 copies = 0
             elif isinstance(fault, Repeated):
                 copies *= 2
-            elif isinstance(fault, Garbled):
+            elif isinstance(fault, GarbledBytes):
                 data = _garbled(data, draw)
         return [data] * copies
 
-    def _struck(self, direction: str, time_s: float, exchange: int) -> Iterable[tuple[Fault, random.Random]]:
+    def _struck(
+        self, direction: str, time_s: float, exchange: int
+    ) -> Iterable[tuple[SimulatedFault, random.Random]]:
         for number, fault in enumerate(self._faults):
             if not fault.active(time_s, exchange):
                 continue

@@ -7,10 +7,10 @@ Refuses to know what registers mean.
 
 import re
 
-from simulators.framing import Heard
+from simulators.framing import ParsedRequest
 from simulators.layout import BAD_CHECK, BAD_VALUE, NOT_READABLE, fits
-from smarig.wire.crc import crc16
-from smarig.wire.exchange import Exchange, Refusal
+from smarig.device.wire.crc import crc16
+from smarig.device.wire.exchange import Exchange, Refusal
 
 LONGEST = 1000  # characters of a request
 
@@ -19,7 +19,7 @@ _NUMBER = rb"[0-9A-Fa-f]{1,4}"
 _BODY = re.compile(rb"(?:w (?P<write>%b(?: %b)+))?(?P<both> (?=r))?(?:r (?P<read>%b %b))?" % ((_NUMBER,) * 4))
 
 
-class Lines:
+class TextFraming:
     """One device per line: no addresses."""
 
     name = "lines"
@@ -28,14 +28,14 @@ class Lines:
         """Cuts at the ends of lines."""
         return LineReceiver()
 
-    def decode(self, request: bytes) -> Heard | None:
+    def decode(self, request: bytes) -> ParsedRequest | None:
         r"""A line without its ``\n``; empty ones are not answered."""
         line = request.removesuffix(b"\r")
-        return Heard(_asks(line)) if line else None
+        return ParsedRequest(_parse(line)) if line else None
 
-    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+    def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
         """Words in upper case, always with a check word."""
-        del heard
+        del parsed
         if isinstance(answer, Refusal):
             body = f"! {answer.code:X}".encode()
         else:
@@ -43,14 +43,14 @@ class Lines:
         return body + f" *{crc16(body):04X}\n".encode()
 
 
-def _asks(line: bytes) -> Exchange | Refusal:
+def _parse(line: bytes) -> Exchange | Refusal:
     if len(line) > LONGEST:
         return Refusal(NOT_READABLE)
     checked = _CHECKED.fullmatch(line)
     if checked and crc16(checked["body"]) != int(checked["check"], 16):
         return Refusal(BAD_CHECK)
     body = _BODY.fullmatch(checked["body"] if checked else line)
-    if not body or not (body["write"] or body["read"]) or _glued(body):
+    if not body or not (body["write"] or body["read"]) or _badly_spaced(body):
         return Refusal(NOT_READABLE)
     write_at, *words = _numbers(body["write"]) or [0]
     read_at, count = _numbers(body["read"]) or [0, 0]
@@ -62,7 +62,7 @@ def _asks(line: bytes) -> Exchange | Refusal:
     return exchange
 
 
-def _glued(body: re.Match) -> bool:
+def _badly_spaced(body: re.Match) -> bool:
     """One blank stands between the two parts, and only there."""
     return bool(body["both"]) != bool(body["write"] and body["read"])
 
@@ -77,12 +77,12 @@ class LineReceiver:
     waits_for_silence = False
 
     def __init__(self) -> None:
-        self._begun = b""
+        self._partial = b""
 
     def take(self, data: bytes) -> list[bytes]:
         """Whole lines without their ends."""
-        *lines, begun = (self._begun + data).split(b"\n")
-        self._begun = begun[: LONGEST + 2]  # one too many, and a carriage return
+        *lines, partial = (self._partial + data).split(b"\n")
+        self._partial = partial[: LONGEST + 2]  # one too many, and a carriage return
         return lines
 
     def silence(self) -> list[bytes]:

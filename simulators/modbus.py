@@ -6,10 +6,10 @@ device is not answered.
 
 import struct
 
-from simulators.framing import Heard
+from simulators.framing import ParsedRequest
 from simulators.layout import BAD_VALUE, NO_FUNCTION, fits
-from smarig.wire.crc import crc16
-from smarig.wire.exchange import Exchange, Refusal
+from smarig.device.wire.crc import crc16
+from smarig.device.wire.exchange import Exchange, Refusal
 
 READ, WRITE, BOTH = 3, 16, 23
 LONGEST_PDU = 253
@@ -27,7 +27,7 @@ def pdu_length(pdu: bytes) -> int | None:
     return head if pdu[0] == READ else head + pdu[head - 1]
 
 
-def asks(pdu: bytes) -> Exchange | Refusal:
+def requested(pdu: bytes) -> Exchange | Refusal:
     """What a request asks, from the function on."""
     if pdu[0] not in _HEAD:
         return Refusal(NO_FUNCTION)
@@ -68,16 +68,16 @@ class Rtu:
         """Cuts at the length that a frame says of itself, or at silence."""
         return RtuReceiver()
 
-    def decode(self, request: bytes) -> Heard | None:
+    def decode(self, request: bytes) -> ParsedRequest | None:
         """Only whole frames for this address."""
         if not 4 <= len(request) <= LONGEST_FRAME or request[0] != self.address or not _whole(request):
             return None
         pdu = request[1:-2]
-        return Heard(asks(pdu), pdu)
+        return ParsedRequest(requested(pdu), pdu)
 
-    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+    def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
         """A frame from this address."""
-        frame = bytes([self.address]) + reply(heard.envelope, answer)
+        frame = bytes([self.address]) + reply(parsed.envelope, answer)
         return frame + struct.pack("<H", crc16(frame))
 
 
@@ -89,31 +89,31 @@ class RtuReceiver:
     """Frames by their own length where the check word agrees; anything else waits for silence to end it."""
 
     def __init__(self) -> None:
-        self._begun = b""
+        self._partial = b""
 
     @property
     def waits_for_silence(self) -> bool:
         """Something has begun."""
-        return bool(self._begun)
+        return bool(self._partial)
 
     def take(self, data: bytes) -> list[bytes]:
         """Frames that are whole already."""
-        self._begun += data
+        self._partial += data
         frames = []
         while frame := self._first():
             frames.append(frame)
-            self._begun = self._begun[len(frame) :]
-        self._begun = self._begun[: LONGEST_FRAME + 1]
+            self._partial = self._partial[len(frame) :]
+        self._partial = self._partial[: LONGEST_FRAME + 1]
         return frames
 
     def silence(self) -> list[bytes]:
         """What stands there is one frame, good or bad."""
-        frame, self._begun = self._begun, b""
+        frame, self._partial = self._partial, b""
         return [frame] if frame else []
 
     def _first(self) -> bytes:
-        length = pdu_length(self._begun[1:])
-        frame = self._begun[: length + 3] if length else b""
+        length = pdu_length(self._partial[1:])
+        frame = self._partial[: length + 3] if length else b""
         return frame if length and len(frame) == length + 3 and _whole(frame) else b""
 
 
@@ -129,16 +129,16 @@ class Tcp:
         """Cuts by the header's length."""
         return MbapReceiver()
 
-    def decode(self, request: bytes) -> Heard | None:
+    def decode(self, request: bytes) -> ParsedRequest | None:
         """Only for this unit; the header goes into the reply."""
         if len(request) < 8 or request[6] != self.address or _mbap_length(request) != len(request):
             return None
-        return Heard(asks(request[7:]), request)
+        return ParsedRequest(requested(request[7:]), request)
 
-    def encode(self, heard: Heard, answer: list[int] | Refusal) -> bytes:
+    def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
         """With the transaction of the request."""
-        pdu = reply(heard.envelope[7:], answer)
-        return heard.envelope[:4] + struct.pack(">HB", len(pdu) + 1, self.address) + pdu
+        pdu = reply(parsed.envelope[7:], answer)
+        return parsed.envelope[:4] + struct.pack(">HB", len(pdu) + 1, self.address) + pdu
 
 
 def _mbap_length(header: bytes) -> int | None:
@@ -153,21 +153,21 @@ class MbapReceiver:
     waits_for_silence = False
 
     def __init__(self) -> None:
-        self._begun = b""
+        self._partial = b""
 
     def take(self, data: bytes) -> list[bytes]:
         """Whole requests; what follows a wrong header is thrown away."""
-        self._begun += data
+        self._partial += data
         requests = []
-        while len(self._begun) >= 6:
-            length = _mbap_length(self._begun)
+        while len(self._partial) >= 6:
+            length = _mbap_length(self._partial)
             if length is None:
-                self._begun = b""
+                self._partial = b""
                 break
-            if len(self._begun) < length:
+            if len(self._partial) < length:
                 break
-            requests.append(self._begun[:length])
-            self._begun = self._begun[length:]
+            requests.append(self._partial[:length])
+            self._partial = self._partial[length:]
         return requests
 
     def silence(self) -> list[bytes]:

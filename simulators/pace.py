@@ -6,28 +6,28 @@ Knows sequence words and ring windows as far as lock-step needs them. Refuses to
 from collections.abc import Callable
 from typing import Protocol
 
-from simulators.layout import Layout
-from simulators.world import DAQ, World
-from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import load_map
+from simulators.layout import RegisterLayout
+from simulators.world import DAQ, SimulatedBench
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.register import load_map
 
 Tick = Callable[[], None]
-AT_ONCE = 100  # late ticks between two looks at the ports: a bench that is too slow still answers
-GONE_AFTER_s = 1.0  # of silence, in lock-step: the host is dead or stuck, and the lease must run out
+MAX_CATCH_UP_TICKS = 100  # late ticks between two looks at the ports: a bench that is too slow still answers
+HOST_TIMEOUT_s = 1.0  # of silence, in lock-step: the host is dead or stuck, and the lease must run out
 
 
 class Pace(Protocol):
     """Decides about device time; ``now_s`` is the monotonic wall clock."""
 
-    def heard(self, now_s: float) -> None:
+    def host_active(self, now_s: float) -> None:
         """Anything at all came over any line."""
         ...
 
-    def asked(self, name: str, request: bytes) -> None:
+    def before_answer(self, name: str, request: bytes) -> None:
         """A request is about to be answered."""
         ...
 
-    def host_gone(self, now_s: float) -> None:
+    def host_ended(self, now_s: float) -> None:
         """Standard input ended: from now on nobody will ask."""
         ...
 
@@ -47,18 +47,18 @@ class RealTime:
         self._tick, self._period_s, self._start_s = tick, period_s, start_s
         self._done = 0
 
-    def heard(self, now_s: float) -> None:
+    def host_active(self, now_s: float) -> None:
         """Time does not care."""
 
-    def asked(self, name: str, request: bytes) -> None:
+    def before_answer(self, name: str, request: bytes) -> None:
         """Time does not care."""
 
-    def host_gone(self, now_s: float) -> None:
+    def host_ended(self, now_s: float) -> None:
         """Time does not care."""
 
     def catch_up(self, now_s: float) -> None:
         """Ticks up to now, as far as they can be made up for at once."""
-        for _ in range(AT_ONCE):
+        for _ in range(MAX_CATCH_UP_TICKS):
             if self.next_due_s() > now_s:
                 break
             self._done += 1
@@ -72,21 +72,21 @@ class RealTime:
 class LockStep:
     """Ticks only when the DAQ is asked anew for a sample of the future; in real time while the host is gone."""
 
-    def __init__(self, world: World, tick: Tick) -> None:
+    def __init__(self, world: SimulatedBench, tick: Tick) -> None:
         self._world, self._tick = world, tick
         self._map = load_map(DAQ)
-        self._layout = Layout(self._map)
-        self._last_heard_s: float | None = None
-        self._gone = False
-        self._free: RealTime | None = None
+        self._layout = RegisterLayout(self._map)
+        self._last_request_s: float | None = None
+        self._host_ended = False
+        self._free_running: RealTime | None = None
 
-    def heard(self, now_s: float) -> None:
+    def host_active(self, now_s: float) -> None:
         """The host lives: time waits for it again."""
-        self._last_heard_s = now_s
-        if not self._gone:
-            self._free = None
+        self._last_request_s = now_s
+        if not self._host_ended:
+            self._free_running = None
 
-    def asked(self, name: str, request: bytes) -> None:
+    def before_answer(self, name: str, request: bytes) -> None:
         """As many ticks as the newest sample asked for needs, and no more than samples were asked for."""
         exchange = self._world.decoded(name, request) if name == DAQ else None
         wanted = self._wanted(exchange) if exchange else None
@@ -107,27 +107,27 @@ class LockStep:
         most = values.get("ring_want", 0)
         return values.get("ring_next", 0) + most - 1, most
 
-    def host_gone(self, now_s: float) -> None:
+    def host_ended(self, now_s: float) -> None:
         """Nobody will ask: time runs by itself, for good."""
-        self._gone = True
-        self._free = self._free or self._running(now_s)
+        self._host_ended = True
+        self._free_running = self._free_running or self._real_time_from(now_s)
 
     def catch_up(self, now_s: float) -> None:
         """Free ticks, where the host has not been heard for too long."""
-        if self._free is None and self._silent_until_s() <= now_s:
-            self._free = self._running(self._silent_until_s())
-        if self._free is not None:
-            self._free.catch_up(now_s)
+        if self._free_running is None and self._silent_until_s() <= now_s:
+            self._free_running = self._real_time_from(self._silent_until_s())
+        if self._free_running is not None:
+            self._free_running.catch_up(now_s)
 
     def next_due_s(self) -> float | None:
         """Of a free tick, or of the moment when time begins to run."""
-        if self._free is not None:
-            return self._free.next_due_s()
-        return self._silent_until_s() if self._last_heard_s is not None else None
+        if self._free_running is not None:
+            return self._free_running.next_due_s()
+        return self._silent_until_s() if self._last_request_s is not None else None
 
-    def _running(self, start_s: float) -> RealTime:
+    def _real_time_from(self, start_s: float) -> RealTime:
         return RealTime(self._tick, self._world.period_s, start_s)
 
     def _silent_until_s(self) -> float:
         """Before a host was ever there, none can be gone."""
-        return float("inf") if self._last_heard_s is None else self._last_heard_s + GONE_AFTER_s
+        return float("inf") if self._last_request_s is None else self._last_request_s + HOST_TIMEOUT_s

@@ -6,8 +6,8 @@ Knows settings by their register names. Refuses to know what is done about a cau
 from collections.abc import Mapping
 
 IN_A_ROW = 3  # ticks, before contact faults are believed
-ENOUGH_uA = 50_000  # below it resistance says nothing
-MOST_HEAT = 2**32 - 1
+MIN_CURRENT_uA = 50_000  # below it resistance says nothing
+MAX_HEAT = 2**32 - 1
 
 
 class Protection:
@@ -15,18 +15,18 @@ class Protection:
 
     def __init__(self) -> None:
         self.heat = 0
-        self._rows = {"open": 0, "short": 0, "resistance": 0}
+        self._ticks_in_a_row = {"open": 0, "short": 0, "resistance": 0}
 
-    def warm(self, s: Mapping[str, int], current_uA: int) -> None:
+    def add_heat(self, s: Mapping[str, int], current_uA: int) -> None:
         """The i²t integral of one tick; it goes on whether armed or not."""
         period_ms, settle_ms = s["period"], s["heat_settle"]
         lost = self.heat if period_ms > settle_ms else self.heat * period_ms // settle_ms
         current_mA = abs(current_uA) // 1000
-        self.heat = min(self.heat - lost + current_mA * current_mA * period_ms // 1000, MOST_HEAT)
+        self.heat = min(self.heat - lost + current_mA * current_mA * period_ms // 1000, MAX_HEAT)
 
-    def forget_rows(self) -> None:
+    def reset_counts(self) -> None:
         """Three in a row are three while armed."""
-        self._rows = dict.fromkeys(self._rows, 0)
+        self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
 
     def cause(
         self, s: Mapping[str, int], output_uA: int, current_uA: int, voltage_uV: int, stop: bool, silent: int
@@ -38,7 +38,7 @@ class Protection:
         beyond = max(s["current_max"], -s["current_min"]) // 20
         if not s["current_min"] - beyond <= current_uA <= s["current_max"] + beyond:
             return "over_current"
-        in_a_row = next((name for name, ticks in self._rows.items() if ticks >= IN_A_ROW), "")
+        in_a_row = next((name for name, ticks in self._ticks_in_a_row.items() if ticks >= IN_A_ROW), "")
         if in_a_row:
             return in_a_row
         if self.heat > s["heat_max"]:
@@ -46,13 +46,15 @@ class Protection:
         return "lease" if silent > lease_ticks(s) else ""
 
     def _count_rows(self, s: Mapping[str, int], output_uA: int, current_uA: int, voltage_uV: int) -> None:
-        enough = current_uA >= ENOUGH_uA
-        seen = {
-            "open": abs(output_uA) >= ENOUGH_uA and 2 * current_uA < abs(output_uA),
+        enough = current_uA >= MIN_CURRENT_uA
+        suspicious = {
+            "open": abs(output_uA) >= MIN_CURRENT_uA and 2 * current_uA < abs(output_uA),
             "short": enough and 1000 * voltage_uV < s["resistance_min"] * current_uA,
             "resistance": enough and 1000 * voltage_uV > s["resistance_max"] * current_uA,
         }
-        self._rows = {name: self._rows[name] + 1 if now else 0 for name, now in seen.items()}
+        self._ticks_in_a_row = {
+            name: self._ticks_in_a_row[name] + 1 if now else 0 for name, now in suspicious.items()
+        }
 
 
 def lease_ticks(s: Mapping[str, int]) -> int:

@@ -4,22 +4,22 @@ from collections.abc import Iterable
 
 from simulators.faults import (
     DriftingShunt,
-    Fault,
     JumpingEncoder,
     OpenWire,
+    SimulatedFault,
     SlippingEncoder,
     StuckEncoder,
 )
-from smarig.rig.specimen import Reading
-from smarig.wire.register import SPANS, load_map
+from smarig.device.wire.register import SPANS, load_map
+from smarig.rig.specimen import RawReading
 
 _FIELDS = {f.name: f for f in load_map("amplifier")["ring"].field}
 
 
-class WireTroubles:
+class WireFaults:
     """An open wire and a shunt that drifts."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         self._open = tuple(f for f in faults if isinstance(f, OpenWire))
         self._shunt = tuple(f for f in faults if isinstance(f, DriftingShunt))
 
@@ -27,7 +27,7 @@ class WireTroubles:
         """The break in the wire, where there is one now."""
         return next((f for f in self._open if f.active(time_s, exchange)), None)
 
-    def measured(self, reading: Reading, output_uA: int, time_s: float, exchange: int) -> Reading:
+    def measured(self, reading: RawReading, output_uA: int, time_s: float, exchange: int) -> RawReading:
         """What the amplifier sees of a reading."""
         broken = self.interrupted(time_s, exchange)
         if broken and output_uA:
@@ -41,10 +41,10 @@ class WireTroubles:
         return reading
 
 
-class EncoderTroubles:
+class EncoderFaults:
     """An encoder that sticks, slips or jumps; what is lost stays lost."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         of_encoder = (StuckEncoder, SlippingEncoder, JumpingEncoder)
         self._faults = tuple(f for f in faults if isinstance(f, of_encoder))
         self._jumped: set[int] = set()

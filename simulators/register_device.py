@@ -3,18 +3,18 @@
 Knows maps, sequence words and ring windows. Refuses to know what orders and settings mean, and how words travel.
 """
 
-from simulators.layout import Layout
-from simulators.ring import NOTHING_YET, Ring, Window
-from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import Map, Raw, load_map, to_words
+from simulators.layout import RegisterLayout
+from simulators.ring import EMPTY_WINDOW, Ring, RingWindow
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.register import RawValues, RegisterMap, load_map, to_words
 
 
 class RegisterDevice:
     """A device with a map, a ring and no time of its own; ``accept`` answers, subclasses say what is done."""
 
     def __init__(self, name: str, boot_count: int, ring_samples: int) -> None:
-        self.map: Map = load_map(name)
-        self._layout = Layout(self.map)
+        self.map: RegisterMap = load_map(name)
+        self._layout = RegisterLayout(self.map)
         self._ring_samples = ring_samples
         status = self.map.blocks["status"]
         self._header = tuple((r.name, r.words) for r in status if not r.field)
@@ -28,8 +28,10 @@ class RegisterDevice:
         self.boot_count = boot_count & 0xFFFF
         self.echo = 0
         self.ring = Ring(self._ring_samples)
-        self.stored = Raw((r.name, r.safe or 0) for r in self.map.registers.values() if r.access == "rw")
-        self._window: Window = NOTHING_YET
+        self.stored = RawValues(
+            (r.name, r.safe or 0) for r in self.map.registers.values() if r.access == "rw"
+        )
+        self._window: RingWindow = EMPTY_WINDOW
 
     @property
     def newest_tick(self) -> int:
@@ -49,15 +51,17 @@ class RegisterDevice:
             return values
         return self._command(values) if "sequence" in values else self._settings(values)
 
-    def _settings(self, values: Raw) -> Refusal | None:
+    def _settings(self, values: RawValues) -> Refusal | None:
         refusal = self.refuses_settings()
         if refusal is None:
             self.stored.update(values)
         return refusal
 
-    def _command(self, values: Raw) -> Refusal | None:
+    def _command(self, values: RawValues) -> Refusal | None:
         if values["sequence"] == self.echo:  # heard before: only the window may be another
-            values = Raw((name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want"))
+            values = RawValues(
+                (name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want")
+            )
         else:
             refusal = self.refuses_command(values)
             if refusal:
@@ -66,7 +70,7 @@ class RegisterDevice:
             self.echo = values["sequence"]
         self.stored.update(values)
         self.stored["order"] = self.map["order"].safe or 0  # done with; reads as none
-        self.heard()
+        self.on_command()
         self._window = self.ring.window(self.stored["ring_next"], self.stored["ring_want"])
         return None
 
@@ -83,7 +87,7 @@ class RegisterDevice:
 
     def _status_words(self) -> list[int]:
         window = self._window
-        values = Raw(
+        values = RawValues(
             **self._always,
             echo=self.echo,
             boot_count=self.boot_count,
@@ -113,5 +117,5 @@ class RegisterDevice:
         """Do what a new command says."""
         raise NotImplementedError
 
-    def heard(self) -> None:
+    def on_command(self) -> None:
         """A sequence word was accepted, new or not."""

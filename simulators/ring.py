@@ -4,7 +4,7 @@ from collections import deque
 from typing import NamedTuple
 
 
-class Window(NamedTuple):
+class RingWindow(NamedTuple):
     """A stretch of the ring as it was when it was asked for."""
 
     first: int
@@ -12,7 +12,7 @@ class Window(NamedTuple):
     words: list[int]
 
 
-NOTHING_YET = Window(0, 0, [])
+EMPTY_WINDOW = RingWindow(0, 0, [])
 
 
 class Ring:
@@ -27,12 +27,12 @@ class Ring:
         self._samples.append(words)
         self.newest += 1
 
-    def window(self, first: int, want: int) -> Window:
+    def window(self, first: int, want: int) -> RingWindow:
         """From tick ``first`` on, or from the oldest that is still there; empty where that is in the future."""
         oldest = self.newest - len(self._samples) + 1
         if first > self.newest or not self._samples:
-            return Window(first, 0, [])
+            return RingWindow(first, 0, [])
         first = max(first, oldest)
         count = min(want, self.newest - first + 1)
         words = [word for k in range(first - oldest, first - oldest + count) for word in self._samples[k]]
-        return Window(first, count, words)
+        return RingWindow(first, count, words)

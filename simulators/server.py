@@ -9,9 +9,9 @@ import select
 import time
 from collections.abc import Sequence
 
-from simulators.line import Line
+from simulators.line import DeviceLine
 from simulators.pace import Pace
-from simulators.world import World
+from simulators.world import SimulatedBench
 
 LONGEST_SLEEP_s = 0.1  # so that a stop by signal is noticed
 
@@ -20,14 +20,14 @@ class Server:
     """Serves until standard input has ended and ``afterwards_s`` have passed, or until ``stop``."""
 
     def __init__(
-        self, world: World, lines: Sequence[Line], pace: Pace, host: int, afterwards_s: float
+        self, world: SimulatedBench, lines: Sequence[DeviceLine], pace: Pace, host: int, afterwards_s: float
     ) -> None:
         self._world, self._lines, self._pace = world, lines, pace
         self._host, self._afterwards_s = host, afterwards_s
         self._end_s = float("inf")
         self._stopped = False
         self._poll = select.poll()
-        self._polled: dict[int, Line] = {}
+        self._polled: dict[int, DeviceLine] = {}
         self._poll.register(host, select.POLLIN)
 
     def stop(self) -> None:
@@ -71,13 +71,13 @@ class Server:
                 self._answer(line, channel, request, now_s)
         elif channel == self._host and not os.read(self._host, 4096):
             self._poll.unregister(self._host)
-            self._pace.host_gone(now_s)
+            self._pace.host_ended(now_s)
             self._end_s = now_s + self._afterwards_s
 
-    def _answer(self, line: Line, channel: int, request: bytes, now_s: float) -> None:
+    def _answer(self, line: DeviceLine, channel: int, request: bytes, now_s: float) -> None:
         for arrived in line.arrived(request):
-            self._pace.heard(now_s)
-            self._pace.asked(line.name, arrived)
+            self._pace.host_active(now_s)
+            self._pace.before_answer(line.name, arrived)
             reply = self._world.answer(line.name, arrived)
             if reply is not None:
                 line.send(channel, reply, now_s)

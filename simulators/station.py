@@ -4,13 +4,13 @@ from typing import Protocol
 
 from simulators.amplifier import Amplifier
 from simulators.encoder_daq import EncoderDaq
-from simulators.framing import Framing, answer
+from simulators.framing import ServerFraming, answer
 
 
 class Station(Protocol):
     """What the world needs of any device."""
 
-    framing: Framing
+    framing: ServerFraming
 
     def boot(self, boot_count: int) -> None:
         """Begin anew."""
@@ -69,7 +69,7 @@ class DaqStation(Station, Protocol):
 class PythonAmplifier(Amplifier):
     """The state machine of amplifier.py, spoken to in bytes."""
 
-    def __init__(self, framing: Framing) -> None:
+    def __init__(self, framing: ServerFraming) -> None:
         self.framing = framing
         super().__init__()
 
@@ -81,7 +81,7 @@ class PythonAmplifier(Amplifier):
 class PythonDaq(EncoderDaq):
     """The state machine of encoder_daq.py, spoken to in bytes."""
 
-    def __init__(self, framing: Framing) -> None:
+    def __init__(self, framing: ServerFraming) -> None:
         self.framing = framing
         super().__init__()
 

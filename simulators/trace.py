@@ -3,12 +3,12 @@
 import time
 from pathlib import Path
 
-from simulators.world import World
+from simulators.world import SimulatedBench
 
 HEAD = "tick,wall_s,output_uA,state,trip,counts\n"
 
 
-class Trace:
+class TickTrace:
     """Each line is with the system as soon as its tick is over."""
 
     def __init__(self, path: Path) -> None:
@@ -16,7 +16,7 @@ class Trace:
         self._start_s = time.monotonic()
         self._file.write(HEAD)
 
-    def write(self, world: World) -> None:
+    def write(self, world: SimulatedBench) -> None:
         """The tick that has just passed: what flowed in it, and what the amplifier made of it."""
         wall_s = time.monotonic() - self._start_s
         state, trip = world.amplifier.state, world.amplifier.trip

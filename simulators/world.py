@@ -9,20 +9,20 @@ from typing import Protocol
 
 from simulators.amplifier import SATURATED
 from simulators.encoder_daq import INDEX
-from simulators.faults import BrownOut, ClockDrift, Fault, Reboot
-from simulators.reading_troubles import EncoderTroubles, WireTroubles
+from simulators.faults import BrownOut, ClockDrift, Reboot, SimulatedFault
+from simulators.reading_troubles import EncoderFaults, WireFaults
 from simulators.station import AmplifierStation, DaqStation, Station
-from smarig.rig.specimen import Reading
-from smarig.wire.exchange import Exchange
-from smarig.wire.register import load_map
+from smarig.device.wire.exchange import Exchange
+from smarig.device.wire.register import load_map
+from smarig.rig.specimen import RawReading
 
 AMPLIFIER, DAQ = "amplifier", "encoder_daq"
 
 
-class Wire(Protocol):
+class WireModel(Protocol):
     """The physics: smarig.rig.specimen.Specimen, or a test's own."""
 
-    def advance(self, output_A: float) -> Reading:
+    def advance(self, output_A: float) -> RawReading:
         """A tick with this output."""
         ...
 
@@ -31,10 +31,10 @@ class Wire(Protocol):
         ...
 
 
-class Power:
+class DevicePower:
     """Reboots, brown-outs and the pace of one device's clock."""
 
-    def __init__(self, faults: Sequence[Fault], name: str) -> None:
+    def __init__(self, faults: Sequence[SimulatedFault], name: str) -> None:
         mine = [f for f in faults if f.device == name]
         self._drifts = tuple(f for f in mine if isinstance(f, ClockDrift))
         self._cuts = tuple(f for f in mine if isinstance(f, BrownOut))
@@ -43,7 +43,7 @@ class Power:
         self._boots = 1
         self.on = True
 
-    def look(self, station: Station, time_s: float, exchange: int) -> bool:
+    def update(self, station: Station, time_s: float, exchange: int) -> bool:
         """Boot the device where it is time to; whether it did."""
         due = [f for f in self._reboots if f.active(time_s, exchange)]
         self._reboots = [f for f in self._reboots if f not in due]
@@ -65,17 +65,17 @@ class Power:
         return whole
 
 
-class World:
+class SimulatedBench:
     """Both devices on one wire. ``faults`` act on readings and power; those on bytes belong to the ports."""
 
     def __init__(
         self,
-        wire: Wire,
+        wire: WireModel,
         amplifier: AmplifierStation,
         daq: DaqStation,
         period_s: float,
         counts_per_rev: int,
-        faults: Sequence[Fault] = (),
+        faults: Sequence[SimulatedFault] = (),
     ) -> None:
         self.amplifier, self.daq = amplifier, daq
         self.period_s, self._counts_per_rev = period_s, counts_per_rev
@@ -86,9 +86,9 @@ class World:
         self._wire = wire
         self._amperes = load_map(AMPLIFIER)["output"].value
         self._stations: dict[str, Station] = {AMPLIFIER: amplifier, DAQ: daq}
-        self._power = {name: Power(faults, name) for name in self._stations}
-        self._wire_troubles, self._encoder_troubles = WireTroubles(faults), EncoderTroubles(faults)
-        self._show_place()
+        self._power = {name: DevicePower(faults, name) for name in self._stations}
+        self._wire_faults, self._encoder_faults = WireFaults(faults), EncoderFaults(faults)
+        self._update_position()
 
     @property
     def time_s(self) -> float:
@@ -101,49 +101,51 @@ class World:
 
     def decoded(self, name: str, request: bytes) -> Exchange | None:
         """What a request asks of a device, if it is an exchange at all."""
-        heard = self._stations[name].framing.decode(request)
-        return heard.asks if heard and isinstance(heard.asks, Exchange) else None
+        parsed = self._stations[name].framing.decode(request)
+        return parsed.requested if parsed and isinstance(parsed.requested, Exchange) else None
 
     def answer(self, name: str, request: bytes) -> bytes | None:
         """One request arrives; the reply, or silence."""
-        self._look(name)
+        self._update_power(name)
         return self._stations[name].answer(request) if self._power[name].on else None
 
     def tick(self) -> None:
         """A period passes: the output flows, the wire answers, both devices measure."""
         for name in self._stations:
-            self._look(name)
+            self._update_power(name)
         output_uA = self.amplifier.output_uA if self._power[AMPLIFIER].on else 0
-        broken = self._wire_troubles.interrupted(*self._moment(AMPLIFIER))
+        broken = self._wire_faults.interrupted(*self._now(AMPLIFIER))
         self.flowed_uA = 0 if broken else output_uA
         reading = self._wire.advance(self._amperes.decode(self.flowed_uA))
         self._tick_amplifier(reading, output_uA)
         self._tick_daq(reading)
         self.ticks += 1
 
-    def _tick_amplifier(self, reading: Reading, output_uA: int) -> None:
-        moment = self._moment(AMPLIFIER)
-        seen = self._wire_troubles.measured(reading, output_uA, *moment)
+    def _tick_amplifier(self, reading: RawReading, output_uA: int) -> None:
+        moment = self._now(AMPLIFIER)
+        amplifier_reading = self._wire_faults.measured(reading, output_uA, *moment)
         for _ in range(self._power[AMPLIFIER].ticks(*moment)):
-            hardware = SATURATED if seen.saturated else 0
-            self.amplifier.tick(seen.current, seen.voltage, seen.temperature, hardware)
+            hardware = SATURATED if amplifier_reading.saturated else 0
+            self.amplifier.tick(
+                amplifier_reading.current, amplifier_reading.voltage, amplifier_reading.temperature, hardware
+            )
 
-    def _tick_daq(self, reading: Reading) -> None:
-        moment = self._moment(DAQ)
+    def _tick_daq(self, reading: RawReading) -> None:
+        moment = self._now(DAQ)
         turn = self.raw_counts // self._counts_per_rev
-        self.raw_counts = self._encoder_troubles.sample(reading.counts, *moment)
+        self.raw_counts = self._encoder_faults.sample(reading.counts, *moment)
         index = INDEX if self.raw_counts // self._counts_per_rev != turn else 0
         for _ in range(self._power[DAQ].ticks(*moment)):
             self.daq.tick(self.raw_counts, reading.ambient, index)
-        self._show_place()
+        self._update_position()
 
-    def _look(self, name: str) -> None:
-        booted = self._power[name].look(self._stations[name], *self._moment(name))
+    def _update_power(self, name: str) -> None:
+        booted = self._power[name].update(self._stations[name], *self._now(name))
         if booted and name == DAQ:
-            self._show_place()
+            self._update_position()
 
-    def _show_place(self) -> None:
-        self.daq.now(self._encoder_troubles.now(self._wire.counts_now()))
+    def _update_position(self) -> None:
+        self.daq.now(self._encoder_faults.now(self._wire.counts_now()))
 
-    def _moment(self, name: str) -> tuple[float, int]:
+    def _now(self, name: str) -> tuple[float, int]:
         return self.time_s, self.exchanges[name]

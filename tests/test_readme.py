@@ -64,8 +64,8 @@ def test_shell_completion(tmp_path):
     done = in_shell("_SMARIG_COMPLETE=bash_source smarig", tmp_path)
     assert "_smarig_completion" in done.stdout
     typed = {"COMP_WORDS": "smarig run val", "COMP_CWORD": "2", "_SMARIG_COMPLETE": "bash_complete"}
-    listed = subprocess.run(["smarig"], env=environment() | typed, capture_output=True, text=True)
-    assert "validation" in listed.stdout
+    shipped_names = subprocess.run(["smarig"], env=environment() | typed, capture_output=True, text=True)
+    assert "validation" in shipped_names.stdout
 
 
 def test_seeing_it(tmp_path):

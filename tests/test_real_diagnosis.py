@@ -13,11 +13,11 @@ import pytest
 import smarig
 from smarig.cli import run as cli
 from smarig.diagnosis.diagnose import diagnose
-from smarig.diagnosis.thermal import diagnose_transient
+from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient
 from smarig.identification.identify import identify
 from smarig.record import Run
-from smarig.story.retelling import retold
-from smarig.story.told import told
+from smarig.replay.prediction import predict
+from smarig.replay.timeline import build_timeline
 
 NULLS = 40
 EARLY = 6500  # rows of the cycles: the first 25
@@ -61,13 +61,15 @@ def loops(shared_data, tmp_path):
     }
 
 
-def test_a_loop_at_one_hertz_does_not_foretell_slower_ones(loops):
+def test_a_loop_at_one_hertz_does_not_predict_slower_ones(loops):
     model = identify(loops[1.0], "positive").model
-    from smarig.identification.lived import subject_of
+    from smarig.replay.simulate_effects import plant_model_of
 
-    story = told(list(loops.values()), 1.0)
-    error = story.settled.value - retold(story, subject_of(model, story.runs[0])).values["settled"]
-    rms = {f: float(np.std(error[story.run == k])) for k, f in enumerate(loops)}
+    timeline = build_timeline(list(loops.values()), 1.0)
+    error = (
+        timeline.settled.value - predict(timeline, plant_model_of(model, timeline.runs[0])).values["settled"]
+    )
+    rms = {f: float(np.std(error[timeline.run == k])) for k, f in enumerate(loops)}
     assert rms[1.0] < 2.0 < rms[0.1] < rms[0.01]
 
 

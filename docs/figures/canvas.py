@@ -65,7 +65,7 @@ class Picture:
         """Markup, in pixels."""
         self.parts.append(markup)
 
-    def say(self, x: float, y: float, words: str, look: str = "f-ink") -> None:
+    def add_text(self, x: float, y: float, words: str, look: str = "f-ink") -> None:
         """Words at a place in pixels."""
         self.add(f'<text x="{tenths(x)}" y="{tenths(y)}" class="{look}">{escape(words)}</text>')
 
@@ -101,15 +101,15 @@ class Panel:
         for value in ticks[0]:
             u, _ = self.at(value, self.y[0])
             self._stroke(f"M{tenths(u)} {tenths(bottom)}v-5", "line thin s-ink")
-            p.say(u, bottom + 16, plain(value), "small middle f-ink")
+            p.add_text(u, bottom + 16, plain(value), "small middle f-ink")
         for value in ticks[1]:
             _, v = self.at(self.x[0], value)
             self._stroke(f"M{tenths(self.left)} {tenths(v)}h5", "line thin s-ink")
-            p.say(self.left - 6, v + 4, plain(value), "small end f-ink")
+            p.add_text(self.left - 6, v + 4, plain(value), "small end f-ink")
         box = f'x="{tenths(self.left)}" y="{tenths(self.top)}" width="{tenths(self.width)}"'
         p.add(f'<rect {box} height="{tenths(self.height)}" class="line thin s-ink"/>')
-        p.say(self.left, self.top - 10, title, "title f-ink")
-        p.say(self.left + self.width / 2, bottom + 34, under, "middle f-ink")
+        p.add_text(self.left, self.top - 10, title, "title f-ink")
+        p.add_text(self.left + self.width / 2, bottom + 34, under, "middle f-ink")
         if beside:
             x, y = tenths(self.left - 38), tenths(self.top + self.height / 2)
             turn = f'transform="translate({x} {y}) rotate(-90)"'
@@ -170,19 +170,19 @@ class Panel:
     def arrow(self, start: tuple[float, float], end: tuple[float, float], look: str = "ink") -> None:
         """An arrow between two points."""
         (u0, v0), (u1, v1) = self.at(*start), self.at(*end)
-        way = np.array([u1 - u0, v1 - v0]) / max(np.hypot(u1 - u0, v1 - v0), 1e-9)
-        side, back = np.array([-way[1], way[0]]) * 4, np.array([u1, v1]) - 9 * way
-        neck = back + 2 * way
+        direction = np.array([u1 - u0, v1 - v0]) / max(np.hypot(u1 - u0, v1 - v0), 1e-9)
+        side, back = np.array([-direction[1], direction[0]]) * 4, np.array([u1, v1]) - 9 * direction
+        neck = back + 2 * direction
         self._stroke(f"M{tenths(u0)} {tenths(v0)}L{tenths(neck[0])} {tenths(neck[1])}", f"line s-{look}")
         corners = [(u1, v1), tuple(back + side), tuple(back - side)]
         self._stroke("M" + "L".join(f"{tenths(a)} {tenths(b)}" for a, b in corners) + "z", f"f-{look}")
 
-    def say(
+    def add_text(
         self, x: float, y: float, words: str, look: str = "f-ink", shift: tuple[float, float] = (0, 0)
     ) -> None:
         """Words at a point, moved by pixels; a halo keeps them readable over lines."""
         u, v = self.at(x, y)
-        self.picture.say(u + shift[0], v + shift[1], words, f"halo {look}")
+        self.picture.add_text(u + shift[0], v + shift[1], words, f"halo {look}")
 
 
 def _runs(panel: Panel, edges: np.ndarray, chosen: np.ndarray) -> Iterable[str]:

@@ -5,8 +5,8 @@ import numpy as np
 from figures.canvas import Panel, Picture
 from figures.memory import INPUT, KELVIN, OUTPUT, RANGE, TRAVEL, WIRE, graph, plane
 from smarig import Preisach
-from smarig.preisach.energy import loop_area
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.theory.energy import loop_area
 
 REVERSALS_K = (27.8, 43.5, 62.7, 85.3, 111.4, 174.1)  # of the thesis's partition
 
@@ -27,14 +27,14 @@ def everett() -> Picture:
     left.line([beta, alpha], [top, top], "thin dash s-ink")
     left.line([alpha + 6, alpha + 6], [top, low], "thick s-model")
     left.line([beta, alpha + 6], [low, low], "thin dash s-ink")
-    left.say(alpha, top, "α", "end f-ink", (-2, -5))
-    left.say(beta, low, "β", "end f-ink", (-4, 10))
-    left.say(alpha + 6, (top + low) / 2, f"F = {top - low:.2f} mm", "f-model", (7, 5))
+    left.add_text(alpha, top, "α", "end f-ink", (-2, -5))
+    left.add_text(beta, low, "β", "end f-ink", (-4, 10))
+    left.add_text(alpha + 6, (top + low) / 2, f"F = {top - low:.2f} mm", "f-model", (7, 5))
     right = plane(picture, (430, 34, 290, 250), "F(α, β) is the weight of a triangle")
     right.area([beta, beta, alpha], [beta, alpha, alpha], "wash f-model")
     right.line([beta, beta, alpha], [beta, alpha, alpha], "s-model")
     right.dots([beta], [alpha], "f-model", 4)
-    right.say(beta, alpha, f"(β, α) = ({beta:g}, {alpha:g})", "f-ink", (4, -10))
+    right.add_text(beta, alpha, f"(β, α) = ({beta:g}, {alpha:g})", "f-ink", (4, -10))
     return picture
 
 
@@ -54,7 +54,7 @@ def density() -> Picture:
     for sign, look in ((mu, "f-heat"), (-mu, "f-cool")):
         left.cells(edges, sign, look, top, least=0.01 * top)
     left.line(RANGE, RANGE, "thin s-grey")
-    left.say(174, 0, f"fullest colour: {top:.4f} mm/K²", "small end f-grey", (-8, -10))
+    left.add_text(174, 0, f"fullest colour: {top:.4f} mm/K²", "small end f-grey", (-8, -10))
     right = graph(picture, 420, "with g, and without", 300)
     u = np.linspace(0, WIRE.upper, 240)
     up = WIRE.y(u, u)
@@ -69,7 +69,7 @@ def density() -> Picture:
     right.line(u, up - g, "dash s-heat")
     right.line(u[::-1], down - g[::-1] - (down - g[::-1])[-1], "dash s-cool")
     share = g[-1] / (WIRE.y_upper - WIRE.y_lower)
-    right.say(174, 0.6, f"dashed: μ alone, {100 * share:.1f} % short", "small end f-ink", (-8, 0))
+    right.add_text(174, 0.6, f"dashed: μ alone, {100 * share:.1f} % short", "small end f-ink", (-8, 0))
     return picture
 
 
@@ -91,7 +91,7 @@ def energy() -> Picture:
     left.line(u, up, "s-heat")
     left.line(u[::-1], down, "s-cool")
     area = float(loop_area(WIRE, high, low))
-    left.say(high, up[-1], f"∮ u dy = {area:.0f} mm·K", "f-ink", (-40, 84))
+    left.add_text(high, up[-1], f"∮ u dy = {area:.0f} mm·K", "f-ink", (-40, 84))
     for k, name in enumerate(("one_e", "one_p")):
         _loop_areas(picture, 304 + 226 * k, name, "M (K)" if k == 0 else "")
     return picture
@@ -108,7 +108,7 @@ def _loop_areas(picture: Picture, left: float, name: str, beside: str) -> None:
     panel.cells(edges, -np.where(area < -1e-9, area, np.nan), "f-heat", 0.05, 4)
     panel.line(RANGE, RANGE, "thin s-grey")
     words = "none below 0" if np.nanmin(area) > -1e-9 else "some below 0"
-    panel.say(174, 0, words, "small end f-ink", (-8, -10))
+    panel.add_text(174, 0, words, "small end f-ink", (-8, -10))
 
 
 def _area(chosen, M: float, m: float) -> float:

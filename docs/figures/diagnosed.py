@@ -12,22 +12,22 @@ from threadpoolctl import threadpool_limits
 from figures.canvas import Panel, Picture
 from figures.memory import WIRE
 from smarig import Preisach, identify, load_run
-from smarig.command import Hold, Protocol, StepResult
 from smarig.config import load_rig
-from smarig.diagnosis.critique import critique
-from smarig.diagnosis.visibility import Visibility, visibility
-from smarig.identification.lived import subject_of, wire_of
-from smarig.model.actuator import Actuator
-from smarig.model.planted import from_pairs, kinds
+from smarig.core.command import Hold, Protocol, StepResult
+from smarig.diagnosis.critique.critique import critique
+from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect_catalogue import effect_types, from_pairs
 from smarig.protocols._setup import Setup
 from smarig.protocols.first_order_descending import first_order_descending
 from smarig.protocols.validation import validation
+from smarig.replay.simulate_effects import actuator_for_run, plant_model_of
+from smarig.replay.timeline import build_timeline
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 from smarig.runner.session import Session
-from smarig.story.told import told
 
 CELL = 16  # pixels of an effect in the map
 STEEP, FLAT = 0.05, 0.005  # mm/K
@@ -63,7 +63,7 @@ def signatures() -> Picture:
     )
     for k, (words, look) in enumerate(looks):
         picture.add(f'<circle cx="{64 + 210 * k}" cy="302" r="3.5" class="{look}"/>')
-        picture.say(74 + 210 * k, 306, words, "small f-ink")
+        picture.add_text(74 + 210 * k, 306, words, "small f-ink")
     return picture
 
 
@@ -74,12 +74,14 @@ def _residuals(effect: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     twin = Twin(file, actuator, TwinSettings(seed=1, effects=from_pairs([effect])))
     ends: list[StepResult] = []
     runner = Runner(
-        Guard(twin, file.limits, actuator), twin.position_per_count, [Watch(lambda *_: None, ends.append)]
+        Guard(twin, file.limits, actuator),
+        twin.position_per_count,
+        [CallbackListener(lambda *_: None, ends.append)],
     )
     setup = Setup(actuator, file.limits, file.period_s)
     inputs_K: list[float] = []
     for protocol in (first_order_descending(setup), validation(setup, points=20)):
-        runner.run(_watched(protocol, inputs_K, actuator))
+        runner.run(_record_inputs(protocol, inputs_K, actuator))
     wire, slopes, outputs = Preisach(WIRE), [], []
     for u in inputs_K:
         outputs.append(wire.step(u))
@@ -89,7 +91,7 @@ def _residuals(effect: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.array([e.t_end_s for e in ends]) / 3600, y - np.array(outputs), np.array(slopes)
 
 
-def _watched(protocol: Protocol, inputs_K: list[float], actuator: Actuator) -> Protocol:
+def _record_inputs(protocol: Protocol, inputs_K: list[float], actuator: Actuator) -> Protocol:
     """The protocol, its holds' steady inputs written down."""
     answer = None
     while True:
@@ -102,12 +104,12 @@ def _watched(protocol: Protocol, inputs_K: list[float], actuator: Actuator) -> P
         answer = yield command
 
 
-def lookalikes() -> Picture:
+def similar_effects() -> Picture:
     """How visible each effect is in one record, and which others could take its evidence."""
-    seen, points = _record()
-    order = np.argsort(-seen.delta, kind="stable")
-    order = order[seen.delta[order] > 0]
-    names = [seen.names[k] for k in order]
+    effect_visibility, points = _record()
+    order = np.argsort(-effect_visibility.delta, kind="stable")
+    order = order[effect_visibility.delta[order] > 0]
+    names = [effect_visibility.names[k] for k in order]
     side = CELL * len(names)
     picture = Picture(740, side + 180, "Which effects this record could show, and which imitate each other.")
     left = Panel(
@@ -116,22 +118,22 @@ def lookalikes() -> Picture:
     )  # fmt: skip
     for power in (-1, 0, 1):
         left.line([power, power], [0, len(names)], "thin dash s-faint")
-        left.say(power, len(names), f"{10.0**power:g}", "small middle f-ink", (0, 16))
+        left.add_text(power, len(names), f"{10.0**power:g}", "small middle f-ink", (0, 16))
     right = Panel(
         picture, (322, 34, side, side), (0, len(names)), (len(names), 0),
         titles=("evidence of each row, taken by each column", "", ""), ticks=((), ()),
     )  # fmt: skip
     for k, j in enumerate(order):
-        left.say(-2, k + 0.5, names[k], "small end f-ink", (-8, 4))
-        end = float(np.clip(np.log10(seen.delta[j]), -2, 2))
+        left.add_text(-2, k + 0.5, names[k], "small end f-ink", (-8, 4))
+        end = float(np.clip(np.log10(effect_visibility.delta[j]), -2, 2))
         left.area([-2, end, end, -2], [k + 0.15, k + 0.15, k + 0.85, k + 0.85], "f-cool")
         for i, other in enumerate(order):
-            _share(right, i, k, float(seen.imitated[j, other]))
+            _share(right, i, k, float(effect_visibility.imitated[j, other]))
         u, v = right.at(k + 0.5, len(names))
         turn = f'transform="translate({u + 4:.0f} {v + 8:.0f}) rotate(-90)"'
         picture.add(f'<text {turn} class="small end f-ink">{names[k]}</text>')
-    picture.say(14, side + 84, f"n = {points} settled points and what was", "small f-grey")
-    picture.say(14, side + 100, "read between them; twin, nothing hidden", "small f-grey")
+    picture.add_text(14, side + 84, f"n = {points} settled points and what was", "small f-grey")
+    picture.add_text(14, side + 100, "read between them; twin, nothing hidden", "small f-grey")
     return picture
 
 
@@ -144,7 +146,7 @@ def _share(panel: Panel, x: int, y: int, share: float) -> None:
         )
 
 
-def _record() -> tuple[Visibility, int]:
+def _record() -> tuple[VisibilityTable, int]:
     """Visibility in reversal curves and a validation run of the empty twin."""
     with tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{name}.run.sqlite" for name in ("first_order_descending", "congruency")]
@@ -153,10 +155,12 @@ def _record() -> tuple[Visibility, int]:
                 session.run(file.name.removesuffix(".run.sqlite"), {}, file)
         runs = [load_run(file) for file in files]
     model = identify(runs[0], surface="exponential").model
-    story = told(runs, wire_of(model, runs[0]).tau_s)
+    timeline = build_timeline(runs, actuator_for_run(model, runs[0]).tau_s)
     with threadpool_limits(1, "blas"):
-        seen = visibility(critique(story, subject_of(model, story.runs[0]), kinds("one_wire"), count=40))
-    return seen, sum(len(run.settled) for run in runs)
+        effect_visibility = visibility(
+            critique(timeline, plant_model_of(model, timeline.runs[0]), effect_types("one_wire"), count=40)
+        )
+    return effect_visibility, sum(len(run.settled) for run in runs)
 
 
 def found_by_size() -> Picture:
@@ -176,9 +180,9 @@ def found_by_size() -> Picture:
         panel.area([k + 0.2, k + 0.8, k + 0.8, k + 0.2], [0, 0, hits / of, hits / of], "wash f-cool")
         panel.bars([k + 0.5], [float(low)], [float(high)], "s-cool")
         panel.dots([k + 0.5], [hits / of], "f-cool", 4)
-        panel.say(k + 0.5, 0, words, "small middle f-ink", (0, 16))
-        panel.say(k + 0.5, 0, f"{hits} of {of}", "small middle f-grey", (0, 32))
-    picture.say(378, 308, "size δ: rms that no density explains, in units of the noise", "middle f-ink")
+        panel.add_text(k + 0.5, 0, words, "small middle f-ink", (0, 16))
+        panel.add_text(k + 0.5, 0, f"{hits} of {of}", "small middle f-grey", (0, 32))
+    picture.add_text(378, 308, "size δ: rms that no density explains, in units of the noise", "middle f-ink")
     return picture
 
 

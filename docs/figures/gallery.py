@@ -18,7 +18,7 @@ PICTURES: dict[str, Callable[[], Picture]] = {
     "initialisation": rig.initialisation,
     "energy": curves.energy,
     "signatures": diagnosed.signatures,
-    "lookalikes": diagnosed.lookalikes,
+    "lookalikes": diagnosed.similar_effects,
     "found_by_size": diagnosed.found_by_size,
     "repeating": safety.repeating,
     "lease": safety.lease,

@@ -4,7 +4,7 @@ import numpy as np
 
 from figures.canvas import Panel, Picture, staircase
 from smarig import Preisach
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 
 WIRE = surface("one_e")
 RANGE = (0.0, WIRE.upper)
@@ -64,8 +64,8 @@ def relay() -> Picture:
     one.line([100, 30, 30, 0], [1.04, 1.04, -1, -1], "s-cool")
     one.arrow((70, -0.5), (70, 0.25), "heat")
     one.arrow((30, 0.5), (30, -0.25), "cool")
-    one.say(70, -1.5, "α", "middle f-heat", (0, -10))
-    one.say(30, -1.5, "β", "middle f-cool", (0, -10))
+    one.add_text(70, -1.5, "α", "middle f-heat", (0, -10))
+    one.add_text(30, -1.5, "β", "middle f-cool", (0, -10))
     for left, count, title in ((300, 12, "12 relays"), (540, 1500, "1500 relays")):
         _sum_of_relays(picture, left, count, title)
     return picture
@@ -104,8 +104,8 @@ def boundary() -> Picture:
     for k, title in enumerate(titles):
         panel = plane(picture, (52 + 236 * k, 34, 204, 214), title, ("β (K)", "α (K)" if k == 0 else ""))
         memory(panel, moves[: k + 2])
-        panel.say(98, 118, "off", "f-grey", (-70, -52 if k == 0 else -40))
-        panel.say(18, 30, "on", "f-heat", (0, -16))
+        panel.add_text(98, 118, "off", "f-grey", (-70, -52 if k == 0 else -40))
+        panel.add_text(18, 30, "on", "f-heat", (0, -16))
         beta, alpha = staircase(moves[: k + 2])
         if k == 0:
             panel.arrow((60, 70), (60, 117), "heat")
@@ -129,14 +129,14 @@ def wiping_out() -> Picture:
     for k, (u, v) in enumerate(zip(turns, y)):
         left.dots([u], [v], "f-ink", 3)
         where = ((-4, 18), (-12, 4), (6, 14), (-14, -4), (7, 14))[k]
-        left.say(u, v, "abcde"[k], "f-ink", where)
+        left.add_text(u, v, "abcde"[k], "f-ink", where)
     right = plane(picture, (430, 34, 290, 250), "what is remembered")
     memory(right, [0.0, 140.0, 28.0, 90.0])
     beta, alpha = staircase([0.0, 140.0, 28.0, 60.0, 40.0])
     right.line(beta, alpha, "dash s-grey")
-    right.say(28, 140, "a, b", "f-ink", (8, -6))
-    right.say(50, 38, "c, d: wiped out", "f-grey")
-    right.say(90, 90, "e, now", "f-ink", (8, 14))
+    right.add_text(28, 140, "a, b", "f-ink", (8, -6))
+    right.add_text(50, 38, "c, d: wiped out", "f-grey")
+    right.add_text(90, 90, "e, now", "f-ink", (8, 14))
     return picture
 
 
@@ -167,5 +167,5 @@ def congruency() -> Picture:
         right.line(u[part], lower[part], f"s-{colour}")
         right.dots(u[part][::4], (upper - lift)[part][::4], f"f-{colour}", 3)
     for k, words in enumerate(("lines: the lower loop", "dots: the upper loop")):
-        right.say(31, 8.7, words, "small f-ink", (0, 16 * k))
+        right.add_text(31, 8.7, words, "small f-ink", (0, 16 * k))
     return picture

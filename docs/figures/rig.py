@@ -7,7 +7,7 @@ import numpy as np
 from figures.canvas import Panel, Picture, staircase
 from figures.memory import OUTPUT
 from smarig import Preisach, Twin
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 
 NEAR_K, WINDOW_S = 0.01, 25.0  # of ``Settled``
 TWO = surface("two_e")
@@ -28,8 +28,8 @@ def lag() -> Picture:
     )  # fmt: skip
     for loop_s, look in ((8.0, "s-third"), (480.0, "s-ink")):
         right.line(*_loops(loop_s), look)
-    right.say(46, 11.9, "5 loops of 8 min", "small f-ink")
-    right.say(42, 7.3, "5 loops of 8 s", "small f-third")
+    right.add_text(46, 11.9, "5 loops of 8 min", "small f-ink")
+    right.add_text(42, 7.3, "5 loops of 8 s", "small f-third")
     return picture
 
 
@@ -50,10 +50,10 @@ def _step(picture: Picture) -> None:
     panel.area([near, near, near + WINDOW_S, near + WINDOW_S], [5.2, 11, 11, 5.2], "wash f-model")
     panel.line([tau, tau], [5.2, 11], "thin dash s-grey")
     panel.dots(t[::4], y[::4], "f-cool", 1.6)
-    panel.say(tau, 7.4, f"τ = {tau:.1f} s", "small f-grey", (5, 0))
-    panel.say(near, 6.4, "window of 25 s,", "small f-model", (5, 0))
-    panel.say(near, 6.4, "its mean is kept", "small f-model", (5, 16))
-    panel.say(near, 5.4, f"{NEAR_K} K away", "small end f-grey", (-5, 0))
+    panel.add_text(tau, 7.4, f"τ = {tau:.1f} s", "small f-grey", (5, 0))
+    panel.add_text(near, 6.4, "window of 25 s,", "small f-model", (5, 0))
+    panel.add_text(near, 6.4, "its mean is kept", "small f-model", (5, 16))
+    panel.add_text(near, 5.4, f"{NEAR_K} K away", "small end f-grey", (-5, 0))
 
 
 def _loops(loop_s: float) -> tuple[np.ndarray, np.ndarray]:
@@ -78,13 +78,13 @@ def initialisation() -> Picture:
     first.area([-185, *beta], [-185, *alpha], "wash f-heat")
     first.line(beta, alpha, "s-ink")
     first.line([-185, 0], [185, 0], "dash s-model")
-    first.say(-60, 130, "B*: α = −β", "f-model", (4, 0))
+    first.add_text(-60, 130, "B*: α = −β", "f-model", (4, 0))
     centre = 40.0
     second = _plane(picture, 290, f"the state B_ℓ, ℓ = {centre:g} K", "")
     second.area([-185, -185, 2 * centre - 185, centre], [-185, 185, 185, centre], "wash f-heat")
     second.line([2 * centre - 185, centre], [185, centre], "thick s-model")
     second.dots([centre], [centre], "f-ink", 4)
-    second.say(centre, centre, "(ℓ, ℓ)", "f-ink", (8, 14))
+    second.add_text(centre, centre, "(ℓ, ℓ)", "f-ink", (8, 14))
     third = Panel(
         picture, (566, 34, 160, 214), SPAN, (-18, 20),
         titles=("ψ(ℓ), its output", "ℓ (K)", "angle (°)"), ticks=((-150, 0, 150), (-10, 0, 10)),
@@ -94,7 +94,7 @@ def initialisation() -> Picture:
     third.line(places, [wire.go_to_diagonal(float(c)) for c in places], "s-model")
     zero = wire.go_to_diagonal(0.0)
     third.dots([0], [zero], "f-ink", 4)
-    third.say(0, zero, f"{zero:.2f}°", "small f-ink", (8, 10))
+    third.add_text(0, zero, f"{zero:.2f}°", "small f-ink", (8, 10))
     return picture
 
 

@@ -16,26 +16,26 @@ def repeating() -> Picture:
         350,
         "A step made again from the cold ends elsewhere; after the way back it ends where it should.",
     )
-    way = [110.0, 38.0, 58.0]
-    should = float(Preisach(WIRE).simulate(way)[-1])
+    return_path_K = [110.0, 38.0, 58.0]
+    should = float(Preisach(WIRE).simulate(return_path_K)[-1])
     cold = float(Preisach(WIRE).simulate([110.0, 38.0, 50.0, 0.0, 58.0])[-1])
     back = float(Preisach(WIRE).simulate([110.0, 38.0, 50.0, 0.0, 110.0, 38.0, 58.0])[-1])
     left = graph(picture, 54, "cooled, and the step made again")
-    loop(left, way[:2], "thin dash")
-    loop(left, [*way[:2], 50.0, 0.0], "thin dash", 2)
-    loop(left, [*way[:2], 50.0, 0.0, 58.0], "thick", 4)
+    loop(left, return_path_K[:2], "thin dash")
+    loop(left, [*return_path_K[:2], 50.0, 0.0], "thin dash", 2)
+    loop(left, [*return_path_K[:2], 50.0, 0.0, 58.0], "thick", 4)
     right = graph(picture, 420, "cooled, taken back, and made again")
-    loop(right, [0.0, *way[:2]], "thin dash")
-    loop(right, [0.0, *way], "thick", 3)
+    loop(right, [0.0, *return_path_K[:2]], "thin dash")
+    loop(right, [0.0, *return_path_K], "thick", 3)
     for panel, reached, words in (
         (left, cold, f"{cold - should:+.2f} mm"),
         (right, back, "where it should be"),
     ):
         panel.dots([58.0], [should], "f-model", 5)
         panel.dots([58.0], [reached], "f-ink", 3)
-        panel.say(58, reached, words.replace("-", "−"), "f-ink", (10, 14))
-    left.say(58, should, "asked for", "f-model", (10, 4))
-    picture.say(54, 342, "dashed: before, and on the way; thick: the step made again", "small f-grey")
+        panel.add_text(58, reached, words.replace("-", "−"), "f-ink", (10, 14))
+    left.add_text(58, should, "asked for", "f-model", (10, 4))
+    picture.add_text(54, 342, "dashed: before, and on the way; thick: the step made again", "small f-grey")
     return picture
 
 
@@ -60,8 +60,8 @@ def lease() -> Picture:
     ends = np.concatenate([[-1.0], np.repeat(t[1:-1], 2), t[-1:]])
     left.line(ends, np.repeat(output[1:], 2))
     left.dots(np.arange(-10, 1) / 10, np.full(11, 0.92), "f-cool", 2)
-    left.say(-1, 0.92, "host", "small f-cool", (4, -8))
-    left.say(lease_s / 2, 0.1, f"lease, {lease_s:g} s", "small middle f-ink")
+    left.add_text(-1, 0.92, "host", "small f-cool", (4, -8))
+    left.add_text(lease_s / 2, 0.1, f"lease, {lease_s:g} s", "small middle f-ink")
     right = Panel(
         picture, (430, 34, 290, 180), (-5, 30), (0, 130),
         titles=("the wire", "time since the host's last word (s)", "T above ambient (K)"),
@@ -70,7 +70,7 @@ def lease() -> Picture:
     s = np.linspace(-5, 30, 141)
     right.area([0, 0, lease_s, lease_s], [0, 130, 130, 0], "wash f-third")
     right.line(s, [hot * math.exp(-max(v - lease_s, 0) / tau) for v in s], "s-heat")
-    right.say(lease_s + tau, hot / math.e, f"τ = {tau:.1f} s", "small f-heat", (8, -4))
+    right.add_text(lease_s + tau, hot / math.e, f"τ = {tau:.1f} s", "small f-heat", (8, -4))
     return picture
 
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 from generate.docstring import as_markdown
 from generate.markdown import code, plain, table
-from smarig.catalogue import find, names
-from smarig.config import listed, load_actuator, load_campaign, load_rig
+from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
+from smarig.core.catalogue import find, names
 from smarig.exchange.mapping import load_mapping
-from smarig.protocols._settings import described
+from smarig.protocols._settings import setting_texts
 
 PROTOCOLS = """# Protocols
 
@@ -39,7 +39,7 @@ def pages() -> dict[str, str]:
 
 def _protocol(name: str) -> str:
     function = find("smarig.protocols", name)
-    rows = [(code(k), code(v)) for k, v in described(name) if not k.startswith("settle.")]
+    rows = [(code(k), code(v)) for k, v in setting_texts(name) if not k.startswith("settle.")]
     settings = table(("setting", "default"), rows) if rows else ""
     return f"\n## {name}\n\n{as_markdown(function.__doc__ or '')}\n\n{settings}"
 
@@ -49,39 +49,41 @@ def _shipped() -> str:
         "Rigs": (("rig", "kind", "actuator", "tick", "wire"), _rigs()),
         "Actuators": (("actuator", "arrangement", "source"), _actuators()),
         "Campaigns": (("campaign", "holds", "steps"), _campaigns()),
-        "Drivers": (("driver", "speaks to"), _modules("smarig.drivers")),
+        "Drivers": (("driver", "speaks to"), _modules("smarig.device.drivers")),
         "Formats to import": (("format", "reads"), _modules("smarig.exchange.readers")),
         "Formats to export": (("format", "writes"), _modules("smarig.exchange.writers")),
         "Import mappings": (("mapping", "reads", "source"), _mappings()),
     }
-    return CATALOGUES + "".join(f"\n## {name}\n\n{table(*given)}" for name, given in chapters.items())
+    return CATALOGUES + "".join(
+        f"\n## {name}\n\n{table(*table_args)}" for name, table_args in chapters.items()
+    )
 
 
 def _rigs() -> Iterator[tuple[str, ...]]:
-    for name in listed("rigs"):
+    for name in shipped_names("rigs"):
         rig = load_rig(name)
         yield code(name), rig.kind, code(rig.actuator), f"{rig.period_s:g} s", plain(rig.wire)
 
 
 def _actuators() -> Iterator[tuple[str, ...]]:
-    for name in listed("actuators"):
+    for name in shipped_names("actuators"):
         actuator = load_actuator(name)
         yield code(name), actuator.arrangement, plain(actuator.source)
 
 
 def _campaigns() -> Iterator[tuple[str, ...]]:
-    for name in listed("campaigns"):
+    for name in shipped_names("campaigns"):
         campaign = load_campaign(name)
         yield code(name), plain(campaign.summary), ", ".join(code(step.label) for step in campaign.step)
 
 
 def _mappings() -> Iterator[tuple[str, ...]]:
-    for name in listed("imports"):
+    for name in shipped_names("imports"):
         mapping = load_mapping(name)
         yield code(name), plain(mapping.summary), plain(mapping.source)
 
 
 def _modules(package: str) -> Iterator[tuple[str, ...]]:
     for name in names(package):
-        said = importlib.import_module(f"{package}.{name}").__doc__ or ""
-        yield code(name), plain(said.strip().split("\n\n")[0])
+        docstring_text = importlib.import_module(f"{package}.{name}").__doc__ or ""
+        yield code(name), plain(docstring_text.strip().split("\n\n")[0])

@@ -13,7 +13,7 @@ import tokenize
 from types import ModuleType
 
 
-def of_class(cls: type) -> dict[str, str]:
+def class_comments(cls: type) -> dict[str, str]:
     """Comments after the annotated names of a class and of those it inherits from."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
@@ -22,7 +22,7 @@ def of_class(cls: type) -> dict[str, str]:
     return found
 
 
-def of_tuple(module: ModuleType, name: str) -> dict[str, str]:
+def tuple_comments(module: ModuleType, name: str) -> dict[str, str]:
     """Comments after the texts of a tuple that a module assigns to ``name``."""
     source = inspect.getsource(module)
     comments = _comments(source)

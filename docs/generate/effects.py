@@ -4,8 +4,8 @@ import importlib
 
 from generate.docstring import as_markdown
 from generate.markdown import code, plain, table
-from smarig.model.effect import Kind
-from smarig.model.planted import kinds
+from smarig.plant.effect import EffectType
+from smarig.plant.effect_catalogue import effect_types
 
 HEAD = """# Effects
 
@@ -17,12 +17,14 @@ identity, bit for bit.
 
 def pages() -> dict[str, str]:
     """One page."""
-    rows = [(f"[{k.name}](#{k.name.replace('_', '-')})", plain(k.summary), k.arrangement) for k in kinds()]
+    rows = [
+        (f"[{k.name}](#{k.name.replace('_', '-')})", plain(k.summary), k.arrangement) for k in effect_types()
+    ]
     head = HEAD + "\n" + table(("effect", "what happens", "only on"), rows)
-    return {"effects": head + "".join(map(_chapter, kinds()))}
+    return {"effects": head + "".join(map(_chapter, effect_types()))}
 
 
-def _chapter(kind: Kind) -> str:
+def _chapter(kind: EffectType) -> str:
     parameters = [
         (code(p.name), p.unit, f"{p.typical:g}", f"{p.lower:g} … {p.upper:g}", plain(p.source))
         for p in kind.parameters
@@ -33,11 +35,11 @@ def _chapter(kind: Kind) -> str:
         ("confused with", ", ".join(f"[{n}](#{n.replace('_', '-')})" for n in kind.confused_with)),
         ("told apart by", plain(kind.separated_by)),
     ]
-    said = importlib.import_module(f"smarig.model.effects.{kind.name}").__doc__ or ""
+    docstring_text = importlib.import_module(f"smarig.plant.effects.{kind.name}").__doc__ or ""
     return "\n".join(
         [
             f"\n## {kind.name}\n",
-            as_markdown(said),
+            as_markdown(docstring_text),
             "",
             table(("parameter", "unit", "typical", "range", "from"), parameters),
             table(("", ""), [row for row in rows if row[1]]),

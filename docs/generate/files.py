@@ -5,12 +5,12 @@ from collections.abc import Iterator
 
 from pydantic import BaseModel
 
-from generate.comments import of_class, of_tuple
+from generate.comments import class_comments, tuple_comments
 from generate.keys import _inner, _named, unit_of
 from generate.markdown import code, plain, table
-from smarig.identification import hysteresis_json, model_file
+from smarig.core.sample import Quality
 from smarig.record import schema
-from smarig.sample import Quality
+from smarig.replay import hysteresis_json, model_file
 
 RUN = """# Run file
 
@@ -74,7 +74,7 @@ def pages() -> dict[str, str]:
 def columns() -> dict[str, dict[str, str]]:
     """Comments on the columns of the tables that have a list of them."""
     names = {"sample": "SAMPLE_COLUMNS", "step": "STEP_COLUMNS", "event": "EVENT_COLUMNS"}
-    return {name: of_tuple(schema, where) for name, where in names.items()}
+    return {name: tuple_comments(schema, where) for name, where in names.items()}
 
 
 def models(
@@ -95,8 +95,8 @@ def _run_file() -> str:
         "step": "One row a step of the protocol.",
         "event": "What happened, with a sentence.",
     }
-    for name, said in columns().items():
-        rows = [(code(c), kind, unit_of(c), plain(said.get(c, ""))) for c, kind in _created(name)]
+    for name, comments_by_name in columns().items():
+        rows = [(code(c), kind, unit_of(c), plain(comments_by_name.get(c, ""))) for c, kind in _created(name)]
         parts.append(f"## `{name}`\n\n{lead[name]}\n\n{table(('column', 'type', 'unit', 'means'), rows)}")
         if name == "sample":
             marks = [(str(int(Quality[n])), n, means) for n, means in QUALITY.items()]
@@ -118,9 +118,10 @@ def _created(name: str) -> list[tuple[str, str]]:
 def _model_file() -> str:
     parts = [MODEL]
     for where, model in models():
-        said = of_class(model)
+        comments_by_name = class_comments(model)
         rows = [
-            (code(n), _named(f.annotation), plain(said.get(n, ""))) for n, f in model.model_fields.items()
+            (code(n), _named(f.annotation), plain(comments_by_name.get(n, "")))
+            for n, f in model.model_fields.items()
         ]
         head = f"## `{where}`\n\n" if where else ""
         parts.append(head + table(("key", "type", "means"), rows))

@@ -61,7 +61,7 @@ def paths(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
         yield path, type(value).__name__
 
 
-def known_as(command: str, path: str) -> str | None:
+def explanation_key(command: str, path: str) -> str | None:
     """The key of json_texts.toml that a path is explained by; None for a path that nobody has explained.
 
     Of an empty list of objects only its name is seen.
@@ -72,7 +72,7 @@ def known_as(command: str, path: str) -> str | None:
     for prefix, other in texts()["see"].get(command, {}).items():
         deep = prefix.count(".") + 1
         parts = path.split(".")
-        if matches(prefix, ".".join(parts[:deep])) and known_as(other, ".".join(parts[deep:])):
+        if matches(prefix, ".".join(parts[:deep])) and explanation_key(other, ".".join(parts[deep:])):
             return prefix
     return None
 
@@ -83,17 +83,23 @@ def matches(pattern: str, path: str) -> bool:
     >>> matches("a.*.c", "a.b.c"), matches("a.*.c", "a.b"), matches("a.*.*", "a.b.c.d")
     (True, False, True)
     """
-    asked, given = pattern.split("."), path.split(".")
-    if asked[-1] == "*":
-        given = (
-            [*given[: len(asked) - 1], ".".join(given[len(asked) - 1 :])] if given[len(asked) - 1 :] else []
+    pattern_parts, path_parts = pattern.split("."), path.split(".")
+    if pattern_parts[-1] == "*":
+        path_parts = (
+            [*path_parts[: len(pattern_parts) - 1], ".".join(path_parts[len(pattern_parts) - 1 :])]
+            if path_parts[len(pattern_parts) - 1 :]
+            else []
         )
-    return len(asked) == len(given) and all(_part(a, g) for a, g in zip(asked, given))
+    return len(pattern_parts) == len(path_parts) and all(
+        _part(a, g) for a, g in zip(pattern_parts, path_parts)
+    )
 
 
-def _part(asked: str, given: str) -> bool:
-    brackets = asked.count("[]")
-    return asked == given or (asked.startswith("*") and given.count("[]") == brackets)
+def _part(pattern_parts: str, path_parts: str) -> bool:
+    brackets = pattern_parts.count("[]")
+    return pattern_parts == path_parts or (
+        pattern_parts.startswith("*") and path_parts.count("[]") == brackets
+    )
 
 
 def _of(command: str) -> list[tuple[str, dict[str, Any]]]:
@@ -104,13 +110,13 @@ def _types(command: str) -> Types:
     found: Types = {}
     for _, output in _of(command):
         for path, kind in paths(output):
-            found.setdefault(known_as(command, path) or path, set()).add(kind)
+            found.setdefault(explanation_key(command, path) or path, set()).add(kind)
     return found
 
 
 def _chapter(command: str) -> str:
-    types, said = _types(command), texts()[command]
-    rows = [_row(command, key, text, types.get(key, set())) for key, text in said.items()]
+    types, meanings = _types(command), texts()[command]
+    rows = [_row(command, key, text, types.get(key, set())) for key, text in meanings.items()]
     shown = {tuple(output): (line, output) for line, output in reversed(_of(command))}.values()
     parts = [f"\n## smarig {command}\n", table(("key", "type", "unit", "means"), rows)]
     for line, output in list(shown)[::-1]:
@@ -143,9 +149,9 @@ def _cut(value: Any) -> Any:
         return float(f"{value:.4g}")
     many = isinstance(value, (dict, list)) and len(value) > LONGEST
     if isinstance(value, dict):
-        alike = many and len({type(v) for v in value.values()}) == 1
-        kept = {k: _cut(v) for k, v in list(value.items())[: 2 if alike else None]}
-        return kept | ({"…": "…"} if alike else {})
+        same_shape = many and len({type(v) for v in value.values()}) == 1
+        kept = {k: _cut(v) for k, v in list(value.items())[: 2 if same_shape else None]}
+        return kept | ({"…": "…"} if same_shape else {})
     if isinstance(value, list):
         return [_cut(v) for v in value[: 2 if many else None]] + (["…"] if many else [])
     return value

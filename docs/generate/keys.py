@@ -7,9 +7,9 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import AfterValidator, BaseModel
 from pydantic.fields import FieldInfo
 
-from generate.comments import of_class
+from generate.comments import class_comments
 from generate.markdown import code, plain, table
-from smarig.config import ActuatorFile, CampaignFile, In, Quantity, RigFile
+from smarig.config import ActuatorFile, CampaignFile, PositiveIn, Quantity, RigFile
 from smarig.exchange.mapping import MappingFile
 
 FILES = {
@@ -61,12 +61,12 @@ def tables(model: type[BaseModel], where: str = "") -> Iterator[tuple[str, type[
 
 def keys(model: type[BaseModel]) -> list[Key]:
     """(key, field, meaning) in the order of the model."""
-    said = of_class(model)
-    return [(name, field, said.get(name, "")) for name, field in model.model_fields.items()]
+    comments_by_name = class_comments(model)
+    return [(name, field, comments_by_name.get(name, "")) for name, field in model.model_fields.items()]
 
 
-def _chapter(title: str, given: tuple[type[BaseModel], str]) -> str:
-    model, folder = given
+def _chapter(title: str, model_and_folder: tuple[type[BaseModel], str]) -> str:
+    model, folder = model_and_folder
     parts = [f"\n## {title}: `configs/{folder}/NAME.toml`\n"]
     places: dict[type[BaseModel], list[str]] = {}
     for where, inner in tables(model):
@@ -101,7 +101,7 @@ def _default(field: FieldInfo) -> str:
 
 def _unit(name: str, field: FieldInfo) -> str:
     validators = (m.func for m in field.metadata if isinstance(m, AfterValidator))
-    return next((f.unit for f in validators if isinstance(f, In)), unit_of(name))
+    return next((f.unit for f in validators if isinstance(f, PositiveIn)), unit_of(name))
 
 
 def _type(field: FieldInfo) -> str:

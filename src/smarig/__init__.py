@@ -11,32 +11,32 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from smarig.closed_loop import regulate as regulate
-    from smarig.closed_loop import track as track
+    from smarig.app.closed_loop import regulate as regulate
+    from smarig.app.closed_loop import track as track
     from smarig.diagnosis.diagnose import diagnose as diagnose
     from smarig.identification.identify import identify as identify
-    from smarig.identification.model_file import load_model as load_model
-    from smarig.preisach.fod_surface import FodSurface as FodSurface
+    from smarig.preisach.hysteresis.fod_surface import FodSurface as FodSurface
     from smarig.preisach.operator import Preisach as Preisach
     from smarig.record.run import load_run as load_run
+    from smarig.replay.model_file import load_model as load_model
     from smarig.report.notebook import plot as plot
     from smarig.rig.twin import Twin as Twin
-    from smarig.runner.resume import resume as resume
+    from smarig.runner.resume.resume_run import resume as resume
     from smarig.runner.session import run as run
 
 _HOME = {
-    "FodSurface": "smarig.preisach.fod_surface",
+    "FodSurface": "smarig.preisach.hysteresis.fod_surface",
     "Preisach": "smarig.preisach.operator",
     "Twin": "smarig.rig.twin",
     "diagnose": "smarig.diagnosis.diagnose",
     "identify": "smarig.identification.identify",
-    "load_model": "smarig.identification.model_file",
+    "load_model": "smarig.replay.model_file",
     "load_run": "smarig.record.run",
     "plot": "smarig.report.notebook",
-    "regulate": "smarig.closed_loop",
-    "resume": "smarig.runner.resume",
+    "regulate": "smarig.app.closed_loop",
+    "resume": "smarig.runner.resume.resume_run",
     "run": "smarig.runner.session",
-    "track": "smarig.closed_loop",
+    "track": "smarig.app.closed_loop",
 }
 __all__ = [
     "FodSurface",

@@ -6,9 +6,9 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from smarig.benchmark import forward, inverse
-from smarig.catalogue import names
+from benchmarks import forward, inverse
 from smarig.cli import run
+from smarig.core.catalogue import names
 from smarig.preisach.compiled import available
 
 
@@ -92,5 +92,5 @@ def test_the_help_names_every_benchmark(capsys):
     status, out, _ = call(capsys, "benchmark", "--help")
     assert status == 0
     said = out.split("NAME:")[1].split(".")[0].replace("\n", " ")
-    there = [n for n in names("smarig.benchmark") if hasattr(import_module(f"smarig.benchmark.{n}"), "run")]
+    there = [n for n in names("benchmarks") if hasattr(import_module(f"benchmarks.{n}"), "run")]
     assert [n.strip() for n in said.split(",")] == sorted(there)

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from smarig.catalogue import names
 from smarig.cli import run
+from smarig.core.catalogue import names
 from smarig.record import load_run
 
 COMMANDS = [n.rstrip("_") for n in names("smarig.cli")]
@@ -100,7 +100,7 @@ def test_a_mistake_gets_its_status_and_one_sentence(capsys, tmp_path, monkeypatc
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes")
 @pytest.mark.parametrize(("stream", "arguments"), [("stdout", ["list", "rigs"]), ("stderr", ["list", "rgs"])])
-def test_a_reader_that_has_gone_changes_no_status(capsys, monkeypatch, stream, arguments):
+def test_a_closed_output_pipe_changes_no_status(capsys, monkeypatch, stream, arguments):
     """As with ``| head``; what is left for the interpreter to flush at its end goes nowhere."""
     status, *_ = call(capsys, *arguments)
     reader, writer = os.pipe()
@@ -190,7 +190,7 @@ def test_partitions_follow_the_limits(capsys, tmp_path):
     assert 89 < found["preview"]["peak_temperature_K"] < 90
 
 
-def test_an_unwritable_folder_is_said(capsys, tmp_path):
+def test_an_unwritable_folder_is_reported(capsys, tmp_path):
     (tmp_path / "file").write_text("not a folder")
     status, _, err = call(
         capsys, "characterise", "--rig", "one_wire_twin", "--out", tmp_path / "file" / "out"

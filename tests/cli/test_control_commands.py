@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file, model_of
-from smarig.catalogue import find, names
+from smarig.app.closed_loop import REGULATORS
 from smarig.cli import run as cli
-from smarig.closed_loop import REGULATORS
-from smarig.control.regulation import PI
-from smarig.control.settings import TRACKING, VELOCITY, numbers, told
-from smarig.control.tracking import loop
-from smarig.errors import UsageError
-from smarig.identification.model_file import Channel
-from smarig.model.planted import from_pairs
-from smarig.preisach.fod_table import FodTable
+from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
+from smarig.control.regulation import SetpointPI
+from smarig.control.tracking import tracking_protocol as loop
+from smarig.core.catalogue import find, names
+from smarig.core.errors import UsageError
+from smarig.plant.effect_catalogue import from_pairs
+from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.record import load_run
-from smarig.report.closed_loop import closed_loop
-from smarig.runner.control import Control
+from smarig.replay.model_file import SignalDescription
+from smarig.report.loop_result import closed_loop
+from smarig.runner.run_control import RunControl
 
 RAMPS = ("--reference", "ramps", "--set", "seconds=20", "--set", "every_s=5")
 ON = ("--rig", "one_wire_twin", "--quiet")
@@ -45,7 +45,7 @@ def two(tmp_path):
 # --- certify --------------------------------------------------------------------------------------------
 
 
-def test_a_certificate_says_what_it_rests_on(capsys, one):
+def test_a_certificate_names_its_hypotheses(capsys, one):
     status, out, _ = call(capsys, "certify", one, "--json")
     found = json.loads(out)
     assert status == 0
@@ -61,9 +61,9 @@ def test_a_certificate_says_what_it_rests_on(capsys, one):
     assert all(c["holds"] for c in by_name.values())
 
 
-def test_where_passivity_fails_the_input_that_breaks_it_is_given(capsys, two):
-    from smarig.preisach.energy import energy_balance
-    from smarig.preisach.gorbet_1997 import surface
+def test_where_passivity_fails_the_counterexample_is_printed(capsys, two):
+    from smarig.preisach.hysteresis.gorbet_1997 import surface
+    from smarig.theory.energy import energy_balance
 
     status, out, _ = call(
         capsys, "certify", two, "--controller", "constant_gain", "--set", "gain=4", "--json"
@@ -107,7 +107,7 @@ def test_a_tables_certificate_speaks_in_the_models_units(capsys, tmp_path):
 # --- track and regulate ---------------------------------------------------------------------------------
 
 
-def test_a_tracked_run_is_told_in_the_rigs_unit_and_in_counts(capsys, one, tmp_path):
+def test_a_tracked_run_is_reported_in_the_rigs_unit_and_in_counts(capsys, one, tmp_path):
     out_file = tmp_path / "t.run.sqlite"
     words = ("--controller", "pi", "--controller-set", "gain_share=10", "-o", out_file)
     status, out, _ = call(capsys, "track", one, *RAMPS, *words, *ON, "--json")
@@ -125,7 +125,7 @@ def test_a_tracked_run_is_told_in_the_rigs_unit_and_in_counts(capsys, one, tmp_p
     assert track["largest"] == pytest.approx(np.abs(loop.position - loop.wanted).max())
 
 
-def test_a_set_point_is_held_and_its_figures_told(capsys, one, tmp_path):
+def test_a_set_point_is_held_and_its_figures_reported(capsys, one, tmp_path):
     out_file = tmp_path / "r.run.sqlite"
     words = ("--setpoint", 6, "--hold-s", 120, "--disturbance-K", 6, "-o", out_file)
     status, out, _ = call(capsys, "regulate", one, *words, *ON, "--json")
@@ -148,7 +148,7 @@ def test_from_a_notebook(one, tmp_path):
         smarig.regulate(one, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", start="diagnal")
 
 
-def test_a_file_says_what_is_wanted(capsys, one, tmp_path):
+def test_a_file_gives_the_reference(capsys, one, tmp_path):
     wanted = tmp_path / "wanted.csv"
     wanted.write_text("time_s,position_mm\n0,3\n10,6\n", encoding="utf-8")
     status, out, _ = call(capsys, "track", one, "--reference", wanted, *ON, "--dry-run", "--json")
@@ -156,7 +156,7 @@ def test_a_file_says_what_is_wanted(capsys, one, tmp_path):
     assert json.loads(out)["preview"]["duration_s"] > 10
 
 
-def test_a_notebook_is_told_where_loops_are(tmp_path):
+def test_a_notebook_is_pointed_to_the_closed_loop_functions(tmp_path):
     import smarig
 
     with pytest.raises(UsageError, match=r"'track' closes a loop .*smarig\.track\(model, …\)"):
@@ -169,15 +169,15 @@ def test_a_protocol_of_ones_own_may_be_called_like_a_loop(capsys, tmp_path, monk
     assert call(capsys, "run", "./track.py", *ON, "-o", "t.run.sqlite")[0] == 0
 
 
-def test_a_stopped_loop_does_not_promise_a_resume(capsys, one, tmp_path, monkeypatch):
-    look, ticks = Control.raise_if_stopped, iter(range(10**6))
+def test_a_stopped_loop_does_not_offer_a_resume(capsys, one, tmp_path, monkeypatch):
+    look, ticks = RunControl.raise_if_stopped, iter(range(10**6))
 
     def stopped(self):
         if next(ticks) > 1500:  # of the preview's 890 and the run's
             self.stop("stopped by the operator")
         look(self)
 
-    monkeypatch.setattr(Control, "raise_if_stopped", stopped)
+    monkeypatch.setattr(RunControl, "raise_if_stopped", stopped)
     out_file = tmp_path / "t.run.sqlite"
     status, _, err = call(capsys, "track", one, *RAMPS, "-o", out_file, *ON)
     assert status == 130
@@ -191,7 +191,7 @@ def test_a_stopped_loop_does_not_promise_a_resume(capsys, one, tmp_path, monkeyp
 
 def test_a_loop_that_diverges_ends_at_zero_with_status_3(capsys, one, tmp_path, monkeypatch):
     """Half a minute late, an encoder shows a loop what was; the preview knows no planted effect."""
-    monkeypatch.setattr(loop, "Patience", lambda: IMPATIENT)
+    monkeypatch.setattr(loop, "DivergenceLimits", lambda: IMPATIENT)
     out_file = tmp_path / "t.run.sqlite"
     far = (
         "--reference",
@@ -213,7 +213,7 @@ def test_a_loop_that_diverges_ends_at_zero_with_status_3(capsys, one, tmp_path, 
     assert run.cause.startswith("stopped: The loop diverges")
 
 
-IMPATIENT = loop.Patience(share=0.04, seconds=5.0)
+IMPATIENT = loop.DivergenceLimits(share=0.04, seconds=5.0)
 
 
 MISTAKES = [
@@ -285,7 +285,7 @@ def test_a_mistake_gets_one_sentence_and_leaves_nothing(capsys, tmp_path, monkey
 
 
 def in_degrees(folder):
-    odd = model_of("one_e", output=Channel(quantity="shaft angle", unit="deg"))
+    odd = model_of("one_e", output=SignalDescription(quantity="shaft angle", unit="deg"))
     return odd.save(folder / "degrees.model.json")
 
 
@@ -301,18 +301,18 @@ def test_controllers_are_listed_with_their_numbers(capsys):
     assert found["controllers"]["pi (regulate)"].startswith("regulate: ")
     assert found["settings"]["pi (regulate)"] == {"gain": None, "band": 0.0}
     assert set(found["settings"]) == set(found["controllers"])
-    assert found["settings"]["pi"] == numbers(TRACKING, "pi")
+    assert found["settings"]["pi"] == default_numbers(TRACKING, "pi")
     assert (
         found["settings"]["scheduled_gain"]
-        == numbers(VELOCITY, "scheduled_gain")
+        == default_numbers(VELOCITY, "scheduled_gain")
         == {"least": 50.0, "most": 200.0}
     )
 
 
 def test_every_number_has_a_unit_and_a_meaning(capsys):
     documented = [(p, n) for p in (TRACKING, VELOCITY) for n in names(p)]
-    assert all(list(told(find(p, n))) == list(numbers(p, n)) for p, n in documented)
-    assert tuple(told(PI)) == REGULATORS["pi"]
+    assert all(list(documented_numbers(find(p, n))) == list(default_numbers(p, n)) for p, n in documented)
+    assert tuple(documented_numbers(SetpointPI)) == REGULATORS["pi"]
     assert call(capsys, "list", "controllers", "--settings")[0] == 0
 
 
@@ -326,16 +326,16 @@ def mine(known, wanted, *, k=0.5, told_s=2.0):
 '''
 
 
-def test_a_listing_says_what_numbers_are(capsys, tmp_path, monkeypatch):
+def test_a_listing_explains_the_numbers(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    said = call(capsys, "list", "controllers", "--settings")[1]
-    assert "lead_s = 0.31 s (how far ahead what is wanted is looked at)" in said
-    assert "walk = 0.022 unit/√s (" in said
-    assert "gain = by the model, K/unit (kelvin" in said
-    assert "cooling_share = 1.7 (gain" in said
+    printed = call(capsys, "list", "controllers", "--settings")[1]
+    assert "lead_s = 0.31 s (how far ahead what is wanted is looked at)" in printed
+    assert "walk = 0.022 unit/√s (" in printed
+    assert "gain = by the model, K/unit (kelvin" in printed
+    assert "cooling_share = 1.7 (gain" in printed
     (tmp_path / "mine.py").write_text(MINE)
-    said = call(capsys, "list", "controllers", "./mine.py", "--settings")[1]
-    assert [line.split() for line in said.splitlines()] == [
+    printed = call(capsys, "list", "controllers", "./mine.py", "--settings")[1]
+    assert [line.split() for line in printed.splitlines()] == [
         ["controllers:"],
         ["mine", "track:", "Mine."],
         ["k", "=", "0.5"],

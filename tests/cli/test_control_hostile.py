@@ -9,17 +9,17 @@ import pytest
 
 import smarig
 from control.model_files import model_file, model_of
+from smarig.app.closed_loop import ModelSource
+from smarig.app.closed_loop import tracking as tracking_loop
 from smarig.cli import run as cli
-from smarig.closed_loop import Given
-from smarig.closed_loop import tracking as tracking_loop
 from smarig.config import load_rig
-from smarig.control.settings import TRACKING, numbers
-from smarig.errors import DataError, UsageError
-from smarig.identification.hysteresis_json import dump_hysteresis, load_hysteresis
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.forc_curve import Curve
-from smarig.preisach.forc_table import ForcTable
-from smarig.preisach.mirrored import Mirrored
+from smarig.control.controller_settings import TRACKING, default_numbers
+from smarig.core.errors import DataError, UsageError
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_curve import Curve
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 
 ON = ("--rig", "one_wire_twin", "--quiet")
 STEPS = ("--reference", "steps", "--set", "seconds=5", "--set", "every_s=2")
@@ -129,7 +129,8 @@ def test_nonsense_gets_one_sentence_and_leaves_nothing(capsys, tmp_path, files, 
 
 @pytest.mark.parametrize("value", ["1e12", "1e-100"])
 @pytest.mark.parametrize(
-    ("controller", "key"), [(c, k) for c in ("gain_scheduled", "inverse", "pi") for k in numbers(TRACKING, c)]
+    ("controller", "key"),
+    [(c, k) for c in ("gain_scheduled", "inverse", "pi") for k in default_numbers(TRACKING, c)],
 )
 def test_what_is_let_through_can_be_computed_with(capsys, files, controller, key, value):
     words = ("--controller", controller, "--controller-set", f"{key}={value}", "--dry-run")
@@ -165,7 +166,9 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
         "A controller is given by its name, not by None": partial(
             smarig.track, one, "steps", controller=None, **on
         ),
-        "A controller's numbers are given by name": partial(smarig.regulate, one, 6.0, numbers=[1], **on),
+        "A controller's numbers are given by name": partial(
+            smarig.regulate, one, 6.0, default_numbers=[1], **on
+        ),
         "The run is given by a name or a path, not by None": partial(
             smarig.track, one, "steps", rig="one_wire_twin", out=None
         ),
@@ -176,7 +179,7 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
     with pytest.raises(UsageError, match="The set-point is beyond what can be computed with"):
         smarig.regulate(one, 10**400, **on)
     with pytest.raises(UsageError, match="seed is a whole number"):
-        tracking_loop(Given.of(one), load_rig("one_wire_twin"), "steps", {"seed": 10**400})
+        tracking_loop(ModelSource.of(one), load_rig("one_wire_twin"), "steps", {"seed": 10**400})
     with pytest.raises(UsageError, match="The model is given"):
-        Given.of(3)
+        ModelSource.of(3)
     assert not (tmp_path / "x.run.sqlite").exists()

@@ -9,7 +9,7 @@ import pytest
 
 import smarig
 from smarig.cli import run as cli
-from smarig.model.planted import from_pairs, kinds
+from smarig.plant.effect_catalogue import effect_types, from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -17,7 +17,7 @@ TRAIN = ("congruency", "first_order_descending")
 
 
 @pytest.fixture(scope="module")
-def sitting(tmp_path_factory):
+def session_folder(tmp_path_factory):
     """Runs of one twin that walks, and the model identified from them."""
     folder = tmp_path_factory.mktemp("walking")
     with Session("one_wire_twin", twin=TwinSettings(seed=2, effects=from_pairs(["walking=0.4"]))) as session:
@@ -35,7 +35,7 @@ def command(folder, *more):
 
 
 @pytest.fixture(scope="module")
-def diagnosed(sitting):
+def diagnosed(session_folder):
     """What the command printed, and what it had found."""
     from smarig.diagnosis import diagnose as module
 
@@ -47,7 +47,7 @@ def diagnosed(sitting):
 
     with contextlib.redirect_stdout(said), pytest.MonkeyPatch.context() as patched:
         patched.setattr(module, "diagnose", keeping)
-        assert cli(command(sitting, "-o", str(sitting / "out"), "--nulls", "60", "--json")) == 0
+        assert cli(command(session_folder, "-o", str(session_folder / "out"), "--nulls", "60", "--json")) == 0
     return json.loads(said.getvalue()), kept[0]
 
 
@@ -83,28 +83,28 @@ def test_it_names_what_was_planted(found):
     assert found["held_out"]["removable_share"] > 0.9
 
 
-def test_time_between_runs_that_no_run_tells_is_said(diagnosed):
+def test_unrecorded_time_between_runs_is_reported(diagnosed):
     found = diagnosed[1]
     assert "none tells" not in found.text()
-    first, *rest = found.story.runs
+    first, *rest = found.timeline.runs
     late = [replace(run, columns=run.columns | {"t_s": run["t_s"] + 1500.0}) for run in rest]
-    apart = replace(found, story=replace(found.story, runs=(first, *late)))
+    apart = replace(found, timeline=replace(found.timeline, runs=(first, *late)))
     assert "Of 25 min between these runs none tells" in apart.text()
 
 
-def test_the_extended_model_is_what_verify_judges_then(found, sitting, capsys):
+def test_verify_evaluates_the_extended_model(found, session_folder, capsys):
     def rms(model):
         capsys.readouterr()
-        assert cli(["verify", str(model), str(sitting / "validation.run.sqlite"), "--json"]) == 0
+        assert cli(["verify", str(model), str(session_folder / "validation.run.sqlite"), "--json"]) == 0
         return json.loads(capsys.readouterr().out)["runs"][0]["rms"]
 
     extended = smarig.load_model(found["model"])
     assert "walking" in [e["name"] for e in extended.effects]
-    assert rms(found["model"]) < 0.7 * rms(sitting / "wire.model.json")
+    assert rms(found["model"]) < 0.7 * rms(session_folder / "wire.model.json")
 
 
-def test_the_extended_model_simulates(found, sitting, tmp_path):
-    along = sitting / "validation.run.sqlite"
+def test_the_extended_model_simulates(found, session_folder, tmp_path):
+    along = session_folder / "validation.run.sqlite"
     out = tmp_path / "simulated.run.sqlite"
     assert cli(["simulate", found["model"], "--along", str(along), "-o", str(out)]) == 0
     assert smarig.load_run(out).has("position")
@@ -113,11 +113,11 @@ def test_the_extended_model_simulates(found, sitting, tmp_path):
     assert cli(["simulate", model, "--protocol", "validation", "--set", "points=3", "-o", str(again)]) == 0
 
 
-def test_a_page_and_the_object_are_written(found, sitting):
-    page = (sitting / "out" / "report.html").read_text(encoding="utf-8")
+def test_a_page_and_the_object_are_written(found, session_folder):
+    page = (session_folder / "out" / "report.html").read_text(encoding="utf-8")
     assert "walking" in page
     assert "TWIN" in page
-    assert json.loads((sitting / "out" / "diagnosis.json").read_text())["verdict"] == found["verdict"]
+    assert json.loads((session_folder / "out" / "diagnosis.json").read_text())["verdict"] == found["verdict"]
 
 
 @pytest.mark.parametrize(
@@ -128,29 +128,31 @@ def test_a_page_and_the_object_are_written(found, sitting):
         (["--without", "wobble"], 2, "wobble"),
     ],
 )
-def test_senseless_settings_are_refused_in_a_sentence(sitting, capsys, more, status, sentence):
-    assert cli(command(sitting, *more)) == status
+def test_senseless_settings_are_refused_in_a_sentence(session_folder, capsys, more, status, sentence):
+    assert cli(command(session_folder, *more)) == status
     assert sentence in capsys.readouterr().err
 
 
-def test_existing_results_are_not_replaced(found, sitting, capsys):
-    assert cli(command(sitting, "-o", str(sitting / "out"))) == 2
+def test_existing_results_are_not_replaced(found, session_folder, capsys):
+    assert cli(command(session_folder, "-o", str(session_folder / "out"))) == 2
     assert "--force" in capsys.readouterr().err
 
 
-def test_a_run_cannot_teach_and_judge(sitting, capsys):
-    run = str(sitting / "validation.run.sqlite")
-    model = str(sitting / "wire.model.json")
+def test_a_run_cannot_be_training_and_held_out(session_folder, capsys):
+    run = str(session_folder / "validation.run.sqlite")
+    model = str(session_folder / "wire.model.json")
     assert cli(["diagnose", model, "--train", run, "--held-out", run]) == 2
     assert "cannot teach and judge" in capsys.readouterr().err
 
 
-def test_runs_of_two_sittings_are_one_story_with_two_zeros(sitting, tmp_path, capsys):
+def test_runs_of_two_sittings_are_one_story_with_two_zeros(session_folder, tmp_path, capsys):
     other = tmp_path / "other.run.sqlite"
     assert cli(["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o", str(other)]) == 0
-    train = str(sitting / "congruency.run.sqlite")
-    model = str(sitting / "wire.model.json")
-    without = [part for k in kinds() if k.name not in ("walking", "slip") for part in ("--without", k.name)]
+    train = str(session_folder / "congruency.run.sqlite")
+    model = str(session_folder / "wire.model.json")
+    without = [
+        part for k in effect_types() if k.name not in ("walking", "slip") for part in ("--without", k.name)
+    ]
     capsys.readouterr()
     line = ["diagnose", model, "--train", train, "--train", str(other), "--nulls", "40", "--json"]
     assert cli([*line, *without]) == 0
@@ -158,62 +160,62 @@ def test_runs_of_two_sittings_are_one_story_with_two_zeros(sitting, tmp_path, ca
     assert found["error"]["base"] < 0.1
 
 
-def test_clocks_of_one_sitting_that_overlap_are_refused(sitting, capsys):
-    train = str(sitting / "congruency.run.sqlite")
-    twice = ["diagnose", str(sitting / "wire.model.json"), "--train", train, "--train", train]
+def test_clocks_of_one_sitting_that_overlap_are_refused(session_folder, capsys):
+    train = str(session_folder / "congruency.run.sqlite")
+    twice = ["diagnose", str(session_folder / "wire.model.json"), "--train", train, "--train", train]
     assert cli(twice) == 4
     assert "of one sitting" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["wire.model.json", "congruency.run.sqlite", "validation.run.sqlite"])
-def test_a_proposal_is_never_written_over_an_input(sitting, name, capsys):
-    before = (sitting / name).read_bytes()
-    assert cli(command(sitting, "--propose", str(sitting / name), "--force")) == 2
+def test_a_proposal_is_never_written_over_an_input(session_folder, name, capsys):
+    before = (session_folder / name).read_bytes()
+    assert cli(command(session_folder, "--propose", str(session_folder / name), "--force")) == 2
     assert "both input and output" in capsys.readouterr().err
-    assert (sitting / name).read_bytes() == before
+    assert (session_folder / name).read_bytes() == before
 
 
-def test_nor_is_a_diagnosis(sitting, tmp_path, capsys):
+def test_nor_is_a_diagnosis(session_folder, tmp_path, capsys):
     model = tmp_path / "extended.model.json"
-    model.write_bytes((sitting / "wire.model.json").read_bytes())
-    words = command(sitting, "-o", str(tmp_path), "--force")
+    model.write_bytes((session_folder / "wire.model.json").read_bytes())
+    words = command(session_folder, "-o", str(tmp_path), "--force")
     words[1] = str(model)
     assert cli(words) == 2
     assert "both input and output" in capsys.readouterr().err
 
 
 def test_a_campaign_that_could_not_be_written_is_refused_before_anything_is_computed(
-    sitting, tmp_path, capsys
+    session_folder, tmp_path, capsys
 ):
     (tmp_path / "none").write_text("no folder")
-    assert cli(command(sitting, "--propose", str(tmp_path / "none" / "next.toml"))) == 2
+    assert cli(command(session_folder, "--propose", str(tmp_path / "none" / "next.toml"))) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert "none is not a folder" in err
     assert "settled points" not in err
 
 
-def test_an_option_is_no_file(sitting, capsys):
-    assert cli(["diagnose", str(sitting / "wire.model.json"), "--train", "--json"]) == 2
+def test_an_option_is_no_file(session_folder, capsys):
+    assert cli(["diagnose", str(session_folder / "wire.model.json"), "--train", "--json"]) == 2
     assert "A file is missing before --json." in capsys.readouterr().err
 
 
-def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(sitting, diagnosed, tmp_path, monkeypatch):
+def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(session_folder, diagnosed, tmp_path, monkeypatch):
     def fails(found, progress):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("smarig.proposal.proposed", fails)
+    monkeypatch.setattr("smarig.app.proposal.propose_run", fails)
     monkeypatch.setattr("smarig.diagnosis.diagnose.diagnose", lambda *_, **__: diagnosed[1])
     out = tmp_path / "out"
     words = ["-o", str(out), "--propose", str(tmp_path / "next.toml"), "--nulls", "40"]
-    assert cli(command(sitting, *words)) == 130
+    assert cli(command(session_folder, *words)) == 130
     assert {"diagnosis.json", "extended.model.json", "report.html"} <= {p.name for p in out.iterdir()}
 
 
-def test_a_copy_of_a_training_run_is_no_judge(sitting, tmp_path, capsys):
+def test_a_copy_of_a_training_run_cannot_be_held_out(session_folder, tmp_path, capsys):
     copy = tmp_path / "copy.run.sqlite"
-    copy.write_bytes((sitting / "congruency.run.sqlite").read_bytes())
-    words = command(sitting)
+    copy.write_bytes((session_folder / "congruency.run.sqlite").read_bytes())
+    words = command(session_folder)
     words[-1] = str(copy)
     assert cli(words) == 2
     assert "A run cannot teach and judge" in capsys.readouterr().err
@@ -226,14 +228,16 @@ def verified(capsys, model, run):
     return result["rms"], " ".join(result["warnings"])
 
 
-def test_an_extended_model_is_verified_along_the_whole_sitting_or_says_what_is_missing(
-    found, sitting, tmp_path, capsys
+def test_an_extended_model_is_verified_along_the_whole_session_or_reports_missing_runs(
+    found, session_folder, tmp_path, capsys
 ):
-    run = sitting / "validation.run.sqlite"
+    run = session_folder / "validation.run.sqlite"
     rms, warnings = verified(capsys, found["model"], run)
     assert "earlier in the sitting" not in warnings
     moved = tmp_path / "moved.model.json"
-    moved.write_text((sitting / "out/extended.model.json").read_text().replace(str(sitting), "/nowhere"))
+    moved.write_text(
+        (session_folder / "out/extended.model.json").read_text().replace(str(session_folder), "/nowhere")
+    )
     astray, warnings = verified(capsys, moved, run)
     assert "what came earlier in the sitting counts, but /nowhere/" in warnings
     assert astray > 2 * rms

@@ -9,14 +9,16 @@ from pathlib import Path
 import pytest
 
 from smarig.cli import run
-from smarig.cli._events import JsonLines, Lines, lost
-from smarig.cli._situation import About, Situation
-from smarig.cli._terminal import Speaker
-from smarig.command import StepResult, Verdict
-from smarig.errors import LimitExceeded
+from smarig.cli.panel.log_lines import JsonLogLines, LogLines, dropped_lines_json
+from smarig.cli.panel.run_status import RunInfo, RunStatus
+from smarig.cli.panel.terminal import LineWriter
+from smarig.core.command import StepResult, StepVerdict
+from smarig.core.errors import LimitExceeded
 from smarig.record import load_run
 
-ABOUT = About("validation", "one_wire_twin", "w", "twin", False, "mm", 0.1, 2, 60.0, Path("v.run.sqlite"))
+RUN_INFO = RunInfo(
+    "validation", "one_wire_twin", "w", "twin", False, "mm", 0.1, 2, 60.0, Path("v.run.sqlite")
+)
 THREE = ["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o"]
 
 
@@ -25,12 +27,12 @@ def call(capfd, *arguments):
     return status, *capfd.readouterr()
 
 
-def spoken(face, happen):
+def spoken(display_type, happen):
     """The lines that a face writes while something happens, or ends by an error."""
     read, write = os.pipe()
     terminal = _Pipe(write)
     with os.fdopen(read, encoding="utf-8") as lines:
-        with face(Situation(ABOUT, clock=lambda: 0.0), terminal) as listener:
+        with display_type(RunStatus(RUN_INFO, clock=lambda: 0.0), terminal) as listener:
             happen(listener)
         return lines.read().splitlines()
 
@@ -70,28 +72,28 @@ def test_json_lines_are_the_record_as_it_happens(capfd, tmp_path):
     status, text, err = call(capfd, *THREE, out, "--json")
     assert status == 0
     assert json.loads(text)["runs"][0]["steps"] == 5
-    told = [json.loads(line) for line in err.splitlines()]
-    assert all(len(line) == 1 and set(line) <= {"step", "event"} for line in told)
-    events = [line["event"] for line in told if "event" in line]
+    objects = [json.loads(line) for line in err.splitlines()]
+    assert all(len(line) == 1 and set(line) <= {"step", "event"} for line in objects)
+    events = [line["event"] for line in objects if "event" in line]
     assert [e["kind"] for e in events] == ["start", "mark", "end"]
     assert events[0]["data"]["source"] == "twin"
     recorded = load_run(out).steps
-    steps = [line["step"] for line in told if "step" in line]
+    steps = [line["step"] for line in objects if "step" in line]
     assert len(steps) == len(recorded) == 5
-    for told_one, kept in zip(steps, recorded, strict=True):
+    for reported, kept in zip(steps, recorded, strict=True):
         for name in ("index", "branch", "target", "t_start_s", "t_end_s", "verdict", "position", "n"):
-            assert told_one[name] == getattr(kept, name), name
+            assert reported[name] == getattr(kept, name), name
     assert [s["number"] for s in steps] == [1, 2, 3, 4, 5]
 
 
-def test_quiet_says_nothing(capfd, tmp_path):
+def test_quiet_prints_nothing(capfd, tmp_path):
     status, _, err = call(capfd, *THREE, tmp_path / "v.run.sqlite", "--quiet")
     assert status == 0
     assert err == ""
 
 
 @pytest.mark.parametrize("command", ["run", "resume", "characterise"])
-def test_help_tells_of_the_stream(capfd, command):
+def test_help_describes_the_stream(capfd, command):
     _, text, _ = call(capfd, command, "--help")
     assert '{"event": …}' in " ".join(text.split())
 
@@ -102,15 +104,15 @@ def test_events_that_repeat_are_counted_not_repeated():
             listener.event(k / 10, "retried", "Asked again.", level="warning")
         listener.event(50.0, "mark", "Here.")
         listener.step(
-            StepResult(0, Verdict.TIMED_OUT, 1.0, 20.0, 0.3, 9, 0.0, 60.0), branch="up", target=None
+            StepResult(0, StepVerdict.TIMED_OUT, 1.0, 20.0, 0.3, 9, 0.0, 60.0), branch="up", target=None
         )
         listener.event(60.0, "retried", "Asked again.", level="warning")
 
-    lines = spoken(Lines, happen)
+    lines = spoken(LogLines, happen)
     assert sum("WARNING retried: Asked again." in line for line in lines) == 2
     assert sum("499 more 'retried'" in line for line in lines) == 1
     assert len(lines) == 6
-    assert len(spoken(JsonLines, happen)) == 505
+    assert len(spoken(JsonLogLines, happen)) == 505
 
 
 def test_a_fault_ends_the_lines_with_its_sentence():
@@ -124,7 +126,7 @@ def test_a_fault_ends_the_lines_with_its_sentence():
         happen(listener)
 
     read, write = os.pipe()
-    with pytest.raises(LimitExceeded), JsonLines(Situation(ABOUT), _Pipe(write)) as listener:
+    with pytest.raises(LimitExceeded), JsonLogLines(RunStatus(RUN_INFO), _Pipe(write)) as listener:
         caught(listener)
     with os.fdopen(read, encoding="utf-8") as lines:
         last = json.loads(lines.read().splitlines()[-1])["event"]
@@ -133,10 +135,10 @@ def test_a_fault_ends_the_lines_with_its_sentence():
 
 def test_nan_is_null_in_json_lines():
     def happen(listener):
-        nothing = StepResult(0, Verdict.ELAPSED, float("nan"), float("nan"), 0.0, 0, 0.0, 60.0)
+        nothing = StepResult(0, StepVerdict.ELAPSED, float("nan"), float("nan"), 0.0, 0, 0.0, 60.0)
         listener.step(nothing, branch="", target=None)
 
-    assert '"position": null' in spoken(JsonLines, happen)[1]
+    assert '"position": null' in spoken(JsonLogLines, happen)[1]
 
 
 def test_a_reader_who_stops_costs_lines_not_time():
@@ -154,14 +156,17 @@ def test_a_reader_who_stops_costs_lines_not_time():
         def close(self):
             heard.append("closed")
 
-    speaker = Speaker(Deaf(), lambda n: f"{n} lost")
-    speaker.say("0")
+    writer = LineWriter(Deaf(), lambda n: f"{n} lost")
+    writer.put("0")
     taken.wait()
     for k in range(1, 10_000):
-        speaker.say(str(k))
+        writer.put(str(k))
     hear.set()
     assert caught_up.wait(60)
-    speaker.say("again")
-    speaker.close()
-    assert json.loads(lost(7999))["event"]["text"] == "7999 lines were dropped: nobody read them in time."
+    writer.put("again")
+    writer.close()
+    assert (
+        json.loads(dropped_lines_json(7999))["event"]["text"]
+        == "7999 lines were dropped: nobody read them in time."
+    )
     assert heard == [*map(str, range(2001)), "7999 lost", "again", "closed"]

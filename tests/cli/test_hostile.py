@@ -12,12 +12,12 @@ import pytest
 
 from smarig.cli import run
 from smarig.config import load_rig
-from smarig.errors import LimitExceeded, UsageError
-from smarig.model.actuator import Actuator
+from smarig.core.errors import LimitExceeded, UsageError
+from smarig.plant.actuator import Actuator
 from smarig.rig.guard import Guard
-from smarig.rig.pace import Paced
+from smarig.rig.paced_rig import PacedRig
 from smarig.rig.twin import Twin
-from smarig.runner.control import Control
+from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
 
@@ -62,14 +62,14 @@ def test_a_read_back_that_is_no_number_trips_at_once():
 
 
 def test_a_stop_does_not_wait_for_a_slow_tick():
-    control = Control()
+    control = RunControl()
     naps = []
 
     def sleep(seconds):
         naps.append(seconds)
         control.stop("enough")
 
-    paced = Paced(Twin.named("one_wire_twin"), 0.001, lambda: sum(naps), sleep, control.raise_if_stopped)
+    paced = PacedRig(Twin.named("one_wire_twin"), 0.001, lambda: sum(naps), sleep, control.raise_if_stopped)
     with pytest.raises(Exception, match="enough"):
         paced.step(0.1)
     assert naps == [0.1]
@@ -78,7 +78,7 @@ def test_a_stop_does_not_wait_for_a_slow_tick():
 @pytest.mark.parametrize("speed", [0.0, 1e-9, math.nan, math.inf, 1e9])
 def test_impossible_speeds_are_refused(speed):
     with pytest.raises(UsageError, match="Speed"):
-        Paced(Twin.named("one_wire_twin"), speed)
+        PacedRig(Twin.named("one_wire_twin"), speed)
 
 
 @pytest.mark.parametrize(
@@ -241,17 +241,17 @@ def test_a_tampered_model_is_a_data_error(capsys, tmp_path):
     assert call(capsys, "verify", model, fod)[0] == 4
 
 
-def test_locks_that_cannot_be_made_are_said(monkeypatch):
+def test_locks_that_cannot_be_created_are_reported(monkeypatch):
     monkeypatch.setenv("SMARIG_LOCK_DIR", os.devnull)
     with pytest.raises(UsageError, match="SMARIG_LOCK_DIR"), Session("one_wire_twin"):
         pass
 
 
 def test_a_preview_can_be_interrupted():
-    from smarig.errors import Interrupted
+    from smarig.core.errors import Interrupted
     from smarig.runner.preview import preview
 
-    control = Control()
+    control = RunControl()
     control.stop("enough")
     with pytest.raises(Interrupted, match="enough"):
         preview("validation", load_rig("one_wire_twin"), {}, control)
@@ -301,7 +301,7 @@ def test_two_steps_of_a_campaign_need_two_names(capsys, tmp_path):
     ]
 
 
-def test_a_model_in_what_is_no_folder_is_said(capsys, tmp_path):
+def test_a_model_path_below_a_file_is_reported(capsys, tmp_path):
     fod = small_fod(capsys, tmp_path)
     (tmp_path / "file").write_text("x", encoding="utf-8")
     status, _, err = call(

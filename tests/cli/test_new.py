@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file
-from effects.driven import driven
-from smarig.catalogue import chosen, find, own_files
+from plant.effects.driven import driven
 from smarig.cli import run as cli
 from smarig.config import load_actuator, load_campaign, load_rig
-from smarig.model.planted import PACKAGE as EFFECTS
-from smarig.rig.sound import DRIVERS, unsound
+from smarig.core.catalogue import find, own_files, resolve_name
+from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
+from smarig.rig.consistency import DRIVERS, inconsistencies
 from smarig.rig.twin import Twin
 
 KINDS = ("rig", "actuator", "protocol", "controller", "effect", "driver", "campaign")
@@ -54,7 +54,7 @@ def test_the_rig_becomes_a_bench_by_taking_hashes_away(made):
     head, _, tail = text.partition("# --- hardware")
     bench = "\n".join(line.removeprefix("# ") for line in tail.splitlines()[1:] if "[simulator]" not in line)
     made["rig"].write_text(head + bench.replace("#\n", "\n"))
-    assert unsound(load_rig(str(made["rig"]))) == []
+    assert inconsistencies(load_rig(str(made["rig"]))) == []
 
 
 def test_the_actuator_is_found_beside_the_rig(capsys, made, tmp_path, monkeypatch):
@@ -100,7 +100,7 @@ def test_the_controller_follows(capsys, made, tmp_path, model, rig):
 
 def test_the_effect_is_the_identity_at_zero_strength_and_something_beyond(made):
     currents = [0.9, 0.4, 0.8, 0.3]
-    kind = find(EFFECTS, chosen(EFFECTS, str(made["effect"])))
+    kind = find(EFFECTS, resolve_name(EFFECTS, str(made["effect"])))
     nothing = driven(currents, hold_s=20.0)
     assert np.array_equal(driven(currents, kind(0.0), hold_s=20.0), nothing)
     change = [np.abs(driven(currents, kind(s), hold_s=20.0) - nothing).max() for s in (2.5, 5.0)]
@@ -108,7 +108,7 @@ def test_the_effect_is_the_identity_at_zero_strength_and_something_beyond(made):
 
 
 def test_the_effect_does_not_depend_on_the_length_of_a_tick(made):
-    kind = find(EFFECTS, chosen(EFFECTS, str(made["effect"])))
+    kind = find(EFFECTS, resolve_name(EFFECTS, str(made["effect"])))
 
     def change(dt_s):
         held = {"hold_s": 20.0, "dt_s": dt_s}
@@ -121,13 +121,13 @@ def test_the_effect_does_not_depend_on_the_length_of_a_tick(made):
 
 @pytest.mark.skipif(os.name == "nt", reason="a pty")
 def test_the_driver_talks(made):
-    from drivers.supply import Supply
+    from device.drivers.supply import Supply
 
     supply, rig = Supply(), load_rig("bench_one_wire")
     assert rig.links is not None
     where = rig.links.amplifier.model_copy(update={"url": supply.port, "timeout_s": 1.0})
     try:
-        source = find(DRIVERS, chosen(DRIVERS, str(made["driver"])))(where, rig)
+        source = find(DRIVERS, resolve_name(DRIVERS, str(made["driver"])))(where, rig)
         source.set(0.5)
         assert supply.heard[:6] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?", "VOLT 6.000"]
         assert supply.on

@@ -10,24 +10,24 @@ import pytest
 import smarig
 from control.model_files import model_file
 from runner.interrupted import cut
-from smarig.catalogue import chosen, own_files
 from smarig.cli import run as cli
 from smarig.config import locate
-from smarig.control.settings import TRACKING
-from smarig.errors import UsageError
+from smarig.control.controller_settings import TRACKING
+from smarig.core.catalogue import own_files, resolve_name
+from smarig.core.errors import UsageError
 from smarig.record import load_run
-from smarig.runner.resume import session_for
+from smarig.runner.resume.resume_run import session_for
 
 PROTOCOL = '''
-from smarig.protocols._moves import settle_at
-from smarig.command import Settled
+from smarig.protocols._building_blocks import settle_at
+from smarig.core.command import Settled
 
 def two_holds(setup, *, high: float = 0.5):
     """Up and down."""
     yield from settle_at(setup, [setup.at(high), setup.at(0.2)], "mine", Settled(window_s=10))
 '''
 DRIVER = '''
-from smarig.drivers.smarig_amplifier import smarig_amplifier
+from smarig.device.drivers.smarig_amplifier import smarig_amplifier
 
 class Shunted:
     """The shipped amplifier, read a little wrong."""
@@ -115,7 +115,7 @@ def test_a_notebook_runs_it_by_its_path(here):
     assert run.meta["own_files"][0]["name"] == "two_holds"
 
 
-def test_what_fails_in_it_is_told_with_its_line(capsys, here):
+def test_what_fails_in_it_is_reported_with_its_line(capsys, here):
     (here / "two_holds.py").write_text(PROTOCOL.replace('"mine"', "undefined"))
     status, _, err = call(capsys, *RUN)
     assert status == 2
@@ -140,7 +140,7 @@ def test_resuming_asks_for_the_same_file_again(capsys, killed, here):
     assert (status, found["cause"], found["start_over"]) == (0, "done", False)
 
 
-def test_continue_goes_on_with_it(capsys, killed):
+def test_continue_resumes_with_it(capsys, killed):
     arguments = [*RUN[:4], "-o", killed, "--quiet", "--continue"]
     assert call(capsys, *arguments)[0] == 0
     assert load_run(killed).cause == "done"
@@ -271,7 +271,7 @@ def test_own_effects_are_looked_for_by_name(capsys, here):
     status, out, _ = call(capsys, "list", "effects", "./soft_mount.py", "--json")
     assert list(json.loads(out)["effects"]) == ["soft_mount"]
     with pytest.raises(UsageError, match="No effect 'soft_mount'"):
-        smarig.model.planted.from_pairs(["soft_mount"])
+        smarig.plant.effect_catalogue.from_pairs(["soft_mount"])
 
 
 # --- controllers --------------------------------------------------------------------------------------------
@@ -324,7 +324,7 @@ def test_a_loop_is_closed_by_an_own_controller_and_the_run_holds_it(capsys, trac
 
 
 def test_a_run_by_a_shipped_controller_holds_no_file(here):
-    chosen(TRACKING, "./push.py")
+    resolve_name(TRACKING, "./push.py")
     model = model_file(here, "one_e")
     run = smarig.track(model, "ramps", rig="one_wire_twin", out="p.run.sqlite", seconds=5, controller="pi")
     assert run.meta["own_files"] == []

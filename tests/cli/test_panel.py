@@ -6,20 +6,20 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from smarig.cli._panel import panel, summary
-from smarig.cli._situation import About, Situation, about
-from smarig.command import Elapsed, Hold, Settled, StepResult, Verdict, Waveform
+from smarig.cli.panel.panel_layout import panel, summary
+from smarig.cli.panel.run_status import RunInfo, RunStatus, run_info
 from smarig.config import load_rig
-from smarig.errors import Interrupted, LimitExceeded
+from smarig.core.command import Elapsed, Hold, Settled, StepResult, StepVerdict, Waveform
+from smarig.core.errors import Interrupted, LimitExceeded
+from smarig.core.sample import NAN, Sample
+from smarig.device.wire.link_faults import Silent
 from smarig.record import load_run
-from smarig.runner.control import Control
 from smarig.runner.preview import Preview
+from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
-from smarig.runner.settling import SettleWindow
-from smarig.sample import NAN, Sample
-from smarig.wire.blame import Silent
+from smarig.runner.settling_detection import SettleWindow
 
-ABOUT = About(
+RUN_INFO = RunInfo(
     "validation", "one_wire_serial", "A7", "bench", False, "mm", 0.1, 21, 600.0, Path("v.run.sqlite")
 )
 
@@ -29,34 +29,34 @@ def at(t_s, counts=264, current_A=0.513):
 
 
 def result(index):
-    return StepResult(index, Verdict.SETTLED, 1.0, 20.0, 0.3, 250, 0.0, 60.0)
+    return StepResult(index, StepVerdict.SETTLED, 1.0, 20.0, 0.3, 250, 0.0, 60.0)
 
 
-def fed(counts, until=None, **given):
+def fed(counts, until=None, **options):
     """A situation in its second step, whose samples had these counts."""
-    control = given.pop("control", Control())
-    now = Situation(ABOUT, control, clock=given.pop("clock", lambda: 0.0), **given)
-    now.step(result(0), branch="saturate", target=0.0)
+    control = options.pop("control", RunControl())
+    status = RunStatus(RUN_INFO, control, clock=options.pop("clock", lambda: 0.0), **options)
+    status.step(result(0), branch="saturate", target=0.0)
     hold = Hold(0.5130, until or Settled(), target=102.3, branch="up")
     window = SettleWindow(hold.until, 0.1)
-    now.begin(1, hold, window)
+    status.begin(1, hold, window)
     for k, c in enumerate(counts):
         window.add(c)
-        now.sample(at(60.1 + k / 10, c), 1, 86.2)
-    return now
+        status.sample(at(60.1 + k / 10, c), 1, 86.2)
+    return status
 
 
-def shown(now, width=110, height=30, plain=False):
+def shown(status, width=110, height=30, plain=False):
     out = StringIO()
     console = Console(file=out, width=width, height=height, color_system=None, force_terminal=False)
-    console.print(panel(now, width, height, plain=plain))
+    console.print(panel(status, width, height, plain=plain))
     return out.getvalue()
 
 
-def test_everything_that_a_person_asks_stands_in_it():
-    now = fed([264] * 100, keys=True)
-    now.event(61.0, "mark", "descending branch 3")
-    text = shown(now)
+def test_the_panel_shows_all_status_values():
+    status = fed([264] * 100, keys=True)
+    status.event(61.0, "mark", "descending branch 3")
+    text = shown(status)
     for part in (
         "BENCH", "validation", "one_wire_serial", "wire A7", "2 of 21", "up", "+102.3 K", "set +0.5130 A",
         "measured +0.5130 A", "+12.408 mm", "+264 counts", "+86.2 K", "estimated", "spread 0.00 of 1.00 counts",
@@ -65,28 +65,28 @@ def test_everything_that_a_person_asks_stands_in_it():
         assert part in text, part
 
 
-def test_a_wire_that_moves_still_says_how_much_and_when_it_is_given_up():
-    now = fed([k // 40 for k in range(300)])  # a quarter of a count a second
-    assert "moves still, gives up in 0:09:30" in shown(now)
-    assert f"spread {now.settling.spread_counts:.2f} of 1.00" in shown(now)
-    assert now.settling.spread_counts > 5
+def test_an_unsettled_wire_shows_its_spread_and_the_timeout():
+    status = fed([k // 40 for k in range(300)])  # a quarter of a count a second
+    assert "moves still, gives up in 0:09:30" in shown(status)
+    assert f"spread {status.settling.spread_counts:.2f} of 1.00" in shown(status)
+    assert status.settling.spread_counts > 5
 
 
 def test_holds_and_profiles_that_just_last_count_down():
-    now = fed([0] * 20, Elapsed(30.0))
-    assert "holds 28 s more" in shown(now)
+    status = fed([0] * 20, Elapsed(30.0))
+    assert "holds 28 s more" in shown(status)
     profile = Waveform((0.1,) * 50, 0.2)
-    now.begin(2, profile, SettleWindow(Elapsed(10.0), 0.1))
-    assert "holds 10 s more" in shown(now)
+    status.begin(2, profile, SettleWindow(Elapsed(10.0), 0.1))
+    assert "holds 10 s more" in shown(status)
 
 
 @pytest.mark.parametrize("width", [40, 60, 80, 95, 96, 140])
 def test_no_line_is_wider_than_the_terminal_and_nothing_that_matters_is_cut(width):
-    control = Control()
-    now = fed([264] * 300, keys=True, control=control, clock=iter([0.0] + [10.0] * 99).__next__)
+    control = RunControl()
+    status = fed([264] * 300, keys=True, control=control, clock=iter([0.0] + [10.0] * 99).__next__)
     control.paused = True
-    now.event(62.0, "paused", "Paused by the operator: " + "long " * 40)
-    text = shown(now, width)
+    status.event(62.0, "paused", "Paused by the operator: " + "long " * 40)
+    text = shown(status, width)
     assert {len(line) for line in text.splitlines()} == {width}
     assert "PAUSED" in text
     if width >= 60:
@@ -103,24 +103,26 @@ def test_a_short_terminal_keeps_state_and_step(height):
 
 
 def test_a_trip_is_a_sign_and_a_word_and_the_step_it_came_in():
-    now = fed([264] * 10, keys=True)
-    now.event(61.0, "resistance", "The wire has 0.2 ohm.", level="error")
-    assert "✖ TRIP: The wire has 0.2 ohm." in shown(now)
-    now.end(LimitExceeded(f"The wire has 0.2 ohm. {'x' * 90} The current is at zero. " + "So be it. " * 20))
-    text = shown(now, 60)
+    status = fed([264] * 10, keys=True)
+    status.event(61.0, "resistance", "The wire has 0.2 ohm.", level="error")
+    assert "✖ TRIP: The wire has 0.2 ohm." in shown(status)
+    status.end(
+        LimitExceeded(f"The wire has 0.2 ohm. {'x' * 90} The current is at zero. " + "So be it. " * 20)
+    )
+    text = shown(status, 60)
     assert text.count("x") == 90  # folded, not cut
     assert "TRIP: The wire has 0.2 ohm." in text
     assert text.count("So") == 20
     assert "2 of 21" in text
     assert "s stops safely" not in text
-    assert summary(now).plain == "✖ TRIP validation (BENCH): 1 of 21 steps in 0:00:01: v.run.sqlite"
+    assert summary(status).plain == "✖ TRIP validation (BENCH): 1 of 21 steps in 0:00:01: v.run.sqlite"
 
 
 def test_a_warning_is_a_sign_and_a_word_too():
-    now = fed([264] * 10)
-    now.event(61.0, "history", "Not kept.", level="warning")
-    assert "▲ WARNING 0:00:01 history: Not kept." in shown(now)
-    assert "running" in shown(now)
+    status = fed([264] * 10)
+    status.event(61.0, "history", "Not kept.", level="warning")
+    assert "▲ WARNING 0:00:01 history: Not kept." in shown(status)
+    assert "running" in shown(status)
 
 
 @pytest.mark.parametrize(
@@ -132,37 +134,37 @@ def test_a_warning_is_a_sign_and_a_word_too():
         (RuntimeError(), "✖ FAULT validation (BENCH)"),
     ],
 )
-def test_the_line_that_stays_says_how_it_ended(error, words):
-    now = fed([264] * 10)
-    now.end(error)
-    line = summary(now).plain
+def test_the_summary_line_says_how_it_ended(error, words):
+    status = fed([264] * 10)
+    status.end(error)
+    line = summary(status).plain
     assert line.startswith(words), line
     assert line.endswith("v.run.sqlite")
 
 
 def test_without_unicode_everything_is_ascii():
-    now = fed([264] * 100, keys=True, clock=iter([0.0] + [10.0] * 99).__next__)
-    assert "×" not in shown(now, plain=True)
+    status = fed([264] * 100, keys=True, clock=iter([0.0] + [10.0] * 99).__next__)
+    assert "×" not in shown(status, plain=True)
     for kind, paused in (("info", True), ("warning", False), ("error", False)):
-        now.event(61.0, "kind", "text", level=kind)
-        now._control.paused = paused
-        text = shown(now, plain=True).replace("·", "")
+        status.event(61.0, "kind", "text", level=kind)
+        status._control.paused = paused
+        text = shown(status, plain=True).replace("·", "")
         assert text.isascii(), text
 
 
-def test_time_left_knows_pauses_and_a_run_that_goes_on():
-    control = Control()
-    now = Situation(ABOUT, control, clock=lambda: 0.0)
-    now.sample(at(100.1), 0, 0.0)
-    now.sample(at(200.0), 0, 0.0)
-    assert now.left_s == pytest.approx(500.0)
+def test_time_left_accounts_for_pauses_and_resumed_runs():
+    control = RunControl()
+    status = RunStatus(RUN_INFO, control, clock=lambda: 0.0)
+    status.sample(at(100.1), 0, 0.0)
+    status.sample(at(200.0), 0, 0.0)
+    assert status.left_s == pytest.approx(500.0)
     control.paused = True
     for k in range(1, 101):
-        now.sample(at(200.0 + k / 10), 0, 0.0)
-    assert now.gone_s == pytest.approx(110.0)
-    assert now.left_s == pytest.approx(500.0)  # what is paused is not worked off
-    half = About(**{**ABOUT.__dict__, "done_steps": 10, "done_s": 300.0})
-    later = Situation(half, clock=lambda: 0.0)
+        status.sample(at(200.0 + k / 10), 0, 0.0)
+    assert status.elapsed_s == pytest.approx(110.0)
+    assert status.left_s == pytest.approx(500.0)  # what is paused is not worked off
+    half = RunInfo(**{**RUN_INFO.__dict__, "done_steps": 10, "done_s": 300.0})
+    later = RunStatus(half, clock=lambda: 0.0)
     later.sample(at(10.0), 0, 0.0)
     assert later.left_s == pytest.approx(299.9)
     later.step(result(30), branch="re-establish", target=None)
@@ -174,36 +176,38 @@ def test_time_left_knows_pauses_and_a_run_that_goes_on():
 def test_what_a_twin_runs_is_labelled_so_whatever_it_speaks():
     cost = Preview("validation", 60.0, 3, 1.0, 100.0, 0, 1000)
     for rig, source in (("one_wire_serial", "twin"), ("two_wire_twin", "simulation")):
-        found = about(load_rig(rig), cost, Path("x"), wire="w", source=source)
-        assert source.upper() in shown(Situation(found))
+        found = run_info(load_rig(rig), cost, Path("x"), wire="w", source=source)
+        assert source.upper() in shown(RunStatus(found))
         assert found.two_wire is rig.startswith("two")
 
 
-def test_the_runner_tells_what_a_step_is_to_be_and_lets_its_window_be_watched(tmp_path):
-    seen = []
+def test_the_runner_announces_each_step_and_its_settling_window(tmp_path):
+    progress_seen = []
 
-    class Eye(Situation):
+    class Eye(RunStatus):
         def sample(self, s, step, input_value):
             super().sample(s, step, input_value)
-            seen.append((self.branch, self.target_K, self.settling.share, self.settling.spread_counts))
+            progress_seen.append(
+                (self.branch, self.target_K, self.settling.share, self.settling.spread_counts)
+            )
 
     with Session("one_wire_twin", seed=1) as session:
-        now = Eye(ABOUT)
-        session.run("validation", {"points": "2"}, tmp_path / "v.run.sqlite", listeners=[now])
+        status = Eye(RUN_INFO)
+        session.run("validation", {"points": "2"}, tmp_path / "v.run.sqlite", listeners=[status])
     steps = load_run(tmp_path / "v.run.sqlite").steps
-    assert list(dict.fromkeys((b, t) for b, t, *_ in seen)) == list(
+    assert list(dict.fromkeys((b, t) for b, t, *_ in progress_seen)) == list(
         dict.fromkeys((s.branch, s.target) for s in steps)
     )
-    assert {round(share * 25) for _, _, share, _ in seen} == set(range(26))
-    last = [spread for *_, share, spread in seen if share == 1]
+    assert {round(share * 25) for _, _, share, _ in progress_seen} == set(range(26))
+    last = [spread for *_, share, spread in progress_seen if share == 1]
     assert len(last) == len(steps)
     assert all(0 < spread <= 1.0 for spread in last)  # within the band: settled
-    assert now.finished == len(steps) == 4
+    assert status.finished == len(steps) == 4
 
 
-def test_the_pace_of_a_fast_twin_tells_how_long_to_wait():
+def test_the_speed_factor_of_a_fast_twin_gives_the_waiting_time():
     times = iter([0.0, *[10.0] * 50])
-    now = Situation(ABOUT, clock=lambda: next(times))
-    now.sample(at(0.1), 0, 0.0)
-    now.sample(at(200.0), 0, 0.0)
-    assert "0:00:20 to wait, at 20 × real time" in shown(now)
+    status = RunStatus(RUN_INFO, clock=lambda: next(times))
+    status.sample(at(0.1), 0, 0.0)
+    status.sample(at(200.0), 0, 0.0)
+    assert "0:00:20 to wait, at 20 × real time" in shown(status)

@@ -14,7 +14,7 @@ import pytest
 
 from smarig.record import load_run
 
-PATIENCE_S = 60.0
+CLOSE_TIMEOUT_S = 60.0
 TRIPPING = """name = "tripping"
 base = "one_wire_serial"
 wire = "tripping"
@@ -25,7 +25,7 @@ faults = "{faults}"
 BROKEN_WIRE = '[[fault]]\nkind = "open_wire"\ndevice = "amplifier"\nfrom_s = 30\n'
 
 
-class Screen:
+class RerunOutput:
     """A terminal of tmux's with one command in it; ``text`` is what a person sees."""
 
     def __init__(self, socket, tmp_path):
@@ -40,7 +40,7 @@ class Screen:
 
     def __call__(self, *words):
         return subprocess.run(
-            [*self._tmux, *words], capture_output=True, text=True, timeout=PATIENCE_S
+            [*self._tmux, *words], capture_output=True, text=True, timeout=CLOSE_TIMEOUT_S
         ).stdout
 
     def text(self, *, coloured=False):
@@ -48,7 +48,7 @@ class Screen:
 
     def shows(self, *patterns):
         """Wait until all patterns are on the screen; its text."""
-        until = time.monotonic() + PATIENCE_S
+        until = time.monotonic() + CLOSE_TIMEOUT_S
         while time.monotonic() < until:
             text = self.text()
             if all(re.search(p, text) for p in patterns):
@@ -65,7 +65,7 @@ def screen(tmp_path, tmp_path_factory):
     if shutil.which("tmux") is None:
         pytest.skip("tmux is not installed")
     socket = tmp_path_factory.mktemp("t") / "s"
-    found = Screen(socket, tmp_path)
+    found = RerunOutput(socket, tmp_path)
     yield found
     found("kill-server")
 
@@ -174,7 +174,7 @@ def test_a_terminal_that_is_stopped_holds_up_nothing(tmp_path, term):
             stdout=subprocess.PIPE,
             stderr=terminal,
             env={**os.environ, "TERM": term},
-            timeout=PATIENCE_S,
+            timeout=CLOSE_TIMEOUT_S,
             text=True,
         )
     assert done.returncode == 0

@@ -5,13 +5,13 @@ import pytest
 from control.model_files import model_file
 from record.runs import META
 from smarig.cli import run as cli
-from smarig.diagnosis.files import FILES, folder_ready
-from smarig.errors import UsageError
+from smarig.core.atomic_file import atomic_file, check_writable
+from smarig.core.errors import UsageError
+from smarig.core.file_content import JSON, MODEL, PAGE, RUN, TABLE, TOML, content_kind
+from smarig.diagnosis.diagnosis_files import FILES, prepare_folder
 from smarig.exchange import export_run
-from smarig.file_kind import JSON, MODEL, PAGE, RUN, TABLE, TOML, kind_of
 from smarig.record.recorder import Recorder, write_run
 from smarig.report.page import page, write_page
-from smarig.whole_file import may_be_written, whole_file
 
 COLUMNS = {"tick": [0, 1, 2], "t_s": [0.0, 0.1, 0.2], "position": [0.0, 1.0, 2.0]}
 STEPS = ("--reference", "steps", "--set", "seconds=5", "--set", "every_s=5")
@@ -42,17 +42,17 @@ KINDS = (RUN, MODEL, PAGE, TABLE, TOML, JSON)
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind_is_known_whatever_the_name(tmp_path, kind):
-    assert kind_of(made(tmp_path, kind, "a.html")) == kind
-    assert kind_of(made(tmp_path, kind, "b.run.sqlite")) == kind
+    assert content_kind(made(tmp_path, kind, "a.html")) == kind
+    assert content_kind(made(tmp_path, kind, "b.run.sqlite")) == kind
 
 
-def test_what_nothing_tells_goes_by_its_name(tmp_path):
+def test_an_unrecognised_file_is_classified_by_its_name(tmp_path):
     notes = tmp_path / "notes"
     notes.write_text("buy wire", encoding="utf-8")
-    assert kind_of(notes) == "something else"
-    assert kind_of(notes, "notes.csv") == TABLE
+    assert content_kind(notes) == "something else"
+    assert content_kind(notes, "notes.csv") == TABLE
     notes.write_text("", encoding="utf-8")
-    assert kind_of(notes, "notes.csv") == ""
+    assert content_kind(notes, "notes.csv") == ""
 
 
 @pytest.mark.parametrize("to", ["parquet", "mat", "netcdf", "rrd"])
@@ -75,7 +75,7 @@ def test_a_file_becomes_its_own_kind_only(tmp_path, there, new):
     before = old.read_bytes()
 
     def write():
-        with whole_file(old, force=True) as part:
+        with atomic_file(old, force=True) as part:
             part.write_bytes(fresh.read_bytes())
 
     if there == new:
@@ -84,7 +84,7 @@ def test_a_file_becomes_its_own_kind_only(tmp_path, there, new):
     with pytest.raises(UsageError, match=f"old holds {there}, which --force does not replace by {new}"):
         write()
     with pytest.raises(UsageError, match=f"does not replace by {new}"):
-        may_be_written(old, force=True, kind=new)
+        check_writable(old, force=True, kind=new)
     assert old.read_bytes() == before
     assert not list(tmp_path.glob("*.part"))
 
@@ -138,4 +138,4 @@ def test_a_diagnosis_looks_at_its_folder_before_it_computes(tmp_path, name):
     with pytest.raises(
         UsageError, match=f"{name} holds a table of numbers, which --force does not replace by"
     ):
-        folder_ready(tmp_path, force=True)
+        prepare_folder(tmp_path, force=True)

@@ -12,9 +12,9 @@ import pytest
 import smarig
 from runner.interrupted import cut
 from smarig.cli import run as cli
-from smarig.cli._keys import press
+from smarig.cli.panel.keyboard import press
 from smarig.record import load_run
-from smarig.runner.control import Control
+from smarig.runner.run_control import RunControl
 
 
 def call(capsys, *arguments):
@@ -29,7 +29,7 @@ def killed(tmp_path):
     return cut(whole.path, tmp_path / "killed.run.sqlite", 1700)
 
 
-def test_resume_says_how_it_went(capsys, killed):
+def test_resume_reports_how_it_ended(capsys, killed):
     status, out, err = call(capsys, "resume", killed, "--json")
     found = json.loads(out)
     assert status == 0
@@ -91,23 +91,23 @@ TELL = 'echo "$SMARIG_STATUS|$SMARIG_CAUSE|$SMARIG_RUN" > told.txt'
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a POSIX shell")
-def test_somebody_is_told_at_the_end_and_at_a_trip(capsys, tmp_path, monkeypatch, killed):
+def test_the_notify_command_runs_at_the_end_and_at_a_trip(capsys, tmp_path, monkeypatch, killed):
     monkeypatch.chdir(tmp_path)
-    told = tmp_path / "told.txt"
+    notification_file = tmp_path / "told.txt"
     assert call(capsys, "resume", killed, "--notify", TELL)[0] == 0
-    assert told.read_text() == f"0|done|{killed}\n"
+    assert notification_file.read_text() == f"0|done|{killed}\n"
     out = tmp_path / "t; touch evil.run.sqlite"
     arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
     monkeypatch.setattr("smarig.rig.twin.Twin.step", _tripping)
     status, _, err = call(capsys, *arguments, "--notify", TELL)
     assert status == 3
-    assert told.read_text() == f"3|The twin was struck by lightning.|{out}\n"
+    assert notification_file.read_text() == f"3|The twin was struck by lightning.|{out}\n"
     assert not list(tmp_path.glob("evil*"))
     assert err.count("lightning") == 1
 
 
 def _tripping(self, current_A, at_most=1):
-    from smarig.errors import RigFault
+    from smarig.core.errors import RigFault
 
     if not self.settings.noise:  # the preview's
         self.output_A = current_A
@@ -116,7 +116,7 @@ def _tripping(self, current_A, at_most=1):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a POSIX shell")
-def test_a_messenger_that_fails_is_one_sentence_and_no_failure(capsys, tmp_path):
+def test_a_failing_notify_command_is_a_message_and_no_failure(capsys, tmp_path):
     out = tmp_path / "v.run.sqlite"
     arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
     status, text, err = call(capsys, *arguments, "--json", "--notify", "echo noise; exit 7")
@@ -138,7 +138,7 @@ os.execv(sys.executable, [sys.executable, "-m", "smarig", *sys.argv[1:]])
 
 
 def test_what_keys_mean():
-    control = Control()
+    control = RunControl()
     for key, paused in (("p", True), ("x", True), ("r", False), ("p", True)):
         press(control, key)
         assert control.paused is paused
@@ -164,17 +164,17 @@ def test_keys_of_a_terminal_pause_resume_and_stop(tmp_path):
     )
     before = termios.tcgetattr(terminal)
     try:
-        _seen(terminal, lambda: _samples(out) > 0)
+        _wait_until(terminal, lambda: _samples(out) > 0)
         assert not termios.tcgetattr(terminal)[3] & termios.ICANON
         os.write(terminal, b"\x1a")  # Ctrl-Z must not stop a host whose wire is hot
         os.write(terminal, b"p")
-        _seen(terminal, lambda: "paused" in _kinds(out))
+        _wait_until(terminal, lambda: "paused" in _kinds(out))
         paused_at = _samples(out)
-        _seen(terminal, lambda: _samples(out) > paused_at + 100)
+        _wait_until(terminal, lambda: _samples(out) > paused_at + 100)
         os.write(terminal, b"r")
-        _seen(terminal, lambda: "unpaused" in _kinds(out))
+        _wait_until(terminal, lambda: "unpaused" in _kinds(out))
         os.write(terminal, b"s")
-        _seen(terminal, lambda: child.poll() is not None)
+        _wait_until(terminal, lambda: child.poll() is not None)
         after = termios.tcgetattr(terminal)
     finally:
         child.kill()
@@ -194,7 +194,7 @@ def test_keys_of_a_terminal_pause_resume_and_stop(tmp_path):
 def _samples(out):
     try:
         return len(load_run(out))
-    except smarig.errors.SmarigError:
+    except smarig.core.errors.SmarigError:
         return 0
 
 
@@ -209,7 +209,7 @@ def _read(terminal):
             os.read(terminal, 65536)
 
 
-def _seen(terminal, condition):
+def _wait_until(terminal, condition):
     for _ in range(1500):
         _read(terminal)
         if condition():
@@ -234,19 +234,19 @@ set = { points = 2 }
 """
 
 
-def test_a_campaign_goes_on_where_it_was_interrupted(capsys, tmp_path):
+def test_a_campaign_resumes_where_it_was_interrupted(capsys, tmp_path):
     plan, out = tmp_path / "two.toml", tmp_path / "runs"
     plan.write_text(CAMPAIGN, encoding="utf-8")
-    asked = ("run", plan, "--rig", "one_wire_twin", "-o", out)
-    assert call(capsys, *asked)[0] == 0
+    command_line = ("run", plan, "--rig", "one_wire_twin", "-o", out)
+    assert call(capsys, *command_line)[0] == 0
     first, second, third = sorted(out.glob("*.run.sqlite"))
     whole = second.rename(tmp_path / "whole.run.sqlite")
     cut(whole, second, 1700)
     third.unlink()
     done = first.read_bytes()
-    status, _, err = call(capsys, *asked)
+    status, _, err = call(capsys, *command_line)
     assert (status, "--continue" in err) == (2, True)
-    status, _, err = call(capsys, *asked, "--continue")
+    status, _, err = call(capsys, *command_line, "--continue")
     assert status == 0, err
     assert first.read_bytes() == done
     assert [load_run(p).cause for p in (second, third)] == ["done", "done"]
@@ -255,7 +255,7 @@ def test_a_campaign_goes_on_where_it_was_interrupted(capsys, tmp_path):
     assert "Resumed" in err
 
 
-def test_going_on_with_another_experiment_is_refused(capsys, tmp_path, killed):
+def test_resuming_with_another_experiment_is_refused(capsys, tmp_path, killed):
     before = killed.read_bytes()
     for other in (
         ["validation", "--set", "points=4"],

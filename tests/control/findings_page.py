@@ -3,12 +3,12 @@
 import numpy as np
 
 from control.driven import drive
-from smarig.control.dissipative_position import PositionController, Supply
-from smarig.control.position_assumptions import silent_pair
-from smarig.control.position_loop import SwitchedGain, position_loop
-from smarig.control.velocity import k_e, velocity_feedback, velocity_loop
+from smarig.certify.position_assumptions import indistinguishable_states
+from smarig.certify.position_supply_rate import PositionController, SupplyRate
+from smarig.certify.velocity import k_e, velocity_feedback, velocity_loop
+from smarig.control.position_feedback import SwitchedGain, position_loop
 from smarig.control.velocity.controllers.constant_gain import constant_gain
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.protocols._setup import Setup
 from smarig.rig.twin import Twin
 
@@ -30,7 +30,7 @@ CLASSES = {
     "filtered velocity 10s/(1 + 0.5s)": ([0.0, 10.0], [1.0, 0.5]),
     "filtered acceleration 10s²/(1 + 0.8s + s²)": ([0.0, 0.0, 10.0], [1.0, 0.8, 1.0]),
 }
-STRICT = Supply(a=0.01, c=0.01)
+STRICT = SupplyRate(a=0.01, c=0.01)
 
 
 def velocity_rows() -> list[str]:
@@ -60,7 +60,7 @@ def class_rows() -> list[str]:
         k = PositionController.of(numerator, denominator)
         a = k.largest_a()
         rows.append(
-            f"| {name} | {_yes(k.matches(Supply()))} | {a:.3g} | {k.largest_a(b=1.0):.3g} | {_yes(k.matches(STRICT))} |"
+            f"| {name} | {_yes(k.matches(SupplyRate()))} | {a:.3g} | {k.largest_a(b=1.0):.3g} | {_yes(k.matches(STRICT))} |"
         )
     return rows
 
@@ -93,9 +93,9 @@ def position_rows() -> list[str]:
     return rows
 
 
-def silent_row() -> str:
+def indistinguishable_row() -> str:
     """The pair of states at zero input with one output."""
-    pair = silent_pair(surface("two_e"))
+    pair = indistinguishable_states(surface("two_e"))
     path = " → ".join(f"{u:.4g}" for u in (*pair.second.extrema, pair.second.u))
     return (
         f"| two_e | {path} | {pair.first.y:.4f}° | {pair.second.y:.4f}° | {pair.distance / pair.most:.1%} |"
@@ -111,5 +111,5 @@ def _yes(answer: bool) -> str:
 
 
 if __name__ == "__main__":
-    for table in (velocity_rows(), class_rows(), position_rows(), [silent_row()]):
+    for table in (velocity_rows(), class_rows(), position_rows(), [indistinguishable_row()]):
         print("\n".join(table), end="\n\n")

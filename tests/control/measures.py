@@ -8,7 +8,7 @@ from smarig.control.velocity.controllers.lead_lag import lead_lag
 from smarig.control.velocity.controllers.leaky_pi import leaky_pi
 from smarig.control.velocity.controllers.saturating_gain import saturating_gain
 from smarig.control.velocity.controllers.scheduled_gain import scheduled_gain
-from smarig.preisach.fod_table import FodTable
+from smarig.preisach.hysteresis.fod_table import FodTable
 
 NODES = np.array([-3.0, -1.5, -0.5, 0.0, 1.0, 2.0, 3.0])
 DT_S = 0.1

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from smarig.identification.model_file import ActuatorRecord, Channel, Model, NoiseRecord, Provenance
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.replay.model_file import ActuatorRecord, Model, NoiseRecord, Provenance, SignalDescription
 
 RIGS = {"one": ("mm", "gorbet_one_wire"), "two": ("deg", "gorbet_two_wire")}
 
@@ -19,8 +19,8 @@ def model_of(name: str, **other) -> Model:
         "rig": rig,
         "actuator": ActuatorRecord(name=actuator, parameters={}),
         "arrangement": f"{arrangement}_wire",
-        "input": Channel(quantity="temperature", unit="K"),
-        "output": Channel(quantity="position", unit=unit),
+        "input": SignalDescription(quantity="temperature", unit="K"),
+        "output": SignalDescription(quantity="position", unit=unit),
         "mirrored": False,
         "fit": {},
         "noise_floor": NoiseRecord(value=None, unit=unit, source=""),

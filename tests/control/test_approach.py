@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from smarig.control.regulation import Plane, plan, regulate
-from smarig.control.regulation.approach import _rated
-from smarig.errors import UsageError
-from smarig.model.heating import temperature_along
-from smarig.preisach.gorbet_1997 import surface
+from smarig.control.regulation import BoundaryPlane, plan, regulate
+from smarig.control.regulation.approach import _rate_limited
+from smarig.core.errors import UsageError
+from smarig.plant.heating import temperature_along
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
 RIGS = {"one_wire_twin": "one_e", "two_wire_twin": "two_e"}
@@ -21,22 +21,22 @@ def driven(rig, currents_A, seed=0, before_A=()):
     """The wire's memory after currents, on the noisy twin, behind the guard of its limits; and its temperatures."""
     twin = Twin.named(rig, seed=seed)
     guard = Guard(twin, twin.file.limits, twin.actuator)
-    felt_K = []
+    hysteresis_input_K = []
     for current_A in (*before_A, *currents_A):
         guard.step(current_A)
-        felt_K.append(twin.specimen.plant.felt_K)
+        hysteresis_input_K.append(twin.specimen.plant.hysteresis_input_K)
     assert not guard.tripped
-    return twin.specimen.plant.operator.state, np.array(felt_K)
+    return twin.specimen.plant.operator.state, np.array(hysteresis_input_K)
 
 
-def area_by_relays(felt_K, plane, ell, n=300):
+def area_by_relays(hysteresis_input_K, plane, ell, n=300):
     """The area between the wire's state and B_ℓ, relay by relay on a grid: no stack, no boundary."""
     u = plane.lower + (plane.upper - plane.lower) * (np.arange(n) + 0.5) / n
     alpha, beta = (x[np.triu_indices(n)] for x in np.meshgrid(u, u))
     on = np.zeros(alpha.size, dtype=bool)
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(felt_K)))) + 1
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(hysteresis_input_K)))) + 1
     before = plane.lower
-    for here in [*felt_K[turns].tolist(), felt_K[-1].item()]:
+    for here in [*hysteresis_input_K[turns].tolist(), hysteresis_input_K[-1].item()]:
         if here > before:
             on[alpha <= here] = True
         else:
@@ -55,28 +55,30 @@ def anywhere(rig, seed):
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize(("share", "within"), [(0.12, 0.01), (0.4, 0.01), (0.75, 0.004)])
 def test_the_twin_comes_as_near_as_predicted_from_wherever_it_was(rig, share, within):
-    hysteresis, plane = surface(RIGS[rig]), Plane.of(surface(RIGS[rig]))
+    hysteresis, plane = surface(RIGS[rig]), BoundaryPlane.of(surface(RIGS[rig]))
     ell = plane.lower + share * (plane.upper - plane.lower)
     planned = plan(Setup.of(rig), hysteresis, ell, within)
     assert 0.3 * within < planned.share <= within
-    state, felt_K = driven(rig, planned.currents_A, seed=3, before_A=anywhere(rig, seed=int(100 * share)))
+    state, hysteresis_input_K = driven(
+        rig, planned.currents_A, seed=3, before_A=anywhere(rig, seed=int(100 * share))
+    )
     reached = plane.distance(plane.state(state), ell)
     assert abs(reached - planned.predicted_distance) < max(
         0.02 * planned.predicted_distance, planned.memory_left
     )
     assert abs(reached - planned.predicted_distance) < 0.1 * planned.predicted_distance
-    by_relays = area_by_relays(felt_K, plane, ell)
+    by_relays = area_by_relays(hysteresis_input_K, plane, ell)
     assert reached == pytest.approx(by_relays, abs=0.05 * reached + 0.0005 * plane.area)
     assert state.u == pytest.approx(ell, abs=0.2)
 
 
 def test_a_sinusoid_that_is_followed_exactly_misses_by_a_square_over_four_cycles():
-    plane = Plane(-100.0, 100.0)
+    plane = BoundaryPlane(-100.0, 100.0)
     for ell, n in ((0.0, 6), (-30.0, 10), (55.0, 4)):
         amplitude = 100.0 - abs(ell)
         first = np.sign(ell) or 1.0
         extrema = [ell + first * (-1) ** k * amplitude * (1 - k / (2 * n)) for k in range(2 * n + 1)]
-        reached = plane.distance(plane.after([-first * 100.0, *extrema]), ell)
+        reached = plane.distance(plane.boundary_after([-first * 100.0, *extrema]), ell)
         assert reached == pytest.approx(amplitude**2 / (4 * n), rel=1e-9)
 
 
@@ -94,7 +96,7 @@ def test_more_cycles_for_less_distance_and_in_the_end_little_is_the_lags(rig):
 def test_the_print_taken_literally_does_not_get_there():
     """(8.2) by the steady law, from t = 0, for as long as our plan takes: the lag eats the swings."""
     setup, hysteresis, ell = Setup.of("one_wire_twin"), surface("one_e"), 60.0
-    plane, planned = Plane.of(hysteresis), plan(setup, hysteresis, ell, 0.01)
+    plane, planned = BoundaryPlane.of(hysteresis), plan(setup, hysteresis, ell, 0.01)
     t = planned.period_s * np.arange(1, len(planned.currents_A) + 1)
     u = (1 - t / t[-1]) * (174.1 - ell) * np.sin(0.2 * np.pi * t) + ell
     literal = [setup.current_for(v) for v in np.clip(u, setup.lower_K, setup.upper_K)]
@@ -102,7 +104,7 @@ def test_the_print_taken_literally_does_not_get_there():
     assert reached > 3 * planned.predicted_distance
 
 
-def test_an_output_can_be_asked_for_besides():
+def test_an_output_tolerance_can_be_required_as_well():
     setup, hysteresis = Setup.of("one_wire_twin"), surface("one_e")
     loose, tight = plan(setup, hysteresis, 13.8, 0.01), plan(setup, hysteresis, 13.8, 0.01, 0.005)
     assert abs(loose.output_error) > 0.01
@@ -111,15 +113,15 @@ def test_an_output_can_be_asked_for_besides():
     assert (state.y - tight.output_error * 12.54) == pytest.approx(0.305, abs=0.02)
 
 
-def test_a_lag_the_plan_did_not_know_of_costs_little():
+def test_an_unmodelled_lag_costs_little():
     setup, hysteresis, ell = Setup.of("one_wire_twin"), surface("one_e"), 80.0
-    plane, planned = Plane.of(hysteresis), plan(setup, hysteresis, ell, 0.005)
-    decay, wire, felt = np.exp(-0.1 / (1.1 * setup.tau_s)), 0.0, []
+    plane, planned = BoundaryPlane.of(hysteresis), plan(setup, hysteresis, ell, 0.005)
+    decay, wire, wire_K = np.exp(-0.1 / (1.1 * setup.tau_s)), 0.0, []
     for current_A in planned.currents_A:  # (5.1) with τ 10 % longer, written out
         source = 174.1 * current_A**2
         wire = source + (wire - source) * decay
-        felt.append(wire)
-    reached = plane.distance(plane.after(felt), ell)
+        wire_K.append(wire)
+    reached = plane.distance(plane.boundary_after(wire_K), ell)
     assert planned.predicted_distance < reached < 1.3 * planned.predicted_distance
 
 
@@ -131,7 +133,7 @@ def test_the_prediction_is_the_heating_law_along_the_currents_slow_amplifiers_in
         along = temperature_along(one.actuator, planned.currents_A, 0.1)
         assert np.max(np.abs(along - planned.temperature_K)) < 1e-9
         assert np.max(np.abs(np.diff(planned.currents_A))) <= one.limits.current_rate_A_per_s * 0.1 + 1e-12
-    assert _rated(np.array([1.0, 1.0, 0.0]), 0.6).tolist() == [0.6, 1.0, 0.4]
+    assert _rate_limited(np.array([1.0, 1.0, 0.0]), 0.6).tolist() == [0.6, 1.0, 0.4]
 
 
 def test_the_ends_of_the_range_need_no_sinusoid():
@@ -154,7 +156,7 @@ def test_what_limits_do_not_allow_is_refused_in_a_sentence():
 
 
 def test_what_no_sinusoid_reaches_is_refused_in_a_sentence(monkeypatch):
-    monkeypatch.setattr("smarig.control.regulation.approach.MOST_CYCLES", 5)
+    monkeypatch.setattr("smarig.control.regulation.approach.MAX_CYCLES", 5)
     with pytest.raises(UsageError, match=r"No sinusoid brings the wire within 1 % of B_ℓ.*at most 5 cycles"):
         plan(Setup.of("one_wire_twin"), surface("one_e"), 87.0, 0.01)
 
@@ -174,7 +176,7 @@ def test_the_protocol_regulates_through_the_runner_and_ends_at_zero(rig, setpoin
         if step is None:
             held.append((sample.position, sample.current_command_A))
 
-    twin = regulated(rig, [Watch(on_sample=watch)], setpoint=setpoint, hold_s=60.0)
+    twin = regulated(rig, [CallbackListener(on_sample=watch)], setpoint=setpoint, hold_s=60.0)
     assert twin.output_A == 0.0
     currents = np.abs([current for _, current in held])
     assert len(held) > 600, "a minute in closed loop, then down to zero as slowly as the limit says"

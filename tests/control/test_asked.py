@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from smarig.benchmark.tracking import known
+from benchmarks.tracking import controller_model
 from smarig.control.tracking import Reference, track
-from smarig.control.tracking.asked import Asked
-from smarig.errors import LimitExceeded, UsageError
+from smarig.control.tracking.checked_controller import CheckedController
+from smarig.core.errors import LimitExceeded, UsageError
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
 SECONDS = 5.0
@@ -21,44 +21,46 @@ HERE = rf"Controller 'mine', {__file__.replace(chr(92), '.')}, line \d+: "
 def yielding(*what):
     """A controller that yields these, one after the other, and ends."""
 
-    def mine(known_, wanted):
+    def controller(assumed_model, reference_at):
         for value in what:  # noqa: UP028 - a tuple cannot be sent anything
             yield value
 
-    return mine
+    return controller
 
 
 def raising(error):
-    def mine(known_, wanted):
+    def controller(assumed_model, reference_at):
         yield 0.1
         raise error
 
-    return mine
+    return controller
 
 
-def no_generator(known_, wanted):
+def no_generator(assumed_model, reference_at):
     return [0.1, 0.2]
 
 
-def stopped_before(known_, wanted):
+def stopped_before(assumed_model, reference_at):
     return next(iter(()))
 
 
 def followed(make):
     """(samples seen, what ended it) of a loop on a twin."""
-    twin, seen, ended = Twin.named("one_wire_twin", seed=1), [], None
-    protocol = track(known(), make, Reference("r", (0.0, SECONDS), (1.0, 2.0)), name="mine", prepare=False)
+    twin, samples, ended = Twin.named("one_wire_twin", seed=1), [], None
+    protocol = track(
+        controller_model(), make, Reference("r", (0.0, SECONDS), (1.0, 2.0)), name="mine", prepare=False
+    )
     runner = Runner(
         Guard(twin, twin.file.limits, twin.actuator),
         twin.position_per_count,
-        [Watch(on_sample=lambda s, *_: seen.append(s))],
+        [CallbackListener(on_sample=lambda s, *_: samples.append(s))],
     )
     try:
         runner.run(protocol)
     except Exception as error:
         ended = error
     assert twin.output_A == 0.0
-    return seen, ended
+    return samples, ended
 
 
 FAULTS = {
@@ -82,35 +84,41 @@ FAULTS = {
 
 @pytest.mark.parametrize(("make", "kind", "says", "ticks"), FAULTS.values(), ids=FAULTS)
 def test_a_fault_of_a_controller_is_one_sentence_and_the_current_zero(make, kind, says, ticks):
-    seen, ended = followed(make)
+    samples, ended = followed(make)
     assert type(ended) is kind
     with pytest.raises(kind, match=says):
         raise ended
     assert "\n" not in str(ended)
-    assert len(seen) == ticks, "what was measured is kept"
+    assert len(samples) == ticks, "what was measured is kept"
 
 
 def test_numbers_of_any_kind_are_numbers():
-    asked = Asked(yielding(np.float32(0.5), np.int64(1), 1), known(), lambda t_s: 0.0)
-    assert [asked.first(), asked.after(None), asked.after(None)] == [0.5, 1.0, 1.0]
+    checked_controller = CheckedController(
+        yielding(np.float32(0.5), np.int64(1), 1), controller_model(), lambda t_s: 0.0
+    )
+    assert [checked_controller.first(), checked_controller.after(None), checked_controller.after(None)] == [
+        0.5,
+        1.0,
+        1.0,
+    ]
 
 
-def test_a_controller_that_will_not_go_does_not_spoil_the_end():
-    def clinging(known_, wanted):
+def test_a_controller_that_refuses_to_close_does_not_spoil_the_end():
+    def clinging(assumed_model, reference_at):
         while True:
             try:
                 yield 0.1
             except GeneratorExit:
                 yield 0.1
 
-    seen, ended = followed(clinging)
+    samples, ended = followed(clinging)
     assert ended is None
-    assert len(seen) >= SECONDS / known().setup.period_s
+    assert len(samples) >= SECONDS / controller_model().setup.period_s
 
 
-def test_a_controller_can_be_torn_out_by_an_interrupt():
+def test_an_interrupt_in_a_controller_ends_the_loop():
     """One that does not come back gets KeyboardInterrupt from outside, and must not turn it into a sentence."""
-    asked = Asked(raising(KeyboardInterrupt()), known(), lambda t_s: 0.0)
-    asked.first()
+    checked_controller = CheckedController(raising(KeyboardInterrupt()), controller_model(), lambda t_s: 0.0)
+    checked_controller.first()
     with pytest.raises(KeyboardInterrupt):
-        asked.after(None)
+        checked_controller.after(None)

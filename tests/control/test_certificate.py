@@ -9,17 +9,23 @@ import pytest
 
 from control.measures import table
 from control.model_files import model_of
-from smarig.control.certificate import certificate
-from smarig.control.hypothesis import Hypothesis, coverage
-from smarig.control.passivity import passivity
-from smarig.control.scope import Proved, limits, position_controllers, position_loops, scheduling
-from smarig.control.units import Units
-from smarig.errors import UsageError
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.mirrored import Mirrored
-from smarig.preisach.relay_measure import RelayMeasure
-from smarig.report.certificate_page import certificate_page, origin, units_of
+from smarig.certify.certificate_scope import (
+    CertificateScope,
+    limits,
+    position_controllers,
+    position_loops,
+    scheduling,
+)
+from smarig.certify.certificate_units import Units
+from smarig.certify.hypothesis import Hypothesis, coverage
+from smarig.certify.model_certificate import certificate
+from smarig.certify.passivity import passivity
+from smarig.core.errors import UsageError
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.report.certificate_page import certificate_page, certified_model, units_of
 
 PROMISES = ("bounds the energy", "energy is bounded", "never rises", "stays passive", "covers it")
 ONE = {"constant_gain": {"gain": 4.0}}
@@ -35,21 +41,23 @@ def sampled(name: str, unit: str) -> FodTable:
     return FodTable.from_arrays(u, u, y, unit)
 
 
-def said_everywhere(hysteresis, controllers=None) -> tuple[str, str, str]:
+def all_texts(hysteresis, controllers=None) -> tuple[str, str, str]:
     """Text, page without its marks, and JSON of one model's certificate."""
     model = model_of("one_e", hysteresis=hysteresis)
     found = certificate(hysteresis, controllers, units_of(model))
-    page = certificate_page(model, found, origin(model, "m.model.json", "0" * 64)).replace("<sub>", "_")
+    page = certificate_page(model, found, certified_model(model, "m.model.json", "0" * 64)).replace(
+        "<sub>", "_"
+    )
     page = re.sub(r"<[^>]*>", "", page)
     return found.text, html.unescape(page), json.dumps(found.to_json(), ensure_ascii=False)
 
 
 @pytest.mark.parametrize("kind", ["one_p", "two_p", "table"])
-def test_what_is_not_dissipative_gets_no_promise(kind):
+def test_what_is_not_dissipative_gets_no_bound(kind):
     hysteresis = sampled("two_p", "deg") if kind == "table" else surface(kind)
     found = certificate(hysteresis)
     assert found.passive is False
-    for words in said_everywhere(hysteresis):
+    for words in all_texts(hysteresis):
         assert [promise for promise in PROMISES if promise in words] == []
         assert not re.search(r"k_e = \d", words), "its formula is no promise"
         assert "not covered: passive" in words
@@ -60,19 +68,19 @@ def test_what_is_not_dissipative_gets_no_promise(kind):
     assert all(c["delta"] > 0 for c in plain["controllers"]), "that is the controller's own"
 
 
-def test_a_model_that_is_covered_is_promised_its_bound():
-    for words in said_everywhere(surface("one_e")):
+def test_a_model_that_is_covered_gets_its_bound():
+    for words in all_texts(surface("one_e")):
         assert [promise for promise in PROMISES if promise not in words] == []
     found = certificate(surface("one_e"), ONE)
     assert found.text.count("k_e = 2.") == 1
     assert found.to_json()["controllers"][0]["k_e"] == 2.0
 
 
-def test_what_is_not_decided_is_neither_promised_nor_denied():
-    proved = Proved("undecided", True, None)
-    words = [limit.text for limit in limits(proved)] + [scheduling(proved), position_controllers(proved)]
+def test_what_is_not_decided_is_neither_certified_nor_denied():
+    scope = CertificateScope("undecided", True, None)
+    words = [limit.text for limit in limits(scope)] + [scheduling(scope), position_controllers(scope)]
     assert not [promise for promise in PROMISES for text in words if promise in text]
-    assert "not decided whether" in position_loops(proved)
+    assert "not decided whether" in position_loops(scope)
     assert coverage([Hypothesis("passive", None, "open")]) == "not decided: passive is open"
     assert coverage(
         [Hypothesis("a", False, "seen"), Hypothesis("b", False, "seen"), Hypothesis("c", None, "open")]
@@ -83,19 +91,19 @@ def test_a_dissipative_model_whose_theorem_fails_keeps_its_stored_energy():
     """A relay of negative mass within a larger one: Q_r is no storage function, relays jump, and S_a is what bounds."""
     made = RelayMeasure.from_arrays([0.0, 1.0, 2.0], [-2.0, -2.0, -2.0], [1.0, -0.5, 1.0])
     found = certificate(made, ONE)
-    assert (found.storage.ground, found.proved.covered) == ("dissipative", False)
+    assert (found.storage_bound.basis, found.scope.covered) == ("dissipative", False)
     assert found.controllers[0].k_e is None
-    assert "V = S_a(B) + Φ(e) never rises" in position_loops(found.proved)
+    assert "V = S_a(B) + Φ(e) never rises" in position_loops(found.scope)
     assert "is dissipative" in found.position_controllers
 
 
 @pytest.mark.parametrize("name", ["one_e", "two_p"])
-def test_text_page_and_json_tell_the_same_limits(name):
+def test_text_page_and_json_list_the_same_limits(name):
     found = certificate(surface(name))
-    told = {limit.about for limit in found.limits}
-    assert {"hysteresis alone", "delay and counts", "position loops"} <= told
-    assert ("units of k_e" in told) == ("lag and limits" in told) == (name == "one_e")
-    words = said_everywhere(surface(name))
+    subjects = {limit.about for limit in found.limits}
+    assert {"hysteresis alone", "delay and counts", "position loops"} <= subjects
+    assert ("units of k_e" in subjects) == ("lag and limits" in subjects) == (name == "one_e")
+    words = all_texts(surface(name))
     for limit in found.limits:
         assert [limit.text in w for w in words] == [True] * 3, limit.about
     assert [limit["text"] for limit in found.to_json()["limits"]] == [limit.text for limit in found.limits]
@@ -121,7 +129,7 @@ def test_a_table_has_the_units_of_its_model():
     assert (found["unit"], found["input_unit"]) == ("deg·K", "K")
     assert re.search(r"↔ 185 K gives back [0-9.]+ deg·K in every cycle", found["text"])
     nameless = certificate(table(1), ONE, Units("deg", "K"))
-    assert nameless.dissipativity.unit == nameless.storage.unit == "deg·K"
+    assert nameless.dissipativity.unit == nameless.storage_bound.unit == "deg·K"
     mirrored = certificate(Mirrored(surface("one_e")), ONE, Units("mm", "K"))
     assert "at least 0 mm·K" in mirrored.text
     assert "δ = 4, γ = 4, k_e = 2." in certificate(table(1), ONE).text, (
@@ -143,8 +151,8 @@ def test_an_energy_within_rounding_reads_zero():
     tiny = type(along)(
         np.array([-9.3e-23, 4.0]),
         0.0,
-        along.proved,
-        along.ground,
+        along.proven,
+        along.basis,
         along.hypotheses,
         along.rounding,
         along.unit,

@@ -8,14 +8,14 @@ from scipy.signal import lsim
 
 from control.findings_page import CLASSES
 from control.measures import DT_S, tables
-from smarig.control.dissipative_position import PositionController, Supply
-from smarig.control.position_assumptions import held_supply, silent_pair
-from smarig.control.position_loop import SwitchedGain, position_loop
-from smarig.errors import DataError, UsageError
-from smarig.preisach.energy import available_storage
-from smarig.preisach.gorbet_1997 import surface
+from smarig.certify.position_assumptions import indistinguishable_states, supply_while_held
+from smarig.certify.position_supply_rate import PositionController, SupplyRate
+from smarig.control.position_feedback import SwitchedGain, position_loop
+from smarig.core.errors import DataError, UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
-from smarig.preisach.properties.classes import classes
+from smarig.theory.energy import available_storage
+from smarig.theory.properties.classes import classes
 
 OMEGA = np.concatenate([[0.0], np.geomspace(1e-4, 1e4, 4001)])
 coefficient = st.floats(-10, 10, allow_subnormal=False).map(lambda x: round(x, 3))
@@ -32,7 +32,7 @@ def second_order(draw):
     second_order(), st.sampled_from([0.0, 0.1, 1.0]), st.sampled_from([0.0, 1.0]), st.sampled_from([0.0, 1.0])
 )
 def test_the_class_is_decided_as_a_dense_sweep_decides_it(k, a, b, c):
-    supply = Supply(a, b, c)
+    supply = SupplyRate(a, b, c)
     scale = 1e-6 * (1 + np.abs(k.at(OMEGA)).max() ** 2)
     least = float((k.density(OMEGA, supply) / (1 + OMEGA)).min())
     if k.matches(supply):
@@ -54,8 +54,8 @@ def test_a_member_never_gives_more_than_it_was_supplied(name: str):
     rough = np.interp(t, np.arange(0.0, 41.0), np.concatenate([[0.0], rng.normal(0, 1, 40)]))
     assert integral(k, rough, t, a).min() >= -1e-3
     slow = np.sin(0.02 * np.pi * t * 50) * np.minimum(t, 1.0)
-    worst = OMEGA[np.argmin(k.density(OMEGA, Supply(1.05 * a)) / (1e-12 + OMEGA**2 / (1 + OMEGA**2)))]
-    assert k.density(np.array([worst]), Supply(1.05 * a))[0] < 0
+    worst = OMEGA[np.argmin(k.density(OMEGA, SupplyRate(1.05 * a)) / (1e-12 + OMEGA**2 / (1 + OMEGA**2)))]
+    assert k.density(np.array([worst]), SupplyRate(1.05 * a))[0] < 0
     assert integral(k, slow, t, 3 * a)[-1] < 0
 
 
@@ -71,27 +71,27 @@ def test_with_a_static_gain_nothing_is_left_of_a():
     for numerator, denominator in CLASSES.values():
         k = PositionController.of(numerator, denominator)
         assert (k.largest_a() > 0) <= (k.static_gain == 0)
-        assert not k.matches(Supply(0.0, 0.0, 0.1))
+        assert not k.matches(SupplyRate(0.0, 0.0, 0.1))
 
 
 def test_a_hysteresis_has_no_b():
     model = surface("two_c")
-    held = [held_supply(model, 60.0, t, b=0.01) for t in (0.0, 1e6, 2e6)]
+    held = [supply_while_held(model, 60.0, t, b=0.01) for t in (0.0, 1e6, 2e6)]
     assert held[1] < -1000.0
     assert held[2] - held[1] == pytest.approx(held[1] - held[0])
-    assert held_supply(model, 60.0, 1e9, b=0.0) == held[0] > 0
+    assert supply_while_held(model, 60.0, 1e9, b=0.0) == held[0] > 0
 
 
-def test_zero_input_and_one_output_do_not_tell_states_apart():
+def test_states_of_one_output_are_indistinguishable_at_zero_input():
     model = surface("two_e")
-    pair = silent_pair(model)
+    pair = indistinguishable_states(model)
     first, second = Preisach(model, pair.first), Preisach(model, pair.second)
     assert (first.u, second.u) == (0.0, 0.0)
     assert first.y == pytest.approx(second.y, abs=1e-9)
     assert pair.distance > 0.1 * pair.most
     assert abs(first.step(60.0) - second.step(60.0)) > 0.5, "they are different states: an input tells"
     with pytest.raises(UsageError, match="one side"):
-        silent_pair(surface("one_c"))
+        indistinguishable_states(surface("one_c"))
 
 
 laws = st.builds(SwitchedGain, st.floats(0.1, 5), st.floats(5, 50), st.floats(0.05, 2), st.floats(0.2, 5))
@@ -151,6 +151,6 @@ def test_what_is_no_position_controller_is_refused(n, d):
         PositionController.of(n, d)
 
 
-def test_a_reference_is_asked_for():
+def test_a_reference_is_required():
     with pytest.raises(DataError, match="finite references"):
         position_loop(surface("two_e"), SwitchedGain(1.0, 1.0, 1.0), [])

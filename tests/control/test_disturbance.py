@@ -3,22 +3,22 @@
 import numpy as np
 import pytest
 
+from benchmarks import regulation
 from preisach.relay_reference import Printed, cells, lower_half
-from smarig.benchmark import regulation
-from smarig.control.regulation import Plane, Psi
-from smarig.control.regulation.disturbance import (
+from smarig.control.regulation import BoundaryPlane, Psi
+from smarig.control.regulation.disturbance_comparison import (
     FIGURES,
-    KINDS,
+    STATE_KINDS,
     _recovery,
-    compared,
-    cost,
+    disturbance_comparison,
+    disturbance_cost,
     setpoints,
     state_of_output,
 )
-from smarig.control.regulation.pi import PI, steepest
-from smarig.preisach.gorbet_1997 import surface
+from smarig.control.regulation.setpoint_pi import SetpointPI, steepest
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
-from smarig.preisach.relay_measure import RelayMeasure
 from smarig.protocols._setup import Setup
 
 RIGS = {"one_wire_twin": "one_e", "two_wire_twin": "two_e"}
@@ -29,9 +29,9 @@ def test_a_small_fall_sweeps_d_squared_from_the_diagonal_and_half_of_it_from_a_r
     n, d = 200, 30
     i, j = np.tril_indices(n, -1)
     even = RelayMeasure.from_arrays(i - n / 2, j - n / 2, np.full(i.size, 0.5))
-    state = {kind: state_of_output(even, 0.0, kind) for kind in KINDS}
-    falls = {kind: cost(even, state[kind], kind, -d).push for kind in KINDS}
-    rises = {kind: cost(even, state[kind], kind, d).push for kind in KINDS}
+    state = {kind: state_of_output(even, 0.0, kind) for kind in STATE_KINDS}
+    falls = {kind: disturbance_cost(even, state[kind], kind, -d).push for kind in STATE_KINDS}
+    rises = {kind: disturbance_cost(even, state[kind], kind, d).push for kind in STATE_KINDS}
     assert falls["diagonal"] == pytest.approx(d**2, rel=0.05)
     assert rises["diagonal"] == pytest.approx(d**2, rel=0.05)
     assert falls["ascending"] == pytest.approx(d**2 / 2, rel=0.05)
@@ -47,7 +47,7 @@ def test_pushes_from_the_diagonal_are_what_relays_do(name):
     near = ell + np.linspace(h.lower - ell, ell - h.lower, 21)
     push = 2 * (near[1] - near[0])  # 6 % of the range
     levels = np.append(near, np.linspace(near[-1], h.upper, 6)[1:])
-    here = compared(h, psi(ell), push, psi)
+    here = disturbance_comparison(h, psi(ell), push, psi)
     assert here.rests["diagonal"] == pytest.approx(ell, abs=1e-9)
     for sign, of in ((-1, here.falling), (1, here.rising)):
         relays = cells(levels, printed.y, ell, lower_half(printed.y_alpha_beta))
@@ -61,9 +61,9 @@ def test_on_the_operator_the_diagonal_is_better_in_the_worse_of_both_signs(name)
     h = surface(name)
     psi, rows = Psi(h), []
     for y in setpoints(h, 20)[1::3]:
-        rows.append(compared(h, y, 0.03 * (h.upper - h.lower), psi))
+        rows.append(disturbance_comparison(h, y, 0.03 * (h.upper - h.lower), psi))
     for figure in FIGURES:
-        assert all(row.ratio(figure, kind) < 1 for row in rows for kind in KINDS[1:]), figure
+        assert all(row.ratio(figure, kind) < 1 for row in rows for kind in STATE_KINDS[1:]), figure
     halves = [row.falling["ascending"].push < row.falling["diagonal"].push for row in rows]
     assert any(halves), "against −d alone, what was reached by rising often does better"
     assert not any(row.falling["ascending"].pulse < row.falling["diagonal"].pulse for row in rows), (
@@ -75,8 +75,8 @@ def test_on_the_operator_the_diagonal_is_better_in_the_worse_of_both_signs(name)
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_after_the_recovery_the_state_is_what_it_was(name, sign):
     h = surface(name)
-    plane, push = Plane.of(h), sign * 0.03 * (h.upper - h.lower)
-    for kind in KINDS:
+    plane, push = BoundaryPlane.of(h), sign * 0.03 * (h.upper - h.lower)
+    for kind in STATE_KINDS:
         before = state_of_output(h, setpoints(h, 5)[2], kind)
         operator = Preisach(h, before)
         operator.step(before.u + push)
@@ -94,7 +94,7 @@ def test_the_output_is_back_after_each_correction():
     state = state_of_output(h, 6.0, "descending")
     operator = Preisach(h, state)
     fall = operator.step(state.u - 5.0) - 6.0
-    found = cost(h, state, "descending", -5.0)
+    found = disturbance_cost(h, state, "descending", -5.0)
     assert found.push == pytest.approx(-fall, rel=1e-12)
     assert found.swing > 5.0, "another branch leads back, and further"
     assert found.recovery == pytest.approx(12.54 - 6.0), "the state comes back by way of saturation only"
@@ -103,7 +103,7 @@ def test_the_output_is_back_after_each_correction():
 
 def test_the_gentle_loops_zero_cancels_the_lag_so_the_temperature_keeps_one_direction():
     setup, h = Setup.of("one_wire_twin"), surface("one_e")
-    loop = PI.gentle(setup, h)
+    loop = SetpointPI.for_model(setup, h)
     slope = max(float(np.max(h.strip_beta(h.upper, np.linspace(0, 174.1, 999)))), 0.0)
     assert steepest(h) >= 0.99 * slope
     operator, decay, wire = Preisach(h), np.exp(-0.1 / setup.tau_s), 30.0
@@ -125,10 +125,10 @@ def test_on_the_twin_through_lag_and_loop_too(rig, setpoint):
     push_K = 0.03 * (h.upper - h.lower)
     worst = {
         kind: max(
-            regulation.regulated(rig, h, setpoint, kind, sign * push_K, seed=5)["transient"]
+            regulation.regulate_on_twin(rig, h, setpoint, kind, sign * push_K, seed=5)["transient"]
             for sign in (-1, 1)
         )
-        for kind in KINDS
+        for kind in STATE_KINDS
     }
     assert worst["diagonal"] < 0.7 * min(worst["ascending"], worst["descending"])
     assert worst["diagonal"] > 0.05, "the disturbance was felt"

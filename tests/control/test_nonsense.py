@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.control.dissipative_position import Supply
-from smarig.control.position_assumptions import held_supply
-from smarig.control.velocity import inequalities, k_e, stability, violating
+from smarig.certify.position_assumptions import supply_while_held
+from smarig.certify.position_supply_rate import SupplyRate
+from smarig.certify.velocity import inequalities, k_e, stability, violating_signal
+from smarig.certify.velocity.stability import sharp_bound
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.lead_lag import lead_lag
-from smarig.control.velocity.stability import sharp_bound
-from smarig.errors import UsageError
-from smarig.preisach.gorbet_1997 import surface
+from smarig.core.errors import UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 
 GAIN = constant_gain(4.0)
 SEEN = inequalities(GAIN, [1.0, -2.0], 0.1)
@@ -58,25 +58,25 @@ def test_a_gain_is_not_negative_and_an_index_may_be():
 
 def test_an_index_is_delta_or_gamma():
     nonsense: Any = "foo"
-    for ask in (lambda: violating(GAIN, 0.1, nonsense), lambda: SEEN.broken_at(nonsense, 4.0)):
+    for ask in (lambda: violating_signal(GAIN, 0.1, nonsense), lambda: SEEN.violated_at(nonsense, 4.0)):
         with pytest.raises(UsageError, match="An index is delta or gamma, not 'foo'"):
             ask()
-    assert violating(GAIN, 0.1, "delta").size
+    assert violating_signal(GAIN, 0.1, "delta").size
 
 
 @pytest.mark.parametrize("hold_s", [-1e6, math.nan, math.inf])
 def test_no_supply_over_a_time_that_is_none(hold_s):
     with pytest.raises(UsageError, match="hold_s must"):
-        held_supply(surface("two_c"), 60.0, hold_s, 0.1)
+        supply_while_held(surface("two_c"), 60.0, hold_s, 0.1)
 
 
 def test_no_supply_of_what_is_no_number():
     with pytest.raises(UsageError, match="u must be a finite number"):
-        held_supply(surface("two_c"), math.nan, 1.0, 0.1)
+        supply_while_held(surface("two_c"), math.nan, 1.0, 0.1)
     with pytest.raises(UsageError, match="b must be a finite number"):
-        held_supply(surface("two_c"), 60.0, 1.0, math.nan)
+        supply_while_held(surface("two_c"), 60.0, 1.0, math.nan)
     with pytest.raises(UsageError, match="The supply must be a finite number"):
-        held_supply(surface("two_c"), 60.0, 1.0, 1e200)
+        supply_while_held(surface("two_c"), 60.0, 1.0, 1e200)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_no_bound_where_the_stored_energy_is_not_decided():
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0])
 def test_a_supply_rate_has_constants_from_0_on(name, value):
     with pytest.raises(UsageError, match=f"{name} must"):
-        Supply(**{name: value})
+        SupplyRate(**{name: value})
 
 
 @pytest.mark.parametrize("gain", [5e-324, 1e308])

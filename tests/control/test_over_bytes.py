@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from bench.broken_rig import LEASE_S, rig_file
-from smarig.catalogue import names
-from smarig.command import Settled
+from rig.bench.broken_rig import LEASE_S, rig_file
 from smarig.config import load_rig
+from smarig.control.controller_settings import TRACKING, default_numbers
 from smarig.control.regulation import regulate
-from smarig.control.settings import TRACKING, numbers
-from smarig.control.tracking import Known, reference, track
-from smarig.control.tracking.tuning import made
-from smarig.errors import SmarigError
-from smarig.preisach.gorbet_1997 import surface
+from smarig.control.tracking import ControllerModel, reference, track
+from smarig.control.tracking.tuning import controller_factory
+from smarig.core.catalogue import names
+from smarig.core.command import Settled
+from smarig.core.errors import SmarigError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.runner.preview import Preview
 from smarig.runner.session import Session
@@ -38,11 +38,19 @@ def following(name, rig):
     file = load_rig(rig)
 
     def make(setup):
-        known = Known(setup, surface("two_e" if setup.two_wire else "one_e"), file.encoder.counts_per_rev)
-        low, high = known.reach
+        controller_model = ControllerModel(
+            setup, surface("two_e" if setup.two_wire else "one_e"), file.encoder.counts_per_rev
+        )
+        low, high = controller_model.reach
         places = (low + 0.3 * (high - low), low + 0.6 * (high - low))
         follow = reference("steps", *places, seconds=20.0, every_s=5.0, seed=1)
-        return track(known, made(name, numbers(TRACKING, name)), follow, name=name, prepare=False)
+        return track(
+            controller_model,
+            controller_factory(name, default_numbers(TRACKING, name)),
+            follow,
+            name=name,
+            prepare=False,
+        )
 
     return make
 
@@ -65,7 +73,7 @@ def recorded(rig, folder, wire):
                     {},
                     folder / f"{name}.run.sqlite",
                     expected=KNOWN_COST,
-                    maker=following(name, rig),
+                    protocol_factory=following(name, rig),
                 )
             )
             for name in CONTROLLERS
@@ -104,12 +112,12 @@ LOSSES = [
 def test_a_link_lost_in_mid_loop_ends_at_zero_current(link, name, device, loss, tmp_path):
     rig = rig_file(tmp_path, link, [{"kind": loss, "device": device, "from_s": LOST_S}])
     out = tmp_path / "r.run.sqlite"
-    maker = holding if name == "regulate" else following(name, str(rig))
+    protocol_factory = holding if name == "regulate" else following(name, str(rig))
     with (
         pytest.raises(SmarigError, match=f"{device} cannot be reached") as ended,
         Session(str(rig)) as session,
     ):
-        session.run("loop", {}, out, expected=KNOWN_COST, maker=maker)
+        session.run("loop", {}, out, expected=KNOWN_COST, protocol_factory=protocol_factory)
     assert ended.value.exit_status == 3
     run = load_run(out)
     assert run.cause.startswith("stopped: ")

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from energy.relay_energy import LEVELS, Game, Relays, histories, relays
-from smarig.control.passivity import breaking, passivity
-from smarig.errors import UsageError
-from smarig.preisach.butterfly import butterfly_relays
-from smarig.preisach.energy import certify
-from smarig.preisach.gorbet_1997 import surface
+from smarig.certify.passivity import counterexample, passivity
+from smarig.core.errors import UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
-from smarig.preisach.relay_measure import RelayMeasure
+from smarig.theory.butterfly import butterfly_relays
+from smarig.theory.energy import certify
+from theory.energy.relay_energy import LEVELS, Game, Relays, histories, relays
 
 
 def after(measure, past) -> tuple[RelayMeasure, Preisach, Relays]:
@@ -76,7 +76,7 @@ def test_rest_alone_is_not_enough_without_positivity():
     operator.step(0.0)
     found = passivity(made, [1.0, -1.0], operator.state)
     assert certify(made).dissipative
-    assert (found.ground, found.passive) == ("dissipative", False)
+    assert (found.basis, found.passive) == ("dissipative", False)
     assert found.bound == pytest.approx(-1.0, abs=1e-12)
     assert found.supplied[0] == pytest.approx(-1.0, abs=1e-12), "2 · (−0.5) · 1, by hand"
     assert [h.name for h in found.failing] == ["ν ≥ 0"]
@@ -90,7 +90,7 @@ def test_the_e_surfaces_are_passive_although_they_are_not_positive(name: str):
     operator = Preisach(model, "anhysteretic")
     operator.follow([100.0, model.lower / 3, 0.0])
     found = passivity(model, inputs, operator.state)
-    assert (found.ground, found.bound, found.passive, found.within) == ("recoverable", 0.0, True, True)
+    assert (found.basis, found.bound, found.passive, found.within) == ("recoverable", 0.0, True, True)
     assert [h.name for h in found.failing] == ["ν ≥ 0"]
     assert found.supplied[-1] == pytest.approx(by_outputs(model, inputs, operator.state), rel=1e-4)
 
@@ -105,8 +105,8 @@ def by_outputs(model, inputs, state) -> float:
 @pytest.mark.parametrize(("name", "start"), [("one_p", "negative"), ("two_p", "anhysteretic")])
 def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
     model = surface(name)
-    found = breaking(model, start)
-    _, low, high = found.violation.way
+    found = counterexample(model, start)
+    _, low, high = found.violation.turning_points
     operator = Preisach(model, start)
     operator.follow([low, high])
     each = by_outputs(model, np.array([low, high]), operator.state)
@@ -121,22 +121,22 @@ def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
 
 
 def test_the_input_that_breaks_two_p_does_so_by_exact_work_too():
-    model, found = surface("two_p"), breaking(surface("two_p"), "anhysteretic")
+    model, found = surface("two_p"), counterexample(surface("two_p"), "anhysteretic")
     n = found.cycles_below(0.0)
-    seen = passivity(model, found.inputs(n)[1:], "anhysteretic")
-    assert seen.supplied[-1] < 0
-    assert seen.supplied[-1] == pytest.approx(found.supplied_after(n), abs=1e-6)
-    assert seen.supplied[1:-2:2].min() >= 0.0, "and no cycle before"
+    found_again = passivity(model, found.inputs(n)[1:], "anhysteretic")
+    assert found_again.supplied[-1] < 0
+    assert found_again.supplied[-1] == pytest.approx(found.supplied_after(n), abs=1e-6)
+    assert found_again.supplied[1:-2:2].min() >= 0.0, "and no cycle before"
 
 
 def test_a_loop_of_relays_breaks_the_butterfly():
-    found = breaking(butterfly_relays())
+    found = counterexample(butterfly_relays())
     assert found.supplied_after(found.cycles_below(5.0)) < -5.0
 
 
 def test_what_is_passive_is_not_broken():
     with pytest.raises(UsageError, match="Dissipative"):
-        breaking(surface("one_c"))
+        counterexample(surface("one_c"))
 
 
 def test_the_hypothesis_that_fails_is_named():

@@ -5,12 +5,12 @@ import pytest
 
 from preisach.relay_reference import TABLE_5_1, Printed, cells, lower_half
 from smarig.control.regulation import Psi
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.identification.positive import Observations, fit_positive
-from smarig.preisach.gorbet_1997 import PARTITIONS, surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
-from smarig.preisach.relay_measure import RelayMeasure
 
 NAMES = tuple(TABLE_5_1)
 
@@ -28,8 +28,10 @@ def positive():
     truth, levels = surface("one_p"), np.array(PARTITIONS["one_wire"])
     i, j = np.tril_indices(levels.size)
     y = truth.y(levels[i], levels[j]) + 0.02 * np.random.default_rng(3).standard_normal(i.size)
-    seen = Observations.of_points(levels[i], levels[j], y, i.astype(np.int64), (levels[0], levels[-1]), "mm")
-    return fit_positive(seen, intervals=16, smoothing=1e-9).table
+    observations = Observations.of_points(
+        levels[i], levels[j], y, i.astype(np.int64), (levels[0], levels[-1]), "mm"
+    )
+    return fit_positive(observations, intervals=16, smoothing=1e-9).table
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -65,7 +67,7 @@ def continuous_and_onto(psi):
     assert psi(psi.lower) == psi.y_lower
     assert psi(psi.upper) == pytest.approx(psi.y_upper, abs=1e-12 * span)
     wanted = np.linspace(psi.y_lower, psi.y_upper, 21)
-    assert np.max(np.abs(psi(psi.least(wanted)) - wanted)) < 1e-11 * span
+    assert np.max(np.abs(psi(psi.right_inverse(wanted)) - wanted)) < 1e-11 * span
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -82,8 +84,8 @@ def test_no_smaller_ell_has_that_output(name):
     psi, printed = Psi(surface(name)), Printed(name)
     assert psi.monotone == (name != "one_p")
     for y in np.linspace(psi.y_lower, psi.y_upper, 7)[1:-1]:
-        least = psi.least(y)
-        for ell in np.linspace(printed.lower, least, 200)[:-1]:
+        right_inverse = psi.right_inverse(y)
+        for ell in np.linspace(printed.lower, right_inverse, 200)[:-1]:
             assert by_columns(printed.y, psi.lower, psi.upper, psi.y_lower, ell, n=200) < y + 1e-4
 
 
@@ -97,11 +99,11 @@ def test_where_one_wire_p_turns_back_the_first_of_three_is_taken():
     y = (values[top] + values[bottom]) / 2
     crossings = ell[:-1][np.diff(np.sign(values - y)) != 0]
     assert crossings.size == 3
-    assert crossings[0] <= psi.least(y) <= crossings[0] + 0.03
-    assert psi.least(values[top] + 1e-5) > ell[bottom], "just above the top it is past the fold"
+    assert crossings[0] <= psi.right_inverse(y) <= crossings[0] + 0.03
+    assert psi.right_inverse(values[top] + 1e-5) > ell[bottom], "just above the top it is past the fold"
     near = np.linspace(ell[top - 1], ell[top + 1], 301)
     highest = float(np.max(psi(near)))
-    assert psi.least(highest - 1e-9) < near[-1], "just below it is not, however close"
+    assert psi.right_inverse(highest - 1e-9) < near[-1], "just below it is not, however close"
 
 
 def test_single_relays_jump_and_the_least_ell_brings_at_least_the_output():
@@ -111,13 +113,13 @@ def test_single_relays_jump_and_the_least_ell_brings_at_least_the_output():
     assert [psi(ell) for ell in (1.0, 2.0, 2.1, 3.9, 4.1, 6.0)] == [-7.0, -7.0, -5.0, -5.0, 7.0, 7.0]
     assert psi(4.0) == -1.0, "at its middle a wide relay is not up yet, a degenerate one is"
     for y, ell in ((-7.0, 1.0), (-6.0, 2.0), (-5.0, 2.0), (-4.0, 4.0), (0.0, 4.0), (7.0, 4.0)):
-        assert psi.least(y) == pytest.approx(ell, abs=1e-12)
-        assert psi(psi.least(y)) >= y
+        assert psi.right_inverse(y) == pytest.approx(ell, abs=1e-12)
+        assert psi(psi.right_inverse(y)) >= y
     mirror = Psi(Mirrored(relays))
-    assert mirror(mirror.least(3.0)) >= 3.0
+    assert mirror(mirror.right_inverse(3.0)) >= 3.0
 
 
-def test_it_is_what_the_operator_says_there():
+def test_it_equals_the_output_of_the_operator():
     psi, operator = Psi(surface("two_e")), Preisach(surface("two_e"))
     assert psi(np.array([[-40.0], [70.0]])).shape == (2, 1)
     assert psi(-40.0) == operator.go_to_diagonal(-40.0)
@@ -126,10 +128,10 @@ def test_it_is_what_the_operator_says_there():
 def test_set_points_and_centres_outside_are_refused_in_one_sentence():
     psi = Psi(surface("one_e"))
     with pytest.raises(UsageError, match=r"set-point 13 lies outside .* \[0, 12.54\]; give one inside\.$"):
-        psi.least(13.0)
+        psi.right_inverse(13.0)
     for bad in (-0.1, float("nan")):
         with pytest.raises(UsageError, match="outside"):
-            psi.least(bad)
+            psi.right_inverse(bad)
     with pytest.raises(UsageError, match="no state B_ℓ for ℓ = 180"):
         psi([10.0, 180.0])
 

@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 from control.model_files import model_of
-from smarig.control.examined import Examined
-from smarig.control.passivity import breaking, passivity
-from smarig.control.readings import SPREADS, noise_of, stretch, trapezoid, weight
-from smarig.errors import DataError, UsageError
-from smarig.identification.model_file import Channel
-from smarig.identification.run_passivity import of_run
-from smarig.preisach.gorbet_1997 import surface
+from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certify.measured_passivity import (
+    SPREADS,
+    noise_weight,
+    reading_noise,
+    segment_passivity,
+    trapezoid,
+)
+from smarig.certify.passivity import counterexample, passivity
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.run_passivity import passivity_of_run
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.record import load_run
+from smarig.replay.model_file import SignalDescription
 from smarig.runner.session import Session
 
 LEVELS = {"partition_K": [0, 40, 90, 130, 170]}
@@ -39,8 +45,8 @@ def synthetic(run, u, y, **meta):
 
 
 def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
-    found = of_run(run, model_of("one_e"))
-    (one,) = found.stretches
+    found = passivity_of_run(run, model_of("one_e"))
+    (one,) = found.segments
     exact = passivity(surface("one_e"), run["input"])
     np.testing.assert_allclose(one.model, exact.supplied, atol=1e-9)
     assert np.ptp(one.model) > 100, "mm·K: energy went in"
@@ -48,7 +54,7 @@ def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
     assert 0.4 < ((one.supplied - one.model) / np.maximum(one.spread, 1e-9))[100:].std() < 1.6, (
         "nor is it too wide"
     )
-    assert (found.within, one.bound, one.proved) == (True, 0.0, True)
+    assert (found.within, one.bound, one.proven) == (True, 0.0, True)
     assert one.supplied.min() < 0, "some reading is below zero by noise: that is none"
     assert "never falls below the bound of 0 mm·K" in found.text
     assert f"at sample {one.worst}" in found.text
@@ -56,7 +62,7 @@ def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
 
 def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
     """A two_p wire around its breaking loop, judged by a model that says it is passive; and by its own."""
-    broken, count = breaking(surface("two_p"), "anhysteretic"), 0.18
+    broken, count = counterexample(surface("two_p"), "anhysteretic"), 0.18
     cosine = (1 - np.cos(np.linspace(0, np.pi, 20, endpoint=False))) / 2
     turns = broken.inputs(2000)
     u = np.concatenate([a + (b - a) * cosine for a, b in zip(turns, turns[1:])])
@@ -65,17 +71,17 @@ def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
     )
     output = {"quantity": "shaft angle", "unit": "deg", "per_count": count}
     wire = synthetic(run, u, np.round(y / count) * count, initial="anhysteretic", output=output)
-    early = of_run(
+    early = passivity_of_run(
         with_columns(wire, position=np.where(np.arange(u.size) < 900 * 40, wire["position"], np.nan)),
         model_of("two_e"),
     )
-    found = of_run(wire, model_of("two_e"))
+    found = passivity_of_run(wire, model_of("two_e"))
     assert early.within is True
     assert found.within is False
     assert "falls below the bound of 0 deg·K, by more than noise" in found.text
     assert found.worst.worst > 970 * 40, "not before the certificate says so"
     assert found.worst.supplied.min() == pytest.approx(broken.supplied_after(2000), abs=SPREADS * 300)
-    own = of_run(wire, model_of("two_p"))
+    own = passivity_of_run(wire, model_of("two_p"))
     assert own.within is None
     assert "no bound to hold it against: the model is not dissipative" in own.text
 
@@ -83,9 +89,9 @@ def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
 def test_gaps_cut_the_sum_and_not_the_memory(run):
     model, position = model_of("one_e"), run["position"].copy()
     position[4000:4100] = np.nan
-    found = of_run(with_columns(run, position=position), model)
-    first, second = found.stretches
-    whole = of_run(run, model).stretches[0]
+    found = passivity_of_run(with_columns(run, position=position), model)
+    first, second = found.segments
+    whole = passivity_of_run(run, model).segments[0]
     assert (first.first, first.supplied.size, second.first) == (0, 4000, 4100)
     np.testing.assert_allclose(second.model, whole.model[4100:] - whole.model[4100], atol=1e-9)
     np.testing.assert_allclose(second.supplied, whole.supplied[4100:] - whole.supplied[4100], atol=1e-9)
@@ -100,8 +106,8 @@ def test_gaps_cut_the_sum_and_not_the_memory(run):
 def test_a_missing_input_loses_the_memory_until_saturation(run):
     inputs = run["input"].copy()
     inputs[4000:4100] = np.nan
-    found = of_run(with_columns(run, input=inputs), model_of("one_e"))
-    first, lost, *later = found.stretches
+    found = passivity_of_run(with_columns(run, input=inputs), model_of("one_e"))
+    first, lost, *later = found.segments
     assert first.within is True
     assert (lost.first, lost.within) == (4100, None)
     assert "the input was missing" in lost.why
@@ -113,17 +119,17 @@ def test_a_missing_input_loses_the_memory_until_saturation(run):
     assert "Not all could be judged: the input was missing" in found.text
 
 
-def test_an_unknown_start_is_said_and_may_be_given(run):
+def test_an_unknown_start_is_reported_and_may_be_supplied(run):
     warm = slice(1500, 2200)
     part = replace(
         run, columns={k: v[warm] for k, v in run.columns.items()}, meta=run.meta | {"initial": "continued"}
     )
     inside = (part["input"] > 1.0) & (part["input"] < 170.0)
     part = replace(part, columns={k: v[inside] for k, v in part.columns.items()})
-    found = of_run(part, model_of("one_e"))
+    found = passivity_of_run(part, model_of("one_e"))
     assert found.within is None
     assert "the state at the start of the run is not known" in found.text
-    assert of_run(part, model_of("one_e"), "negative").within is not None
+    assert passivity_of_run(part, model_of("one_e"), "negative").within is not None
 
 
 def test_the_noise_of_a_sum_is_that_of_many(run):
@@ -131,7 +137,7 @@ def test_the_noise_of_a_sum_is_that_of_many(run):
     u = np.concatenate([np.linspace(0, 90, 60), np.full(30, 90.0), np.linspace(90, 20, 50)])
     y, rng = Preisach(surface("one_e")).simulate(u), np.random.default_rng(5)
     drawn = np.array([trapezoid(u, y + rng.normal(0, 0.05, u.size)) for _ in range(2000)])
-    said = 0.05 * weight(u, y + rng.normal(0, 0.05, u.size))
+    said = 0.05 * noise_weight(u, y + rng.normal(0, 0.05, u.size))
     np.testing.assert_allclose(drawn.std(axis=0)[1:], said[1:], rtol=0.08)
 
 
@@ -143,23 +149,23 @@ def test_readings_on_one_count_err_together():
     for phase in np.linspace(0, 1, 9):
         rounded = (np.round(y / 0.5 + phase) - phase) * 0.5
         off = np.abs(trapezoid(u, rounded) - trapezoid(u, y))
-        assert (off <= SPREADS * noise_of(rounded, 0.5) * weight(u, rounded)).all()
+        assert (off <= SPREADS * reading_noise(rounded, 0.5) * noise_weight(u, rounded)).all()
     independent = 0.5 / np.sqrt(12) * np.sqrt(np.sum(np.diff(u) ** 2))
-    assert 0.5 / np.sqrt(12) * weight(u, rounded)[-1] > 3 * independent
+    assert 0.5 / np.sqrt(12) * noise_weight(u, rounded)[-1] > 3 * independent
 
 
 def test_what_cannot_be_judged_is_refused(run):
     model = model_of("one_e")
     with pytest.raises(DataError, match="no sample with both"):
-        of_run(with_columns(run, position=np.full(len(run), np.nan)), model)
+        passivity_of_run(with_columns(run, position=np.full(len(run), np.nan)), model)
     with pytest.raises(DataError, match="measures in 'mm', the model in 'deg'"):
-        of_run(run, model_of("two_e"))
+        passivity_of_run(run, model_of("two_e"))
     with pytest.raises(UsageError, match="input in 'K', the model in 'A'"):
-        of_run(run, model_of("one_e", input=Channel(quantity="current", unit="A")))
+        passivity_of_run(run, model_of("one_e", input=SignalDescription(quantity="current", unit="A")))
     with pytest.raises(DataError, match="reversal curves"):
-        of_run(replace(run, meta=run.meta | {"protocol": "first_order_reversal_curves"}), model)
-    examined, cold = Examined.of(surface("one_e")), Preisach(surface("one_e")).state
+        passivity_of_run(replace(run, meta=run.meta | {"protocol": "first_order_reversal_curves"}), model)
+    hysteresis_analysis, cold = HysteresisAnalysis.of(surface("one_e")), Preisach(surface("one_e")).state
     with pytest.raises(DataError, match="as many readings"):
-        stretch(examined, [0.0, 1.0], [0.0], 0.0, 0, cold)
+        segment_passivity(hysteresis_analysis, [0.0, 1.0], [0.0], 0.0, 0, cold)
     with pytest.raises(DataError, match="no gap"):
-        stretch(examined, [0.0, 1.0], [0.0, np.nan], 0.0, 0, cold)
+        segment_passivity(hysteresis_analysis, [0.0, 1.0], [0.0, np.nan], 0.0, 0, cold)

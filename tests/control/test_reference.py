@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.control.tracking.reference import Reference, from_csv, reference
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 
 
 def test_ramps_are_straight_and_steps_are_held():

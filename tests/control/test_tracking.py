@@ -5,21 +5,21 @@ import math
 import numpy as np
 import pytest
 
-from smarig.benchmark.tracking import closed, known, other_wire
-from smarig.catalogue import names
-from smarig.command import Drive, Mark
-from smarig.control.settings import TRACKING
-from smarig.control.tracking import Known, Reference, reference, track
-from smarig.control.tracking.lag import current_towards, source_towards
+from benchmarks.tracking import controller_model, perturbed_surface, simulate_loop
+from smarig.control.controller_settings import TRACKING
+from smarig.control.divergence_monitor import DivergenceLimits
+from smarig.control.tracking import ControllerModel, Reference, reference, track
+from smarig.control.tracking.heating_lag import current_towards, source_towards
 from smarig.control.tracking.slope_observer import SlopeObserver
-from smarig.control.tracking.tuning import defaults, made, ranges, tuned
-from smarig.control.watch import Patience
-from smarig.errors import LimitExceeded
-from smarig.model.actuator import Actuator
-from smarig.model.planted import from_pairs
+from smarig.control.tracking.tuning import controller_factory, defaults, ranges, tuned_numbers
+from smarig.core.catalogue import names
+from smarig.core.command import Drive, Mark
+from smarig.core.errors import LimitExceeded
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect_catalogue import from_pairs
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
 CONTROLLERS = names(TRACKING)
@@ -33,9 +33,9 @@ def driven(protocol, limits=None, twin=None):
     flowed, ended = [], None
     guard = Guard(twin, limits, twin.actuator)
     try:
-        Runner(guard, COUNT_mm, [Watch(on_sample=lambda s, *_: flowed.append(s.current_command_A))]).run(
-            protocol
-        )
+        Runner(
+            guard, COUNT_mm, [CallbackListener(on_sample=lambda s, *_: flowed.append(s.current_command_A))]
+        ).run(protocol)
     except LimitExceeded as error:
         ended = error
     assert twin.output_A == 0.0
@@ -45,7 +45,7 @@ def driven(protocol, limits=None, twin=None):
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_every_controller_follows_a_wire_its_model_is_wrong_about(name):
     follow = reference("ramps", 2.0, 8.0, seconds=90.0, seed=4)
-    loop = closed(known(), name, defaults(name), other_wire(4), follow, seed=4)
+    loop = simulate_loop(controller_model(), name, defaults(name), perturbed_surface(4), follow, seed=4)
     assert not loop.fault
     assert np.ptp(follow.position) > 2.0, "the reference moves"
     assert loop.true.rms < 1.0 * COUNT_mm
@@ -58,7 +58,8 @@ def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
     def error(name):
         follow = [reference("multisine", 2.0, 8.0, seconds=100.0, seed=seed) for seed in (1, 2, 3)]
         loops = [
-            closed(known(), name, defaults(name), other_wire(s), f, s) for s, f in zip((1, 2, 3), follow)
+            simulate_loop(controller_model(), name, defaults(name), perturbed_surface(s), f, s)
+            for s, f in zip((1, 2, 3), follow)
         ]
         return np.mean([loop.true.rms for loop in loops])
 
@@ -78,20 +79,20 @@ def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
         ("dead_zone", 4.0),
     ],
 )
-def test_a_known_effect_in_the_feed_forward_pays(effect, times):
+def test_a_modelled_effect_in_the_feed_forward_reduces_the_error(effect, times):
     """Whatever an effect changes: the output, the lag, the heat of a current, the current of a command."""
     planted = from_pairs([effect])
     follow = reference("multisine", 2.0, 8.0, seconds=100.0, seed=2)
-    plain, told = known(), known().extended(planted)
+    plain, with_effects_model = controller_model(), controller_model().with_effects(planted)
     hidden, there = (
-        closed(k, "inverse", defaults("inverse"), plain.hysteresis, follow, 2, planted).true.rms
-        for k in (plain, told)
+        simulate_loop(k, "inverse", defaults("inverse"), plain.hysteresis, follow, 2, planted).true.rms
+        for k in (plain, with_effects_model)
     )
     assert hidden > times * there
 
 
 def test_the_wire_it_is_tuned_on_and_the_one_it_meets_differ_by_a_tenth_of_the_range():
-    nominal, other = known().hysteresis, other_wire(7)
+    nominal, other = controller_model().hysteresis, perturbed_surface(7)
     levels = np.linspace(0.0, nominal.upper, 25)
     alpha, beta = np.meshgrid(levels, levels, indexing="ij")
     inside = beta <= alpha
@@ -99,12 +100,17 @@ def test_the_wire_it_is_tuned_on_and_the_one_it_meets_differ_by_a_tenth_of_the_r
     assert np.sqrt(np.mean(off[inside] ** 2)) / 12.54 == pytest.approx(0.10, rel=1e-6)
 
 
-def test_plain_feedback_told_the_future_lags_less():
+def test_feedback_with_preview_of_the_reference_lags_less():
     """With ``lead_s`` a loop reacts to what is wanted later: behind a ramp its mean error shrinks, or turns."""
     follow = Reference("up", (0.0, 60.0), (1.0, 8.0))
     behind = []
     for lead_s in (0.0, 0.5):
-        given = track(known(), made("pi", {**defaults("pi"), "lead_s": lead_s}), follow, prepare=False)
+        given = track(
+            controller_model(),
+            controller_factory("pi", {**defaults("pi"), "lead_s": lead_s}),
+            follow,
+            prepare=False,
+        )
         twin, answer, errors = Twin.named("one_wire_twin", seed=1), None, []
         while True:
             try:
@@ -120,21 +126,21 @@ def test_plain_feedback_told_the_future_lags_less():
 
 def within(rate_A_per_s, most_A):
     """What is known of the wire, on a rig with these limits."""
-    plain = known()
+    plain = controller_model()
     limits = plain.setup.limits.model_copy(
         update={"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A}
     )
     setup = type(plain.setup)(plain.setup.actuator, limits, plain.setup.period_s)
-    return Known(setup, plain.hysteresis, plain.counts_per_rev)
+    return ControllerModel(setup, plain.hysteresis, plain.counts_per_rev)
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_limits_hold_whatever_a_controller_asks_for(name):
+def test_limits_hold_whatever_a_controller_commands(name):
     rate_A_per_s, most_A = 1.0, 0.8
     tight = within(rate_A_per_s, most_A)
     follow = reference("steps", 1.0, 6.0, seconds=60.0, every_s=10.0, seed=1)
     flowed, ended = driven(
-        track(tight, made(name, defaults(name)), follow, prepare=False),
+        track(tight, controller_factory(name, defaults(name)), follow, prepare=False),
         {"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A},
     )
     assert ended is None
@@ -148,7 +154,7 @@ def greedy(_, __):
         yield 99.0
 
 
-def test_what_is_asked_beyond_the_limits_is_clipped_and_the_loop_lets_go_as_slowly_as_they_say():
+def test_commands_beyond_the_limits_are_clipped_and_the_current_ramps_down_within_them():
     follow = reference("ramps", 2.0, 8.0, seconds=5.0, seed=1)
     flowed, ended = driven(
         track(within(1.0, 0.8), greedy, follow, prepare=False),
@@ -160,11 +166,11 @@ def test_what_is_asked_beyond_the_limits_is_clipped_and_the_loop_lets_go_as_slow
     assert flowed[-1] == 0.0
 
 
-def backwards(known_, wanted):
+def backwards(assumed_model, reference_at):
     """A loop with its sign wrong."""
     sample = yield 0.5
     while True:
-        sample = yield 1.0 if wanted(sample.t_s) < sample.position else 0.0
+        sample = yield 1.0 if reference_at(sample.t_s) < sample.position else 0.0
 
 
 def broken(_, __):
@@ -174,22 +180,36 @@ def broken(_, __):
 
 def test_a_loop_that_diverges_trips_to_zero():
     follow = reference("steps", 6.0, 7.0, seconds=300.0, every_s=100.0, seed=1)
-    flowed, ended = driven(track(known(), backwards, follow, prepare=False, patience=Patience(0.2, 10.0)))
+    flowed, ended = driven(
+        track(
+            controller_model(),
+            backwards,
+            follow,
+            prepare=False,
+            divergence_limits=DivergenceLimits(0.2, 10.0),
+        )
+    )
     assert "diverges" in str(ended)
     assert flowed.size < 1500
 
 
 def test_what_is_no_number_trips_to_zero():
     follow = reference("ramps", 2.0, 8.0, seconds=60.0, seed=1)
-    flowed, ended = driven(track(known(), broken, follow, prepare=False))
+    flowed, ended = driven(track(controller_model(), broken, follow, prepare=False))
     assert "asked for nan A" in str(ended)
     assert flowed.size == 2
 
 
-def test_it_begins_and_ends_at_zero_and_says_what_was_wanted():
+def test_it_begins_and_ends_at_zero_and_records_the_reference():
     follow = reference("ramps", 2.0, 8.0, seconds=5.0, seed=1)
-    twin, commands, answer = Twin(known_file(), known().setup.actuator, TwinSettings()), [], None
-    protocol = track(known(), made("pi", defaults("pi")), follow, name="pi", prepare=False)
+    twin, commands, answer = (
+        Twin(nominal_rig_file(), controller_model().setup.actuator, TwinSettings()),
+        [],
+        None,
+    )
+    protocol = track(
+        controller_model(), controller_factory("pi", defaults("pi")), follow, name="pi", prepare=False
+    )
     while True:
         try:
             commands.append(protocol.send(answer))
@@ -203,7 +223,7 @@ def test_it_begins_and_ends_at_zero_and_says_what_was_wanted():
     assert mark.data["reference"]["position"] == list(follow.position)
 
 
-def known_file():
+def nominal_rig_file():
     from smarig.config import load_rig
 
     return load_rig("one_wire_twin")
@@ -211,7 +231,7 @@ def known_file():
 
 def test_through_the_lag_in_one_move():
     """Against (5.1) integrated by hand."""
-    setup = known().setup
+    setup = controller_model().setup
     source = source_towards(setup, 40.0, 47.0, horizon_s=2.0)
     temperature, dt = 40.0, 1e-4
     for _ in range(20_000):
@@ -226,12 +246,12 @@ def test_through_the_lag_in_one_move():
 )
 def test_through_the_lag_and_the_amplifier_of_a_model_with_effects(effects):
     """The model's own steps are the judge: where would the wire be after this current?"""
-    told = known().extended(from_pairs(effects))
-    model = told.plant()
+    with_effects_model = controller_model().with_effects(from_pairs(effects))
+    model = with_effects_model.plant()
     for _ in range(100):
         model.step(0.6)
     goal_K = model.heating.input_K + 4.0
-    current = current_towards(told.setup, model, goal_K, horizon_s=2.0)
+    current = current_towards(with_effects_model.setup, model, goal_K, horizon_s=2.0)
     for _ in range(20):
         model.step(current)
     assert model.heating.input_K == pytest.approx(goal_K, abs=1e-6)
@@ -241,7 +261,7 @@ def test_the_observer_finds_offset_and_slope():
     rng, observer = np.random.default_rng(1), SlopeObserver.at(0.0, 10.0, 0.02, 0.001, 0.01)
     model = np.linspace(0.0, 8.0, 400)
     for y in model:
-        observer = observer.seen(0.3 + 1.25 * y + 0.02 * rng.normal(), float(y), 0.1)
+        observer = observer.updated(0.3 + 1.25 * y + 0.02 * rng.normal(), float(y), 0.1)
     assert observer.g == pytest.approx(0.25, abs=0.02)
     assert observer.model + observer.d == pytest.approx(0.3 + 1.25 * 8.0, abs=0.02)
     assert 0.3 + 1.25 * observer.model_for(9.0) == pytest.approx(9.0, abs=0.05)
@@ -254,7 +274,7 @@ def test_one_simplex_for_all_stays_within_ranges_and_budget():
         asked.append(dict(numbers))
         return (math.log(numbers["gain_share"]) - 12.0) ** 2 + (math.log(numbers["integral_s"]) - 1.0) ** 2
 
-    found = tuned("pi", cost, 60)
+    found = tuned_numbers("pi", cost, 60)
     assert len(asked) == 60
     assert found["gain_share"] == pytest.approx(ranges("pi")["gain_share"][1], rel=1e-2)
     assert found["integral_s"] == pytest.approx(math.e, rel=0.2)

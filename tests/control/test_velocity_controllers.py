@@ -6,15 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from control.measures import controllers, signals
-from smarig import catalogue
-from smarig.control.velocity import inequalities, violating
+from smarig.certify.velocity import inequalities, violating_signal
+from smarig.certify.velocity.passivity_indices import response
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.lead_lag import lead_lag
 from smarig.control.velocity.controllers.leaky_pi import leaky_pi
 from smarig.control.velocity.controllers.saturating_gain import saturating_gain
 from smarig.control.velocity.controllers.scheduled_gain import scheduled_gain
-from smarig.control.velocity.signals import response
-from smarig.errors import UsageError
+from smarig.core import catalogue
+from smarig.core.errors import UsageError
 
 DT_S = 0.1
 LINEAR = {
@@ -31,19 +31,19 @@ ALL = {name: made for name, (made, _) in LINEAR.items()} | {
 
 @given(controllers(), signals(), st.sampled_from([0.01, 0.1, 3.0]))
 def test_both_inequalities_hold_at_every_time(controller, errors, dt_s):
-    seen = inequalities(controller, errors[0], dt_s)
-    assert seen.strictly_passive(controller.delta)
-    assert seen.finite_gain(controller.gamma)
+    sums = inequalities(controller, errors[0], dt_s)
+    assert sums.strictly_passive(controller.delta)
+    assert sums.finite_gain(controller.gamma)
 
 
 @pytest.mark.parametrize("dt_s", [0.02, 0.1, 5.0])
 @pytest.mark.parametrize("name", ALL)
 def test_a_signal_violates_one_per_cent_more(name: str, dt_s: float):
     controller = ALL[name]
-    errors = violating(controller, dt_s, "delta")
+    errors = violating_signal(controller, dt_s, "delta")
     control = response(controller, errors, dt_s)
     assert errors @ control < 1.01 * controller.delta * (errors @ errors)
-    errors = violating(controller, dt_s, "gamma")
+    errors = violating_signal(controller, dt_s, "gamma")
     control = response(controller, errors, dt_s)
     assert np.linalg.norm(control) > controller.gamma / 1.01 * np.linalg.norm(errors)
 
@@ -69,7 +69,7 @@ def test_the_sampled_controller_answers_slow_signals_like_the_continuous_one():
 
 def test_an_index_cannot_be_broken_at_itself():
     with pytest.raises(UsageError, match="above 1"):
-        violating(constant_gain(1.0), DT_S, "delta", by=1.0)
+        violating_signal(constant_gain(1.0), DT_S, "delta", by=1.0)
 
 
 def test_the_catalogue_is_the_folder():

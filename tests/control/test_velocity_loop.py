@@ -6,18 +6,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from control.measures import DT_S, controllers, signals, table, tables
-from smarig.control.velocity import k_e, stability, velocity_loop
+from smarig.certify.velocity import k_e, stability, velocity_loop
+from smarig.certify.velocity.passivity_indices import response
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.leaky_pi import leaky_pi
-from smarig.control.velocity.signals import response
-from smarig.errors import DataError, UsageError
-from smarig.model.actuator import Actuator
-from smarig.model.heating import Heating
+from smarig.core.errors import DataError, UsageError
+from smarig.plant.actuator import Actuator
+from smarig.plant.heating import JouleHeating
 from smarig.preisach.everett import Everett
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach, State
-from smarig.preisach.relay_measure import RelayMeasure
 
 PAST = st.lists(st.floats(-3.0, 3.0), max_size=4)
 LAG = st.sampled_from([0.0, 0.5])
@@ -35,9 +35,9 @@ def norms(signal: np.ndarray) -> np.ndarray:
 
 @settings(max_examples=20)
 @given(tables, controllers(), signals(rows=2), PAST)
-def test_the_loop_is_the_figure(model, controller, given_signals, past):
+def test_the_loop_is_the_figure(model, controller, rate_and_offset, past):
     """Fig. 8.2 put together again from u alone."""
-    rate, offset = given_signals
+    rate, offset = rate_and_offset
     start = at(model, [*past, 0.0])
     loop = velocity_loop(model, controller, rate, offset, dt_s=DT_S, initial=start)
     y = Preisach(model).simulate(loop.u, start)
@@ -49,8 +49,8 @@ def test_the_loop_is_the_figure(model, controller, given_signals, past):
 
 
 @given(tables, controllers(), signals(rows=2), PAST, LAG)
-def test_k_e_is_never_exceeded_from_rest(model, controller, given_signals, past, lag_s):
-    rate, offset = given_signals
+def test_k_e_is_never_exceeded_from_rest(model, controller, rate_and_offset, past, lag_s):
+    rate, offset = rate_and_offset
     start = at(model, [*past, 0.0])
     loop = velocity_loop(model, controller, rate, offset, dt_s=DT_S, initial=start, lag_s=lag_s)
     error, driven, offsets = norms(loop.error), norms(rate), norms(offset)
@@ -64,8 +64,8 @@ def test_k_e_is_never_exceeded_from_rest(model, controller, given_signals, past,
 
 @settings(max_examples=20)
 @given(tables, controllers(), signals(rows=2), PAST, LAG)
-def test_the_energy_stored_at_the_start_is_all_that_is_added(model, controller, given_signals, past, lag_s):
-    rate, offset = given_signals
+def test_the_energy_stored_at_the_start_is_all_that_is_added(model, controller, rate_and_offset, past, lag_s):
+    rate, offset = rate_and_offset
     loop = velocity_loop(model, controller, rate, offset, dt_s=DT_S, initial=at(model, past), lag_s=lag_s)
     assert np.all(norms(loop.error) <= loop.sharp_bound * (1 + 1e-9) + 1e-9)
 
@@ -103,7 +103,7 @@ def test_heating_within_limits_keeps_the_current_passive(name: str):
     actuator = Actuator.named("gorbet_two_wire" if name.startswith("two") else "gorbet_one_wire")
     rng = np.random.default_rng(5)
     source = np.repeat(rng.uniform(model.lower, model.upper, 200), 5)
-    heating = Heating(actuator, 1.0)
+    heating = JouleHeating(actuator, 1.0)
     felt = np.array([heating.step(actuator.current_for(s)) for s in source.tolist()])
     y = Preisach(model).simulate(felt, "negative" if model.lower == 0 else "anhysteretic")
     supplied = np.cumsum(source[1:] * np.diff(y))
@@ -118,7 +118,7 @@ def test_a_jump_has_no_loop():
         velocity_loop(relays, constant_gain(1.0), [1.0])
 
 
-def test_an_output_against_its_input_is_told():
+def test_an_output_that_opposes_its_input_is_an_error():
     nodes = np.array([0.0, 1.0, 2.0])
     backwards = FodTable.from_arrays(
         nodes, nodes, [[0.0, np.nan, np.nan], [0.0, -1.0, np.nan], [0.0, 0.0, 1.0]]

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from control.driven import drive
-from smarig.command import Drive, Hold, Mark
-from smarig.control.velocity import velocity_feedback, velocity_loop
+from smarig.certify.velocity import velocity_feedback, velocity_loop
 from smarig.control.velocity.controllers.constant_gain import constant_gain
-from smarig.errors import UsageError
-from smarig.preisach.gorbet_1997 import surface
+from smarig.core.command import Drive, Hold, Mark
+from smarig.core.errors import UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.protocols._setup import Setup
 from smarig.rig.twin import Twin
 
@@ -36,15 +36,15 @@ def test_the_ratio_is_that_of_its_signals():
     ran = outcome("two_wire_twin", GENTLE, RATE.tolist(), 5.0)
     driven = np.linalg.norm(RATE) + np.linalg.norm(np.full(RATE.size, 5.0))
     assert ran.ratio == pytest.approx(np.linalg.norm(RATE - ran.velocity) / driven)
-    assert ran.asked[0] == pytest.approx(30.0 * RATE[0] + 5.0), "u = ũ + u_o from the first tick"
+    assert ran.commanded_K[0] == pytest.approx(30.0 * RATE[0] + 5.0), "u = ũ + u_o from the first tick"
 
 
-def test_the_outcome_says_which_hypotheses_the_rig_violates():
+def test_the_result_lists_the_hypotheses_that_the_rig_violates():
     hot = outcome("one_wire_twin", constant_gain(3000.0), [0.1] * 100 + [-0.1] * 100, model=surface("one_e"))
     failing = [h.name for h in hot.hypotheses if not h.holds]
     assert failing == ["input as asked for", "no delay", "velocity as it is"]
     assert hot.clipped_share > 0.2
-    assert hot.given.min() >= 0.0
+    assert hot.applied_K.min() >= 0.0
     assert "cooling no faster" in hot.text
     assert "not for this rig" in hot.text
     assert "no model was given" in outcome("one_wire_twin", GENTLE, [0.1]).text
@@ -57,16 +57,16 @@ def test_noise_alone_takes_the_ratio_beyond_the_bound():
     assert quiet.ratio <= quiet.k_e < noisy.ratio
 
 
-def test_it_marks_its_outcome_and_initialises_first_when_asked():
+def test_it_records_its_result_and_initialises_first_if_requested():
     setup = Setup.of("two_wire_twin")
     commands = velocity_feedback(setup, GENTLE, [0.1], initialise="planned")
     first = [next(commands), commands.send(None)]
     assert isinstance(first[0], Mark)
     assert isinstance(first[1], Hold)
-    seen = []
-    drive(velocity_feedback(setup, GENTLE, [0.1, 0.1]), Twin.named("two_wire_twin"), seen)
-    assert [type(c) for c in seen] == [Mark, Drive, Drive, Mark]
-    assert seen[-1].data["k_e"] == 2.0
+    yielded = []
+    drive(velocity_feedback(setup, GENTLE, [0.1, 0.1]), Twin.named("two_wire_twin"), yielded)
+    assert [type(c) for c in yielded] == [Mark, Drive, Drive, Mark]
+    assert yielded[-1].data["k_e"] == 2.0
 
 
 @pytest.mark.parametrize("rate", [[], [np.nan]])

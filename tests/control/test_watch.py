@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from smarig.control.regulation import PI, regulate
-from smarig.control.regulation.sense import Sense
-from smarig.control.watch import Patience, Watch
-from smarig.errors import LimitExceeded, UsageError
-from smarig.preisach.gorbet_1997 import surface
+from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonitor
+from smarig.control.regulation import SetpointPI, regulate
+from smarig.control.regulation.sensor_plausibility import SensorPlausibility
+from smarig.core.errors import LimitExceeded, UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.listener import Watch as Listener
+from smarig.runner.listener import CallbackListener as Listener
 from smarig.runner.runner import Runner
 
 SETUP, H = Setup.of("one_wire_twin"), surface("one_e")
@@ -22,10 +22,10 @@ SETUP, H = Setup.of("one_wire_twin"), surface("one_e")
 
 def looked(errors, seconds=30.0):
     """The time at which a watch gives up, None where it does not; ten samples a second, a reach of 12.5."""
-    watch = Watch(Patience(0.3, seconds), (0.0, 12.5))
+    divergence_monitor = DivergenceMonitor(DivergenceLimits(0.3, seconds), (0.0, 12.5))
     for tick, error in enumerate(errors):
         try:
-            watch.look(0.1 * tick, error)
+            divergence_monitor.check(0.1 * tick, error)
         except LimitExceeded:
             return 0.1 * tick
     return None
@@ -67,20 +67,20 @@ def sensed(sources, position, *, rest=40.0, wanted=6.0):
     """Feed a sense that begins on the rising branch at ``rest``; what it said, or nothing."""
     operator = Preisach(H, "negative")
     operator.step(rest)
-    sense = Sense(SETUP, H, operator.state)
+    sensor_plausibility = SensorPlausibility(SETUP, H, operator.state)
     wire = rest
     for source in sources:
         wire += (source - wire) * -math.expm1(-SETUP.period_s / SETUP.tau_s)
         operator.step(wire)
         read = position(operator.y)
         try:
-            sense.look(source, read, wanted - read)
+            sensor_plausibility.check(source, read, wanted - read)
         except LimitExceeded as error:
             return str(error)
     return ""
 
 
-def test_a_source_that_drifts_while_the_encoder_stands_is_seen():
+def test_a_source_that_drifts_while_the_encoder_stands_is_detected():
     drifting = np.linspace(40.0, 100.0, 8000)
     assert "is the encoder stuck" in sensed(drifting, lambda _: 6.02)
     assert not sensed(drifting, lambda y: 0.5 * y), "a wire that moves half as far as the model says"
@@ -91,7 +91,7 @@ def test_a_room_that_warms_is_no_stuck_encoder():
     assert not sensed(np.linspace(40.0, 30.0, 8000), lambda _: 6.0)
 
 
-def test_a_set_point_out_of_reach_is_told_when_the_source_has_been_at_its_limit():
+def test_a_set_point_out_of_reach_is_reported_when_the_source_has_been_at_its_limit():
     n = round(14 * SETUP.tau_s / SETUP.period_s)
     assert "out of the wire's reach" in sensed(np.full(n, SETUP.upper_K), lambda y: y)
     assert not sensed(np.full(n // 3, SETUP.upper_K), lambda y: y)
@@ -124,12 +124,12 @@ def test_an_encoder_that_freezes_off_the_set_point_does_not_heat_without_end():
     with pytest.raises(LimitExceeded, match="is the encoder stuck"):
         runner.run(regulate(SETUP, hysteresis=H, setpoint=6.0, hold_s=7200.0))
     assert twin.output_A == 0.0
-    assert twin.specimen.plant.felt_K < 100.0
+    assert twin.specimen.plant.hysteresis_input_K < 100.0
 
 
 def test_noise_about_a_set_point_is_not_summed_into_a_drift():
     """A gain at which every reading throws the source from end to end: the mean stays, and the wire with it."""
-    rng, loop = np.random.default_rng(3), PI(3000.0, SETUP.tau_s, SETUP.period_s, 0.0, 174.0)
+    rng, loop = np.random.default_rng(3), SetpointPI(3000.0, SETUP.tau_s, SETUP.period_s, 0.0, 174.0)
     loop.start(40.0)
     sources = [loop.step(0.05 * e) for e in rng.normal(size=20_000)]
     assert np.ptp(sources) == 174.0
@@ -157,7 +157,7 @@ class Hot:
         return SETUP.upper_K
 
 
-def test_a_loop_is_let_go_as_slowly_as_the_limits_say():
+def test_the_current_ramps_to_zero_within_the_rate_limit():
     """The current at the end of a hold is the loop's, not the preview's: no step to zero may trip."""
     limits = SETUP.limits.model_copy(update={"current_rate_A_per_s": 6.0})
     slow, twin = Setup(SETUP.actuator, limits, SETUP.period_s), Twin.named("one_wire_twin", seed=2)

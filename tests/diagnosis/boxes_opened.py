@@ -4,8 +4,8 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from smarig.benchmark.boxes import draw, generate
-from smarig.benchmark.boxes.catalogue import EFFECTS
+from benchmarks.boxes import draw_box, write_box
+from benchmarks.boxes.box_effects import EFFECTS
 from smarig.diagnosis.diagnose import Diagnosis, diagnose
 from smarig.identification.identify import identify
 from smarig.record import load_run
@@ -24,7 +24,7 @@ def answer(number: int, hidden=None, channels=(), without=(), times=1.0) -> Diag
     """Of a box with an effect hidden in it, so many times as strong as usual, "hard_null", or nothing."""
     contents = hidden if hidden == "hard_null" else {hidden: strength(hidden, times)} if hidden else {}
     with TemporaryDirectory() as folder:
-        box = generate(draw(SEED, number, hidden=contents, channels=channels), Path(folder))
+        box = write_box(draw_box(SEED, number, hidden=contents, channels=channels), Path(folder))
         train = [load_run(path) for path in box.train]
         held_out = [load_run(path) for path in box.held_out]
         model = identify(train, "positive").model

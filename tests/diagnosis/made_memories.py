@@ -3,10 +3,10 @@
 import numpy as np
 
 from smarig.preisach.operator import Initial, Preisach
-from smarig.story.retelling import Retelling
+from smarig.replay.prediction import Prediction
 
 
-def felt(hysteresis, inputs, t_s=None, initial: Initial = "negative"):
+def prediction_for_inputs(hysteresis, inputs, t_s=None, initial: Initial = "negative"):
     """Each input is one tick, and every tick is read."""
     operator = Preisach(hysteresis, initial)
     states = []
@@ -17,4 +17,4 @@ def felt(hysteresis, inputs, t_s=None, initial: Initial = "negative"):
     t = np.arange(1.0, n + 1) if t_s is None else np.asarray(t_s, dtype=float)
     output = np.array([s.y for s in states])
     at = np.array([s.u for s in states])  # as a retelling has it: what the operator kept
-    return Retelling({}, t, at, tuple(states), output, np.arange(n), np.ones(n))
+    return Prediction({}, t, at, tuple(states), output, np.arange(n), np.ones(n))

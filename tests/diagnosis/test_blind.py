@@ -30,6 +30,6 @@ def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_bett
     assert found.model.effects[0]["name"] == "walking"
 
 
-def test_what_no_channel_shows_is_said_to_be_invisible():
+def test_what_no_channel_shows_is_reported_as_invisible():
     invisible = answer(3).visibility.invisible
     assert {"wire_lag", "sensor_lag", "latent_heat"} <= set(invisible)

@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.diagnosis.candidates import Candidate, _smooth, generic, named, whitened
-from smarig.diagnosis.refit import Noise, Refit
-from smarig.model.effects.backlash import backlash
-from smarig.model.effects.settling import settling
-from smarig.model.effects.walking import walking
-from smarig.story.retelling import retold
-from smarig.story.told import told
-from story.sittings import LISTED, LONG, believed, sitting
+from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
+from smarig.diagnosis.critique.refit import NoiseEstimate, Refit
+from smarig.diagnosis.explain.candidates import Candidate, _smooth, generic, named, whitened
+from smarig.plant.effects.backlash import backlash
+from smarig.plant.effects.settling import settling
+from smarig.plant.effects.walking import walking
+from smarig.replay.prediction import predict
+from smarig.replay.timeline import build_timeline
 
 N = 30
 
@@ -31,11 +31,11 @@ def refit(n=N, seed=1, scale=0.02):
     rng = np.random.default_rng(seed)
     mixed = rng.standard_normal((n, n))
     factor = np.linalg.cholesky(mixed @ mixed.T / n + 0.1 * np.eye(n))
-    noise = Noise(np.ones(n), 0.0, 60.0, 1.0)
+    noise = NoiseEstimate(np.ones(n), 0.0, 60.0, 1.0)
     return whitening(factor, scale * rng.uniform(0.5, 2.0, n), noise)
 
 
-def made(kind, *strengths, seed=2, size=1.0, **others):
+def made(kind, *strengths, seed=2, size=1.0, **other_readings):
     """Raw traces of no special shape, one for each strength, and the candidate of them, whitened."""
     rng = np.random.default_rng(seed)
     traces = size * rng.standard_normal((N, len(strengths)))
@@ -80,25 +80,25 @@ def test_generic_traces_are_an_orthonormal_basis_without_the_superfluous():
 @pytest.mark.parametrize("kind", [walking, settling])
 def test_a_candidate_explains_all_of_its_own_trace_and_nothing_at_right_angles(kind):
     _, candidate = made(kind, 0.2, 0.4)
-    assert candidate.explained(7.0 * candidate.traces[:, 1])[0] == pytest.approx(1.0)
-    assert candidate.explained(orthogonal(candidate.traces))[0] == pytest.approx(0.0, abs=1e-12)
+    assert candidate.explained_share(7.0 * candidate.traces[:, 1])[0] == pytest.approx(1.0)
+    assert candidate.explained_share(orthogonal(candidate.traces))[0] == pytest.approx(0.0, abs=1e-12)
     both = candidate.traces[:, 0] * 3.0 + 4.0 * _unit(orthogonal(candidate.traces))
-    assert candidate.explained(both)[0] == pytest.approx(9 / 25)
+    assert candidate.explained_share(both)[0] == pytest.approx(9 / 25)
 
 
 def test_a_generic_candidate_explains_every_mixture_of_its_traces():
     raw = Candidate("?hold", np.random.default_rng(6).standard_normal((N, 4)), depends_on="hold")
     candidate = whitened(raw, refit())
     mixture = candidate.traces @ np.array([1.0, -2.0, 0.5, 3.0])
-    assert candidate.explained(mixture)[0] == pytest.approx(1.0)
-    assert candidate.explained(-mixture)[0] == pytest.approx(1.0)
-    assert candidate.explained(orthogonal(candidate.traces))[0] == pytest.approx(0.0, abs=1e-12)
+    assert candidate.explained_share(mixture)[0] == pytest.approx(1.0)
+    assert candidate.explained_share(-mixture)[0] == pytest.approx(1.0)
+    assert candidate.explained_share(orthogonal(candidate.traces))[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_variants_of_a_name_are_alternatives_not_a_mixture():
     _, candidate = made(settling, 0.5, 0.5)
     a, b = candidate.traces.T
-    share = candidate.explained(a + b)[0]
+    share = candidate.explained_share(a + b)[0]
     assert share == pytest.approx(((a + b) @ a) ** 2 / ((a + b) @ (a + b)))
     assert share < 0.9
 
@@ -107,15 +107,15 @@ def test_a_strength_of_one_sign_does_not_explain_the_negative():
     _, one = made(settling, 0.5)
     _, both = made(walking, 0.5)
     assert (one.signed, both.signed) == (False, True)
-    assert one.explained(-one.traces[:, 0])[0] == 0.0
-    assert both.explained(-both.traces[:, 0])[0] == pytest.approx(1.0)
+    assert one.explained_share(-one.traces[:, 0])[0] == 0.0
+    assert both.explained_share(-both.traces[:, 0])[0] == pytest.approx(1.0)
 
 
 def test_many_data_at_once_are_explained_one_by_one():
     _, candidate = made(settling, 0.5, 1.0)
     data = np.random.default_rng(8).standard_normal((N, 6))
-    each = [candidate.explained(column)[0] for column in data.T]
-    assert candidate.explained(data).tolist() == pytest.approx(each)
+    each = [candidate.explained_share(column)[0] for column in data.T]
+    assert candidate.explained_share(data).tolist() == pytest.approx(each)
     assert candidate.gain(data).tolist() == pytest.approx([candidate.gain(column)[0] for column in data.T])
 
 
@@ -131,7 +131,7 @@ def test_a_gain_is_the_log_likelihood_ratio_with_the_noises_size_fitted_to_each(
 
 
 @pytest.mark.parametrize(("kind", "strength"), [(walking, 1.7), (walking, -0.4), (settling, 3.0)])
-def test_the_strength_that_was_planted_is_found(kind, strength):
+def test_the_injected_strength_is_found(kind, strength):
     tried = 0.25 * kind.primary.typical
     traces, candidate = made(kind, tried, tried)
     data = refit().whitened(traces[:, 1] * strength / tried)
@@ -141,7 +141,7 @@ def test_the_strength_that_was_planted_is_found(kind, strength):
     assert worth == pytest.approx(np.linalg.norm(data))
 
 
-def test_a_trace_that_was_planted_negative_is_found_with_its_sign():
+def test_a_negative_injected_trace_is_found_with_its_sign():
     traces, candidate = made(walking, -0.5)
     assert candidate.best(refit().whitened(2.4 * traces[:, 0]))[0].strength == pytest.approx(-1.2)
     assert candidate.best(refit().whitened(-2.4 * traces[:, 0]))[0].strength == pytest.approx(1.2)
@@ -167,11 +167,11 @@ def test_what_cannot_stand_out_of_the_noise_is_no_candidate():
     _, candidate = made(settling, 0.5, 0.5, size=faint)
     assert candidate.traces.shape == (N, 0)
     assert candidate.planted == ()
-    assert candidate.explained(np.ones(N)).tolist() == [0.0]
+    assert candidate.explained_share(np.ones(N)).tolist() == [0.0]
     assert candidate.gain(np.ones((N, 3))).tolist() == [0.0] * 3
 
 
-def test_of_several_variants_only_those_stay_that_can_be_seen():
+def test_of_several_variants_only_visible_ones_stay():
     traces, _ = made(settling, 0.5, 0.5)
     planted = (settling(0.5, time_constant_s=100.0), settling(0.5, time_constant_s=900.0))
     raw = Candidate("settling", traces * [1.0, 1e-9], settling, planted)
@@ -206,56 +206,60 @@ def test_a_variable_that_does_not_vary_has_no_functions(z):
 
 
 @pytest.fixture(scope="module")
-def lived(tmp_path_factory):
+def recorded_timeline(tmp_path_factory):
     """A story of a sitting with its subject, retold, and readings' whitening by noise of a count."""
-    runs = sitting(tmp_path_factory.mktemp("candidates"), LISTED, LONG)
-    subject, per_count = believed()
-    story = told(runs, subject.actuator.tau_s)
-    n = sum(len(r) for r in story.kinds)
+    runs = session_runs(tmp_path_factory.mktemp("candidates"), LISTED, LONG)
+    plant_model, per_count = twin_plant_model()
+    timeline = build_timeline(runs, plant_model.actuator.tau_s)
+    n = sum(len(r) for r in timeline.all_readings)
     scale = np.concatenate(
-        [np.full(len(r), 0.03 * per_count if r.unit == "mm" else 1.0) for r in story.kinds]
+        [np.full(len(r), 0.03 * per_count if r.unit == "mm" else 1.0) for r in timeline.all_readings]
     )
-    noise = Noise(np.ones(n), 0.0, 60.0, per_count)
+    noise = NoiseEstimate(np.ones(n), 0.0, 60.0, per_count)
     white = whitening(np.eye(n), scale, noise)
-    return story, subject, retold(story, subject), white
+    return timeline, plant_model, predict(timeline, plant_model), white
 
 
 @pytest.mark.parametrize(("kind", "strength"), [(walking, 0.8), (walking, -0.3), (settling, 0.9)])
-def test_a_planted_effect_is_found_along_a_story_at_about_its_strength(lived, kind, strength):
-    story, subject, base, white = lived
-    every = {c.name: whitened(c, white) for c in named(story, subject, base, (walking, settling))}
+def test_an_injected_effect_is_found_along_a_timeline_at_about_its_strength(
+    recorded_timeline, kind, strength
+):
+    timeline, plant_model, base, white = recorded_timeline
+    every = {c.name: whitened(c, white) for c in named(timeline, plant_model, base, (walking, settling))}
     planted = kind(strength)
-    data = white.whitened(retold(story, subject, [planted]).stacked(story) - base.stacked(story))
+    data = white.whitened(
+        predict(timeline, plant_model, [planted]).stacked(timeline) - base.stacked(timeline)
+    )
     found, _ = every[kind.name].best(data)
     other = next(c for name, c in every.items() if name != kind.name)
     assert found.strength == pytest.approx(strength, rel=0.1)
-    assert every[kind.name].explained(data)[0] > 0.98
-    assert other.explained(data)[0] < every[kind.name].explained(data)[0]
+    assert every[kind.name].explained_share(data)[0] > 0.98
+    assert other.explained_share(data)[0] < every[kind.name].explained_share(data)[0]
 
 
-def test_a_named_candidate_has_a_variant_for_every_combination_worth_trying(lived):
-    story, subject, base, _ = lived
-    found = {c.name: c for c in named(story, subject, base, (walking, settling, backlash))}
+def test_a_named_candidate_has_a_variant_for_every_combination_worth_trying(recorded_timeline):
+    timeline, plant_model, base, _ = recorded_timeline
+    found = {c.name: c for c in named(timeline, plant_model, base, (walking, settling, backlash))}
     assert [p.strength for p in found["walking"].planted] == [0.25 * walking.primary.typical]
     assert {p.values["time_constant_s"] for p in found["settling"].planted} == set(
         settling.parameters[1].tries
     )
     assert [p.strength for p in found["backlash"].planted] == list(backlash.primary.tries)
     for candidate in found.values():
-        assert candidate.traces.shape == (base.stacked(story).size, len(candidate.planted))
+        assert candidate.traces.shape == (base.stacked(timeline).size, len(candidate.planted))
         assert np.abs(candidate.traces).max(axis=0).min() > 0
 
 
-def test_generic_candidates_touch_only_the_readings_they_speak_of(lived):
-    story, subject, base, _ = lived
+def test_generic_candidates_touch_only_the_readings_they_speak_of(recorded_timeline):
+    timeline, plant_model, base, _ = recorded_timeline
     slope = np.ones(base.output.size)
     rows = {}
     at = 0
-    for r in story.kinds:
+    for r in timeline.all_readings:
         rows[r.kind] = slice(at, at + len(r))
         at += len(r)
     positions = rows["settled"].stop - rows["settled"].start + rows["moving"].stop - rows["moving"].start
-    found = {c.name: c for c in generic(story, subject, base, slope)}
+    found = {c.name: c for c in generic(timeline, plant_model, base, slope)}
     assert {"?time", "?level", "?hold", "?history", "?time of resistance", "?level of room"} <= set(found)
     for name, candidate in found.items():
         assert candidate.generic

@@ -8,11 +8,11 @@ import os
 
 import pytest
 
+from benchmarks.blind.confusability import confusable, is_correct_variable
+from benchmarks.boxes.box_effects import EFFECTS
 from diagnosis.boxes_opened import answer
-from smarig.benchmark.blind.groups import alike, right_variable
-from smarig.benchmark.boxes.catalogue import EFFECTS
 
-SEEN = {  # effect: (box, times its usual strength, channels)
+VISIBLE = {  # effect: (box, times its usual strength, channels)
     "accommodation": (1, 1, ()),
     "ambient_drift": (1, 1, ("ambient",)),
     "amplifier_gain": (1, 1, ("current",)),
@@ -36,7 +36,7 @@ SEEN = {  # effect: (box, times its usual strength, channels)
     "walking": (16, 1, ()),
     "wire_lag": (1, 1, ("transients",)),
 }
-UNSEEN = {
+INVISIBLE = {
     "amplifier_gain": (1, 1, ()),
     "convection": (1, 1, ()),
     "coulomb_friction": (16, 2, ("voltage",)),
@@ -77,46 +77,46 @@ where_there_is_time = pytest.mark.skipif(
 )
 
 
-def asked(names):
+def selected(names):
     """All of them; those that take long where there is time (``SMARIG_LONG``, as in ``.ci/long``)."""
     return [pytest.param(name, marks=where_there_is_time) if name in LONG else name for name in names]
 
 
-def test_every_effect_is_asked_for():
-    assert set(SEEN) | set(UNSEEN) == set(EFFECTS)
+def test_every_effect_is_covered():
+    assert set(VISIBLE) | set(INVISIBLE) == set(EFFECTS)
 
 
-@pytest.mark.parametrize("effect", asked(SEEN))
+@pytest.mark.parametrize("effect", selected(VISIBLE))
 def test_an_effect_that_shows_is_named_or_in_the_set(effect):
-    number, times, channels = SEEN[effect]
+    number, times, channels = VISIBLE[effect]
     found = answer(number, effect, channels, times=times)
     assert found.verdict.word in ("named", "ambiguous")
     assert effect in found.verdict.names
     assert effect not in found.visibility.invisible
 
 
-@pytest.mark.parametrize("effect", asked(UNSEEN))
+@pytest.mark.parametrize("effect", selected(INVISIBLE))
 def test_an_effect_that_a_density_takes_up_gets_no_name_at_all(effect):
-    number, times, channels = UNSEEN[effect]
+    number, times, channels = INVISIBLE[effect]
     assert answer(number, effect, channels, times=times).verdict.word in ("silent", "not_identifiable")
 
 
-@pytest.mark.parametrize("effect", asked(["creep", "ambient_drift", "dead_zone"]))
-def test_without_its_name_in_the_catalogue_it_is_said_what_it_depends_on(effect):
-    number, times, channels = SEEN[effect]
+@pytest.mark.parametrize("effect", selected(["creep", "ambient_drift", "dead_zone"]))
+def test_without_its_name_in_the_catalogue_the_variable_is_reported(effect):
+    number, times, channels = VISIBLE[effect]
     found = answer(number, effect, channels, (effect,), times=times)
     assert found.verdict.word == "unknown"
-    assert right_variable(effect, found.verdict.depends_on)
+    assert is_correct_variable(effect, found.verdict.depends_on)
     assert not found.extended
 
 
 @where_there_is_time
-def test_without_its_name_a_lag_may_be_taken_for_its_likes_and_nothing_else():
+def test_without_its_name_a_lag_is_taken_for_a_similar_effect_only():
     """A late sensor and a slow wire are one group: what is said is in it, or that it depends on the rate."""
-    number, times, channels = SEEN["sensor_lag"]
+    number, times, channels = VISIBLE["sensor_lag"]
     found = answer(number, "sensor_lag", channels, ("sensor_lag",), times=times)
     if found.verdict.word == "unknown":
-        assert right_variable("sensor_lag", found.verdict.depends_on)
+        assert is_correct_variable("sensor_lag", found.verdict.depends_on)
     else:
         assert found.verdict.names
-        assert all(alike("sensor_lag", name) for name in found.verdict.names)
+        assert all(confusable("sensor_lag", name) for name in found.verdict.names)

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from smarig.diagnosis.comparable import comparable
-from smarig.errors import DataError
+from smarig.core.errors import DataError
+from smarig.diagnosis.run_checks import check_comparable
 from smarig.record import load_run
 from smarig.runner.session import Session
 
@@ -39,18 +39,18 @@ def edited(recorded, tmp_path):
 
 
 def test_a_run_as_it_was_recorded_is_compared(recorded):
-    comparable(MODEL, [load_run(recorded)])
+    check_comparable(MODEL, [load_run(recorded)])
 
 
 def test_another_unit_is_refused(recorded):
     with pytest.raises(DataError, match=r"steps.run.sqlite measures in 'mm', the model in 'deg'"):
-        comparable(OTHER_UNIT, [load_run(recorded)])
+        check_comparable(OTHER_UNIT, [load_run(recorded)])
 
 
 def test_several_wires_are_refused(recorded, edited):
     other = edited("""update run set value = '"another"' where key = 'wire'""")
     with pytest.raises(DataError, match=r"of one wire, .*steps.run.sqlite of 'comparable'.*of 'another'"):
-        comparable(MODEL, [load_run(recorded), other])
+        check_comparable(MODEL, [load_run(recorded), other])
 
 
 @pytest.mark.parametrize(
@@ -73,4 +73,4 @@ def test_several_wires_are_refused(recorded, edited):
 )
 def test_what_cannot_be_is_refused(edited, statement, said):
     with pytest.raises(DataError, match=f"edited.run.sqlite.*{said}"):
-        comparable(MODEL, [edited(statement)])
+        check_comparable(MODEL, [edited(statement)])

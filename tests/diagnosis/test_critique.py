@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.diagnosis import critique as module
-from smarig.diagnosis.critique import LEAST_SPREAD, Critique, Score, critique
-from smarig.model.effects.settling import settling
-from smarig.model.effects.walking import walking
-from smarig.story.subject import Subject
+from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS, CandidateScore, Critique, critique
+from smarig.diagnosis.critique.critique import critique as module
+from smarig.plant.effects.settling import settling
+from smarig.plant.effects.walking import walking
+from smarig.replay.plant_model import PlantModel
 
 NAMES = "abcdefgh"
-STORY: Any = "a story"
+TIMELINE: Any = "a story"
 NOTHING: Any = None
 
 
@@ -29,34 +29,36 @@ class Gains:
     typical: tuple = ()
 
     def gain(self, data):
-        return self.nulls if data == "nulls" else np.array([self.data])
+        return self.nulls if data == "null_data" else np.array([self.data])
 
 
 @pytest.fixture
-def judged(monkeypatch):
+def critique_of(monkeypatch):
     """A critique of candidates by their gains, (candidates,) on the data and (candidates, count) on nulls."""
-    told = SimpleNamespace(states=(), follows=np.empty(0))
+    prediction = SimpleNamespace(states=(), output_slope=np.empty(0))
 
-    def refit(story, told, subject, suspects, like, *, wary, noise_of):
-        return SimpleNamespace(data="data", like=like, wary=wary, noise_of=noise_of)
+    def refit(timeline, prediction, plant_model, nuisance_terms, warm_start, *, all_nuisances, noise_of):
+        return SimpleNamespace(
+            data="data", warm_start=warm_start, all_nuisances=all_nuisances, noise_of=noise_of
+        )
 
-    stands = {
-        "retold": lambda story, subject: told,
+    replacements = {
+        "retold": lambda timeline, plant_model: prediction,
         "sensitivities": lambda hysteresis, states: [],
         "generic": lambda *args: [],
         "refit": refit,
-        "nulls": lambda told, subject, refitted, count, seed: "nulls",
+        "null_data": lambda prediction, plant_model, refitted, count, seed: "null_data",
         "whitened": lambda candidate, refitted: candidate,
     }
-    for name, stand in stands.items():
-        monkeypatch.setattr(module, name, stand)
+    for name, replacement in replacements.items():
+        monkeypatch.setattr(module, name, replacement)
 
     def of(data, nulls, alpha=0.1, **settings) -> Any:
         nulls = np.atleast_2d(nulls)
         candidates = [Gains(*those) for those in zip(NAMES, np.atleast_1d(data).tolist(), nulls)]
         monkeypatch.setattr(module, "named", lambda *args: candidates)
-        subject = Subject(NOTHING, NOTHING, "negative")
-        return critique(STORY, subject, [], count=nulls.shape[1], alpha=alpha, **settings)
+        plant_model = PlantModel(NOTHING, NOTHING, "negative")
+        return critique(TIMELINE, plant_model, [], count=nulls.shape[1], alpha=alpha, **settings)
 
     return of
 
@@ -71,9 +73,9 @@ def by_chance(rng, count):
     return gains[:, 0], gains[:, 1:]
 
 
-def test_the_chance_of_any_false_alarm_is_alpha_and_p_is_uniform(judged):
+def test_the_chance_of_any_false_alarm_is_alpha_and_p_is_uniform(critique_of):
     rng, cases = np.random.default_rng(6), 400
-    found = [judged(*by_chance(rng, 99)) for _ in range(cases)]
+    found = [critique_of(*by_chance(rng, 99)) for _ in range(cases)]
     p = np.array([f.p_value for f in found])
     assert 0.05 < np.mean([not f.silent for f in found]) < 0.16
     for share in (0.1, 0.25, 0.5, 0.75):
@@ -84,75 +86,79 @@ def test_the_chance_of_any_false_alarm_is_alpha_and_p_is_uniform(judged):
 
 @pytest.mark.parametrize("larger", [0, 1, 2, 3, 10, 98, 99])
 @pytest.mark.parametrize("alpha", [0.01, 0.03, 0.1])
-def test_p_is_the_share_of_lives_as_odd_with_the_one_that_was_measured(judged, larger, alpha):
+def test_p_is_the_share_of_null_runs_at_least_as_extreme_as_the_measured_one(critique_of, larger, alpha):
     """So it is never 0, at most 1, and something stands out where it is no more than α."""
     nulls = np.random.default_rng(2).permutation(np.arange(1.0, 100.0))  # 1 … 99 nats
-    found = judged(99.5 - larger, nulls, alpha)
+    found = critique_of(99.5 - larger, nulls, alpha)
     assert found.p_value == (1 + larger) / 100
     assert found.silent is ((1 + larger) / 100 > alpha)
 
 
 @pytest.mark.parametrize("times", [1.0, 3.0, 100.0])
-def test_a_candidate_that_gains_more_by_chance_hides_no_other(judged, times):
+def test_a_candidate_that_gains_more_by_chance_hides_no_other(critique_of, times):
     """However large its gains are, on data and nulls alike."""
     rng = np.random.default_rng(8)
     nulls = rng.gamma(1.0, 5.0, (2, 199))
     data = np.array([30.0, 10.0])
-    usual, larger = (judged(by * data, by[:, None] * nulls) for by in (np.ones(2), np.array([1.0, times])))
+    usual, larger = (
+        critique_of(by * data, by[:, None] * nulls) for by in (np.ones(2), np.array([1.0, times]))
+    )
     assert larger.p_value == usual.p_value
     assert larger.threshold == pytest.approx(usual.threshold)
     assert not larger.silent
     assert larger.largest.candidate.name == "a"
 
 
-def test_the_more_candidates_compete_the_farther_one_must_stand_out(judged):
+def test_the_more_candidates_compete_the_farther_one_must_stand_out(critique_of):
     nulls = np.random.default_rng(3).gamma(1.0, 5.0, (8, 199))
-    thresholds = [judged(np.zeros(k), nulls[:k]).threshold for k in (1, 3, 8)]
+    thresholds = [critique_of(np.zeros(k), nulls[:k]).threshold for k in (1, 3, 8)]
     assert thresholds[0] < thresholds[1] < thresholds[2]
 
 
-def test_a_score_is_told_by_its_own_nulls(judged):
+def test_a_score_is_measured_by_its_own_nulls(critique_of):
     """50 and 95 nats are their median and 95 % point; data gain 45 nats more than that again."""
-    (score,) = judged(140.0, np.arange(0.0, 101.0)).scores
+    (score,) = critique_of(140.0, np.arange(0.0, 101.0)).scores
     assert (score.gain, score.median, score.high) == pytest.approx((140, 50, 95))
     assert (score.net, score.standard) == pytest.approx((90, 2))
 
 
-def test_nothing_is_told_by_a_hair(judged):
+def test_a_marginal_gain_is_not_reported(critique_of):
     """A candidate that never gains anything by chance stands out by nats, not by spreads of nearly nothing."""
     nulls = np.stack([np.linspace(0.0, 0.001, 101), np.linspace(0.0, 10.0, 101)])
-    found = judged([0.8 * LEAST_SPREAD, 0.0], nulls)
+    found = critique_of([0.8 * MIN_SPREAD_NATS, 0.0], nulls)
     assert found.scores[0].standard == pytest.approx(0.8, abs=0.001)
     assert found.silent
 
 
-def test_what_is_in_already_is_no_candidate(judged, monkeypatch):
+def test_what_is_in_already_is_no_candidate(critique_of, monkeypatch):
     nulls, asked = np.arange(50.0), []
 
-    def named(story, subject, told, kinds):
+    def named(timeline, plant_model, prediction, kinds):
         asked.extend(kinds)
         return [Gains("a", 1.0, nulls)]
 
     monkeypatch.setattr(module, "named", named)
-    critique(STORY, Subject(NOTHING, NOTHING, "negative", (walking(0.3),)), [walking, settling], count=50)
+    critique(
+        TIMELINE, PlantModel(NOTHING, NOTHING, "negative", (walking(0.3),)), [walking, settling], count=50
+    )
     assert asked == [settling]
 
 
-def test_noise_is_as_in_another_critique_where_one_is_given(judged):
+def test_noise_is_as_in_another_critique_where_one_is_given(critique_of):
     nulls = np.arange(50.0)
-    other = judged(0.0, nulls)
-    like, noise_of = (
-        judged(0.0, nulls, **given).refitted for given in ({"like": other}, {"noise_of": other})
+    other = critique_of(0.0, nulls)
+    warm_start, noise_of = (
+        critique_of(0.0, nulls, **given).refitted for given in ({"warm_start": other}, {"noise_of": other})
     )
-    assert (like.like, like.noise_of) == (other.refitted, None)
-    assert (noise_of.like, noise_of.noise_of) == (None, other.refitted)
-    assert judged(0.0, nulls, wary=True).refitted.wary
+    assert (warm_start.warm_start, warm_start.noise_of) == (other.refitted, None)
+    assert (noise_of.warm_start, noise_of.noise_of) == (None, other.refitted)
+    assert critique_of(0.0, nulls, all_nuisances=True).refitted.all_nuisances
 
 
 def test_the_best_are_by_turns_those_that_gain_most_and_those_that_stand_out_most():
     def score(name, net, spread, generic=False):
         candidate: Any = Gains(name, 0.0, np.empty(0), generic)
-        return Score(candidate, net + 5.0, 5.0, 5.0 + spread)
+        return CandidateScore(candidate, net + 5.0, 5.0, 5.0 + spread)
 
     scores = (
         score("a", 90.0, 90.0),

@@ -6,23 +6,30 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.diagnosis import explanation
-from smarig.diagnosis.explanation import TOO_SURE, Explanation, explained, strong, topped, without
-from smarig.diagnosis.refine import Refined
-from smarig.model.effects.settling import settling
-from smarig.model.effects.slip import slip
-from smarig.model.effects.walking import walking
-from smarig.story.subject import Subject
+from smarig.diagnosis.explain import explanation
+from smarig.diagnosis.explain.explanation import (
+    SD_INFLATION,
+    Explanation,
+    doubled_strength_start,
+    evidence_without_one,
+    fit_explanation,
+    with_strengths_maximised,
+)
+from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.plant.effects.settling import settling
+from smarig.plant.effects.slip import slip
+from smarig.plant.effects.walking import walking
+from smarig.replay.plant_model import PlantModel
 
 WIRE: Any = None
-STORY: Any = "a story"
-GIVEN: Any = "the model's density"
-LIKE: Any = "another refit"
+TIMELINE: Any = "a story"
+ORIGINAL: Any = "the model's density"
+WARM_START: Any = "another refit"
 
 
-def subject(*effects):
+def plant_model(*effects):
     density: Any = "the density of all"
-    return Subject(WIRE, density, "negative", effects)
+    return PlantModel(WIRE, density, "negative", effects)
 
 
 def read(nats) -> Any:
@@ -40,12 +47,12 @@ def likely(monkeypatch):
     asked = []
 
     def as_likely_as(evidence):
-        def anew(story, subject, given, like=None):
-            assert (story, given) == (STORY, GIVEN)
-            asked.append(strengths(subject))
-            return subject, read(evidence(**strengths(subject)))
+        def anew(timeline, plant_model, original, warm_start=None):
+            assert (timeline, original) == (TIMELINE, ORIGINAL)
+            asked.append(strengths(plant_model))
+            return plant_model, read(evidence(**strengths(plant_model)))
 
-        monkeypatch.setattr(explanation, "density_anew", anew)
+        monkeypatch.setattr(explanation, "joint_density_from_best_start", anew)
         return asked
 
     return as_likely_as
@@ -60,29 +67,31 @@ def test_a_start_doubles_as_long_as_that_is_likelier_and_within_bounds(likely, t
         return -100 * (walking - sign * top) ** 2
 
     likely(evidence)
-    start = subject(walking(sign * 0.1))
-    end, refitted = strong(STORY, start, read(evidence(sign * 0.1)), GIVEN, LIKE)
+    start = plant_model(walking(sign * 0.1))
+    end, refitted = doubled_strength_start(TIMELINE, start, read(evidence(sign * 0.1)), ORIGINAL, WARM_START)
     assert strengths(end) == pytest.approx({"walking": sign * found})
     assert refitted.log_evidence == evidence(**strengths(end))
 
 
 def test_a_start_that_is_no_likelier_doubled_is_the_very_same(likely):
     likely(lambda walking: 7.0)
-    start, refitted = subject(walking(0.1)), read(7.0)
-    assert strong(STORY, start, refitted, GIVEN, LIKE) == (start, refitted)
+    start, refitted = plant_model(walking(0.1)), read(7.0)
+    assert doubled_strength_start(TIMELINE, start, refitted, ORIGINAL, WARM_START) == (start, refitted)
 
 
 def test_only_the_last_effect_of_a_start_is_doubled(likely):
     asked = likely(lambda settling, walking: walking)
-    end, _ = strong(STORY, subject(settling(2.0), walking(0.5)), read(0.5), GIVEN, LIKE)
+    end, _ = doubled_strength_start(
+        TIMELINE, plant_model(settling(2.0), walking(0.5)), read(0.5), ORIGINAL, WARM_START
+    )
     assert strengths(end) == {"settling": 2.0, "walking": 2.0}
     assert {tried["settling"] for tried in asked} == {2.0}
 
 
 def test_nothing_twice_as_strong_is_still_nothing(likely):
     asked = likely(lambda walking: 1.0)
-    start = subject(walking(0.0))
-    assert strong(STORY, start, read(0.0), GIVEN, LIKE)[0] is start
+    start = plant_model(walking(0.0))
+    assert doubled_strength_start(TIMELINE, start, read(0.0), ORIGINAL, WARM_START)[0] is start
     assert not asked
 
 
@@ -96,18 +105,18 @@ ALONE = {SHARE: 0.02, SECONDS: 20.0, WALK: 0.004}  # and of one parameter if the
 def fitted(monkeypatch):
     """A fit that stays where it is, and is surer than it should be."""
 
-    def refined(start, story, subject, refitted, centre):
-        return Refined(tuple(start), SPREAD, ALONE, np.zeros(1), subject, 0.0)
+    def fit_parameters(start, timeline, plant_model, refitted, centre):
+        return ParameterFit(tuple(start), SPREAD, ALONE, np.zeros(1), plant_model, 0.0)
 
-    monkeypatch.setattr(explanation, "refined", refined)
+    monkeypatch.setattr(explanation, "fit_parameters", fit_parameters)
 
 
 def at_top(likely, evidence):
     """Settling and walking of 2 and 0.3 %, topped by their evidence."""
     likely(evidence)
-    start = subject(settling(2.0), walking(0.3))
+    start = plant_model(settling(2.0), walking(0.3))
     best = Explanation(start.planted, start, read(evidence(**strengths(start))))
-    return topped(STORY, GIVEN, best)
+    return with_strengths_maximised(TIMELINE, ORIGINAL, best)
 
 
 def parabolas(share_sd, walk_sd):
@@ -120,19 +129,19 @@ def parabolas(share_sd, walk_sd):
 @pytest.mark.usefixtures("fitted")
 def test_every_strength_goes_to_the_top_of_the_evidence(likely):
     fine, best = at_top(likely, parabolas(0.2, 0.02))
-    assert strengths(best.subject) == pytest.approx({"settling": 2.5, "walking": 0.4}, rel=0.03)
+    assert strengths(best.plant_model) == pytest.approx({"settling": 2.5, "walking": 0.4}, rel=0.03)
     assert best.evidence == pytest.approx(100, abs=0.1)
-    assert fine.effects == best.effects == best.subject.planted
-    assert fine.subject is best.subject
+    assert fine.effects == best.effects == best.plant_model.planted
+    assert fine.plant_model is best.plant_model
 
 
 @pytest.mark.usefixtures("fitted")
-def test_a_deviation_is_what_the_evidence_says_where_a_fit_is_surer(likely):
+def test_a_standard_deviation_is_that_of_the_evidence_where_the_fit_gives_less(likely):
     """Ten times as wide for settling, with all its parameters; five times for walking."""
     fine, _ = at_top(likely, parabolas(0.2, 0.02))
     wider = {SHARE: 10, SECONDS: 10, WALK: 5}
     assert fine.spread == pytest.approx(
-        {key: TOO_SURE * wider[key] * SPREAD[key] for key in SPREAD}, rel=0.02
+        {key: SD_INFLATION * wider[key] * SPREAD[key] for key in SPREAD}, rel=0.02
     )
     assert fine.spread[SHARE] > 0.2
     assert fine.spread[WALK] > 0.02
@@ -141,14 +150,14 @@ def test_a_deviation_is_what_the_evidence_says_where_a_fit_is_surer(likely):
 @pytest.mark.usefixtures("fitted")
 def test_a_deviation_is_never_narrower_than_the_fits_own(likely):
     fine, _ = at_top(likely, parabolas(0.2, 0.001))
-    assert fine.spread[WALK] == pytest.approx(TOO_SURE * SPREAD[WALK])
+    assert fine.spread[WALK] == pytest.approx(SD_INFLATION * SPREAD[WALK])
 
 
 @pytest.mark.usefixtures("fitted")
 def test_a_strength_whose_evidence_has_no_top_has_no_deviation(likely):
     """The likelier the more there is of it: how much there is, nobody knows."""
     fine, best = at_top(likely, lambda settling, walking: walking**2 - 50 * (settling - 2) ** 2)
-    assert strengths(best.subject)["walking"] > 0.6
+    assert strengths(best.plant_model)["walking"] > 0.6
     assert WALK not in fine.spread
     assert set(fine.spread) == {SHARE, SECONDS}
     assert np.isfinite(list(fine.spread.values())).all()
@@ -157,69 +166,69 @@ def test_a_strength_whose_evidence_has_no_top_has_no_deviation(likely):
 def test_one_effect_less_is_the_likeliest_of_all_that_are_left(monkeypatch):
     asked = []
 
-    def beside(story, subject, like):
-        names = tuple(strengths(subject))
-        asked.append((names, subject.hysteresis, like))
+    def beside(timeline, plant_model, warm_start):
+        names = tuple(strengths(plant_model))
+        asked.append((names, plant_model.hysteresis, warm_start))
         nats = {("slip", "walking"): 60.0, ("settling", "walking"): 80.0, ("settling", "slip"): 70.0}
-        return subject, read(nats[names])
+        return plant_model, read(nats[names])
 
-    monkeypatch.setattr(explanation, "density_beside", beside)
-    best = subject(settling(2.0), slip(1.0), walking(0.3))
-    assert without(STORY, Explanation(best.planted, best, read(100.0)), LIKE) == 80.0
+    monkeypatch.setattr(explanation, "joint_density", beside)
+    best = plant_model(settling(2.0), slip(1.0), walking(0.3))
+    assert evidence_without_one(TIMELINE, Explanation(best.planted, best, read(100.0)), WARM_START) == 80.0
     assert sorted(names for names, _, _ in asked) == [
         ("settling", "slip"),
         ("settling", "walking"),
         ("slip", "walking"),
     ]
-    assert {(density, like) for _, density, like in asked} == {("the density of all", LIKE)}
+    assert {(density, warm_start) for _, density, warm_start in asked} == {("the density of all", WARM_START)}
 
 
-def a_fit_that_goes(share, top=1.0):
+def fit_moving_by(share, top=1.0):
     """Least squares from any start: this share of the way to the top, for a density has taken up the rest."""
 
-    def refined(start, story, subject, refitted, centre):
+    def fit_parameters(start, timeline, plant_model, refitted, centre):
         s = start[0].strength
         end = (start[0].at(s + share * (top - s)),)
-        return Refined(end, {}, {}, np.zeros(1), subject, abs(end[0].strength - s) / 0.001)
+        return ParameterFit(end, {}, {}, np.zeros(1), plant_model, abs(end[0].strength - s) / 0.001)
 
-    return refined
+    return fit_parameters
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5, 0.2])
-def test_turns_end_nearer_to_the_top_than_each_fit_says(likely, monkeypatch, share):
-    monkeypatch.setattr(explanation, "refined", a_fit_that_goes(share))
+def test_rounds_end_nearer_to_the_maximum_than_each_fit_alone(likely, monkeypatch, share):
+    monkeypatch.setattr(explanation, "fit_parameters", fit_moving_by(share))
 
     def evidence(walking):
         return -1e4 * (walking - 1.0) ** 2
 
     likely(evidence)
-    found = explained(STORY, subject(walking(0.1)), GIVEN, read(evidence(0.1)), 4)
+    found = fit_explanation(TIMELINE, plant_model(walking(0.1)), ORIGINAL, read(evidence(0.1)), 4)
     assert abs(found.effects[0].strength - 1.0) <= 0.9 * (1 - share) ** 4
     assert found.evidence == evidence(found.effects[0].strength)
 
 
 def test_without_a_turn_an_explanation_is_its_start(likely):
     asked = likely(lambda walking: 1e9)
-    start, refitted = subject(walking(0.1)), read(5.0)
-    found = explained(STORY, start, GIVEN, refitted, 0)
-    assert (found.effects, found.subject, found.evidence) == (start.planted, start, 5.0)
+    start, refitted = plant_model(walking(0.1)), read(5.0)
+    found = fit_explanation(TIMELINE, start, ORIGINAL, refitted, 0)
+    assert (found.effects, found.plant_model, found.evidence) == (start.planted, start, 5.0)
     assert not asked
 
 
 @pytest.mark.usefixtures("fitted")
 def test_a_fit_that_does_not_move_is_the_end(likely):
     asked = likely(lambda walking: 1e9)
-    assert explained(STORY, subject(walking(0.1)), GIVEN, read(5.0), 4).evidence == 5.0
+    assert fit_explanation(TIMELINE, plant_model(walking(0.1)), ORIGINAL, read(5.0), 4).evidence == 5.0
     assert not asked
 
 
 def test_a_turn_that_is_no_likelier_is_not_taken(likely, monkeypatch):
-    monkeypatch.setattr(explanation, "refined", a_fit_that_goes(1.0))
+    monkeypatch.setattr(explanation, "fit_parameters", fit_moving_by(1.0))
     likely(lambda walking: 4.0)
-    start = subject(walking(0.1))
-    assert explained(STORY, start, GIVEN, read(5.0), 4).subject is start
+    start = plant_model(walking(0.1))
+    assert fit_explanation(TIMELINE, start, ORIGINAL, read(5.0), 4).plant_model is start
 
 
 def test_names_are_in_order():
-    both = subject(walking(0.3), settling(2.0))
+    both = plant_model(walking(0.3), settling(2.0))
     assert Explanation(both.planted, both, read(1.0)).names == ("settling", "walking")

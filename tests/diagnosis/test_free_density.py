@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from diagnosis.made_memories import felt
-from smarig.diagnosis.free_density import FAINT, free_density
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
+from diagnosis.made_memories import prediction_for_inputs
+from smarig.diagnosis.explain.density_prior import MIN_PRIOR_SHARE, density_prior
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 
 WIRE = surface("one_e")
@@ -21,8 +21,8 @@ def wander(n, seed):
 
 def priors(inputs):
     """Covariances at the memories of a path that is read at every point: the smooth one first, grains last."""
-    told = felt(WIRE, inputs)
-    return free_density(told, WIRE, told.output, told.output).covariances
+    prediction = prediction_for_inputs(WIRE, inputs)
+    return density_prior(prediction, WIRE, prediction.output, prediction.output).covariances
 
 
 def table(masses):
@@ -34,7 +34,7 @@ def table(masses):
     return FodTable.from_arrays(LEVELS, LEVELS, y)
 
 
-def believed():
+def model_density():
     """The model's own masses on the partition, shares of all."""
     F = np.array([[WIRE.everett(a, min(a, b)) for b in LEVELS] for a in LEVELS])
     mass = F[1:, :-1] - F[:-1, :-1] - np.where(np.eye(len(F) - 1, dtype=bool), 0.0, F[1:, 1:] - F[:-1, 1:])
@@ -51,7 +51,7 @@ def bumps(rng):
         at_a, at_b = rng.uniform(50.0, 110.0, 2)
         wide = rng.uniform(12.0, 25.0)
         total += rng.normal() * np.exp(-((a - at_a) ** 2 + (b - at_b) ** 2) / (2 * wide**2))
-    return total * believed()
+    return total * model_density()
 
 
 def outputs(masses, inputs):
@@ -97,7 +97,7 @@ def test_equal_memories_have_equal_outputs_in_every_draw():
         assert apart[4, 10] > 1e-5 * C.max()  # as high, but after a fall from 26
 
 
-def test_a_smooth_density_is_foretold_by_what_was_read_of_it(covariances, path):
+def test_a_smooth_density_is_predicted_from_its_readings(covariances, path):
     """For a scale that one half of the readings gives, the other half lies where it must, within its sd."""
     smooth = covariances[0] + 0.1 * covariances[1]  # mostly broad, a little fine
     order = np.random.default_rng(7).permutation(len(path))
@@ -142,19 +142,19 @@ def _scale(C, y, fuzz):
     return v[best] / np.trace(C)
 
 
-def test_grains_are_cells_that_err_each_for_itself_by_the_mass_believed_there():
+def test_grains_are_independent_cell_errors_in_proportion_to_the_model_mass():
     """Masses are drawn on a partition of the test's own: white noise does not mind how it is cut."""
     inputs, draws = wander(12, seed=8), 1500
     grains = priors(inputs)[-1]
     rng = np.random.default_rng(11)
-    sd = np.sqrt(believed())
+    sd = np.sqrt(model_density())
     y = np.array([outputs(sd * rng.standard_normal(sd.shape), inputs) for _ in range(draws)])
     drawn = y.T @ y / draws
     error = np.sqrt((np.outer(np.diag(grains), np.diag(grains)) + grains**2) / draws)
     assert np.all(
-        np.abs(drawn - grains) < 5 * error + FAINT
+        np.abs(drawn - grains) < 5 * error + MIN_PRIOR_SHARE
     )  # what cells hold beyond what is believed of them
-    assert grains[0, 0] == pytest.approx(1 + FAINT, abs=0.005)
+    assert grains[0, 0] == pytest.approx(1 + MIN_PRIOR_SHARE, abs=0.005)
 
 
 FUZZ = 1e-5  # of a stroke
@@ -162,55 +162,55 @@ VARIANCES = np.array([0.1, 0.02, 1e-6])  # of broad and fine factors, and of gra
 
 
 @pytest.fixture(scope="module")
-def about_believed(path):
+def prior_about_model(path):
     """The free density about masses that are nowhere negative."""
-    hysteresis = table(believed())
-    told = felt(hysteresis, path)
-    return free_density(told, hysteresis, told.output, told.output)
+    hysteresis = table(model_density())
+    prediction = prediction_for_inputs(hysteresis, path)
+    return density_prior(prediction, hysteresis, prediction.output, prediction.output)
 
 
-def renewed(density, y):
+def posterior_masses(density, y):
     """Masses when the outputs (n,) turned out so much larger than believed."""
     C = np.sum([v * part for v, part in zip(VARIANCES, density.covariances)], axis=0)
-    return density.renewed(VARIANCES, np.linalg.solve(C + FUZZ**2 * np.eye(y.size), y))
+    return density.posterior_masses(VARIANCES, np.linalg.solve(C + FUZZ**2 * np.eye(y.size), y))
 
 
-def smoothly_other(seed):
+def smoothly_perturbed(seed):
     """Masses of a density that is up to two thirds more or less than the believed one, smoothly."""
     change = bumps(np.random.default_rng(seed))
-    return believed() + 0.65 * change / np.abs(change / np.maximum(believed(), 1e-12)).max()
+    return model_density() + 0.65 * change / np.abs(change / np.maximum(model_density(), 1e-12)).max()
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_density_identified_anew_foretells_a_path_that_was_never_read(path, about_believed, seed):
-    truth, elsewhere = smoothly_other(seed), wander(60, seed=100 + seed)
-    masses = renewed(about_believed, outputs(truth, path) - outputs(believed(), path))
-    found = Preisach(about_believed.triangle.table(masses, 0.0)).simulate(elsewhere)
-    y, before = outputs(truth, elsewhere), outputs(believed(), elsewhere)
-    assert (masses >= np.minimum(about_believed.mass, 0.0)).all()
+def test_the_density_identified_anew_predicts_a_path_that_was_never_read(path, prior_about_model, seed):
+    truth, elsewhere = smoothly_perturbed(seed), wander(60, seed=100 + seed)
+    masses = posterior_masses(prior_about_model, outputs(truth, path) - outputs(model_density(), path))
+    found = Preisach(prior_about_model.triangle.table(masses, 0.0)).simulate(elsewhere)
+    y, before = outputs(truth, elsewhere), outputs(model_density(), elsewhere)
+    assert (masses >= np.minimum(prior_about_model.mass, 0.0)).all()
     assert np.std(found - y) < 0.1 * np.std(before - y)
 
 
-def test_masses_become_no_more_negative_than_they_were_whatever_pulls_at_them(path, about_believed):
+def test_masses_become_no_more_negative_than_they_were_for_any_dual_weights(path, prior_about_model):
     for seed in range(5):
-        pull = 1e3 * np.random.default_rng(seed).standard_normal(len(path))
-        masses = [about_believed.renewed(VARIANCES, sign * pull) for sign in (1, -1)]
-        assert np.min(masses) == min(about_believed.mass.min(), 0.0)
-        assert np.max(masses) > 2 * about_believed.mass.max()
+        dual_weights = 1e3 * np.random.default_rng(seed).standard_normal(len(path))
+        masses = [prior_about_model.posterior_masses(VARIANCES, sign * dual_weights) for sign in (1, -1)]
+        assert np.min(masses) == min(prior_about_model.mass.min(), 0.0)
+        assert np.max(masses) > 2 * prior_about_model.mass.max()
 
 
-def test_of_either_sign_masses_move_the_outputs_as_far_as_the_covariance_says(path, about_believed):
-    C, negative = np.sum([v * part for v, part in zip(VARIANCES, about_believed.covariances)], axis=0), []
-    pull = 1e3 * np.random.default_rng(3).standard_normal(len(path))
-    for p in (pull, -pull):
-        masses = about_believed.renewed(VARIANCES, p, signed=True)
-        moved = Preisach(about_believed.triangle.table(masses, 0.0)).simulate(path)
-        np.testing.assert_allclose(moved - outputs(believed(), path), C @ p, rtol=1e-9, atol=1e-9)
+def test_signed_masses_move_the_outputs_as_far_as_the_covariance_allows(path, prior_about_model):
+    C, negative = np.sum([v * part for v, part in zip(VARIANCES, prior_about_model.covariances)], axis=0), []
+    dual_weights = 1e3 * np.random.default_rng(3).standard_normal(len(path))
+    for p in (dual_weights, -dual_weights):
+        masses = prior_about_model.posterior_masses(VARIANCES, p, signed=True)
+        moved = Preisach(prior_about_model.triangle.table(masses, 0.0)).simulate(path)
+        np.testing.assert_allclose(moved - outputs(model_density(), path), C @ p, rtol=1e-9, atol=1e-9)
         negative.append(masses.min())
-    assert min(negative) < -0.1 * about_believed.mass.max()
+    assert min(negative) < -0.1 * prior_about_model.mass.max()
 
 
-def test_without_a_pull_the_density_is_the_believed_one(path, about_believed):
-    masses = about_believed.renewed(VARIANCES, np.zeros(len(path)))
-    kept = Preisach(about_believed.triangle.table(masses, 0.0))
-    np.testing.assert_allclose(kept.simulate(path), outputs(believed(), path), atol=1e-9)
+def test_with_zero_dual_weights_the_density_is_the_models(path, prior_about_model):
+    masses = prior_about_model.posterior_masses(VARIANCES, np.zeros(len(path)))
+    kept = Preisach(prior_about_model.triangle.table(masses, 0.0))
+    np.testing.assert_allclose(kept.simulate(path), outputs(model_density(), path), atol=1e-9)

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.diagnosis.free_density import free_density
-from smarig.diagnosis.gain import Gain, measured_gain
-from smarig.diagnosis.noise import propagated, remembered
-from smarig.diagnosis.refit import Noise
-from smarig.story.retelling import retold
-from smarig.story.told import told
-from story.sittings import LISTED, LONG, believed, sitting
+from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
+from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.critique.refit import NoiseEstimate
+from smarig.diagnosis.explain.density_prior import density_prior
+from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.replay.prediction import predict
+from smarig.replay.timeline import build_timeline
 
 
 def gain(base, extended, block, floor):
-    return Gain(np.array(base, dtype=float), np.array(extended, dtype=float), np.array(block), floor)
+    return HeldOutGain(np.array(base, dtype=float), np.array(extended, dtype=float), np.array(block), floor)
 
 
 def test_all_that_can_be_removed_is_removed_when_only_noise_is_left():
@@ -37,7 +37,7 @@ def test_a_base_at_the_noise_floor_leaves_nothing_to_remove(floor):
     assert at_floor.interval() is None
 
 
-def test_shares_are_of_squares_and_every_point_counts_alike():
+def test_shares_are_of_squares_and_every_point_has_equal_weight():
     """(1 + 16 + 16 − 3·4) of (33 − 3·1), by hand."""
     g = gain([1.0, 4.0, 4.0], [2.0, -2.0, 2.0], [0, 1, 1], 1.0)
     assert g.removable_share == pytest.approx(21 / 30)
@@ -51,7 +51,7 @@ def test_blocks_are_drawn_whole():
     assert g.interval() == pytest.approx((alone[1], alone[0]))
 
 
-def test_one_block_tells_nothing_of_others_and_its_interval_is_a_point():
+def test_the_interval_of_one_block_is_a_point():
     g = gain([4.0, 2.0, 3.0], [1.0, 1.5, 0.5], [3, 3, 3], 0.5)
     assert g.interval() == pytest.approx((g.removable_share, g.removable_share))
 
@@ -89,20 +89,20 @@ def test_intervals_hold_the_true_share_about_as_often_as_they_promise():
 def walked(tmp_path_factory):
     """Runs of a wire that walks, and what is believed of it without and with that."""
     effects = ("walking=1",)
-    runs = sitting(tmp_path_factory.mktemp("gain"), LISTED, LONG, effects=effects)
-    return runs, believed()[0], *believed(effects)
+    runs = session_runs(tmp_path_factory.mktemp("gain"), LISTED, LONG, effects=effects)
+    return runs, twin_plant_model()[0], *twin_plant_model(effects)
 
 
-def test_who_knows_the_effect_is_at_the_noise_floor_on_runs_held_out(walked):
+def test_a_model_with_the_effect_is_at_the_noise_floor_on_held_out_runs(walked):
     (train, judged), base, extended, per_count = walked
-    noise = Noise(np.empty(0), 0.0, 60.0, 0.4 * per_count / np.sqrt(250))
-    g = measured_gain([train], [judged], base, extended, noise)
+    noise = NoiseEstimate(np.empty(0), 0.0, 60.0, 0.4 * per_count / np.sqrt(250))
+    g = held_out_gain([train], [judged], base, extended, noise)
     assert g.base_error.size == g.extended_error.size == len(judged.settled)
     assert g.floor == noise.settled
     assert g.base > 20 * g.floor
     assert g.removable_share == pytest.approx(1.0, abs=0.01)
-    assert measured_gain([train], [judged], base, base, noise).removable_share == 0.0
-    assert measured_gain([train], [judged], extended, base, noise).extended == g.base
+    assert held_out_gain([train], [judged], base, base, noise).removable_share == 0.0
+    assert held_out_gain([train], [judged], extended, base, noise).extended == g.base
 
 
 def test_the_encoders_zero_is_met_on_the_training_runs(walked):
@@ -112,19 +112,19 @@ def test_the_encoders_zero_is_met_on_the_training_runs(walked):
     def lifted(run, by):
         return replace(run, steps=tuple(replace(s, position=s.position + by) for s in run.steps))
 
-    noise = Noise(np.empty(0), 0.0, 60.0, 0.01)
-    same = measured_gain([train], [judged], extended, extended, noise)
-    both = measured_gain([lifted(train, 1.0)], [lifted(judged, 1.0)], extended, extended, noise)
-    one = measured_gain([train], [lifted(judged, 1.0)], extended, extended, noise)
+    noise = NoiseEstimate(np.empty(0), 0.0, 60.0, 0.01)
+    same = held_out_gain([train], [judged], extended, extended, noise)
+    both = held_out_gain([lifted(train, 1.0)], [lifted(judged, 1.0)], extended, extended, noise)
+    one = held_out_gain([train], [lifted(judged, 1.0)], extended, extended, noise)
     np.testing.assert_allclose(both.base_error, same.base_error, atol=1e-9)
     np.testing.assert_allclose(one.base_error, same.base_error + 1.0, atol=1e-9)
     assert one.base > 10 * per_count
 
 
-def test_a_draught_that_the_hysteresis_remembers_is_part_of_the_floor(walked):
+def test_ambient_fluctuation_in_the_memory_is_part_of_the_floor(walked):
     (train, judged), base, extended, _ = walked
     floors = [
-        measured_gain([train], [judged], base, extended, Noise(np.empty(0), T, 60.0, 0.01)).floor
+        held_out_gain([train], [judged], base, extended, NoiseEstimate(np.empty(0), T, 60.0, 0.01)).floor
         for T in (0.0, 0.1, 0.2)
     ]
     assert floors[0] == 0.01
@@ -137,32 +137,32 @@ VARIANCES = np.array([0.1, 0.02, 1e-4])  # of broad and fine factors of the dens
 ZERO = 30.0  # sd of the encoder's zero, in strokes
 
 
-def positions(runs, subject):
+def positions(runs, plant_model):
     """Settled positions of runs, as they are told and as a subject retells them."""
-    story = replace(told(runs, subject.actuator.tau_s).placed, others=())
-    return story, retold(story, subject)
+    timeline = replace(build_timeline(runs, plant_model.actuator.tau_s).positions_only, other_readings=())
+    return timeline, predict(timeline, plant_model)
 
 
-def jointly(whole, subject, noise, variances):
+def jointly(whole, plant_model, noise, variances):
     """Covariance of all positions when density, zero, draughts and readings are what they may be."""
-    h, n = subject.hysteresis, whole.output.size
-    path = whole.lived(h, subject.initial, whole.felt_K)
-    shapes = free_density(whole, h, path, whole.output).covariances
+    h, n = plant_model.hysteresis, whole.output.size
+    path = whole.outputs_along(h, plant_model.initial, whole.hysteresis_input_K)
+    shapes = density_prior(whole, h, path, whole.output).covariances
     density = sum(v * shape for v, shape in zip(variances, shapes)) + ZERO**2
-    draught = propagated(*remembered(h, whole), noise.correlation_s)
-    return subject.stroke**2 * density + noise.temperature_K**2 * draught + noise.settled**2 * np.eye(n)
+    draught = memory_covariance(*memory_slopes(h, whole), noise.correlation_s)
+    return plant_model.stroke**2 * density + noise.temperature_K**2 * draught + noise.settled**2 * np.eye(n)
 
 
 @pytest.mark.parametrize("temperature_K", [0.0, 0.1])
-def test_a_position_counts_by_how_well_the_training_runs_foretell_it(walked, temperature_K):
+def test_a_position_is_weighted_by_how_well_the_training_runs_predict_it(walked, temperature_K):
     """Its variance when theirs are known: of a Gaussian, the inverse of its own block of the joint precision."""
     (train, judged), base, extended, per_count = walked
-    noise = Noise(np.empty(0), temperature_K, 60.0, 0.4 * per_count)
-    story, whole = positions([train, judged], extended)
+    noise = NoiseEstimate(np.empty(0), temperature_K, 60.0, 0.4 * per_count)
+    timeline, whole = positions([train, judged], extended)
     precision = np.linalg.inv(jointly(whole, extended, noise, VARIANCES))
-    held_out = story.run == 1
+    held_out = timeline.run == 1
     conditional = np.diag(np.linalg.inv(precision[np.ix_(held_out, held_out)]))
-    g = measured_gain([train], [judged], base, extended, noise, VARIANCES)
+    g = held_out_gain([train], [judged], base, extended, noise, VARIANCES)
     assert g.weight is not None
     np.testing.assert_allclose(1 / g.weight, conditional, rtol=1e-4)
     assert conditional.max() > 1.5 * conditional.min()
@@ -172,9 +172,9 @@ def test_a_position_counts_by_how_well_the_training_runs_foretell_it(walked, tem
 
 def test_the_floor_rises_with_what_is_left_open_of_the_density(walked):
     (train, judged), base, extended, _ = walked
-    noise = Noise(np.empty(0), 0.0, 60.0, 0.01)
+    noise = NoiseEstimate(np.empty(0), 0.0, 60.0, 0.01)
     floors = [
-        measured_gain([train], [judged], base, extended, noise, open_density * VARIANCES).floor
+        held_out_gain([train], [judged], base, extended, noise, open_density * VARIANCES).floor
         for open_density in (0.0, 1.0, 10.0)
     ]
     zero = 0.01 * np.sqrt(1 + 1 / len(train.settled))  # is met on the training runs, with their own noise

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.made_memories import felt
-from smarig.diagnosis.noise import propagated, remembered
-from smarig.preisach.gorbet_1997 import surface
+from diagnosis.made_memories import prediction_for_inputs
+from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 
 CORRELATION_S = 60.0
@@ -30,11 +30,11 @@ def ornstein_uhlenbeck(t_s, rng):
     ("wire", "initial", "low", "high"),
     [("one_e", "negative", 65.0, 95.0), ("two_c", "anhysteretic", -100.0, 100.0)],
 )
-def test_covariance_is_that_of_many_noisy_lives(wire, initial, low, high):
+def test_covariance_is_that_of_many_noisy_simulations(wire, initial, low, high):
     hysteresis, size_K = surface(wire), 0.01
     inputs, t_s = wander(low, high, 24, seed=4)
-    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s, initial))
-    covariance = propagated(J, times, CORRELATION_S)
+    J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s, initial))
+    covariance = memory_covariance(J, times, CORRELATION_S)
 
     operator = Preisach(hysteresis)
     noise = size_K * ornstein_uhlenbeck(t_s, np.random.default_rng(9))
@@ -50,31 +50,33 @@ def test_covariance_is_that_of_many_noisy_lives(wire, initial, low, high):
     assert apart.max() > 0.3 * variance.max()  # readings do share a past
 
 
-def test_noise_that_never_changes_moves_every_remembered_input_alike():
+def test_constant_noise_moves_every_remembered_input_equally():
     hysteresis = surface("one_e")
     inputs, t_s = wander(65.0, 95.0, 12, seed=5)
-    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s))
+    J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s))
     operator, small = Preisach(hysteresis), 1e-4
     shifted = (operator.simulate(inputs + small) - operator.simulate(inputs - small)) / (2 * small)
     np.testing.assert_allclose(
-        propagated(J, times, 1e9), np.outer(shifted, shifted), atol=1e-5 * np.abs(shifted).max() ** 2
+        memory_covariance(J, times, 1e9), np.outer(shifted, shifted), atol=1e-5 * np.abs(shifted).max() ** 2
     )
 
 
 @pytest.mark.parametrize(("wire", "beyond"), [("one_e", 200.0), ("two_c", 210.0), ("one_c", -20.0)])
 def test_a_reading_in_saturation_has_no_temperature_noise(wire, beyond):
     hysteresis = surface(wire)
-    told = felt(hysteresis, [60.0, beyond])
-    J, times = remembered(hysteresis, told)
-    assert Preisach(hysteresis).simulate([60.0, beyond + 1.0])[1] == told.output[1]
-    covariance = propagated(J, times, CORRELATION_S)
+    prediction = prediction_for_inputs(hysteresis, [60.0, beyond])
+    J, times = memory_slopes(hysteresis, prediction)
+    assert Preisach(hysteresis).simulate([60.0, beyond + 1.0])[1] == prediction.output[1]
+    covariance = memory_covariance(J, times, CORRELATION_S)
     assert covariance[0, 0] > 0
     assert covariance[1, 1] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_saturation_forgets_the_noise_before_it():
     hysteresis = surface("one_e")
-    J, times = remembered(hysteresis, felt(hysteresis, [60.0, 90.0, 70.0, 200.0, 80.0], [1, 2, 3, 4, 5]))
+    J, times = memory_slopes(
+        hysteresis, prediction_for_inputs(hysteresis, [60.0, 90.0, 70.0, 200.0, 80.0], [1, 2, 3, 4, 5])
+    )
     last = J.toarray()[4]
     assert not last[times < 4].any()
     assert last[times == 5].all()
@@ -83,7 +85,7 @@ def test_saturation_forgets_the_noise_before_it():
 def test_a_wiped_out_reversal_leaves_no_trace():
     hysteresis = surface("one_e")
     inputs, t_s = [110.0, 60.0, 90.0, 70.0, 95.0, 65.0], np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
-    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s))
+    J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s))
     slope = {t: J.toarray()[:, k] for k, t in enumerate(times.tolist())}
     assert slope[30.0][2:4].all()  # 90 and 70, while they are remembered
     assert slope[40.0][3] != 0
@@ -91,17 +93,19 @@ def test_a_wiped_out_reversal_leaves_no_trace():
     assert not slope[40.0][4:].any()
 
     K = [0, 1, 4, 5]
-    bare = remembered(hysteresis, felt(hysteresis, [inputs[k] for k in K], t_s[K]))
+    bare = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, [inputs[k] for k in K], t_s[K]))
     np.testing.assert_allclose(
-        propagated(J, times, CORRELATION_S)[np.ix_(K, K)], propagated(*bare, CORRELATION_S), rtol=1e-12
+        memory_covariance(J, times, CORRELATION_S)[np.ix_(K, K)],
+        memory_covariance(*bare, CORRELATION_S),
+        rtol=1e-12,
     )
 
 
 def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
     """A hold is many ticks at one input: the reversal is where the wire left it."""
     hysteresis = surface("one_e")
-    told = felt(hysteresis, [100.0, 100.0, 100.0, 70.0], [10.0, 20.0, 30.0, 40.0])
-    J, times = remembered(hysteresis, told)
+    prediction = prediction_for_inputs(hysteresis, [100.0, 100.0, 100.0, 70.0], [10.0, 20.0, 30.0, 40.0])
+    J, times = memory_slopes(hysteresis, prediction)
     assert times[J.toarray()[3] != 0].tolist() == [30.0, 40.0]
 
 
@@ -110,49 +114,49 @@ def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
     hysteresis = surface("one_e")
     inputs = [200.0, 60.0, 95.0, 75.0, 200.0, 60.0, 95.0, 76.0]
     t_s = [10.0, 20.0, 30.0, 40.0, 5010.0, 5020.0, 5030.0, 5040.0]
-    J, times = remembered(hysteresis, felt(hysteresis, inputs, t_s))
+    J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s))
     first, second = (times[J.toarray()[k] != 0].tolist() for k in (3, 7))
     assert sorted(first) == [20.0, 30.0, 40.0]
     assert sorted(second) == [5020.0, 5030.0, 5040.0]
-    C = propagated(J, times, CORRELATION_S)
+    C = memory_covariance(J, times, CORRELATION_S)
     assert abs(C[3, 7]) < 1e-9 * np.sqrt(C[3, 3] * C[7, 7])
-    lasting = propagated(J, times, 1e9)
+    lasting = memory_covariance(J, times, 1e9)
     assert lasting[3, 7] > 0.9 * np.sqrt(lasting[3, 3] * lasting[7, 7])
 
 
 def two_sittings(first, second, initial):
     """Every tick is read, and the second sitting begins anew, much later."""
     hysteresis = surface("one_e")
-    one = felt(hysteresis, first, initial=initial)
-    other = felt(hysteresis, second, 1e5 + np.arange(1.0, len(second) + 1), initial)
+    one = prediction_for_inputs(hysteresis, first, initial=initial)
+    other = prediction_for_inputs(hysteresis, second, 1e5 + np.arange(1.0, len(second) + 1), initial)
     n = len(first)
     return hysteresis, replace(
         one,
         t_s=np.append(one.t_s, other.t_s),
-        felt_K=np.append(one.felt_K, other.felt_K),
+        hysteresis_input_K=np.append(one.hysteresis_input_K, other.hysteresis_input_K),
         states=(*one.states, *other.states),
         output=np.append(one.output, other.output),
-        marks=np.append(one.marks, n + other.marks),
-        follows=np.append(one.follows, other.follows),
-        begins=(0, n),
+        tick_index=np.append(one.tick_index, n + other.tick_index),
+        output_slope=np.append(one.output_slope, other.output_slope),
+        session_starts=(0, n),
     )
 
 
-def test_an_input_felt_in_an_earlier_sitting_is_not_remembered_from_there():
+def test_an_input_of_an_earlier_session_is_not_remembered_from_there():
     """90 and 70 are in the memory that both begin with; the first sitting feels them again, the second never."""
     operator = Preisach(surface("one_e"))
     operator.simulate([90.0, 70.0])
-    hysteresis, told = two_sittings([110.0, 90.0, 70.0, 85.0, 75.0], [80.0, 75.0], operator.state)
-    assert {90.0, 70.0} <= set(told.states[6].extrema)
-    J, times = remembered(hysteresis, told)
+    hysteresis, prediction = two_sittings([110.0, 90.0, 70.0, 85.0, 75.0], [80.0, 75.0], operator.state)
+    assert {90.0, 70.0} <= set(prediction.states[6].extrema)
+    J, times = memory_slopes(hysteresis, prediction)
     slope = J.toarray()
     assert not slope[5:, times < 1e5].any()
     assert sorted(times[slope[6] != 0]) == [1e5 + 1, 1e5 + 2]
     assert sorted(times[slope[4] != 0]) == [1.0, 3.0, 4.0, 5.0]
 
-    alone = felt(hysteresis, [80.0, 75.0], 1e5 + np.arange(1.0, 3.0), operator.state)
+    alone = prediction_for_inputs(hysteresis, [80.0, 75.0], 1e5 + np.arange(1.0, 3.0), operator.state)
     np.testing.assert_allclose(
-        propagated(J, times, CORRELATION_S)[5:, 5:],
-        propagated(*remembered(hysteresis, alone), CORRELATION_S),
+        memory_covariance(J, times, CORRELATION_S)[5:, 5:],
+        memory_covariance(*memory_slopes(hysteresis, alone), CORRELATION_S),
         rtol=1e-12,
     )

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.linalg import cho_solve, cholesky
 
-from diagnosis.made_memories import felt
-from smarig.diagnosis.free_density import free_density
-from smarig.diagnosis.posterior import Posterior
-from smarig.preisach.gorbet_1997 import surface
+from diagnosis.made_memories import prediction_for_inputs
+from smarig.diagnosis.critique.density_posterior import DensityPosterior
+from smarig.diagnosis.explain.density_prior import density_prior
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 
 WIRE = surface("one_c")  # nowhere negative
 STROKE = WIRE.everett(WIRE.upper, WIRE.lower)
-NOISE, ANY, ZERO = 1e-4, 30.0, 0.3  # strokes
+NOISE, FREE_ZERO_SD, ZERO = 1e-4, 30.0, 0.3  # strokes
 VARIANCES = np.array([1.0, 0.2, 1e-4])
 
 
@@ -44,19 +44,23 @@ def read(path):
 
 def posterior_of(path, read, kept=slice(None)):
     """Of the readings kept."""
-    whole = felt(WIRE, path)
+    whole = prediction_for_inputs(WIRE, path)
     output, n = whole.output[kept], whole.output[kept].size
-    told = replace(
-        whole, states=whole.states[kept], output=output, marks=whole.marks[kept], follows=np.ones(n)
+    prediction = replace(
+        whole,
+        states=whole.states[kept],
+        output=output,
+        tick_index=whole.tick_index[kept],
+        output_slope=np.ones(n),
     )
-    prior = free_density(told, WIRE, whole.output, output)
+    prior = density_prior(prediction, WIRE, whole.output, output)
     density = np.sum([v * part for v, part in zip(VARIANCES, prior.covariances)], axis=0)
-    free = np.full((n, n), ANY**2)
+    free = np.full((n, n), FREE_ZERO_SD**2)
     factor = cholesky(density + free + NOISE**2 * np.eye(n), lower=True)
-    pull = cho_solve((factor, True), (read[kept] - output) / STROKE)
+    dual_weights = cho_solve((factor, True), (read[kept] - output) / STROKE)
     ones = np.ones(n)
-    return Posterior(
-        prior, VARIANCES, density, ones, factor, free, pull, STROKE * ones, STROKE, WIRE.y_lower, "mm"
+    return DensityPosterior(
+        prior, VARIANCES, density, ones, factor, free, dual_weights, STROKE * ones, STROKE, WIRE.y_lower, "mm"
     )
 
 
@@ -81,7 +85,7 @@ def test_where_they_may_not_none_is_and_the_outputs_stay(path, read, posterior):
     assert np.sqrt(np.mean((outputs(table, path) - read) ** 2)) < 0.001 * STROKE
 
 
-def test_where_nothing_pins_the_zero_down_it_gives_way_to_the_density_but_once(path, read):
+def test_an_undetermined_zero_is_counted_once_with_the_density(path, read):
     """Saturations are not read: what cut masses lose is shared by the others and the zero, and no more than that."""
     kept = slice(2, None)
     table = posterior_of(path, read, kept).table()

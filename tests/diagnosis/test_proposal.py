@@ -4,15 +4,17 @@ from types import SimpleNamespace
 
 import pytest
 
+from smarig.app.proposal import DECISIVE_NATS, Proposal, RunOption, _best, propose_run, write_campaign
 from smarig.config import CampaignFile
-from smarig.diagnosis.verdict import TEMPERATURE
-from smarig.proposal import SURE, Option, Proposal, _best, proposed, write_campaign
-from smarig.toml_file import load
+from smarig.core.toml_file import load
+from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
 
-QUICK = Option("wiping_out", {}, 0.5, SURE + 1)
-LONG = Option("first_order_descending", {}, 1.2, SURE + 80)
-WEAK = Option("congruency", {}, 0.7, 3.0)
-STAIRS = Option("step_currents", {"profile": "staircase", "settle.window_s": 250.0, "points": 16}, 2.0, 7.0)
+QUICK = RunOption("wiping_out", {}, 0.5, DECISIVE_NATS + 1)
+LONG = RunOption("first_order_descending", {}, 1.2, DECISIVE_NATS + 80)
+WEAK = RunOption("congruency", {}, 0.7, 3.0)
+STAIRS = RunOption(
+    "step_currents", {"profile": "staircase", "settle.window_s": 250.0, "points": 16}, 2.0, 7.0
+)
 
 
 def test_of_runs_that_settle_it_the_quickest_is_proposed():
@@ -24,8 +26,8 @@ def test_where_none_settles_it_the_one_that_gains_most_an_hour_is():
 
 
 def test_the_odds_are_those_the_next_verdict_would_give():
-    assert Option("wiping_out", {}, 1.0, 0.0).odds == 0.5
-    assert Option("wiping_out", {}, 1.0, 9 * TEMPERATURE).odds == pytest.approx(1.0, abs=2e-4)
+    assert RunOption("wiping_out", {}, 1.0, 0.0).odds == 0.5
+    assert RunOption("wiping_out", {}, 1.0, 9 * LEAD_SCALE_NATS).odds == pytest.approx(1.0, abs=2e-4)
 
 
 def test_its_campaign_is_one_that_run_takes(tmp_path):
@@ -57,10 +59,10 @@ def diagnosed(**probabilities):
 
 
 @pytest.mark.parametrize(("nats", "worth"), [(-4.0, False), (0.5, False), (5.0, True)])
-def test_a_run_that_tells_nothing_is_not_proposed(monkeypatch, nats, worth):
-    monkeypatch.setattr("smarig.proposal._separated", lambda *_: nats)
+def test_an_uninformative_run_is_not_proposed(monkeypatch, nats, worth):
+    monkeypatch.setattr("smarig.app.proposal._separation_nats", lambda *_: nats)
     said = []
-    assert (proposed(diagnosed(walking=0.6, slip=0.4), said.append) is not None) is worth
+    assert (propose_run(diagnosed(walking=0.6, slip=0.4), said.append) is not None) is worth
     assert any("walking or slip" in line for line in said) is not worth
 
 
@@ -68,5 +70,5 @@ def test_a_run_that_tells_nothing_is_not_proposed(monkeypatch, nats, worth):
 def test_nothing_is_proposed_where_one_explanation_is_left(left):
     """What is hardly likely is told apart already."""
     said = []
-    assert proposed(diagnosed(**left), said.append) is None
+    assert propose_run(diagnosed(**left), said.append) is None
     assert said == ["Nothing is left to be told apart."]

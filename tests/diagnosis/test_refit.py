@@ -5,40 +5,40 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.diagnosis.refit import refit
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.story.retelling import retold
-from smarig.story.told import told
-from story.sittings import LISTED, LONG, believed, sitting
+from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
+from smarig.diagnosis.critique.refit import refit
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.replay.prediction import predict
+from smarig.replay.timeline import build_timeline
 
 
 @pytest.fixture(scope="module")
-def story(tmp_path_factory):
+def timeline(tmp_path_factory):
     """Settled positions alone: what moves is known the worse the faster it is believed to move."""
-    runs = sitting(tmp_path_factory.mktemp("refit"), LONG, LISTED, LONG)
-    return replace(told(runs, believed()[0].actuator.tau_s), others=())
+    runs = session_runs(tmp_path_factory.mktemp("refit"), LONG, LISTED, LONG)
+    return replace(build_timeline(runs, twin_plant_model()[0].actuator.tau_s), other_readings=())
 
 
-def subject(hysteresis=None):
-    wire, per_count = believed()
+def plant_model(hysteresis=None):
+    wire, per_count = twin_plant_model()
     return replace(wire, per_count=per_count, hysteresis=hysteresis or wire.hysteresis)
 
 
-def refitted(story, subject):
-    return refit(story, retold(story, subject), subject)
+def refitted(timeline, plant_model):
+    return refit(timeline, predict(timeline, plant_model), plant_model)
 
 
-def off(story, hysteresis):
+def off(timeline, hysteresis):
     """Rms of settled positions, beside a constant."""
-    return np.std(story.settled.value - retold(story, subject(hysteresis)).values["settled"])
+    return np.std(timeline.settled.value - predict(timeline, plant_model(hysteresis)).values["settled"])
 
 
 @pytest.fixture(scope="module")
-def fair(story):
+def fair(timeline):
     """A table that foretells the story."""
-    table = refitted(story, subject()).posterior.table()
-    return refitted(story, subject(table)).posterior.table()
+    table = refitted(timeline, plant_model()).posterior.table()
+    return refitted(timeline, plant_model(table)).posterior.table()
 
 
 def later(table, power):
@@ -47,10 +47,10 @@ def later(table, power):
     return FodTable(table.lower + share**power * (table.upper - table.lower), table.values, table.unit)
 
 
-def test_the_evidence_does_not_know_the_stroke_that_was_believed(story, fair):
+def test_the_evidence_does_not_depend_on_the_models_stroke(timeline, fair):
     """A wrong stroke only changes what readings are divided by, all of them by two."""
     larger = FodTable(fair.nodes, 2.0 * fair.values, fair.unit)
-    small, large = (refitted(story, subject(h)) for h in (fair, larger))
+    small, large = (refitted(timeline, plant_model(h)) for h in (fair, larger))
     assert large.log_evidence == pytest.approx(small.log_evidence, abs=1.5)
     np.testing.assert_allclose(large.scale, 2.0 * small.scale)
 
@@ -63,24 +63,24 @@ def least_step(hysteresis):
     return float(np.nanmin(np.diff(y, axis=0)))
 
 
-def test_the_density_of_a_refit_foretells_what_a_wrong_one_missed(story, fair):
+def test_the_density_of_a_refit_predicts_what_a_wrong_one_missed(timeline, fair):
     wrong = later(fair, 0.94)
-    found = refitted(story, subject(wrong)).posterior.table()
-    assert off(story, found) < 0.2 * off(story, wrong)
-    assert off(story, fair) < 0.005
+    found = refitted(timeline, plant_model(wrong)).posterior.table()
+    assert off(timeline, found) < 0.2 * off(timeline, wrong)
+    assert off(timeline, fair) < 0.005
     assert np.diff(found.values[:, 0]).max() < 1e-9  # in saturation nothing is on
 
 
-def test_a_refit_puts_no_negative_mass_where_none_was_believed(story):
+def test_a_refit_puts_no_negative_mass_where_the_model_has_none(timeline):
     """``one_c`` is positive, and so is what is found from a wrong density as positive."""
     positive = surface("one_c")
     assert least_step(positive) > -1e-9
-    wrong = later(refitted(story, subject(positive)).posterior.table(), 0.94)
-    found = refitted(story, subject(wrong)).posterior.table()
-    assert off(story, found) < 0.2 * off(story, wrong)
+    wrong = later(refitted(timeline, plant_model(positive)).posterior.table(), 0.94)
+    found = refitted(timeline, plant_model(wrong)).posterior.table()
+    assert off(timeline, found) < 0.2 * off(timeline, wrong)
     assert least_step(found) > -1e-9
 
 
-def test_the_more_a_density_is_wrong_the_less_its_evidence(story, fair):
-    evidence = [refitted(story, subject(later(fair, p))).log_evidence for p in (1.0, 0.9, 0.75)]
+def test_the_more_a_density_is_wrong_the_less_its_evidence(timeline, fair):
+    evidence = [refitted(timeline, plant_model(later(fair, p))).log_evidence for p in (1.0, 0.9, 0.75)]
     assert evidence[0] > evidence[1] + 3 > evidence[2] + 6

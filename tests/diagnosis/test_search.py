@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.diagnosis import search
-from smarig.diagnosis.explanation import Explanation
-from smarig.diagnosis.search import Outdone, searched
-from smarig.model.effects.fatigue import fatigue
-from smarig.model.effects.settling import settling
-from smarig.model.effects.slip import slip
-from smarig.model.effects.walking import walking
-from smarig.story.subject import Subject
+from smarig.diagnosis.explain import search
+from smarig.diagnosis.explain.explanation import Explanation
+from smarig.diagnosis.explain.search import BelowRivalEvidence, search_explanations
+from smarig.plant.effects.fatigue import fatigue
+from smarig.plant.effects.settling import settling
+from smarig.plant.effects.slip import slip
+from smarig.plant.effects.walking import walking
+from smarig.replay.plant_model import PlantModel
 
 WIRE: Any = None
-GIVEN: Any = "the model's density"
+ORIGINAL: Any = "the model's density"
 KINDS = {kind.name: kind for kind in (walking, settling, slip, fatigue)}
 DATA = np.array([100.0, 100.0])  # 10 000 nats are in them
 
@@ -24,10 +24,10 @@ DATA = np.array([100.0, 100.0])  # 10 000 nats are in them
 def test_nothing_is_searched_where_nothing_stands_out():
     silent: Any = SimpleNamespace(silent=True)
 
-    def judge(subject):
+    def criticise(plant_model):
         pytest.fail("a silent critique was judged again")
 
-    assert searched(silent, GIVEN, judge, 0.0) == []
+    assert search_explanations(silent, ORIGINAL, criticise, 0.0) == []
 
 
 class World:
@@ -41,51 +41,58 @@ class World:
     def __init__(self, monkeypatch, worth, left=(), enough=(), starts=tuple(KINDS)):
         self.worth, self.left, self.enough, self.starts = worth, dict(left), enough, starts
         self.judged = []
-        for name in ("refined", "density_anew", "strong", "explained", "topped", "without"):
+        for name in (
+            "fit_parameters",
+            "joint_density_from_best_start",
+            "doubled_strength_start",
+            "fit_explanation",
+            "with_strengths_maximised",
+            "evidence_without_one",
+        ):
             monkeypatch.setattr(search, name, getattr(self, name))
 
     def nats(self, effects):
         return self.worth.get(" ".join(sorted(e.kind.name for e in effects)), 0.0)
 
-    def refined(self, start, story, subject, refitted, centre):
-        extended = Subject(WIRE, GIVEN, "negative", tuple(start))
+    def fit_parameters(self, start, timeline, plant_model, refitted, centre):
+        extended = PlantModel(WIRE, ORIGINAL, "negative", tuple(start))
         misfit = float(DATA @ DATA) - 2 * self.nats(start)
         return SimpleNamespace(effects=extended.planted, extended=extended, misfit=misfit)
 
-    def density_anew(self, story, subject, given, like):
-        return subject, SimpleNamespace(log_evidence=self.nats(subject.planted))
+    def joint_density_from_best_start(self, timeline, plant_model, original, warm_start):
+        return plant_model, SimpleNamespace(log_evidence=self.nats(plant_model.planted))
 
-    def strong(self, story, subject, refitted, given, like):
-        return subject, refitted
+    def doubled_strength_start(self, timeline, plant_model, refitted, original, warm_start):
+        return plant_model, refitted
 
-    def explained(self, story, subject, given, refitted, turns):
-        return Explanation(subject.planted, subject, refitted)
+    def fit_explanation(self, timeline, plant_model, original, refitted, rounds):
+        return Explanation(plant_model.planted, plant_model, refitted)
 
-    def topped(self, story, given, found):
+    def with_strengths_maximised(self, timeline, original, found):
         return SimpleNamespace(effects=found.effects), found
 
-    def without(self, story, best, like):
+    def evidence_without_one(self, timeline, best, warm_start):
         return self.left.get(" ".join(best.names), float("-inf"))
 
-    def critique(self, subject) -> Any:
-        self.judged.append(" ".join(sorted(e.kind.name for e in subject.planted)))
+    def critique(self, plant_model) -> Any:
+        self.judged.append(" ".join(sorted(e.kind.name for e in plant_model.planted)))
         kinds = [KINDS[name] for name in self.starts]
         scores = [
             SimpleNamespace(candidate=SimpleNamespace(best=lambda data, kind=kind: (kind(), 1.0)))
             for kind in kinds
         ]
         return SimpleNamespace(
-            story=None,
-            subject=subject,
+            timeline=None,
+            plant_model=plant_model,
             silent=self.judged[-1] in self.enough,
             refitted=SimpleNamespace(data=DATA),
             best=lambda count: scores[:count],
         )
 
-    def searched(self, evidence=0.0, known=(), **settings):
+    def search_explanations(self, evidence=0.0, known=(), **settings):
         """Names of the best of each level, with its gain."""
-        first = self.critique(Subject(WIRE, GIVEN, "negative", known))
-        levels = searched(first, GIVEN, self.critique, evidence, **settings)
+        first = self.critique(PlantModel(WIRE, ORIGINAL, "negative", known))
+        levels = search_explanations(first, ORIGINAL, self.critique, evidence, **settings)
         return [(" ".join(level.explanations[0].names), level.gain) for level in levels]
 
 
@@ -94,7 +101,7 @@ class World:
 )
 def test_the_first_effect_is_worth_its_name_from_the_gate_on(monkeypatch, nats, gate, levels):
     world = World(monkeypatch, {"walking": 500 + nats})
-    assert world.searched(500.0, gate=gate) == [("walking", nats)][:levels]
+    assert world.search_explanations(500.0, gate=gate) == [("walking", nats)][:levels]
 
 
 @pytest.mark.parametrize(
@@ -106,77 +113,81 @@ def test_a_further_effect_must_be_worth_more_than_the_first_and_more_the_larger_
 ):
     """25 nats at least, a twentieth of the first one's where that is more, never more than 60."""
     world = World(monkeypatch, {"walking": first, "settling walking": first + more})
-    assert world.searched() == [("walking", first), ("settling walking", more)][:levels]
+    assert world.search_explanations() == [("walking", first), ("settling walking", more)][:levels]
 
 
 def test_what_the_density_of_all_explains_without_an_effect_is_not_the_effects(monkeypatch):
     """40 nats likelier than before; 30 of them are there without walking."""
     worth = {"walking": 40.0}
-    assert World(monkeypatch, worth, {"walking": 30.0}).searched() == []
-    assert World(monkeypatch, worth, {"walking": 20.0}).searched() == [("walking", 20.0)]
+    assert World(monkeypatch, worth, {"walking": 30.0}).search_explanations() == []
+    assert World(monkeypatch, worth, {"walking": 20.0}).search_explanations() == [("walking", 20.0)]
 
 
 def test_nor_is_it_a_further_effects(monkeypatch):
     worth = {"walking": 100.0, "settling walking": 160.0}
-    assert World(monkeypatch, worth, {"settling walking": 150.0}).searched() == [("walking", 100.0)]
-    both = World(monkeypatch, worth, {"settling walking": 130.0}).searched()
+    assert World(monkeypatch, worth, {"settling walking": 150.0}).search_explanations() == [
+        ("walking", 100.0)
+    ]
+    both = World(monkeypatch, worth, {"settling walking": 130.0}).search_explanations()
     assert both == [("walking", 100.0), ("settling walking", 30.0)]
 
 
 def test_a_density_that_goes_with_an_effect_only_makes_it_no_dearer(monkeypatch):
     """Without the effect that density explains less than another would."""
-    assert World(monkeypatch, {"walking": 40.0}, {"walking": -500.0}).searched() == [("walking", 40.0)]
+    assert World(monkeypatch, {"walking": 40.0}, {"walking": -500.0}).search_explanations() == [
+        ("walking", 40.0)
+    ]
 
 
 def test_the_search_ends_where_nothing_stands_out_any_more(monkeypatch):
     worth = {"walking": 100.0, "settling walking": 300.0}
-    assert len(World(monkeypatch, worth).searched()) == 2
-    assert World(monkeypatch, worth, enough=("walking",)).searched() == [("walking", 100.0)]
+    assert len(World(monkeypatch, worth).search_explanations()) == 2
+    assert World(monkeypatch, worth, enough=("walking",)).search_explanations() == [("walking", 100.0)]
 
 
 @pytest.mark.parametrize("most", [1, 2, 3])
 def test_there_are_no_more_effects_than_may_be(monkeypatch, most):
     worth = {"walking": 100.0, "settling walking": 200.0, "settling slip walking": 300.0}
     worth["fatigue settling slip walking"] = 400.0
-    assert len(World(monkeypatch, worth).searched(most=most)) == most
+    assert len(World(monkeypatch, worth).search_explanations(most=most)) == most
 
 
 @pytest.mark.parametrize(("rival", "outdone"), [(117.0, False), (119.0, True)])
-def test_a_rival_outdoes_what_comes_nowhere_near_it(monkeypatch, rival, outdone):
+def test_a_much_likelier_rival_ends_the_search(monkeypatch, rival, outdone):
     """Not within 18 nats; nothing is judged once more then."""
     world = World(monkeypatch, {"walking": 100.0})
     if outdone:
-        with pytest.raises(Outdone):
-            world.searched(rival=rival)
+        with pytest.raises(BelowRivalEvidence):
+            world.search_explanations(rival=rival)
         assert world.judged == [""]
     else:
-        assert world.searched(rival=rival) == [("walking", 100.0)]
+        assert world.search_explanations(rival=rival) == [("walking", 100.0)]
 
 
-def test_explanations_stand_likeliest_first_and_straight_lines_tell_their_part(monkeypatch):
+def test_explanations_are_sorted_by_evidence_and_the_linear_gain_is_kept(monkeypatch):
     world = World(monkeypatch, {"walking": 60.0, "slip": 90.0, "settling": 75.0})
-    first = world.critique(Subject(WIRE, GIVEN, "negative"))
-    (level,) = searched(first, GIVEN, world.critique, 10.0, tried=3)
+    first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))
+    (level,) = search_explanations(first, ORIGINAL, world.critique, 10.0, tried=3)
     assert [e.names for e in level.explanations] == [("slip",), ("settling",), ("walking",)]
     assert [level.lead(k) for k in range(3)] == [0.0, 15.0, 30.0]
-    assert (level.gain, level.rough) == (80.0, 90.0)
+    assert (level.gain, level.linear_gain) == (80.0, 90.0)
 
 
-def test_no_more_effects_are_tried_than_asked_for(monkeypatch):
+def test_no_more_effects_are_tried_than_requested(monkeypatch):
     world = World(monkeypatch, {"walking": 60.0, "fatigue": 90.0})
-    assert world.searched(tried=4) == [("fatigue", 90.0)]
-    assert world.searched(tried=3) == [("walking", 60.0)]
+    assert world.search_explanations(tried=4) == [("fatigue", 90.0)]
+    assert world.search_explanations(tried=3) == [("walking", 60.0)]
 
 
 def test_what_stood_out_at_first_is_tried_beside_an_effect_that_hides_it(monkeypatch):
     """Beside walking nothing but slip stands out."""
     world = World(monkeypatch, {"walking": 100.0, "settling walking": 200.0}, enough=("settling walking",))
-    first = world.critique(Subject(WIRE, GIVEN, "negative"))
+    first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))
     world.starts = ("slip",)
-    levels = searched(first, GIVEN, world.critique, 0.0)
+    levels = search_explanations(first, ORIGINAL, world.critique, 0.0)
     assert [level.explanations[0].names for level in levels] == [("walking",), ("settling", "walking")]
 
 
 def test_effects_that_are_known_are_part_of_every_start(monkeypatch):
     world = World(monkeypatch, {"fatigue walking": 50.0, "walking": 500.0}, starts=("walking", "slip"))
-    assert world.searched(known=(fatigue(),)) == [("fatigue walking", 50.0)]
+    assert world.search_explanations(known=(fatigue(),)) == [("fatigue walking", 50.0)]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from smarig.diagnosis.spreads import START, Stack
-from smarig.diagnosis.suspects import TRIED, _gains, suspect
+from smarig.diagnosis.critique.nuisance_terms import SETS_TRIED, _gains, likeliest_nuisance
+from smarig.diagnosis.critique.variance_components import START, ReadingCovariance
 
 N = 120
 LOW, HIGH = np.array([-6.0, -6.0, -9.0, -5.0, -5.0, -3.0]), np.array([2.0, 2.0, 0.0, -1.0, -1.0, 0.0])
@@ -28,22 +28,24 @@ def made():
 def positions(y):
     """Readings with no density at all."""
     zeros, n = np.zeros((y.size, y.size)), y.size
-    return Stack(y, (zeros, zeros, zeros), zeros, np.full(n, 1e-4), np.zeros(n), np.ones(n), (LOW, HIGH))
+    return ReadingCovariance(
+        y, (zeros, zeros, zeros), zeros, np.full(n, 1e-4), np.zeros(n), np.ones(n), (LOW, HIGH)
+    )
 
 
 def test_what_is_wrong_is_set_aside(made):
-    stack, walk, sets = made
-    one = stack(0.6 * sets[4][:, 0])
+    reading_covariance, walk, sets = made
+    one = reading_covariance(0.6 * sets[4][:, 0])
     found = one.likeliest(walk, START)
-    aside = suspect(one, walk, found, sets)
+    aside = likeliest_nuisance(one, walk, found, sets)
     assert aside is sets[4]
     assert 10 ** one.likeliest(walk, START, aside)[1][-1] < 0.8 * 10 ** found[1][-1]
 
 
 def test_nothing_is_set_aside_where_nothing_is_wrong(made):
-    stack, walk, sets = made
-    one = stack(0.0)
-    assert suspect(one, walk, one.likeliest(walk, START), sets) is None
+    reading_covariance, walk, sets = made
+    one = reading_covariance(0.0)
+    assert likeliest_nuisance(one, walk, one.likeliest(walk, START), sets) is None
 
 
 def test_a_gain_is_how_much_likelier_readings_are_when_a_trace_may_be_in_them():
@@ -60,33 +62,36 @@ def test_a_gain_is_how_much_likelier_readings_are_when_a_trace_may_be_in_them():
     np.testing.assert_allclose(_gains(positions(y), C, sets), gains, rtol=1e-9)
 
 
-def worth(stack, sets):
+def worth(reading_covariance, sets):
     """Nats for each set in turn, at the spreads that are likeliest with nothing aside and with everything."""
-    calm = np.zeros((stack.y.size, stack.y.size))
-    found = stack.likeliest(calm, START)
-    everything = stack.likeliest(calm, START, np.column_stack(sets))[1]
-    gains = [_gains(stack, stack.covariance(calm, at), sets) for at in (found[1], everything)]
+    calm = np.zeros((reading_covariance.y.size, reading_covariance.y.size))
+    found = reading_covariance.likeliest(calm, START)
+    everything = reading_covariance.likeliest(calm, START, np.column_stack(sets))[1]
+    gains = [
+        _gains(reading_covariance, reading_covariance.covariance(calm, at), sets)
+        for at in (found[1], everything)
+    ]
     return calm, found, *gains
 
 
-def test_what_passes_for_noise_is_found_though_its_likes_look_likelier_in_that_noise():
+def test_what_passes_for_noise_is_found_though_similar_sets_look_likelier_in_that_noise():
     rng = np.random.default_rng(0)
     wrong = 0.002 * rng.standard_normal((60, 1))
-    likes = [5 * wrong + 0.002 * rng.standard_normal((60, 1)) for _ in range(TRIED)]
+    likes = [5 * wrong + 0.002 * rng.standard_normal((60, 1)) for _ in range(SETS_TRIED)]
     one = positions(6.0 * wrong[:, 0] + 2e-4 * rng.standard_normal(60))
     calm, found, plain, bare = worth(one, [*likes, wrong])
-    assert np.argmin(plain) == TRIED
-    assert np.argmax(bare) == TRIED
-    assert suspect(one, calm, found, [*likes, wrong]) is wrong
+    assert np.argmin(plain) == SETS_TRIED
+    assert np.argmax(bare) == SETS_TRIED
+    assert likeliest_nuisance(one, calm, found, [*likes, wrong]) is wrong
 
 
 def test_what_is_wrong_is_found_though_all_suspects_at_once_leave_no_noise_at_all():
     """Where no noise is left, who has many traces explains most."""
     rng = np.random.default_rng(0)
     wrong = 0.02 * np.where(np.arange(60) < 30, -1.0, 1.0)[:, None]
-    many = [0.01 * rng.standard_normal((60, 45)) for _ in range(TRIED)]
+    many = [0.01 * rng.standard_normal((60, 45)) for _ in range(SETS_TRIED)]
     one = positions(0.5 * wrong[:, 0] + 0.01 * rng.standard_normal(60))
     calm, found, plain, bare = worth(one, [*many, wrong])
-    assert np.argmax(plain) == TRIED
-    assert np.argmin(bare) == TRIED
-    assert suspect(one, calm, found, [*many, wrong]) is wrong
+    assert np.argmax(plain) == SETS_TRIED
+    assert np.argmin(bare) == SETS_TRIED
+    assert likeliest_nuisance(one, calm, found, [*many, wrong]) is wrong

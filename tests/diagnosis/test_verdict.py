@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from smarig.diagnosis.candidates import Candidate
-from smarig.diagnosis.critique import Critique, Score
-from smarig.diagnosis.verdict import Verdict, decided
-from smarig.model.effects.settling import settling
-from smarig.model.effects.walking import walking
+from smarig.diagnosis.critique.critique import CandidateScore, Critique
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+from smarig.diagnosis.explain.candidates import Candidate
+from smarig.plant.effects.settling import settling
+from smarig.plant.effects.walking import walking
 
 THRESHOLD = 3.0
 DATA = np.array([10.0, 0.0, 0.0, 0.0])  # 50 nats are in them
@@ -17,7 +17,7 @@ DATA = np.array([10.0, 0.0, 0.0, 0.0])  # 50 nats are in them
 
 def score(candidate, nats, spread=2.0):
     """A score that gains so many nats beyond chance; its null's 95 % point is ``spread`` above the median."""
-    return Score(candidate, nats + 1.0, 1.0, 1.0 + spread)
+    return CandidateScore(candidate, nats + 1.0, 1.0, 1.0 + spread)
 
 
 def name(kind, nats, *, seen=True):
@@ -44,7 +44,9 @@ def level(*explanations, after=QUIET, gain=40.0):
     """Explanations as (names, nats behind the best), best first; what the best gains, straight lines see too."""
     found = tuple(SimpleNamespace(names=names) for names, _ in explanations)
     leads = [lead for _, lead in explanations]
-    return SimpleNamespace(critique=after, explanations=found, lead=leads.__getitem__, gain=gain, rough=gain)
+    return SimpleNamespace(
+        critique=after, explanations=found, lead=leads.__getitem__, gain=gain, linear_gain=gain
+    )
 
 
 def loud(*variables):
@@ -52,58 +54,58 @@ def loud(*variables):
 
 
 def test_nothing_stands_out():
-    assert decided(QUIET, []) == Verdict("silent")
+    assert decide_verdict(QUIET, []) == DiagnosisVerdict("silent")
 
 
 def test_nothing_could_have_stood_out():
     blind = critique(name(walking, 0.0, seen=False), name(settling, 0.0, seen=False), variable("time", 1.0))
-    assert decided(blind, []) == Verdict("not_identifiable")
+    assert decide_verdict(blind, []) == DiagnosisVerdict("not_identifiable")
 
 
 def test_one_explanation_far_ahead_is_a_name():
-    found = decided(loud(), [level((("walking",), 0.0), (("slip",), 40.0))])
+    found = decide_verdict(loud(), [level((("walking",), 0.0), (("slip",), 40.0))])
     assert (found.word, found.names, found.depends_on) == ("named", ("walking",), None)
     assert found.probability("walking") > 0.99
 
 
 def test_two_effects_together_are_named_together():
-    found = decided(
+    found = decide_verdict(
         loud(), [level((("walking",), 0.0)), level((("settling", "walking"), 0.0), (("walking",), 60.0))]
     )
     assert (found.word, set(found.names)) == ("named", {"settling", "walking"})
 
 
 def test_rivals_close_behind_are_a_set():
-    found = decided(loud(), [level((("walking",), 0.0), (("slip",), 1.0), (("fatigue",), 50.0))])
+    found = decide_verdict(loud(), [level((("walking",), 0.0), (("slip",), 1.0), (("fatigue",), 50.0))])
     assert found.word == "ambiguous"
     assert found.names == ("walking", "slip")
 
 
-def test_only_the_last_level_is_judged():
+def test_only_the_last_level_decides():
     first = level((("walking",), 0.0), (("slip",), 0.5))
     last = level((("settling", "walking"), 0.0), (("creep", "walking"), 80.0))
-    assert decided(loud(), [first, last]).word == "named"
+    assert decide_verdict(loud(), [first, last]).word == "named"
 
 
 def test_something_stands_out_that_no_name_explains():
-    found = decided(loud(variable("time", 35.0), variable("hold", 40.0)), [])
-    assert found == Verdict("unknown", depends_on="hold")
+    found = decide_verdict(loud(variable("time", 35.0), variable("hold", 40.0)), [])
+    assert found == DiagnosisVerdict("unknown", depends_on="hold")
 
 
-def test_what_stands_out_a_little_and_has_no_name_is_not_told():
+def test_a_small_unnamed_deviation_is_not_reported():
     """Neither names nor variables gain enough."""
-    assert decided(loud(variable("time", 11.0)), []) == Verdict("silent")
+    assert decide_verdict(loud(variable("time", 11.0)), []) == DiagnosisVerdict("silent")
 
 
 def test_a_variable_must_stand_out_as_well_as_gain():
     wide = score(Candidate("?time", np.eye(4)[:, 2:3], depends_on="time"), 20.0, spread=10.0)
-    assert decided(loud(wide), []) == Verdict("silent")
+    assert decide_verdict(loud(wide), []) == DiagnosisVerdict("silent")
 
 
 @pytest.mark.parametrize(("share", "word"), [(0.9, "unknown"), (0.1, "named")])
 def test_a_variable_that_explains_much_more_than_any_name_is_no_names(share, word):
     """45 or 5 nats of 50, less 1 by chance, against 20 by the best name."""
-    found = decided(loud(variable("hold", 35.0, share)), [level((("walking",), 0.0), gain=20.0)])
+    found = decide_verdict(loud(variable("hold", 35.0, share)), [level((("walking",), 0.0), gain=20.0)])
     assert found.word == word
     assert found.depends_on == ("hold" if word == "unknown" else None)
     assert found.explanations[0][0] == ("walking",)  # the nearest there is
@@ -116,14 +118,16 @@ def test_much_that_is_left_when_all_names_are_in_is_no_names(left, other, word):
     """Unless another name would explain nearly as much of it; and a little is nothing."""
     still = score(Candidate("?hold", np.eye(4)[:, 2:3], depends_on="hold"), left)
     after = critique(name(settling, other), still)
-    found = decided(loud(variable("time", 35.0)), [level((("walking",), 0.0), after=after, gain=400.0)])
+    found = decide_verdict(
+        loud(variable("time", 35.0)), [level((("walking",), 0.0), after=after, gain=400.0)]
+    )
     assert (found.word, found.depends_on) == (word, "time" if word == "unknown" else None)
 
 
-def test_what_is_left_says_what_it_depends_on_where_nothing_did_at_first():
+def test_the_remainder_names_its_variable_where_the_first_critique_had_none():
     """An amplifier's dead zone hides behind a gain: straight lines see no variable until that is in."""
     still = score(Candidate("?level", np.eye(4)[:, 2:3], depends_on="level"), 55.0)
-    found = decided(loud(), [level((("walking",), 0.0), after=critique(name(settling, 0.5), still))])
+    found = decide_verdict(loud(), [level((("walking",), 0.0), after=critique(name(settling, 0.5), still))])
     assert (found.word, found.depends_on) == ("unknown", "level")
 
 
@@ -137,7 +141,7 @@ LEADS = (
 
 
 def test_probabilities_sum_to_one_in_the_order_of_their_leads():
-    found = decided(loud(), [level(*LEADS)])
+    found = decide_verdict(loud(), [level(*LEADS)])
     p = [probability for _, probability in found.explanations]
     assert [names for names, _ in found.explanations] == [names for names, _ in LEADS]
     assert sum(p) == pytest.approx(1.0)
@@ -148,20 +152,20 @@ def test_probabilities_sum_to_one_in_the_order_of_their_leads():
 
 
 def test_the_set_is_the_least_that_holds_nine_tenths():
-    found = decided(loud(), [level(*LEADS)])
+    found = decide_verdict(loud(), [level(*LEADS)])
     p = dict(found.explanations)
     inside = [p[(n,)] for n in found.names]
     assert sum(inside) >= 0.9 > sum(inside[:-1])
 
 
 def test_the_same_effects_found_twice_count_once_at_their_best():
-    twice = decided(loud(), [level((("walking",), 0.0), (("slip",), 4.0), (("walking",), 1.0))])
-    once = decided(loud(), [level((("walking",), 0.0), (("slip",), 4.0))])
+    twice = decide_verdict(loud(), [level((("walking",), 0.0), (("slip",), 4.0), (("walking",), 1.0))])
+    once = decide_verdict(loud(), [level((("walking",), 0.0), (("slip",), 4.0))])
     assert twice.explanations == once.explanations
 
 
 def test_an_effects_probability_is_the_sum_over_the_explanations_it_is_part_of():
-    found = Verdict("ambiguous", ((("a", "b"), 0.5), (("a", "c"), 0.3), (("c",), 0.2)))
+    found = DiagnosisVerdict("ambiguous", ((("a", "b"), 0.5), (("a", "c"), 0.3), (("c",), 0.2)))
     assert found.probability("a") == pytest.approx(0.8)
     assert found.probability("c") == pytest.approx(0.5)
     assert found.probability("d") == 0

@@ -56,7 +56,7 @@ view validation.run.sqlite --save validation.rrd
 """
 
 
-def said(commands: str) -> list[tuple[str, dict]]:
+def printed_objects(commands: str) -> list[tuple[str, dict]]:
     """(command, its object) of each line, run in the present folder."""
     found = []
     for line in filter(str.strip, commands.splitlines()):
@@ -76,7 +76,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         os.environ |= {"SMARIG_LOCK_DIR": f"{folder}/.locks", "SMARIG_HISTORY_DIR": f"{folder}/.wires"}
         os.chdir(folder)
-        kept = [{"command": command, "output": output} for command, output in said(QUICK + LONG)]
+        kept = [{"command": command, "output": output} for command, output in printed_objects(QUICK + LONG)]
     text = json.dumps(kept, indent=1, ensure_ascii=False)
     text = re.sub(rf"{re.escape(tempfile.gettempdir())}/[\w-]+/", "", text)  # where simulated devices listen
     assert tempfile.gettempdir() not in text, "no path of this machine"

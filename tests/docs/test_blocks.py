@@ -55,15 +55,15 @@ class Page:
 
     def _python(self, block: Block) -> None:
         code = compile("\n" * block.line + block.text, self.name, "exec")  # its lines are the page's
-        with _heard() as said:
+        with _captured() as output_text:
             exec(code, self.names)
-        self.output = said.getvalue()
+        self.output = output_text.getvalue()
 
     def _command(self, command: Command, block: Block) -> str:
         if command.words:
-            with _heard() as said:
+            with _captured() as output_text:
                 status, output = cli(command.words), ""
-            output = said.getvalue()
+            output = output_text.getvalue()
         else:
             status, output = _in_shell(command.line, self.folder)
         assert status == command.status, f"{self.name}:{block.line}: {command.line}\n{output}"
@@ -76,10 +76,10 @@ class Page:
 
 
 @contextlib.contextmanager
-def _heard():
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-        yield said
+def _captured():
+    output_text = io.StringIO()
+    with contextlib.redirect_stdout(output_text), contextlib.redirect_stderr(output_text):
+        yield output_text
 
 
 def _in_shell(line: str, folder: Path) -> tuple[int, str]:

@@ -6,12 +6,12 @@ import click
 import pytest
 
 import smarig
-from docs.json_examples import QUICK, said
+from docs.json_examples import QUICK, printed_objects
 from generate import commands, files, json_objects, keys
 from generate.python import PAGES
 from smarig.cli import run as cli
+from smarig.core.sample import Quality
 from smarig.record import load_run
-from smarig.sample import Quality
 
 
 def test_every_key_of_a_configuration_file_has_a_text():
@@ -38,7 +38,7 @@ def test_every_column_and_key_of_a_file_has_a_text():
         assert all(texts.values()), name
     assert set(files.QUALITY) == {q.name for q in Quality} | {"GOOD"}
     for where, model in files.models():
-        texts = files.of_class(model)
+        texts = files.class_comments(model)
         assert all(texts.get(key) for key in model.model_fields), where
 
 
@@ -57,7 +57,9 @@ def test_every_command_and_option_has_a_text():
 
 def unexplained(command, output):
     """Paths of an object that the reference does not know."""
-    return sorted({p for p, _ in json_objects.paths(output) if json_objects.known_as(command, p) is None})
+    return sorted(
+        {p for p, _ in json_objects.paths(output) if json_objects.explanation_key(command, p) is None}
+    )
 
 
 def test_kept_examples_are_explained_key_by_key():
@@ -69,7 +71,7 @@ def test_what_commands_print_is_what_is_documented(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / ".wires"))
     kept = dict(json_objects.examples())
-    for line, output in said(QUICK):
+    for line, output in printed_objects(QUICK):
         assert not unexplained(line.split()[1], output), line
         command = line.split()[1]
         assert _shape(command, output) == _shape(command, kept[line]), line
@@ -79,7 +81,7 @@ def test_what_commands_print_is_what_is_documented(tmp_path, monkeypatch):
 def _shape(command, output):
     """The keys that are there, with the types of their values; integers may be numbers that happen to be whole."""
     return {
-        (json_objects.known_as(command, path), {"int": "float"}.get(kind, kind))
+        (json_objects.explanation_key(command, path), {"int": "float"}.get(kind, kind))
         for path, kind in json_objects.paths(output)
         if kind not in ("NoneType", "empty")
     }

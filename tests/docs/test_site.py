@@ -17,7 +17,7 @@ ABOUT = {"canonical", "prev", "next", "index", "search", "genindex"}  # of <link
 WRITTEN_BY_SPHINX = {"genindex.html", "search.html", "py-modindex.html"}
 
 
-class Seen(html.parser.HTMLParser):
+class PageContents(html.parser.HTMLParser):
     """What a page loads, where it links, its anchors and its headings."""
 
     def __init__(self, page: Path) -> None:
@@ -30,11 +30,11 @@ class Seen(html.parser.HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Sort it."""
-        given = {name: value or "" for name, value in attrs}
-        self.anchors.add(given.get("id", ""))
+        attributes = {name: value or "" for name, value in attrs}
+        self.anchors.add(attributes.get("id", ""))
         self.headings += tag == "h1"
-        targets = [given[name] for name in ("src", "href", "data", "xlink:href") if name in given]
-        if tag in LOADS and given.get("rel", "") not in ABOUT:
+        targets = [attributes[name] for name in ("src", "href", "data", "xlink:href") if name in attributes]
+        if tag in LOADS and attributes.get("rel", "") not in ABOUT:
             self.loads += targets
         elif tag == "a":
             self.links += targets
@@ -57,17 +57,22 @@ def site(tmp_path):
 
 def test_the_site(site):
     """One test, for it is built once."""
-    pages = {path: Seen(path) for path in sorted(site.rglob("*.html"))}
+    pages = {path: PageContents(path) for path in sorted(site.rglob("*.html"))}
     sources = [p.relative_to(ROOT / "docs") for p in (ROOT / "docs").rglob("*.md")]
     written = {p.with_suffix("") for p in sources if "generated" not in p.parts}
     built = {path.relative_to(site).with_suffix("") for path in pages}
     assert written
     assert not written - built, "every page is built"
-    wrong = [*_asked_for(site, pages), *_lost(site, pages), *_headless(pages), *_unreached(site, pages)]
+    wrong = [
+        *_external_requests(site, pages),
+        *_lost(site, pages),
+        *_headless(pages),
+        *_unreached(site, pages),
+    ]
     assert not wrong, "\n".join(wrong)
 
 
-def _asked_for(site, pages):
+def _external_requests(site, pages):
     """Whatever a page or a style would load from another machine."""
     for path, page in pages.items():
         yield from (f"{path.name} loads {u}" for u in page.loads if urlsplit(u).netloc)
@@ -130,8 +135,8 @@ def test_no_link_would_be_found_missing_only_by_luck(tmp_path):
     )
     (tmp_path / "b.html").write_text("<p>no title</p>")
     (tmp_path / "alone.html").write_text("<h1>alone</h1>")
-    pages = {path: Seen(path) for path in sorted(tmp_path.rglob("*.html"))}
-    assert list(_asked_for(tmp_path, pages)) == ["index.html loads https://elsewhere/d.png"]
+    pages = {path: PageContents(path) for path in sorted(tmp_path.rglob("*.html"))}
+    assert list(_external_requests(tmp_path, pages)) == ["index.html loads https://elsewhere/d.png"]
     assert list(_lost(tmp_path, pages)) == ["index.html: no anchor b.html#x", "index.html: no c.html"]
     assert list(_headless(pages)) == ["b.html has 0 titles"]
     assert list(_unreached(tmp_path, pages)) == ["alone.html is reached from nowhere"]

@@ -9,12 +9,12 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from smarig.catalogue import names
-from smarig.errors import UsageError
+from smarig.core.catalogue import names
+from smarig.core.errors import UsageError
+from smarig.core.sample import Sample
 from smarig.exchange import export_run, import_file
 from smarig.record import Recorder, load_run
 from smarig.runner.session import Session
-from smarig.sample import Sample
 
 needs_xarray = pytest.mark.skipif(
     not all(map(find_spec, ("xarray", "h5netcdf", "h5py"))), reason="the extra netcdf is not installed"

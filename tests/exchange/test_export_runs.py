@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from smarig.errors import StorageError, UsageError
+from smarig.core.errors import StorageError, UsageError
 from smarig.exchange import export_run, import_file
 from smarig.record import load_run
 from smarig.record.recorder import write_run
@@ -139,13 +139,13 @@ def test_a_disk_that_fills_is_a_sentence_in_every_format(run, tmp_path, to, need
     assert not list((tmp_path / "out").iterdir())
 
 
-def test_where_nothing_can_be_written_it_is_said(run, tmp_path):
+def test_an_unwritable_target_is_reported(run, tmp_path):
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(UsageError, match="is not a folder"):
         export_run(run, to="csv", out=tmp_path / "file" / "x.csv")
 
 
-def test_an_unwritable_folder_is_said(run, tmp_path):
+def test_an_unwritable_folder_is_reported(run, tmp_path):
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o500)
     try:

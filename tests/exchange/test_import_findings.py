@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from smarig.exchange.channel_faults import channel_findings, clipped, quantum
-from smarig.exchange.clock import time_findings
-from smarig.exchange.findings import repeated_rows, saturation, twin_columns
-from smarig.exchange.loop_faults import Loop, branch_ends, loop_findings
+from smarig.exchange.findings import duplicate_columns, repeated_rows, saturation_marks
+from smarig.exchange.loop_faults import LoopRecord, branch_ends, loop_findings
+from smarig.exchange.time_axis import time_findings
 
 N = 400
 LINE = np.arange(2, N + 2)
@@ -27,7 +27,7 @@ def _channel(x):
 
 
 def _loop(u, y):
-    return loop_findings(Loop(u, y, LINE, "degC", "mm"))
+    return loop_findings(LoopRecord(u, y, LINE, "degC", "mm"))
 
 
 def _healthy():
@@ -46,7 +46,9 @@ def test_a_clipped_sensor_is_found_where_it_is_clipped():
     stuck = np.minimum(x, top)
     np.testing.assert_array_equal(clipped(stuck), stuck == top)
     assert "clipped at" in _channel(stuck)[0]
-    marks = saturation({"temperature_degC": stuck, "input": stuck}, {"temperature_degC": "degC", "input": ""})
+    marks = saturation_marks(
+        {"temperature_degC": stuck, "input": stuck}, {"temperature_degC": "degC", "input": ""}
+    )
     np.testing.assert_array_equal(marks, np.where(stuck == top, 4, 0))
 
 
@@ -101,7 +103,7 @@ def test_swapped_branches_run_the_wrong_way_round():
     assert not any("output leads its input" in s for s in _loop(U, -_wire(U)))
 
 
-def test_a_loop_that_does_not_close_is_said_with_its_gap():
+def test_a_loop_that_does_not_close_is_reported_with_its_gap():
     y = _healthy() + np.linspace(0, 0.1, N)
     found = [s for s in _loop(U, y) if "does not close" in s]
     assert len(found) == 1
@@ -110,16 +112,16 @@ def test_a_loop_that_does_not_close_is_said_with_its_gap():
 
 
 def test_an_offset_of_a_symmetric_drive_is_found_but_not_of_a_temperature():
-    volts = Loop(U - 40, _healthy(), LINE, "V", "uC/cm^2")
+    volts = LoopRecord(U - 40, _healthy(), LINE, "V", "uC/cm^2")
     assert any("centre +10" in s for s in loop_findings(volts))
     assert not any("centre" in s for s in _loop(U - 40, _healthy()))
 
 
 def test_copies_and_repeats():
     a = np.random.default_rng(4).random(N)
-    assert "identical" in twin_columns({"a": a, "b": a.copy()})[0]
-    assert "+0.248: the same data with another zero" in twin_columns({"a": a, "b": a + 0.248})[0]
-    assert twin_columns({"a": a, "b": a**2}) == []
+    assert "identical" in duplicate_columns({"a": a, "b": a.copy()})[0]
+    assert "+0.248: the same data with another zero" in duplicate_columns({"a": a, "b": a + 0.248})[0]
+    assert duplicate_columns({"a": a, "b": a**2}) == []
     twice = np.repeat(a[:10], 2)
     assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0]
 
@@ -139,11 +141,11 @@ def test_branch_ends_ignore_what_is_smaller_than_the_threshold():
     np.testing.assert_allclose(turns, [0, 200, 400, 599], atol=10)
 
 
-def test_a_designed_sequence_is_judged_by_its_sense_only():
+def test_a_designed_sequence_is_checked_for_loop_direction_only():
     u = np.concatenate([U, [0, 100, 50, 70, 20, 90, 0]])
     y = np.concatenate([_healthy(), [0.5, 1, 1, 1, 0.2, 0.9, 0.3]])
-    loop = Loop(u, y, np.arange(u.size), "K", "mm")
+    loop = LoopRecord(u, y, np.arange(u.size), "K", "mm")
     assert len(loop_findings(loop)) > 0
     assert loop_findings(loop, designed=True) == []
-    backwards = Loop(U, _healthy()[::-1], LINE, "K", "mm")
+    backwards = LoopRecord(U, _healthy()[::-1], LINE, "K", "mm")
     assert "output leads its input" in loop_findings(backwards, designed=True)[0]

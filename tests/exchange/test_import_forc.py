@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.exchange import ForcCurves, correct_drift_if_it_helps, drift_corrected
 from smarig.exchange.drift import corrected, held_out_misses
 
@@ -108,7 +108,7 @@ def _warned(write, imported, text):
     return " ".join(_imported(write, imported, text).meta["warnings"])
 
 
-def test_a_truncated_file_is_read_and_said_to_be_so(write, imported):
+def test_a_truncated_file_is_read_and_reported(write, imported):
     whole = _text(_blocks())
     cut = whole[: int(len(whole) * 0.7)].rsplit("\n", 1)[0]
     said = _warned(write, imported, cut)
@@ -117,7 +117,7 @@ def test_a_truncated_file_is_read_and_said_to_be_so(write, imported):
     assert "promises 8 curves (NCrv), the file holds" in said
 
 
-def test_contradictions_are_said(write, imported):
+def test_contradictions_are_reported(write, imported):
     blocks = _blocks()
     blocks[5][3], blocks[5][4] = blocks[5][4], blocks[5][3]
     said = _warned(write, imported, _text(blocks, curves=9))

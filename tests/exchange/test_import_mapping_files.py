@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from smarig.config import listed
-from smarig.errors import ConfigError, DataError, UsageError
+from smarig.config import shipped_names
+from smarig.core.errors import ConfigError, DataError, UsageError
 from smarig.exchange import import_file, load_mapping
-from smarig.exchange.units import convert
+from smarig.exchange.unit_conversion import convert
 
 PLAIN = """
 name = "plain"
@@ -36,7 +36,7 @@ def mapped(write, imported):
     return do
 
 
-@pytest.mark.parametrize("name", listed("imports"))
+@pytest.mark.parametrize("name", shipped_names("imports"))
 def test_every_shipped_mapping_is_valid_and_named_after_its_file(name):
     mapping = load_mapping(name)
     assert mapping.name == name
@@ -83,7 +83,7 @@ def test_time_is_converted(mapped):
     np.testing.assert_allclose(run["t_s"], [0, 0.5, 1.5])
 
 
-def test_repeated_times_are_refused_averaged_or_kept_as_the_mapping_says(mapped):
+def test_repeated_times_are_refused_averaged_or_kept_as_the_mapping_specifies(mapped):
     data = "t,T,x\n0,300,0\n500,301,100\n500,303,300\n1500,302,2\n"
     with pytest.raises(DataError, match="line 4: 't' repeats 0.5 s"):
         mapped(data, CLOCKED)
@@ -94,7 +94,7 @@ def test_repeated_times_are_refused_averaged_or_kept_as_the_mapping_says(mapped)
     np.testing.assert_allclose(kept["t_s"], [0, 0.5, 0.5, 1.5])
 
 
-def test_a_period_makes_the_clock_and_says_that_nobody_measured_it(mapped):
+def test_a_period_makes_the_clock_and_is_reported_as_not_measured(mapped):
     run = mapped(DATA, PLAIN + "[time]\nperiod_s = 0.25\n")
     np.testing.assert_allclose(run["t_s"], [0, 0.25, 0.5])
     assert any("not measured" in w for w in run.meta["warnings"])

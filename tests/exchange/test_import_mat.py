@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy.io import loadmat, savemat
 
-from smarig.errors import ConfigError, DataError, SmarigError, UsageError
+from smarig.core.errors import ConfigError, DataError, SmarigError, UsageError
 from smarig.exchange import mat_file
 from smarig.exchange.mat_file import open_mat
 
@@ -328,7 +328,7 @@ def test_any_damage_is_read_or_refused(tmp_path, damage):
         (("[mat]", '[mat]\nloops = "rows"\n[time]\ncolumn = "t"'), "leave out"),
     ],
 )
-def test_a_mat_table_that_says_nonsense_is_refused_naming_its_key(mapped, change, said):
+def test_an_invalid_mat_table_is_refused_naming_its_key(mapped, change, said):
     with pytest.raises(ConfigError, match=said):
         mapped(matlab(H=H, B=B), MAPPING.replace(*change))
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from smarig.errors import DataError, StorageError, UsageError
+from smarig.core.errors import DataError, StorageError, UsageError
 from smarig.exchange import import_file
 from smarig.exchange.hold_steps import holds, tolerance
-from smarig.model.actuator import Actuator
+from smarig.plant.actuator import Actuator
 
 
 def _csv(columns):
@@ -105,7 +105,7 @@ def test_a_noisy_measured_current_gives_the_same_steps():
     assert holds(noisy, tolerance(noisy)) == [(0, 200), (200, 400), (400, 600), (600, 800)]
 
 
-def test_a_ramp_has_no_steps_and_says_so(write, imported):
+def test_a_ramp_has_no_steps_and_is_reported(write, imported):
     t_s = np.arange(100) / 10
     run = imported(write(_csv({"time_s": t_s, "current_A": t_s / 10, "position_mm": t_s})))
     assert run.steps == ()
@@ -186,7 +186,7 @@ def test_a_refused_file_leaves_nothing_behind(write, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["data.csv"]
 
 
-def test_where_no_run_can_be_written_it_is_said(write, tmp_path, small_csv):
+def test_an_unwritable_run_is_reported(write, tmp_path, small_csv):
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(StorageError, match="cannot be written|cannot be created"):
         import_file(write(small_csv), format="csv", out=tmp_path / "file" / "x.run.sqlite")

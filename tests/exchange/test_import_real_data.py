@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 
-from smarig.errors import DataError
+from smarig.core.errors import DataError
 from smarig.exchange import correct_drift_if_it_helps, import_file
 from smarig.exchange.drift import ForcCurves
 from smarig.record import Run, load_run
@@ -63,7 +63,7 @@ def test_staircase_resistance_is_that_of_a_wire():
     assert 2.5 < ohms.min() < ohms.max() < 4.0
 
 
-def test_staircase_faults_are_said():
+def test_staircase_faults_are_reported():
     run, said = real("sma_staircase/test.csv", "sma_staircase")
     assert "temperature_degC is clipped at 150.792 degC in 10 rows" in said
     assert "listed twice" in said
@@ -254,7 +254,7 @@ def test_drift_correction_is_decided_by_held_out_error(name):
     assert 0 < error["none"] < 0.01 * np.ptp(curves.moment)
 
 
-def test_a_truncated_real_file_is_said_to_be_so(tmp_path):
+def test_a_truncated_real_file_is_reported(tmp_path):
     source = DATA / "forc_magnetic" / "UB199BF"
     if not source.exists():
         pytest.skip("real data forc_magnetic are not in ../shared/data")
@@ -267,7 +267,7 @@ def test_a_truncated_real_file_is_said_to_be_so(tmp_path):
     assert "promises 140 curves" in said
 
 
-def test_no_import_says_anything_twice():
+def test_no_import_reports_a_finding_twice():
     for name, mapping in (
         ("sma_staircase/test.csv", "sma_staircase"),
         ("sma_cycles/cycles.txt", "sma_cycles"),

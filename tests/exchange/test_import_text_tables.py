@@ -5,12 +5,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from smarig.errors import DataError, SmarigError, UsageError
+from smarig.core.errors import DataError, SmarigError, UsageError
 from smarig.exchange.own_csv import read_own_csv
-from smarig.exchange.table import Layout, read_table
+from smarig.exchange.text_table import TableLayout, read_table
 
 NUMBERS = np.array([[0.0, 1.5, -2e-3], [1.0, 2.5, 3e4], [2.0, -0.5, 7.0]])
-KNOWN = Layout(known=("t", "a", "b"))
+KNOWN = TableLayout(known=("t", "a", "b"))
 
 
 def _text(separator, *, decimal="."):
@@ -34,7 +34,7 @@ def test_any_encoding_gives_the_same_numbers(write, encoding):
     np.testing.assert_array_equal(_values(path), NUMBERS)
 
 
-def test_latin_1_is_said(write):
+def test_latin_1_is_reported(write):
     table = read_table(write(("# °C\n" + _text(",")).encode("latin-1")), KNOWN)
     assert any("Latin-1" in note for note in table.notes)
 
@@ -46,7 +46,7 @@ def test_line_ends_and_a_trailing_delimiter_do_not_matter(write):
 
 def test_decimal_comma_where_declared(write):
     path = write(_text(";", decimal=","))
-    np.testing.assert_array_equal(_values(path, Layout(known=KNOWN.known, decimal=",")), NUMBERS)
+    np.testing.assert_array_equal(_values(path, TableLayout(known=KNOWN.known, decimal=",")), NUMBERS)
 
 
 def test_decimal_comma_is_suspected_where_not_declared(write):
@@ -54,7 +54,7 @@ def test_decimal_comma_is_suspected_where_not_declared(write):
         _values(write(_text(";", decimal=",")))
 
 
-def test_a_preamble_is_skipped_and_said(write):
+def test_a_preamble_is_skipped_and_reported(write):
     path = write("Logger 3000\nserial; 12345\n\n" + _text(";"))
     table = read_table(path, KNOWN)
     np.testing.assert_array_equal(table.columns["a"], NUMBERS[:, 1])
@@ -64,13 +64,13 @@ def test_a_preamble_is_skipped_and_said(write):
 
 def test_without_header_the_names_are_given(write):
     path = write("garbage here\n" + _text("\t").split("\n", 1)[1])
-    np.testing.assert_array_equal(_values(path, Layout(names=("t", "a", "b"))), NUMBERS)
+    np.testing.assert_array_equal(_values(path, TableLayout(names=("t", "a", "b"))), NUMBERS)
 
 
-def test_without_header_a_wrong_number_of_names_is_said(write):
+def test_without_header_a_wrong_number_of_names_is_reported(write):
     path = write(_text("\t").split("\n", 1)[1])
     with pytest.raises(DataError, match="line 1 has 3 columns; the mapping names 2"):
-        read_table(path, Layout(names=("t", "a")))
+        read_table(path, TableLayout(names=("t", "a")))
 
 
 @pytest.mark.parametrize("empty", ["", "nan", "NaN", "NA", "-"])
@@ -80,7 +80,7 @@ def test_empty_cells_become_nan_and_are_counted(write, empty):
     assert "Column 'a': 1 of 3 cells are empty or NaN." in table.notes
 
 
-def test_a_cut_last_line_is_dropped_and_said(write):
+def test_a_truncated_last_line_is_dropped_and_reported(write):
     table = read_table(write("t,a,b\n0,1,2\n1,2,3\n2,5"), KNOWN)
     assert len(table) == 2
     assert any("line (4) is cut short" in note for note in table.notes)
@@ -89,11 +89,11 @@ def test_a_cut_last_line_is_dropped_and_said(write):
 def test_the_fourth_of_many_tables_is_found_with_its_own_preamble(write):
     part = "Table {k}\nAmplitude: {k}00\nt [s]\ta\n0\t{k}\n1\t{k}\n\n"
     path = write("".join(part.format(k=k) for k in range(1, 7)))
-    table = read_table(path, Layout(header_starts="t [s]", table=4))
+    table = read_table(path, TableLayout(header_starts="t [s]", table=4))
     assert table.columns["a"].tolist() == [4.0, 4.0]
     assert table.header["Amplitude"] == "400"
     with pytest.raises(DataError, match=r"has 6 table\(s\).* table 9 was asked for"):
-        read_table(path, Layout(header_starts="t [s]", table=9))
+        read_table(path, TableLayout(header_starts="t [s]", table=9))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import smarig
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.exchange import export_run, import_file
 
 MAPPING = """

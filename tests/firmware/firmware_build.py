@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import pytest
 
-from smarig.wire.crc import crc16
-from smarig.wire.register import Map, load_map, to_words
+from smarig.device.wire.crc import crc16
+from smarig.device.wire.register import RegisterMap, load_map, to_words
 
 FIRMWARE = Path(__file__).resolve().parents[2] / "firmware_protocol" / "firmware"
 RTU, LINES = 0, 1
@@ -77,7 +77,7 @@ def read_line(text: str) -> Reply:
     return Reply(int(numbers[0]), []) if kind == "!" else Reply(0, [int(word, 16) for word in numbers])
 
 
-def status_of(m: Map, words: list[int]) -> Status:
+def status_of(m: RegisterMap, words: list[int]) -> Status:
     """The whole status block by name."""
     status = Status(m.decode("status", words))
     status.samples = m.records(words, status["ring_count"])

@@ -85,7 +85,7 @@ def test_currents(amp, state, order, current, code):
     assert amp.output_uA == amp.status()["output"] == (0 if code else current)
 
 
-def test_off_means_zero_whatever_the_current_says(amp):
+def test_off_means_zero_whatever_the_current_register_holds(amp):
     amp.command(order=ARM, current=500_000)
     assert amp.command(order=OFF, current=500_000) == 0
     assert (amp.output_uA, amp.read("current")) == (0, 500_000)
@@ -202,7 +202,7 @@ def test_a_repeated_exchange_chooses_its_window(amp):
         (300, 290, 16, 290, 11),
     ],
 )
-def test_the_ring_shows_what_was_asked_for(amp, ticks, ring_next, ring_want, first, count):
+def test_the_ring_window_is_the_one_requested(amp, ticks, ring_next, ring_want, first, count):
     for tick in range(1, ticks + 1):
         amp.tick(-tick, 2 * tick, tick % 100, 0)
     amp.command(ring_next=ring_next, ring_want=ring_want)

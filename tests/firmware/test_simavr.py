@@ -4,7 +4,7 @@ import time
 
 from firmware.codes import ARMED, LEASE, NONE, REARM, TRIPPED
 from firmware.firmware_build import frame, status_of
-from smarig.wire.register import load_map, to_words
+from smarig.device.wire.register import load_map, to_words
 
 MAP = load_map("amplifier")
 WORDS = MAP.size("status")

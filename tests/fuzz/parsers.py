@@ -10,19 +10,18 @@ import atheris
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
-with atheris.instrument_imports(include=["smarig.wire", "simulators"]):
+with atheris.instrument_imports(include=["smarig.device.wire", "simulators"]):
     from simulators.amplifier import Amplifier
     from simulators.encoder_daq import EncoderDaq
     from simulators.framing import answer
-    from simulators.lines import Lines
+    from simulators.lines import TextFraming
     from simulators.modbus import Rtu, Tcp
-
-    from smarig.wire import lines, rtu
-    from smarig.wire.crc import crc16
-    from smarig.wire.exchange import Exchange, Refusal
+    from smarig.device.wire import lines, rtu
+    from smarig.device.wire.crc import crc16
+    from smarig.device.wire.exchange import Exchange, Refusal
 
 ADDRESS = 65
-FRAMINGS = (Lines(), Rtu(ADDRESS), Tcp(ADDRESS))
+FRAMINGS = (TextFraming(), Rtu(ADDRESS), Tcp(ADDRESS))
 ASKED = (Exchange(0, 18, 0x100, (1, 2, 3)), Exchange(0, 1), Exchange(0, 0, 0x200, (7,)))
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.preisach.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
 from smarig.preisach.operator import Preisach
 from smarig.record import Run, Step
 from smarig.record.schema import SAMPLE_COLUMNS

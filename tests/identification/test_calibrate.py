@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from smarig.errors import UsageError
-from smarig.identification.calibrate import Calibration, calibrate
-from smarig.identification.estimate import Estimate, inflation, linear_fit
-from smarig.model.actuator import Actuator
-from smarig.preisach.gorbet_1997 import surface
+from smarig.core.errors import UsageError
+from smarig.identification.calibration.calibrate import Calibration, calibrate
+from smarig.identification.interval_estimate import Estimate, linear_fit, variance_inflation
+from smarig.plant.actuator import Actuator
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import Run, load_run
 from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.runner.session import Session
@@ -62,7 +62,7 @@ def test_correlated_residuals_count_for_less(rho):
     x = np.zeros(20_000)
     for k, kick in enumerate(random.normal(size=x.size)):
         x[k] = rho * x[k - 1] + kick
-    assert inflation(np.split(x, 4)) == pytest.approx((1 + rho) / (1 - rho), rel=0.15)
+    assert variance_inflation(np.split(x, 4)) == pytest.approx((1 + rho) / (1 - rho), rel=0.15)
 
 
 def test_an_interval_around_a_mean_holds_for_correlated_noise():
@@ -278,7 +278,7 @@ def test_what_was_found_goes_into_an_actuator_file(tmp_path):
         Calibration({}, {}).write_actuator(tmp_path / "b.toml", base)
 
 
-def test_runs_of_one_sitting_share_their_ends(tmp_path):
+def test_runs_of_one_session_share_their_ends(tmp_path):
     """A run that stops short of saturation borrows the ends from the run beside it."""
     with Session("one_wire_twin", seed=2, wire=str(tmp_path)) as session:
         settings = {"partition_K": "0,40,80,174.1"}

@@ -8,21 +8,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from identification.made_runs import fod_inputs, fod_run, made_run
-from smarig.errors import DataError
-from smarig.identification.choose import (
-    AS_GOOD,
-    KINDS,
-    LEVELS,
-    choose,
-    negative_share,
-    rms_interval,
-    thinning,
-)
+from smarig.core.errors import DataError
 from smarig.identification.fod_data import FodData, fod_data
 from smarig.identification.positive import Observations, fit_positive
-from smarig.preisach.fod_surface import FodSurface
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.identification.surface.choose_surface import (
+    KINDS_BY_FREEDOM,
+    SIMPLER_TOLERANCE,
+    SURFACE_KINDS,
+    choose_surface,
+    negative_share,
+    rms_interval,
+    thinning_mask,
+)
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
 from smarig.preisach.operator import Preisach
 
 TABLE_5_2 = {name: name.endswith("_c") for name in NAMES}  # in M_P
@@ -50,7 +50,7 @@ def two_hills(n=61):
 @pytest.fixture(scope="module")
 def compared():
     """One choice for each surface of Table 5.1, on exact curves."""
-    return {name: choose(fod_data(fod_run(name))) for name in NAMES}
+    return {name: choose_surface(fod_data(fod_run(name))) for name in NAMES}
 
 
 # --- the comparison ---------------------------------------------------------------------------------------
@@ -62,7 +62,7 @@ def test_every_kind_has_an_error_an_interval_and_a_share(compared):
             tuple(choice.held_out_rms)
             == tuple(choice.held_out_interval)
             == tuple(choice.negative_share)
-            == KINDS
+            == SURFACE_KINDS
         )
         for kind, rms in choice.held_out_rms.items():
             low, high = choice.held_out_interval[kind]
@@ -70,7 +70,7 @@ def test_every_kind_has_an_error_an_interval_and_a_share(compared):
 
 
 def test_the_same_data_gives_the_same_choice(compared):
-    again = choose(fod_data(fod_run("two_p")))
+    again = choose_surface(fod_data(fod_run("two_p")))
     assert again == compared["two_p"]
 
 
@@ -87,7 +87,7 @@ def test_a_shape_of_no_form_is_best_met_by_the_positive_measure():
     levels = np.linspace(0.0, 100.0, 15)
     y = Preisach.from_surface(two_hills()).simulate(fod_inputs(levels))
     noise = np.random.default_rng(5).normal(0, 2e-3 * np.ptp(y), y.size)
-    choice = choose(fod_data(made_run(fod_inputs(levels), y + noise)))
+    choice = choose_surface(fod_data(made_run(fod_inputs(levels), y + noise)))
     assert choice.kind == "positive"
     assert choice.held_out_rms["positive"] < 0.7 * min(
         v for k, v in choice.held_out_rms.items() if k != "positive"
@@ -95,7 +95,7 @@ def test_a_shape_of_no_form_is_best_met_by_the_positive_measure():
 
 
 def test_a_simpler_kind_is_chosen_unless_a_freer_one_predicts_a_tenth_better(compared):
-    levels = {kind: k for k, level in enumerate(LEVELS) for kind in level}
+    levels = {kind: k for k, level in enumerate(KINDS_BY_FREEDOM) for kind in level}
     assert (
         levels["constant"]
         < levels["parabolic"]
@@ -104,9 +104,9 @@ def test_a_simpler_kind_is_chosen_unless_a_freer_one_predicts_a_tenth_better(com
         < levels["table"]
     )
     for name, choice in compared.items():
-        enough = AS_GOOD * min(choice.held_out_rms.values())
+        enough = SIMPLER_TOLERANCE * min(choice.held_out_rms.values())
         assert choice.held_out_rms[choice.kind] <= enough
-        simpler = [k for k in KINDS if levels[k] < levels[choice.kind]]
+        simpler = [k for k in SURFACE_KINDS if levels[k] < levels[choice.kind]]
         assert all(choice.held_out_rms[k] > enough for k in simpler), name
 
 
@@ -114,7 +114,7 @@ def test_a_simpler_kind_is_chosen_unless_a_freer_one_predicts_a_tenth_better(com
 
 
 def test_the_table_misses_curves_it_would_meet_exactly():
-    assert choose(fod_data(fod_run("two_c"))).held_out_rms["table"] > 0.1
+    assert choose_surface(fod_data(fod_run("two_c"))).held_out_rms["table"] > 0.1
 
 
 def test_the_positive_errors_are_those_of_fits_without_the_curves():
@@ -129,21 +129,21 @@ def test_the_positive_errors_are_those_of_fits_without_the_curves():
         for alpha in held[group::5]:
             mine = data.alpha == alpha
             squares.append(np.mean((fit.y(data.alpha[mine], data.beta[mine]) - data.y[mine]) ** 2))
-    assert choose(data).held_out_rms["positive"] == pytest.approx(np.sqrt(np.mean(squares)), rel=0.01)
+    assert choose_surface(data).held_out_rms["positive"] == pytest.approx(np.sqrt(np.mean(squares)), rel=0.01)
 
 
 def test_one_spoilt_curve_spoils_its_own_prediction_not_the_fit_that_knows_it():
     data = fod_data(fod_run("one_c", seed=1))
     alpha = np.unique(data.alpha)[5]
     spoilt = data.y + 2.0 * ((data.alpha == alpha) & (data.beta < alpha) & (data.beta > data.lower))
-    rms = choose(replace(data, y=spoilt)).held_out_rms
-    for kind in KINDS:
+    rms = choose_surface(replace(data, y=spoilt)).held_out_rms
+    for kind in SURFACE_KINDS:
         assert rms[kind] > 1.5 * np.sqrt(0.75 / 8)  # one curve of eight, most of its points 2 mm off
 
 
 def test_too_few_curves_are_refused_with_what_to_do():
     with pytest.raises(DataError, match="at least 4; there are 3: name a surface"):
-        choose(fod_data(fod_run("one_e", partition=[0.0, 60.0, 120.0, 174.1])))
+        choose_surface(fod_data(fod_run("one_e", partition=[0.0, 60.0, 120.0, 174.1])))
 
 
 # --- intervals --------------------------------------------------------------------------------------------
@@ -200,7 +200,7 @@ def test_positive_has_no_negative_mass_and_what_crosses_has(compared):
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(5, 200))
 def test_thinning_keeps_about_as_many_as_asked_evenly_and_the_ends_of_long_curves(lengths, most):
     curve = np.repeat(np.arange(len(lengths)), lengths)
-    kept = np.flatnonzero(thinning(curve, most))
+    kept = np.flatnonzero(thinning_mask(curve, most))
     stride = max(1, -(-curve.size // most))
     assert np.all(np.diff(kept) <= stride)
     assert kept.size <= min(curve.size, most + 2 * sum(n > stride for n in lengths) + 1)
@@ -224,6 +224,6 @@ def test_curves_of_one_point_in_thousands_do_not_decide_anything():
     y = surface.y(alpha, beta)
     n = np.arange(y.size)
     data = FodData(alpha, beta, y, curve.astype(np.int64), alpha == beta, 0 * n, n, "mm", 0.0, 1.0, False)
-    choice = choose(data)
+    choice = choose_surface(data)
     assert np.isfinite(list(choice.held_out_rms.values())).all()
     assert choice.kind in ("constant", "exponential")

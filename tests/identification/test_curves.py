@@ -12,10 +12,10 @@ from identification.made_runs import (
     fod_run,
     made_run,
 )
-from smarig.identification.curve_fit import fit_curves
-from smarig.identification.curve_report import curve_report, reading_noise
 from smarig.identification.fod_data import fod_data
-from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.identification.surface.curve_fit import fit_curves
+from smarig.identification.surface.curve_report import curve_report, reading_noise
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
 from smarig.preisach.operator import Preisach
 
 

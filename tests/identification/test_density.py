@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from smarig.identification.density import density_report
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import NAMES, PARTITIONS, surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.identification.density_report import density_report
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
 
 MU_MIN = {"one_p": -6.9e-4, "one_e": -1.9e-3, "two_p": -2.5e-4, "two_e": -1.2e-4}  # theory.md §4
 REVERSIBLE = {

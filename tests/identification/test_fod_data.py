@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run, made_run
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data, select
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 
 
 def points(data):

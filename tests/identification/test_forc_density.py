@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
+from benchmarks import density as benchmark
+from benchmarks import synthetic_curves as generator
 from identification.test_forc_table import magnetic_run
-from smarig.benchmark import density as benchmark
-from smarig.benchmark import generator
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data
-from smarig.identification.forc_curves import curves_from_run
-from smarig.identification.forc_density import fod_density, forc_density, grid_steps
-from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.identification.forc.forc_curves import curves_from_run
+from smarig.identification.forc.forc_density import fod_density, forc_density, grid_steps
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
 
 
 def triangle(nodes: int, low: float = 0.0, high: float = 1.0):

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from smarig.errors import DataError
-from smarig.identification.forc_curves import curves_from_run
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.forc_table import Curve, ForcTable
-from smarig.preisach.gorbet_1997 import PARTITIONS, surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.core.errors import DataError
+from smarig.identification.forc.forc_curves import curves_from_run
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcCurve, ForcTable
+from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record.run import Run
 from smarig.record.schema import SAMPLE_COLUMNS
@@ -49,7 +49,7 @@ def magnetic_run(name: str) -> Run:
     return run_of(step, field, moment)
 
 
-def irregular_curves(count: int = 25, seed: int = 1, trimmed: bool = False) -> list[Curve]:
+def irregular_curves(count: int = 25, seed: int = 1, trimmed: bool = False) -> list[ForcCurve]:
     """Noise-free curves of the thesis's one_c surface on jittered inputs, optionally cut before saturation."""
     random = np.random.default_rng(seed)
     curves = []
@@ -59,7 +59,7 @@ def irregular_curves(count: int = 25, seed: int = 1, trimmed: bool = False) -> l
         last = [] if trimmed and k % 3 else [ONE_C.lower]
         beta = np.array([alpha, *inner[: inner.size - (k if last == [] else 0)], *last])
         y = np.array([float(ONE_C.y(alpha, b)) for b in beta])
-        curves.append(Curve(float(alpha), beta, y, (ONE_C.lower, ONE_C.y_lower)))
+        curves.append(ForcCurve(float(alpha), beta, y, (ONE_C.lower, ONE_C.y_lower)))
     return curves
 
 
@@ -113,7 +113,7 @@ def twins():
     nodes = np.array(PARTITIONS["one_wire"])
     values = np.where(np.tri(nodes.size, dtype=bool), ONE_C.y(nodes[:, None], nodes), np.nan)
     regular = FodTable.from_arrays(nodes, nodes, values)
-    curves = [Curve(float(nodes[i]), nodes[i::-1], values[i, i::-1]) for i in range(1, nodes.size)]
+    curves = [ForcCurve(float(nodes[i]), nodes[i::-1], values[i, i::-1]) for i in range(1, nodes.size)]
     return regular, ForcTable.from_curves(curves)
 
 
@@ -178,8 +178,8 @@ def test_a_trimmed_curve_runs_on_with_its_neighbours_and_says_so():
     beyond = np.linspace(0.5, curve.beta[-1] - 0.5, 50)
     peak = np.full_like(beyond, curve.alpha)
     straight = np.interp(beyond, [0.0, curve.beta[-1]], [0.0, curve.y[-1]])
-    completed, true = trimmed.y(peak, beyond), whole.y(peak, beyond)
-    assert np.abs(completed - true).max() < 0.25 * np.abs(straight - true).max()
+    completed_curves, true = trimmed.y(peak, beyond), whole.y(peak, beyond)
+    assert np.abs(completed_curves - true).max() < 0.25 * np.abs(straight - true).max()
     assert not trimmed.measured(peak, beyond).any()
     assert trimmed.measured(np.full_like(curve.beta, curve.alpha), curve.beta).all()
     assert whole.measured(peak, beyond).all()
@@ -196,11 +196,11 @@ def test_no_memory_is_claimed_below_the_first_peak():
 
 
 def test_a_curve_that_goes_beyond_the_calibration_points_sets_saturation():
-    curves = [Curve(a, np.array([a, 0.0, end]), np.array([a, 0.0, -0.5]), (-1.0, -0.9)) for a, end in
+    curves = [ForcCurve(a, np.array([a, 0.0, end]), np.array([a, 0.0, -0.5]), (-1.0, -0.9)) for a, end in
               ((1.0, -0.5), (2.0, -1.5))]  # fmt: skip
     table = ForcTable.from_curves(curves)
     assert (table.lower, table.y_lower) == (-1.5, -0.5)
-    near = ForcTable.from_curves(curves[:1] + [Curve(2.0, np.array([2.0, 1.0]), np.array([2.0, 1.5]))])
+    near = ForcTable.from_curves(curves[:1] + [ForcCurve(2.0, np.array([2.0, 1.0]), np.array([2.0, 1.5]))])
     assert (near.lower, near.y_lower) == (-1.0, -0.9)
 
 
@@ -242,18 +242,18 @@ def test_json_gives_the_same_table_back():
 
 
 def test_wrong_curves_are_refused_by_name():
-    a = Curve(1.0, np.array([1.0, 0.0]), np.array([1.0, 0.0]))
+    a = ForcCurve(1.0, np.array([1.0, 0.0]), np.array([1.0, 0.0]))
     with pytest.raises(DataError, match="at least two"):
         ForcTable.from_curves([a])
     with pytest.raises(DataError, match="have their peak at 1: average"):
         ForcTable.from_curves([a, a])
     with pytest.raises(DataError, match="begins at or below negative saturation"):
-        ForcTable.from_curves([a, Curve(0.0, np.array([0.0]), np.array([0.0]))])
+        ForcTable.from_curves([a, ForcCurve(0.0, np.array([0.0]), np.array([0.0]))])
     with pytest.raises(DataError, match="below negative saturation \\(0.5\\)"):
-        ForcTable((a, Curve(2.0, np.array([2.0]), np.array([2.0]))), 0.5, 0.0)
+        ForcTable((a, ForcCurve(2.0, np.array([2.0]), np.array([2.0]))), 0.5, 0.0)
     with pytest.raises(DataError, match="β must begin at the peak and fall strictly"):
-        Curve(1.0, np.array([1.0, 0.5, 0.5]), np.zeros(3))
+        ForcCurve(1.0, np.array([1.0, 0.5, 0.5]), np.zeros(3))
     with pytest.raises(DataError, match="not a number"):
-        Curve(1.0, np.array([1.0, 0.5]), np.array([0.0, np.nan]))
+        ForcCurve(1.0, np.array([1.0, 0.5]), np.array([0.0, np.nan]))
     with pytest.raises(DataError, match="shape"):
-        Curve(1.0, np.array([1.0, 0.5]), np.zeros(3))
+        ForcCurve(1.0, np.array([1.0, 0.5]), np.zeros(3))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from identification.made_runs import PARTITION, driven_run, fod_run
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.forc_table import ForcTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 
 CONTRACT = [

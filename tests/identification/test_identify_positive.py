@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run, made_run
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
-from smarig.identification.model_file import load_model
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
+from smarig.replay.model_file import load_model
 
 EXTRA = {
     *("smoothing", "freedom", "cells", "at_zero", "rank", "null_space", "sigma", "held_out_rms"),

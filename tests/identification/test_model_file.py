@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from identification.made_runs import driven_run, fod_run
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
-from smarig.identification.model_file import load_model
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.replay.model_file import load_model
 
 WALK = np.random.default_rng(3).uniform(-10, 180, 300)
 

@@ -5,7 +5,7 @@ import pytest
 
 from identification.made_runs import driven_run, fod_run, made_run, read
 from smarig.identification.noise_floor import noise_floor
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 
 LOOPS = [0, *([100, 50, 80, 60] * 40)]

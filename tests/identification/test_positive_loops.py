@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.errors import DataError
+from smarig.core.errors import DataError
 from smarig.exchange import import_file
 from smarig.identification.positive import Observations, fit_positive, observations_of_loops
-from smarig.identification.positive.smoothing import FOLDS, stretches
+from smarig.identification.positive.smoothing_choice import FOLDS, segment_folds
 from smarig.identification.positive.triangle import Triangle
-from smarig.identification.steady_loops import Loop, steady_loops
-from smarig.preisach.fod_table import FodTable
+from smarig.identification.steady_loops import SteadyLoop, steady_loops
+from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.operator import Preisach
 from smarig.record import load_run
 
@@ -37,7 +37,7 @@ def made_loop(table, number, low, high, points=33, offset=0.0):
     down, up = np.linspace(high, low, points), np.linspace(low, high, points)
     y = Preisach(table).simulate([*tips, *down, *up], "anhysteretic")[len(tips) :] + offset
     falling, rising = np.column_stack([down, y[:points]]), np.column_stack([up, y[points:]])
-    return Loop(number, tuple(rising[0]), tuple(falling[0]), rising, falling, 0.0)
+    return SteadyLoop(number, tuple(rising[0]), tuple(falling[0]), rising, falling, 0.0)
 
 
 def rms_share(table, loop):
@@ -78,12 +78,12 @@ def test_what_is_no_loop_of_a_symmetric_hysteresis_is_refused():
         observations_of_loops([made_loop(made_table(np.linspace(-TOP, TOP, 21)), 3, 1.0, 5.0)])
 
 
-def test_a_held_out_stretch_takes_its_mirror_image_along():
+def test_a_held_out_segment_takes_its_mirror_image_along():
     loops = [
         made_loop(made_table(np.linspace(-TOP, TOP, 21)), k, -size, size) for k, size in enumerate((4, 10))
     ]
     seen = observations_of_loops(loops)
-    masks = np.array(stretches(seen.curve))
+    masks = np.array(segment_folds(seen.curve))
     assert masks.shape == (FOLDS, len(seen))
     assert (masks.sum(axis=0) == 1).all()
     for loop in range(2):
@@ -130,7 +130,7 @@ def test_a_loop_of_a_few_points_is_fitted_without_complaint():
 
 
 @pytest.fixture
-def ferrite(shared_data, tmp_path) -> list[Loop]:
+def ferrite(shared_data, tmp_path) -> list[SteadyLoop]:
     """Four nested loops of a Mn-Zn ferrite, the smallest first."""
     report = import_file(
         shared_data / "ferrite_nested/B_MnZn_HP_ferrite.mat",

@@ -8,8 +8,8 @@ import pytest
 
 from smarig.config import load_rig
 from smarig.identification.fod_data import fod_data
-from smarig.identification.surface_fit import fit_surface
-from smarig.preisach.gorbet_1997 import surface
+from smarig.identification.surface.surface_fit import fit_surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.preview import preview

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from smarig.errors import UsageError
-from smarig.identification.selection import matches
+from smarig.core.errors import UsageError
+from smarig.identification.point_selection import matches
 
 VALUES = {
     "curve": np.array([0, 1, 2, 3]),

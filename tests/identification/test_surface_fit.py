@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from identification.made_runs import fod_run
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data, select
-from smarig.identification.surface_fit import fit_surface
-from smarig.identification.surface_jacobian import jacobian
-from smarig.preisach.fod_surface import FodSurface
-from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.identification.surface.surface_fit import fit_surface
+from smarig.identification.surface.surface_jacobian import jacobian
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
 
 FORM = {"c": "constant", "p": "parabolic", "e": "exponential"}
 SEEDS = range(20)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from identification.made_runs import driven_run, fod_run, made_run
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
-from smarig.identification.simulate import simulate, simulate_along
 from smarig.identification.verify import verify
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
+from smarig.replay.simulate_runs import simulate, simulate_samples
 
 WALK = [0.0, *np.random.default_rng(5).uniform(0, 174.1, 40)]
 TWO_WALK = [*np.random.default_rng(6).uniform(-185, 185, 40)]
@@ -72,11 +72,11 @@ def test_an_unknown_zero_is_fitted_by_one_number_and_said(one):
         verify(one, run, offset="known")
 
 
-def test_the_same_sitting_has_the_same_zero():
-    sitting = {"start_epoch": 7.0, "encoder_zero": "zeroed at 12 s"}
-    model = identify(fod_run("one_e", offset=2.0, **sitting), "exponential").model
-    same = driven_run("one_e", WALK, offset=2.0, **sitting)
-    other = driven_run("one_e", WALK, offset=2.0, **{**sitting, "encoder_zero": "zeroed at 99 s"})
+def test_the_same_session_has_the_same_zero():
+    session = {"start_epoch": 7.0, "encoder_zero": "zeroed at 12 s"}
+    model = identify(fod_run("one_e", offset=2.0, **session), "exponential").model
+    same = driven_run("one_e", WALK, offset=2.0, **session)
+    other = driven_run("one_e", WALK, offset=2.0, **{**session, "encoder_zero": "zeroed at 99 s"})
     assert verify(model, same).runs[0].offset_kind == "known"
     assert verify(model, same).runs[0].offset == 0.0
     assert verify(model, same).runs[0].settled.rms < 1e-4
@@ -147,10 +147,10 @@ def test_reversal_curves_start_from_positive_saturation_each():
 
 def test_along_every_sample_and_at_settled_points_agree(one):
     run = driven_run("one_e", WALK)
-    assert np.array_equal(simulate_along(one, run), simulate(one, run))
+    assert np.array_equal(simulate_samples(one, run), simulate(one, run))
     gaps = type(run)(run.path, run.meta, run.columns | {"input": run["input"].copy()}, run.steps, ())
     gaps["input"][[3, 7]] = np.nan
-    along = simulate_along(one, gaps)
+    along = simulate_samples(one, gaps)
     assert along[3] == along[2]
     assert np.isfinite(along).all()
 

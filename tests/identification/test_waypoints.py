@@ -7,15 +7,15 @@ import pytest
 
 from control.model_files import model_of
 from identification.made_runs import driven_run
-from smarig.closed_loop import Given, regulation
-from smarig.identification.history import histories
+from smarig.app.closed_loop import Given, regulation
 from smarig.identification.identify import identify
-from smarig.identification.model_file import Model
 from smarig.identification.verify import verify
-from smarig.identification.waypoints import turns, way
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.record import load_run
+from smarig.replay.memory_history import memory_histories
+from smarig.replay.model_file import Model
+from smarig.replay.waypoints import input_path, reversals_between
 from smarig.runner.session import Session
 
 
@@ -29,7 +29,7 @@ def runs(tmp_path_factory):
         )
         made = [
             session.run("first_order_descending", {}, folder / "fod.run.sqlite"),
-            session.run("regulate", loop.settings, folder / "held.run.sqlite", maker=loop.make),
+            session.run("regulate", loop.settings, folder / "held.run.sqlite", protocol_factory=loop.make),
         ]
     return [load_run(path) for path in made]
 
@@ -49,9 +49,9 @@ def test_a_waveform_between_settled_points_does_not_spoil_a_fit(runs):
     assert errors[1] < 1.5 * errors[0]
 
 
-def test_the_memory_at_a_point_is_that_of_the_whole_way(runs):
-    lower, upper, (_, held) = histories(runs)
-    inputs, where = way(runs[1])
+def test_the_memory_at_a_point_is_that_of_the_whole_input_path(runs):
+    lower, upper, (_, held) = memory_histories(runs)
+    inputs, where = input_path(runs[1])
     assert inputs.size > where.size == 2
     assert len(held.states[-1].extrema) > 5, "the sinusoid's reversals are remembered"
     whole = Preisach(surface("one_e")).simulate(np.clip(inputs, lower, upper))
@@ -60,7 +60,7 @@ def test_the_memory_at_a_point_is_that_of_the_whole_way(runs):
 
 def test_steps_have_no_turns_between_them():
     run = driven_run("one_e", [0, 100, 40, 80, 50, 90, 60])
-    inputs, where = way(run)
+    inputs, where = input_path(run)
     assert inputs.tolist() == [0, 100, 40, 80, 50, 90, 60]
     assert where.tolist() == list(range(7))
 
@@ -80,20 +80,22 @@ def test_steps_have_no_turns_between_them():
         ([43.2, 42.9, 43.1], 43.0, 43.0, []),
     ],
 )
-def test_turns_of_more_than_a_swing_are_found(passed, before, after, found):
-    assert turns(np.array(passed), before, after, 1.0) == found
+def test_reversals_above_the_threshold_are_found(traversed, before, after, found):
+    assert reversals_between(np.array(traversed), before, after, 1.0) == found
 
 
 def test_a_run_that_was_interrupted_and_went_on_has_the_memory_of_a_whole_one(tmp_path):
     """Void steps turn near the levels that were aimed at: 75.002 K on the way is the 75 K of the step."""
     steps = [0.0, 65.0, 0.0, 75.0, 65.0, 0.0, 174.0, 75.0, 0.0]
     whole = driven_run("one_e", steps)
-    passed = np.insert(np.array(steps), 3, [75.002, 0.0004])
-    broken = replace(whole, columns={**whole.columns, "input": passed, "t_s": on_the_way(whole["t_s"])})
-    (*_, (one,)), (*_, (other,)) = histories([whole]), histories([broken])
+    traversed = np.insert(np.array(steps), 3, [75.002, 0.0004])
+    broken = replace(
+        whole, columns={**whole.columns, "input": traversed, "t_s": between_points(whole["t_s"])}
+    )
+    (*_, (one,)), (*_, (other,)) = memory_histories([whole]), memory_histories([broken])
     assert [s.extrema for s in other.states] == [s.extrema for s in one.states]
 
 
-def on_the_way(t):
+def between_points(t):
     """Two samples more within the fourth step."""
     return np.insert(t, 3, [t[3] - 20.0, t[3] - 10.0])

@@ -7,15 +7,15 @@ import pytest
 
 from smarig.exchange.importing import import_file
 from smarig.identification.identify import identify
-from smarig.identification.model_file import load_model
 from smarig.identification.verify import verify
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import load_run
+from smarig.replay.model_file import load_model
 from smarig.runner.session import Session
 
 
 @pytest.fixture(scope="module")
-def sitting(tmp_path_factory):
+def session_folder(tmp_path_factory):
     """FOD data and a validation run of the two-wire twin, initialised, in one sitting."""
     folder = tmp_path_factory.mktemp("sitting")
     with pytest.MonkeyPatch.context() as patch:
@@ -27,8 +27,8 @@ def sitting(tmp_path_factory):
     return folder
 
 
-def test_twin_to_model_to_verification(sitting, tmp_path):
-    fod = sitting / "first_order_descending.run.sqlite"
+def test_twin_to_model_to_verification(session_folder, tmp_path):
+    fod = session_folder / "first_order_descending.run.sqlite"
     result = identify(str(fod), "best")
     assert result.surface == "exponential"
     assert len(result.data) == 77
@@ -37,7 +37,7 @@ def test_twin_to_model_to_verification(sitting, tmp_path):
     model = load_model(result.model.save(tmp_path / "wire.model.json"))
     assert model.provenance[0].sha256
     assert model.actuator.name == "gorbet_two_wire"
-    verified = verify(model, load_run(sitting / "validation.run.sqlite"))
+    verified = verify(model, load_run(session_folder / "validation.run.sqlite"))
     (run,) = verified.to_json()["runs"]
     json.dumps(run, allow_nan=False)
     assert run["offset_kind"] == "known"  # same sitting, same encoder zero
@@ -47,8 +47,8 @@ def test_twin_to_model_to_verification(sitting, tmp_path):
     assert run["transient"]["nrmse"] < 0.01
 
 
-def test_a_model_of_another_form_is_told_apart(sitting):
-    runs = [load_run(sitting / f"{p}.run.sqlite") for p in ("first_order_descending", "validation")]
+def test_a_model_of_another_form_is_distinguished(session_folder):
+    runs = [load_run(session_folder / f"{p}.run.sqlite") for p in ("first_order_descending", "validation")]
     errors = {
         k: verify(identify(runs[0], k).model, runs[1]).runs[0].settled.rms
         for k in ("constant", "exponential")

@@ -72,12 +72,12 @@ class Browser:
         """One command and its answer; errors of the page are kept in ``console`` meanwhile."""
         number = next(self._ids)
         self._socket.send(json.dumps({"id": number, "method": method, "params": parameters}))
-        while (said := json.loads(self._socket.recv())).get("id") != number:
-            if said.get("method") == "Runtime.exceptionThrown":
-                self.console.append(json.dumps(said["params"]["exceptionDetails"])[:400])
-            if said.get("method") == "Runtime.consoleAPICalled" and said["params"]["type"] == "error":
-                self.console.append(json.dumps(said["params"]["args"])[:400])
-        return said.get("result", {})
+        while (message := json.loads(self._socket.recv())).get("id") != number:
+            if message.get("method") == "Runtime.exceptionThrown":
+                self.console.append(json.dumps(message["params"]["exceptionDetails"])[:400])
+            if message.get("method") == "Runtime.consoleAPICalled" and message["params"]["type"] == "error":
+                self.console.append(json.dumps(message["params"]["args"])[:400])
+        return message.get("result", {})
 
     def open(self, url: str) -> None:
         """Go there."""

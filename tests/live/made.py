@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from smarig.config import load_rig
-from smarig.live.marks import Mark
-from smarig.live.subject import Subject, of_rig
-from smarig.model.actuator import Actuator
+from smarig.live.display_info import DisplayInfo, rig_display_info
+from smarig.live.primitives import Primitive
+from smarig.plant.actuator import Actuator
 from smarig.record import Run, load_run
 from smarig.runner.session import Session
 
@@ -20,22 +20,22 @@ def recorded(rig: str, folder: Path) -> Run:
         return load_run(session.run("step_currents", settings, folder / f"{rig}.run.sqlite"))
 
 
-def about_to_run(rig: str = "one_wire_twin") -> Subject:
+def planned_run_info(rig: str = "one_wire_twin") -> DisplayInfo:
     """A rig before its run."""
     file = load_rig(rig)
-    return of_rig(file, Actuator.named(file.actuator), "twin", {}, "a test")
+    return rig_display_info(file, Actuator.named(file.actuator), "twin", {}, "a test")
 
 
-class Remembering:
+class RecordingOutput:
     """A screen without a viewer."""
 
     def __init__(self) -> None:
-        self.marks: list[Mark] = []
+        self.primitives: list[Primitive] = []
 
-    def show(self, marks: Sequence[Mark]) -> None:
+    def show(self, primitives: Sequence[Primitive]) -> None:
         """Keep them."""
-        self.marks += marks
+        self.primitives += primitives
 
     def at(self, path: str) -> list:
         """All marks at a path."""
-        return [mark for mark in self.marks if mark.path == path]
+        return [primitive for primitive in self.primitives if primitive.path == path]

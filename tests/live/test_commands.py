@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from smarig.cli import run as smarig
-from smarig.live import showing
-from smarig.live.viewer import Viewer
+from smarig.live import live_view
+from smarig.live.viewer_process import ViewerProcess
 from smarig.record import load_run
 
 pytest.importorskip("rerun_cli", reason="rerun is not installed")
@@ -29,25 +29,25 @@ RUN = (
 
 
 def test_a_run_is_watched_on_loopback_and_recorded_all_the_same(tmp_path, capsys, monkeypatch):
-    started: list[Viewer] = []
-    web = Viewer.web
+    started: list[ViewerProcess] = []
+    web = ViewerProcess.web
 
-    def remembered(url: str, port: int) -> Viewer:
+    def remembered(url: str, port: int) -> ViewerProcess:
         started.append(web(url, port))
         return started[-1]
 
-    monkeypatch.setattr(Viewer, "web", remembered)
+    monkeypatch.setattr(ViewerProcess, "web", remembered)
     out = tmp_path / "watched.run.sqlite"
     assert smarig([*RUN, "-o", str(out), "--wire", "watched", "--web"]) == 0
-    said = capsys.readouterr().err
-    assert "Live view: http://127.0.0.1:" in said
-    assert "telemetry" in said
+    printed = capsys.readouterr().err
+    assert "Live view: http://127.0.0.1:" in printed
+    assert "telemetry" in printed
     assert len(load_run(out)) == 300
     assert [v.running for v in started] == [False]
 
 
-def test_what_cannot_be_installed_is_said_before_the_run_begins(tmp_path, capsys, monkeypatch):
-    monkeypatch.delitem(sys.modules, "smarig.live.screen", raising=False)
+def test_a_missing_dependency_is_reported_before_the_run_begins(tmp_path, capsys, monkeypatch):
+    monkeypatch.delitem(sys.modules, "smarig.live.rerun_output", raising=False)
     monkeypatch.setitem(sys.modules, "rerun", None)
     out = tmp_path / "never.run.sqlite"
     assert smarig([*RUN, "-o", str(out), "--wire", "never", "--live"]) == 2
@@ -57,10 +57,10 @@ def test_what_cannot_be_installed_is_said_before_the_run_begins(tmp_path, capsys
 
 
 def test_a_viewer_that_cannot_start_does_not_stop_the_run(tmp_path, capsys, monkeypatch):
-    def broken(url: str) -> Viewer:
-        return Viewer(["--no-such-option"])
+    def broken(url: str) -> ViewerProcess:
+        return ViewerProcess(["--no-such-option"])
 
-    monkeypatch.setattr(Viewer, "native", broken)
+    monkeypatch.setattr(ViewerProcess, "native", broken)
     out = tmp_path / "alone.run.sqlite"
     assert smarig([*RUN, "-o", str(out), "--wire", "alone", "--live"]) == 0
     assert len(load_run(out)) == 300
@@ -79,8 +79,8 @@ def test_without_a_screen_nothing_is_begun(one_wire, tmp_path, capsys, monkeypat
     assert not out.exists()
 
 
-def test_only_what_tells_of_an_error_is_a_complaint(tmp_path):
-    viewer = Viewer(["--version"])
+def test_only_error_lines_are_reported(tmp_path):
+    viewer = ViewerProcess(["--version"])
     try:
         viewer.process.wait(PATIENCE_S)
         log, info = viewer._log, "\x1b[32mINFO\x1b[0m Hosting a web-viewer at http://127.0.0.1:9090\n"
@@ -113,7 +113,7 @@ def test_a_drawing_that_fails_does_not_stop_the_run(tmp_path, capsys, monkeypatc
     def broken(self, items, lost=0):
         raise RuntimeError("out of colours")
 
-    monkeypatch.setattr(showing.Drawer, "draw", broken)
+    monkeypatch.setattr(live_view.SceneRenderer, "draw", broken)
     out = tmp_path / "undrawn.run.sqlite"
     assert smarig([*RUN, "-o", str(out), "--wire", "undrawn", "--web"]) == 0
     assert "The live view ended before the run did: out of colours." in capsys.readouterr().err
@@ -146,7 +146,7 @@ def test_a_model_of_another_rig_is_refused(two_wire, tmp_path, capsys):
 )
 def test_the_viewer_does_not_outlive_a_host_that_was_killed():
     program = (
-        "from smarig.live.viewer import Viewer, address, free_port\n"
+        "from smarig.live.viewer_process import Viewer, address, free_port\n"
         "import time\n"
         "v = Viewer.web(address(free_port()), free_port())\n"
         "print(v.process.pid, v._home, flush=True)\n"
@@ -165,7 +165,7 @@ def test_the_viewer_does_not_outlive_a_host_that_was_killed():
     while alive(int(pid)):
         assert time.monotonic() < until, "the viewer outlived us"
         time.sleep(LOOK_S)
-    later = Viewer(["--version"])  # nobody was there to remove its folder: the next one does
+    later = ViewerProcess(["--version"])  # nobody was there to remove its folder: the next one does
     assert not Path(home).exists()
     assert Path(later._home).is_dir()
     later.close()
@@ -181,7 +181,7 @@ def alive(pid: int) -> bool:
 
 def test_nothing_of_the_viewer_is_written_into_a_home(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
-    viewer = Viewer(["--version"])
+    viewer = ViewerProcess(["--version"])
     try:
         viewer.process.wait(PATIENCE_S)
         assert viewer.process.returncode == 0

@@ -104,8 +104,8 @@ def test_view_saves_models_beside_one_another(one_wire, tmp_path, capsys):
 
 def a_model():
     """The twin's own surface, as a model file would hold it."""
-    from smarig.identification.model_file import ActuatorRecord, Channel, Model, NoiseRecord
-    from smarig.preisach.gorbet_1997 import surface
+    from smarig.preisach.hysteresis.gorbet_1997 import surface
+    from smarig.replay.model_file import ActuatorRecord, Model, NoiseRecord, SignalDescription
 
     return Model(
         name="own",
@@ -113,8 +113,8 @@ def a_model():
         rig="one_wire_twin",
         actuator=ActuatorRecord(name="gorbet_one_wire", parameters={}),
         arrangement="one_wire",
-        input=Channel(quantity="temperature", unit="K"),
-        output=Channel(quantity="displacement", unit="mm"),
+        input=SignalDescription(quantity="temperature", unit="K"),
+        output=SignalDescription(quantity="displacement", unit="mm"),
         mirrored=False,
         fit={},
         noise_floor=NoiseRecord(value=None, unit="mm", source=""),

@@ -5,38 +5,50 @@ import json
 import numpy as np
 import pytest
 
-from live.made import Remembering, about_to_run
+from live.made import RecordingOutput, planned_run_info
+from smarig.core.sample import Sample
 from smarig.live import colours
-from smarig.live.axes import Plot, nice_step, rounded
-from smarig.live.drawer import Drawer
-from smarig.live.layout import Split, View
-from smarig.live.marks import Dots, Lane, Legend, Picture, Placed, Said, Series, Strips
-from smarig.live.plane import boundary, density, picture
-from smarig.live.predicted import Memory, Prediction
-from smarig.live.replaying import batches, replay
-from smarig.live.seen import Ticked, Told
-from smarig.live.subject import of_run
-from smarig.preisach.gorbet_1997 import surface
+from smarig.live.display_info import run_display_info
+from smarig.live.live_items import EventItem, SampleItem
+from smarig.live.playback import batches, replay
+from smarig.live.plot_axes import Plot, nice_step, rounded
+from smarig.live.preisach_plane import boundary, density, density_image
+from smarig.live.primitives import (
+    LogLines,
+    Pixels,
+    Points,
+    Polylines,
+    SeriesLegend,
+    StateLane,
+    TimeSeries,
+    Transform,
+)
+from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor
+from smarig.live.scene_renderer import SceneRenderer
+from smarig.live.view_layout import Split, View
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
 from smarig.report import style
-from smarig.sample import Sample
 
 
-def drawn(run: Run, size: int = 500) -> tuple[Remembering, Drawer]:
-    screen, subject = Remembering(), of_run(run)
-    assert subject.own is not None
-    drawer = Drawer(
-        subject, screen.show, [Prediction("own", Memory(subject.own, subject.initial))], subject.own
+def drawn(run: Run, size: int = 500) -> tuple[RecordingOutput, SceneRenderer]:
+    screen, display_info = RecordingOutput(), run_display_info(run)
+    assert display_info.twin_hysteresis is not None
+    scene_renderer = SceneRenderer(
+        display_info,
+        screen.show,
+        [NamedPredictor("own", HysteresisPredictor(display_info.twin_hysteresis, display_info.initial))],
+        display_info.twin_hysteresis,
     )
-    screen.show(drawer.opening())
+    screen.show(scene_renderer.opening())
     for batch in batches(run, size):
-        drawer.draw(batch)
-    return screen, drawer
+        scene_renderer.draw(batch)
+    return screen, scene_renderer
 
 
-def column(screen: Remembering, path: str) -> tuple[np.ndarray, np.ndarray]:
-    series = [mark for mark in screen.at(path) if isinstance(mark, Series)]
+def column(screen: RecordingOutput, path: str) -> tuple[np.ndarray, np.ndarray]:
+    series = [mark for mark in screen.at(path) if isinstance(mark, TimeSeries)]
     return np.concatenate([m.times_s for m in series]), np.vstack([m.values for m in series])
 
 
@@ -75,57 +87,65 @@ def test_batches_do_not_change_what_is_drawn(one_wire):
 
 
 def test_what_stands_still_costs_nothing(one_wire):
-    screen, drawer = drawn(one_wire)
-    frames = sum(len(m.times_s) for m in screen.at(f"{drawer.plane.inside}/boundary"))
+    screen, scene_renderer = drawn(one_wire)
+    frames = sum(len(m.times_s) for m in screen.at(f"{scene_renderer.plane.inside}/boundary"))
     assert 50 < frames < len(one_wire) / 5
 
 
 def test_axes_point_up_and_say_their_units(one_wire):
-    screen, drawer = drawn(one_wire)
-    (place,) = [m for m in screen.at("graph/plot") if isinstance(m, Placed)]
+    screen, scene_renderer = drawn(one_wire)
+    (place,) = [m for m in screen.at("graph/plot") if isinstance(m, Transform)]
     assert place.scale is not None
     assert place.scale[0] > 0 > place.scale[1]  # viewers draw y downward
     (titles,) = screen.at("graph/plot/titles")
     assert titles.texts == ("estimated temperature above ambient (K)", "position (mm)")
-    names = [v.name for v in views(drawer.layout)]
+    names = [v.name for v in views(scene_renderer.layout)]
     for unit in ("(mm)", "(K)", "(A)", "(V)", "(Ω)", "(counts)", "(s)"):
         assert any(unit in name for name in names), unit
-    drawn_to = place.shift[0, 1] + place.scale[1] * np.array([drawer.graph.y.low, drawer.graph.y.high])
-    assert np.allclose(drawn_to, [0.0, -drawer.graph.height])
+    drawn_to = place.shift[0, 1] + place.scale[1] * np.array(
+        [scene_renderer.graph.y.low, scene_renderer.graph.y.high]
+    )
+    assert np.allclose(drawn_to, [0.0, -scene_renderer.graph.height])
 
 
 def test_every_view_has_something_drawn_below_its_origin(one_wire, two_wire):
     for run in (one_wire, two_wire):
-        screen, drawer = drawn(run)
-        for view in views(drawer.layout):
-            below = [m for m in screen.marks if m.path == view.origin or m.path.startswith(f"{view.origin}/")]
-            assert [m for m in below if not isinstance(m, Legend)], view.name
+        screen, scene_renderer = drawn(run)
+        for view in views(scene_renderer.layout):
+            below = [
+                m for m in screen.primitives if m.path == view.origin or m.path.startswith(f"{view.origin}/")
+            ]
+            assert [m for m in below if not isinstance(m, SeriesLegend)], view.name
 
 
 def test_a_twin_is_labelled_where_nobody_misses_it(one_wire):
-    screen, drawer = drawn(one_wire)
-    labels = [m for m in screen.marks if isinstance(m, Dots) and any("TWIN" in text for text in m.texts)]
+    screen, scene_renderer = drawn(one_wire)
+    labels = [
+        m for m in screen.primitives if isinstance(m, Points) and any("TWIN" in text for text in m.texts)
+    ]
     assert {m.path for m in labels} == {"graph/source", "plane/source", "rig/source"}
     assert all(m.colour == colours.AMBER for m in labels)
     assert screen.at("about/page")[0].text.startswith("## TWIN")
-    assert sum(v.name.startswith("TWIN") for v in views(drawer.layout)) >= 5
+    assert sum(v.name.startswith("TWIN") for v in views(scene_renderer.layout)) >= 5
 
 
 def test_hardware_is_not_called_a_twin(one_wire):
     meta = {**one_wire.meta, "source": "bench"}
-    screen = Remembering()
-    drawer = Drawer(of_run(Run(one_wire.path, meta, one_wire.columns, (), ())), screen.show)
-    screen.show(drawer.opening())
-    assert "TWIN" not in json.dumps([str(m) for m in screen.marks]) + str(drawer.layout)
-    assert not [m for m in screen.marks if isinstance(m, Picture)]  # nobody knows this wire's μ
+    screen = RecordingOutput()
+    scene_renderer = SceneRenderer(
+        run_display_info(Run(one_wire.path, meta, one_wire.columns, (), ())), screen.show
+    )
+    screen.show(scene_renderer.opening())
+    assert "TWIN" not in json.dumps([str(m) for m in screen.primitives]) + str(scene_renderer.layout)
+    assert not [m for m in screen.primitives if isinstance(m, Pixels)]  # nobody knows this wire's μ
 
 
 def test_the_boundary_is_that_of_the_inputs(one_wire):
-    screen, drawer = drawn(one_wire)
-    marks = [m for m in screen.at(f"{drawer.plane.inside}/boundary") if isinstance(m, Strips)]
-    last = marks[-1].strips[-1]
+    screen, scene_renderer = drawn(one_wire)
+    primitives = [m for m in screen.at(f"{scene_renderer.plane.inside}/boundary") if isinstance(m, Polylines)]
+    last = primitives[-1].strips[-1]
     memory = Preisach(surface("one_e"))
-    t_last = marks[-1].times_s[-1]
+    t_last = primitives[-1].times_s[-1]
     for u in one_wire["input"][one_wire["t_s"] <= t_last].tolist():
         memory.step(u)
     assert np.array_equal(last, boundary(memory.state, 0.0, memory.hysteresis.upper))
@@ -151,28 +171,29 @@ def test_the_map_holds_the_surface_less_its_reversible_part():
     diagonal = sum(h.everett(b, a) for a, b in zip(corner[:-1], corner[1:])) / 2
     total = h.everett(h.upper, h.lower) / 2
     assert below + diagonal == pytest.approx(total, rel=1e-9)
-    shown = picture(mu)
+    shown = density_image(mu)
     assert tuple(shown[0, -1]) == colours.GROUND
     assert (shown[np.isfinite(mu)][:, 0] > 100).any()
 
 
 def test_the_load_rises_and_the_shaft_turns_as_measured(one_wire, two_wire):
     screen, _ = drawn(one_wire)
-    lifted = np.vstack([m.shift for m in screen.at("rig/load") if isinstance(m, Placed)])
+    lifted = np.vstack([m.shift for m in screen.at("rig/load") if isinstance(m, Transform)])
     assert lifted[:, 1].max() == pytest.approx(one_wire["position"].max(), abs=0.15)
-    turn = np.concatenate([m.turn_rad for m in screen.at("rig/pulley") if isinstance(m, Placed)])
+    turn = np.concatenate([m.turn_rad for m in screen.at("rig/pulley") if isinstance(m, Transform)])
     assert np.allclose(turn * 15.0, lifted[:, 1])
     screen, _ = drawn(two_wire)
-    turn = np.concatenate([m.turn_rad for m in screen.at("rig/pulley") if isinstance(m, Placed)])
+    turn = np.concatenate([m.turn_rad for m in screen.at("rig/pulley") if isinstance(m, Transform)])
     assert np.degrees(turn.min()) == pytest.approx(two_wire["position"].min(), abs=0.6)
     assert screen.at("rig/wire_2")
     assert not screen.at("rig/load")
 
 
-def test_lanes_tell_steps_and_how_they_ended(one_wire):
+def test_lanes_show_steps_and_how_they_ended(one_wire):
     screen, _ = drawn(one_wire)
     lanes = {
-        path: [m for m in screen.at(path) if isinstance(m, Lane)] for path in ("lanes/step", "lanes/verdict")
+        path: [m for m in screen.at(path) if isinstance(m, StateLane)]
+        for path in ("lanes/step", "lanes/verdict")
     }
     steps = [state for m in lanes["lanes/step"] for state in m.states]
     assert [s for s in steps if s.startswith("step")] == [f"step {s.index}" for s in one_wire.steps]
@@ -182,51 +203,60 @@ def test_lanes_tell_steps_and_how_they_ended(one_wire):
     assert ended == [(s.t_start_s, s.verdict) for s in one_wire.steps]
 
 
-def test_events_are_told_with_their_levels(one_wire):
-    screen = Remembering()
-    drawer = Drawer(of_run(one_wire), screen.show)
-    drawer.draw([Told(1.0, "error", "trip", "too hot")])
-    (said,) = [m for m in screen.marks if isinstance(m, Said)]
-    assert (said.texts, said.levels) == (("trip: too hot",), ("error",))
-    (lane,) = [m for m in screen.marks if isinstance(m, Lane)]
+def test_events_are_shown_with_their_levels(one_wire):
+    screen = RecordingOutput()
+    scene_renderer = SceneRenderer(run_display_info(one_wire), screen.show)
+    scene_renderer.draw([EventItem(1.0, "error", "trip", "too hot")])
+    (log_lines,) = [m for m in screen.primitives if isinstance(m, LogLines)]
+    assert (log_lines.texts, log_lines.levels) == (("trip: too hot",), ("error",))
+    (lane,) = [m for m in screen.primitives if isinstance(m, StateLane)]
     assert lane.states == ("trouble",)
 
 
-def ticked(k: int, u: float, y: float) -> Ticked:
-    return Ticked(Sample(k, 0.1 * k, 0.5, 0.5, 2.4, np.nan, round(y / 0.047), y, 22.0, 0), 0, u)
+def ticked(k: int, u: float, y: float) -> SampleItem:
+    return SampleItem(Sample(k, 0.1 * k, 0.5, 0.5, 2.4, np.nan, round(y / 0.047), y, 22.0, 0), 0, u)
 
 
 def test_after_a_gap_the_model_is_silent_until_saturation_wiped_it_out():
-    screen, subject = Remembering(), about_to_run()
-    assert subject.own is not None
-    upper = subject.own.upper
-    drawer = Drawer(subject, screen.show, [Prediction("own", Memory(subject.own, "negative"))], subject.own)
-    drawer.draw([ticked(1, 10.0, 0.0)])
-    drawer.draw([ticked(5, 60.0, 1.0), ticked(6, upper, 12.0), ticked(7, 100.0, 11.0)], lost=3)
+    screen, display_info = RecordingOutput(), planned_run_info()
+    assert display_info.twin_hysteresis is not None
+    upper = display_info.twin_hysteresis.upper
+    scene_renderer = SceneRenderer(
+        display_info,
+        screen.show,
+        [NamedPredictor("own", HysteresisPredictor(display_info.twin_hysteresis, "negative"))],
+        display_info.twin_hysteresis,
+    )
+    scene_renderer.draw([ticked(1, 10.0, 0.0)])
+    scene_renderer.draw([ticked(5, 60.0, 1.0), ticked(6, upper, 12.0), ticked(7, 100.0, 11.0)], lost=3)
     _, values = column(screen, "position")
     assert np.isfinite(values[:, 1]).tolist() == [True, False, True, True]
-    assert any("3 items" in text for m in screen.marks if isinstance(m, Said) for text in m.texts)
+    assert any("3 items" in text for m in screen.primitives if isinstance(m, LogLines) for text in m.texts)
 
 
 def test_a_zeroed_encoder_does_not_look_like_a_wrong_model():
-    screen, subject = Remembering(), about_to_run()
-    assert subject.own is not None
-    drawer = Drawer(subject, screen.show, [Prediction("own", Memory(subject.own, "negative"))])
+    screen, display_info = RecordingOutput(), planned_run_info()
+    assert display_info.twin_hysteresis is not None
+    scene_renderer = SceneRenderer(
+        display_info,
+        screen.show,
+        [NamedPredictor("own", HysteresisPredictor(display_info.twin_hysteresis, "negative"))],
+    )
     before = [ticked(k, 10.0, 0.0) for k in range(60)]
     after = [ticked(k, 10.0, 5.0) for k in range(60, 120)]
-    drawer.draw([*before, Told(6.0, "info", "zero", "Encoder zeroed."), *after])
+    scene_renderer.draw([*before, EventItem(6.0, "info", "zero", "Encoder zeroed."), *after])
     assert np.abs(column(screen, "residual")[1]).max() < 1e-12
 
 
 def test_axes_grow_with_the_data():
-    screen, subject = Remembering(), about_to_run()
-    drawer = Drawer(subject, screen.show)
-    drawer.draw([ticked(1, 10.0, 3.0)])
-    assert drawer.graph.y == subject.output
-    drawer.draw([ticked(2, 10.0, 40.0)])
-    assert drawer.graph.y.low <= subject.output.low
-    assert drawer.graph.y.high > 40.0
-    assert [m for m in screen.at("graph/plot") if isinstance(m, Placed)]
+    screen, display_info = RecordingOutput(), planned_run_info()
+    scene_renderer = SceneRenderer(display_info, screen.show)
+    scene_renderer.draw([ticked(1, 10.0, 3.0)])
+    assert scene_renderer.graph.y == display_info.output
+    scene_renderer.draw([ticked(2, 10.0, 40.0)])
+    assert scene_renderer.graph.y.low <= display_info.output.low
+    assert scene_renderer.graph.y.high > 40.0
+    assert [m for m in screen.at("graph/plot") if isinstance(m, Transform)]
 
 
 def test_a_replay_at_a_pace_keeps_it():
@@ -271,15 +301,15 @@ def a_path():
 
 
 def test_data_of_others_are_drawn_without_a_rig():
-    screen = Remembering()
+    screen = RecordingOutput()
     run = a_plain_run()
-    drawer = Drawer(of_run(run), screen.show)
-    screen.show(drawer.opening())
+    scene_renderer = SceneRenderer(run_display_info(run), screen.show)
+    screen.show(scene_renderer.opening())
     for batch in batches(run):
-        drawer.draw(batch)
+        scene_renderer.draw(batch)
     assert np.array_equal(column(screen, "position")[1][:, 0], run["position"])
-    assert not [m for m in screen.marks if m.path.startswith("rig")]
-    assert not [v for v in views(drawer.layout) if v.kind == "space"]
+    assert not [m for m in screen.primitives if m.path.startswith("rig")]
+    assert not [v for v in views(scene_renderer.layout) if v.kind == "space"]
 
 
 @pytest.mark.parametrize(("rough", "nice"), [(0.11, 0.2), (0.2, 0.2), (3.0, 5.0), (51.0, 100.0)])

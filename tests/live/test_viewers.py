@@ -19,10 +19,10 @@ from live.chromium import Browser, found
 from live.made import LEVELS_A
 from smarig.config import load_rig
 from smarig.live import colours
-from smarig.live.showing import save, shown
-from smarig.live.subject import of_rig
-from smarig.live.viewer import Viewer, address, free_port, web_page
-from smarig.model.actuator import Actuator
+from smarig.live.display_info import rig_display_info
+from smarig.live.live_view import live_listener, save
+from smarig.live.viewer_process import ViewerProcess, address, free_port, web_page
+from smarig.plant.actuator import Actuator
 from smarig.record import load_run
 from smarig.runner.session import Session
 
@@ -57,23 +57,23 @@ def until(found: Callable[[], Any], what: str) -> Any:
     pytest.fail(f"{what} within {PATIENCE_S:g} s; last: {said}")
 
 
-def headless(url: str) -> tuple[Viewer, str]:
+def headless(url: str) -> tuple[ViewerProcess, str]:
     """A native viewer without a screen, and where it is asked; skipped where nothing can draw."""
     port = free_port()
-    viewer = Viewer.headless(url, port, f"{SIZE[0]}x{SIZE[1]}")
+    viewer = ViewerProcess.headless(url, port, f"{SIZE[0]}x{SIZE[1]}")
     asked = address(port)
-    from smarig.live.screen import looked_at
+    from smarig.live.rerun_output import viewer_state
 
     def up() -> object:
         if not viewer.running:
             pytest.skip(f"the native viewer cannot draw here (mesa-vulkan-drivers?): {viewer.complaint}")
-        return looked_at(asked)
+        return viewer_state(asked)
 
     until(up, "the viewer answers")
     return viewer, asked
 
 
-def calm() -> None:
+def wait_until_idle() -> None:
     """Where somebody will look at the picture: until the viewer's own remarks have gone."""
     if os.environ.get("SMARIG_PICTURES"):
         time.sleep(TOASTS_S)
@@ -81,29 +81,29 @@ def calm() -> None:
 
 def shows(asked: str, end_s: float) -> dict[str, Any] | None:
     """What a viewer shows, once it has a layout and a run from its first second to its end."""
-    from smarig.live.screen import looked_at
+    from smarig.live.rerun_output import viewer_state
 
-    seen = looked_at(asked)
-    laid_out = seen["views"] and seen["ends_s"]  # the layout may arrive after the data
-    whole = laid_out and min(seen["begins_s"]) < BEGINNING_S and max(seen["ends_s"]) >= end_s
-    return seen if whole else None
+    state = viewer_state(asked)
+    laid_out = state["views"] and state["ends_s"]  # the layout may arrive after the data
+    whole = laid_out and min(state["begins_s"]) < BEGINNING_S and max(state["ends_s"]) >= end_s
+    return state if whole else None
 
 
-def run_watched(folder: Path, name: str, watcher: Any) -> Path:
+def run_watched(folder: Path, name: str, listener: Any) -> Path:
     """A short run of the twin, with a watcher."""
     settings = {"currents_A": LEVELS_A[RIG], "settle.timeout_s": 120.0}
     with Session(RIG, seed=1, wire=name) as session:
-        return session.run("step_currents", settings, folder / f"{name}.run.sqlite", listeners=[watcher])
+        return session.run("step_currents", settings, folder / f"{name}.run.sqlite", listeners=[listener])
 
 
-def subject() -> Any:
+def display_info() -> Any:
     file = load_rig(RIG)
-    return of_rig(
+    return rig_display_info(
         file, Actuator.named(file.actuator), "twin", {"settle.timeout_s": 120.0}, f"step_currents on {RIG}"
     )
 
 
-def hues(picture: Any) -> Counter:
+def colour_counts(picture: Any) -> Counter:
     """How many pixels are near each colour that has a meaning."""
     pixels = np.asarray(picture.convert("RGB"), dtype=int).reshape(-1, 3)
     named = {"sky": colours.SKY, "green": colours.GREEN, "amber": colours.AMBER, "orange": colours.ORANGE}
@@ -111,17 +111,20 @@ def hues(picture: Any) -> Counter:
 
 
 def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_path):
-    from smarig.live.screen import photographed
+    from smarig.live.rerun_output import save_screenshot_of
 
     port, told = free_port(), []
-    with shown(subject(), viewer=False, port=port, say=told.append) as watcher:
-        end_s = float(load_run(run_watched(tmp_path, "native", watcher))["t_s"][-1])
+    with live_listener(display_info(), viewer=False, port=port, show_message=told.append) as listener:
+        end_s = float(load_run(run_watched(tmp_path, "native", listener))["t_s"][-1])
         first, asked = headless(address(port))
         try:
-            seen = until(lambda: shows(asked, end_s), "the run is shown")
+            state = until(lambda: shows(asked, end_s), "the run is shown")
             picture = pictures(tmp_path) / "live_native.png"
             until(
-                lambda: calm() or photographed(asked, picture, 0.75 * end_s) or picture.is_file(), "a picture"
+                lambda: (
+                    wait_until_idle() or save_screenshot_of(asked, picture, 0.75 * end_s) or picture.is_file()
+                ),
+                "a picture",
             )
         finally:
             first.process.kill()
@@ -131,40 +134,45 @@ def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_pa
             again = until(lambda: shows(asked, end_s), "the run is shown again, all of it")
         finally:
             second.close()
-    assert seen["complaints"] == []
-    kinds = Counter(seen["views"].values())
+    assert state["complaints"] == []
+    kinds = Counter(state["views"].values())
     assert (kinds["2D"], kinds["3D"], kinds["StateTimeline"]) == (2, 1, 1)
     assert kinds["TimeSeries"] >= 6
     assert {"TWIN · Position against estimated temperature", "TWIN · Wire, pulley and load"} <= set(
-        seen["views"]
+        state["views"]
     )
-    assert again["views"] == seen["views"]
+    assert again["views"] == state["views"]
     assert told == []
-    found = hues(Image.open(picture))
+    found = colour_counts(Image.open(picture))
     assert min(found[name] for name in ("sky", "green", "amber", "orange")) > 100, found
 
 
 def test_two_wires_and_a_shaft_are_shown_without_a_complaint(two_wire, tmp_path):
-    from smarig.live.screen import looked_at, photographed
+    from smarig.live.rerun_output import save_screenshot_of, viewer_state
 
     save(two_wire, tmp_path / "two.rrd")
     viewer, asked = headless(str(tmp_path / "two.rrd"))
     try:
-        seen = until(lambda: (s := looked_at(asked))["ends_s"] and s["views"] and s, "the run is laid out")
-        picture, at_s = pictures(tmp_path) / "live_two_wires.png", 0.6 * max(seen["ends_s"])
-        until(lambda: calm() or photographed(asked, picture, at_s) or picture.is_file(), "a picture")
+        state = until(
+            lambda: (s := viewer_state(asked))["ends_s"] and s["views"] and s, "the run is laid out"
+        )
+        picture, at_s = pictures(tmp_path) / "live_two_wires.png", 0.6 * max(state["ends_s"])
+        until(
+            lambda: wait_until_idle() or save_screenshot_of(asked, picture, at_s) or picture.is_file(),
+            "a picture",
+        )
     finally:
         viewer.close()
-    assert seen["complaints"] == []
-    assert "TWIN · Wires and shaft" in seen["views"]
+    assert state["complaints"] == []
+    assert "TWIN · Wires and shaft" in state["views"]
 
 
 def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
     found()
     port, web_port = free_port(), free_port()
-    with shown(subject(), viewer=False, port=port, say=print) as watcher:
-        run_watched(tmp_path, "web", watcher)
-        server = Viewer.web(address(port), web_port)
+    with live_listener(display_info(), viewer=False, port=port, show_message=print) as listener:
+        run_watched(tmp_path, "web", listener)
+        server = ViewerProcess.web(address(port), web_port)
         try:
             with Browser(*SIZE) as page:
                 until(lambda: is_served(web_port), "the page is served")
@@ -175,8 +183,8 @@ def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
 
                 def drawn() -> bytes | None:
                     taken = page.picture()
-                    seen = hues(Image.open(io.BytesIO(taken)))
-                    return taken if min(seen["sky"], seen["amber"], seen["orange"]) > 100 else None
+                    state = colour_counts(Image.open(io.BytesIO(taken)))
+                    return taken if min(state["sky"], state["amber"], state["orange"]) > 100 else None
 
                 until(drawn, "graphs are drawn")
                 (pictures(tmp_path) / "live_web.png").write_bytes(page.picture())
@@ -198,7 +206,7 @@ def is_served(port: int) -> bool:
 def test_a_viewer_ends_with_us_and_leaves_nothing_behind(ending, tmp_path):
     import signal
 
-    viewer = Viewer.web(address(free_port()), free_port())
+    viewer = ViewerProcess.web(address(free_port()), free_port())
     home = viewer._home
     if ending == "stopped":
         os.kill(viewer.process.pid, signal.SIGSTOP)
@@ -213,8 +221,8 @@ def test_nothing_listens_beyond_loopback():
     if not table.is_file():
         pytest.skip("no /proc/net/tcp here")
     port, web_port = free_port(), free_port()
-    with shown(subject(), viewer=False, port=port, say=print):
-        server = Viewer.web(address(port), web_port)
+    with live_listener(display_info(), viewer=False, port=port, show_message=print):
+        server = ViewerProcess.web(address(port), web_port)
         try:
             until(lambda: is_served(web_port), "the page is served")
             tables = [t.read_text() for t in (table, Path("/proc/net/tcp6")) if t.is_file()]
@@ -227,10 +235,10 @@ def test_nothing_listens_beyond_loopback():
     assert not {row for row in listening if row.split(":")[1] in {o.split(":")[1] for o in ours}} - ours
 
 
-def test_a_taken_port_is_told_in_a_sentence():
+def test_a_taken_port_is_reported_in_a_sentence():
     import socket
 
-    from smarig.errors import UsageError
+    from smarig.core.errors import UsageError
 
     with socket.socket() as holder:
         holder.bind(("127.0.0.1", 0))

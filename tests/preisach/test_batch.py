@@ -5,14 +5,14 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from smarig.errors import DataError, UsageError
-from smarig.preisach.batch import simulate_many, trace
+from smarig.core.errors import DataError, UsageError
+from smarig.preisach.batch import memory_trace, simulate_many
 from smarig.preisach.everett import Everett
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
-from smarig.preisach.relay_measure import RelayMeasure
 
 
 def _table() -> FodTable:
@@ -72,8 +72,8 @@ def test_a_state_to_start_from_gives_its_extrema(initial, before, path):
 def test_long_inputs_with_deep_memory(shape: str):
     rng = np.random.default_rng(43)
     n = 20_000
-    swing = 184.0 * np.linspace(1, 0, n) * np.where(np.arange(n) % 2, -1.0, 1.0)
-    u = {"walk": 185 * np.sin(np.cumsum(rng.normal(0, 0.1, n))), "decaying": swing}[shape]
+    oscillation = 184.0 * np.linspace(1, 0, n) * np.where(np.arange(n) % 2, -1.0, 1.0)
+    u = {"walk": 185 * np.sin(np.cumsum(rng.normal(0, 0.1, n))), "decaying": oscillation}[shape]
     together = simulate_many(SYSTEMS[:4], u)
     assert np.max(np.abs(together - alone(SYSTEMS[:4], u, "negative"))) <= 1e-12 * SPAN
 
@@ -95,7 +95,7 @@ def test_many_inputs_through_one_hysteresis_are_each_alone(initial, k: int, n: i
 
 def test_a_trace_names_corners_and_parents():
     """90, then down to 40, up to 60, and beyond 90: the loop 40–60 hangs on 40 and is gone in the end."""
-    found = trace([90.0, 40.0, 60.0, 50.0, 100.0, 100.0, 0.0], 0.0, 174.1)
+    found = memory_trace([90.0, 40.0, 60.0, 50.0, 100.0, 100.0, 0.0], 0.0, 174.1)
     hangs_on = found.u[found.parent[found.first :]].tolist()
     assert hangs_on == [0.0, 90.0, 40.0, 60.0, 0.0, 0.0, 0.0]
     assert found.alpha[found.first :].tolist() == [90.0, 90.0, 60.0, 60.0, 100.0, 100.0, 0.0]

@@ -5,14 +5,14 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.inverse import Ways, root
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.inverse import InverseSolver, root
 from smarig.preisach.operator import Preisach
-from smarig.preisach.relay_measure import RelayMeasure
 
 
 def _table() -> FodTable:
@@ -176,7 +176,7 @@ def test_what_is_no_number_is_no_target(target: float):
 # --- where there is no inverse --------------------------------------------------------------------------
 
 
-def test_two_wire_p_turns_back_rising_and_says_where():
+def test_two_wire_p_turns_back_rising_and_the_error_names_where():
     """The named stretch is where the output falls while the input rises; before it there is an inverse."""
     op = Preisach(surface("two_p"))
     op.follow([170.0, -55.0])
@@ -212,17 +212,17 @@ def test_two_wire_p_falls_monotonically_and_is_invertible_that_way():
 @pytest.mark.parametrize("name", ["one_c", "one_e", "two_c", "two_e", "two_p", "one_p"])
 def test_which_surfaces_are_monotone_everywhere(name: str):
     """Non-negative strip sums, not μ ≥ 0: all but two-wire p, whose slope goes down to −0.037 (theory.md §1)."""
-    assert Ways(surface(name)).monotone == (name != "two_p")
+    assert InverseSolver(surface(name)).monotone == (name != "two_p")
 
 
-def test_relays_of_negative_mass_turn_back_and_say_where():
+def test_relays_of_negative_mass_turn_back_and_the_error_names_where():
     op = Preisach.from_measure([10.0, 20.0, 40.0], [0.0, 5.0, 7.0], [1.0, -0.5, 2.0])
     assert op.peek(op.inverse(-1.0)) >= -1.0  # before the negative one
     with pytest.raises(DataError, match="rises from 10 to 20 it turns back"):
         op.inverse(2.0)
 
 
-def test_a_table_that_turns_back_says_where():
+def test_a_table_that_turns_back_is_refused_with_where():
     y = np.array([[0.0, np.nan, np.nan, np.nan], [0, 4, np.nan, np.nan], [0, 1, 3, np.nan], [0, 1, 2, 6]])
     op = Preisach.from_table([0, 1, 2, 3], [0, 1, 2, 3], y)
     assert op.peek(op.inverse(2.0)) == pytest.approx(2.0, abs=1e-12)
@@ -230,7 +230,7 @@ def test_a_table_that_turns_back_says_where():
         op.inverse(5.0)
 
 
-def test_only_the_way_there_matters():
+def test_only_the_path_to_the_target_matters():
     """A measure that is not monotone somewhere has an inverse wherever the way there is."""
     op = Preisach.from_measure([10.0, 20.0, 40.0], [0.0, 5.0, 7.0], [1.0, -0.5, 2.0])
     op.step(45.0)

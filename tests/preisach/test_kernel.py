@@ -9,17 +9,17 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from preisach.relay_reference import Relays, histories
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.preisach.compiled import available
 from smarig.preisach.everett import Everett, from_diagonal
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.forc_curve import Curve
-from smarig.preisach.forc_table import ForcTable
-from smarig.preisach.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_curve import ForcCurve
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.kernel import CHUNK
-from smarig.preisach.mirrored import Mirrored
 from smarig.preisach.operator import Preisach, State
-from smarig.preisach.relay_measure import RelayMeasure
 
 needs_numba = pytest.mark.skipif(not available(), reason="numba (extra `fast`) is not installed")
 LOOPS = [pytest.param(False, id="plain"), pytest.param(True, id="compiled", marks=needs_numba)]
@@ -45,7 +45,7 @@ def _measure(count: int = 200, seed: int = 1) -> RelayMeasure:
 def _curves() -> ForcTable:
     tops = np.linspace(-150.0, 185.0, 7)
     downs = [np.linspace(top, -185.0, 5 + k) for k, top in enumerate(tops)]
-    return ForcTable.from_curves([Curve(b[0], b, surface("two_c").y(b[0], b)) for b in downs])
+    return ForcTable.from_curves([ForcCurve(b[0], b, surface("two_c").y(b[0], b)) for b in downs])
 
 
 KINDS: dict[str, Everett] = {
@@ -161,7 +161,7 @@ def test_a_look_ahead_changes_nothing_that_comes_later(name: str, initial, befor
     assert [op.step(u) for u in path] == other.follow(path).tolist()
 
 
-def test_a_growing_swing_from_the_diagonal_leaves_it_anew_at_each_turn():
+def test_a_growing_oscillation_from_the_diagonal_leaves_it_anew_at_each_turn():
     """Every second sample asks the integral along B_ℓ; outputs are those of a swing from B_ℓ in one move."""
     h = surface("two_e")
     reach = np.linspace(1.0, 180.0, 40)
@@ -228,13 +228,13 @@ class Counted:
 def test_cost_is_flat_in_memory_depth(shape: str):
     """F is asked once for each sample, whatever is remembered; a class of the user's own runs the same loop."""
     n = 4000
-    swing = np.where(np.arange(n) % 2, -1.0, 1.0) * np.linspace(0.999, 0.001, n)
-    u = {"walk": walk(n, 14) / 190, "decaying": swing, "growing": swing[::-1]}[shape]
+    oscillation = np.where(np.arange(n) % 2, -1.0, 1.0) * np.linspace(0.999, 0.001, n)
+    u = {"walk": walk(n, 14) / 190, "decaying": oscillation, "growing": oscillation[::-1]}[shape]
     h = Counted()
     op = Preisach(h)
-    asked = h.calls
+    evaluations = h.calls
     y = op.simulate(u)
-    assert h.calls - asked <= n
+    assert h.calls - evaluations <= n
     assert np.allclose(y, u + 1.0, atol=1e-9)  # all relays on α = β: no hysteresis
 
 
@@ -370,7 +370,7 @@ def test_nan_in_a_run_is_refused_where_it_stands_and_nothing_moves(name: str, in
     assert op.state == before
 
 
-def test_what_has_no_compiled_form_says_so():
+def test_what_has_no_compiled_form_is_refused():
     if not available():
         with pytest.raises(UsageError, match=r"install smarig\[fast\]"):
             Preisach(surface("two_e"), compiled=True).simulate([1.0])

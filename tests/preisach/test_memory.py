@@ -7,13 +7,13 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import NAMES, surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach, State
-from smarig.preisach.relay_measure import RelayMeasure
 
 
 def _table() -> FodTable:
@@ -140,7 +140,7 @@ def test_congruent_loops_stand_at_different_outputs():
 
 
 @given(systems, initials, histories, st.integers(1, 5))
-def test_points_on_the_way_change_nothing(name: str, initial, history, between: int):
+def test_intermediate_points_change_nothing(name: str, initial, history, between: int):
     here = after(name, initial, history)
     path = [Preisach(SYSTEMS[name], initial).u, *history]
     dense = [u for a, b in pairwise(path) for u in [*np.linspace(a, b, between + 2).tolist()[1:-1], b]]
@@ -208,7 +208,7 @@ def test_peek_leaves_the_memory(name: str, initial, history, u: float):
     assert op.step(u) == foreseen
 
 
-def test_a_saved_state_is_not_the_living_memory():
+def test_a_saved_state_does_not_follow_the_operator():
     op = after("surface", "negative", [100.0, 0.0, 50.0])
     saved = op.state
     op.step(180.0)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from preisach.relay_reference import TABLE_5_1, Printed, Relays, cells, histories, lower_half
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import PARTITIONS, surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
-from smarig.preisach.relay_measure import RelayMeasure
 
 TOLERANCE = 1e-12  # of the output range, design.md §4.5
 HISTORIES = tuple(histories(np.arange(20.0), 0))
@@ -183,7 +183,7 @@ def test_one_jump_past_the_last_maximum():
 
 
 @pytest.mark.parametrize("name", ["one_p", "two_e"])
-def test_mirror_is_its_relays_seen_in_the_mirror(name: str):
+def test_mirror_is_its_mirrored_relays(name: str):
     printed, levels = Printed(name), levels_of(name)
     op = Preisach(Mirrored(surface(name)), "positive")
     for inputs in histories(levels, 10).values():

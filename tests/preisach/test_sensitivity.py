@@ -5,11 +5,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach, State
 from smarig.preisach.sensitivity import sensitivity
 

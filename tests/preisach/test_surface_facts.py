@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import quad
 
 from preisach.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
-from smarig.errors import UsageError
-from smarig.preisach.energy import available_storage, certify
-from smarig.preisach.fod_surface import FodSurface
-from smarig.preisach.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.core.errors import UsageError
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, PARTITIONS, surface
 from smarig.preisach.operator import Preisach
-from smarig.preisach.properties import properties
+from smarig.theory.energy import available_storage, certify
+from smarig.theory.properties import properties
 
 
 def grid(name: str, n: int = 371) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

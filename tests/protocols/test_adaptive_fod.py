@@ -4,17 +4,17 @@ import math
 
 import pytest
 
-from smarig.command import Hold, Mark, Settled, StepResult, Verdict
-from smarig.errors import Interrupted, UsageError
-from smarig.protocols._settings import build, described
+from smarig.core.command import Hold, Mark, Settled, StepResult, StepVerdict
+from smarig.core.errors import Interrupted, UsageError
+from smarig.protocols._settings import build, setting_texts
 from smarig.protocols._setup import Setup
-from smarig.protocols.adaptive_fod import Choice, adaptive_fod, halving
+from smarig.protocols.adaptive_fod import NextInputs, adaptive_fod, halving
 from smarig.record import load_run
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.control import Control
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.preview import Preview
+from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
 from smarig.runner.session import Session
 
@@ -22,7 +22,7 @@ ONE = Setup.of("one_wire_twin")
 KNOWN = Preview("adaptive_fod", 3600.0, 60, 1.0, 174.1, 0, 1_000_000)
 
 
-class Scripted:
+class ScriptedChooser:
     """A chooser that follows a script and remembers what it was shown."""
 
     def __init__(self, *choices):
@@ -30,10 +30,10 @@ class Scripted:
 
     def __call__(self, setup, seen, settle):
         self.shown.append(seen)
-        return self.choices.pop(0) if self.choices else Choice(())
+        return self.choices.pop(0) if self.choices else NextInputs(())
 
 
-def carried_out(protocol, counts=100.0, hold_s=60.0, verdict=Verdict.SETTLED):
+def carried_out(protocol, counts=100.0, hold_s=60.0, verdict=StepVerdict.SETTLED):
     """All commands of a protocol whose holds take a minute and read the same, one more each time."""
     commands, t_s, answer = [], 0.0, None
     while True:
@@ -58,21 +58,21 @@ def marks(commands):
 
 
 def test_it_begins_in_both_saturations_whatever_the_chooser():
-    chooser = Scripted()
+    chooser = ScriptedChooser()
     commands = carried_out(adaptive_fod(ONE, chooser))
     assert held(commands) == [ONE.lower_K, ONE.upper_K]
     assert [(s.input_K, s.counts) for s in chooser.shown[0]] == [(0.0, 101.0), (174.1, 102.0)]
 
 
 def test_it_is_inert_until_it_is_run():
-    chooser = Scripted(Choice((50.0,)))
+    chooser = ScriptedChooser(NextInputs((50.0,)))
     protocol = adaptive_fod(ONE, chooser)
     assert isinstance(next(protocol), Mark)
     assert not chooser.shown
 
 
 def test_it_holds_what_was_chosen_and_shows_all_it_has_seen():
-    chooser = Scripted(Choice((50.0, 20.0)), Choice((90.0,)))
+    chooser = ScriptedChooser(NextInputs((50.0, 20.0)), NextInputs((90.0,)))
     commands = carried_out(adaptive_fod(ONE, chooser))
     assert held(commands)[2:] == [50.0, 20.0, 90.0]
     assert [len(seen) for seen in chooser.shown] == [2, 4, 5]
@@ -80,30 +80,30 @@ def test_it_holds_what_was_chosen_and_shows_all_it_has_seen():
     assert [c.branch for c in commands if isinstance(c, Hold)][2:] == ["fall", "fall", "rise"]
 
 
-def test_it_stops_at_the_target_and_asks_no_more():
-    chooser = Scripted(Choice((50.0,), 0.3), Choice((60.0,), 0.02), Choice((70.0,), 0.001))
+def test_it_stops_at_the_target_and_calls_the_chooser_no_more():
+    chooser = ScriptedChooser(NextInputs((50.0,), 0.3), NextInputs((60.0,), 0.02), NextInputs((70.0,), 0.001))
     commands = carried_out(adaptive_fod(ONE, chooser, target_share=0.02))
     assert held(commands)[2:] == [50.0]
     assert marks(commands)[-1] == "target reached"
 
 
 def test_a_chooser_that_cannot_predict_never_reaches_the_target():
-    choices = [Choice((50.0 + k,), math.nan) for k in range(5)]
-    assert len(held(carried_out(adaptive_fod(ONE, Scripted(*choices), target_share=0.9)))) == 7
+    choices = [NextInputs((50.0 + k,), math.nan) for k in range(5)]
+    assert len(held(carried_out(adaptive_fod(ONE, ScriptedChooser(*choices), target_share=0.9)))) == 7
 
 
 def test_it_stops_when_its_time_is_up():
     def endless(setup, seen, settle):
-        return Choice((40.0, 80.0, 20.0), 0.5)
+        return NextInputs((40.0, 80.0, 20.0), 0.5)
 
     commands = carried_out(adaptive_fod(ONE, endless, longest_h=0.25))
     assert len(held(commands)) == 15  # of a minute each, in the middle of what was chosen
     assert marks(commands)[-1] == "time is up"
 
 
-def test_unsettled_holds_are_told_as_such_and_the_run_goes_on():
-    chooser = Scripted(Choice((50.0,)), Choice((60.0,)))
-    commands = carried_out(adaptive_fod(ONE, chooser), verdict=Verdict.TIMED_OUT)
+def test_unsettled_holds_are_passed_on_as_such_and_the_run_continues():
+    chooser = ScriptedChooser(NextInputs((50.0,)), NextInputs((60.0,)))
+    commands = carried_out(adaptive_fod(ONE, chooser), verdict=StepVerdict.TIMED_OUT)
     assert len(held(commands)) == 4
     assert not any(s.settled for s in chooser.shown[-1])
 
@@ -113,10 +113,12 @@ def test_what_lies_outside_the_limits_is_refused_before_it_reaches_the_rig(asked
     twin = Twin.named("one_wire_twin", seed=1)
     currents = []
     runner = Runner(
-        Guard(twin, twin.file.limits, twin.actuator), 1.0, [Watch(lambda s, *_: currents.append(s.current_A))]
+        Guard(twin, twin.file.limits, twin.actuator),
+        1.0,
+        [CallbackListener(lambda s, *_: currents.append(s.current_A))],
     )
     with pytest.raises(UsageError, match="outside the rig's range"):
-        runner.run(adaptive_fod(ONE, Scripted(Choice((asked_K,)))))
+        runner.run(adaptive_fod(ONE, ScriptedChooser(NextInputs((asked_K,)))))
     assert twin.output_A == 0.0
     assert 0.9 < max(currents) < 1.01
 
@@ -156,19 +158,19 @@ def test_bad_settings_get_one_sentence_before_anything_is_run(settings, message)
 
 
 def test_a_chooser_is_handed_to_the_protocols_that_take_one():
-    chooser = Scripted(Choice((33.0,)))
+    chooser = ScriptedChooser(NextInputs((33.0,)))
     assert 33.0 in held(carried_out(build("adaptive_fod", ONE, {}, chooser)))
     assert len(held(list(build("wiping_out", ONE, {}, chooser)))) == len(held(list(build("wiping_out", ONE))))
-    assert "chooser" not in dict(described("adaptive_fod"))
+    assert "chooser" not in dict(setting_texts("adaptive_fod"))
 
 
 def test_an_interruption_leaves_a_closed_run_with_what_was_measured(tmp_path):
-    control = Control()
+    control = RunControl()
 
     def impatient(setup, seen, settle):
         if len(seen) == 4:
             control.stop("enough for today")
-        return Choice((60.0, 20.0))
+        return NextInputs((60.0, 20.0))
 
     out = tmp_path / "adaptive.run.sqlite"
     with Session("one_wire_twin", seed=1, control=control) as session:
@@ -184,8 +186,12 @@ def test_an_interruption_leaves_a_closed_run_with_what_was_measured(tmp_path):
 def test_a_wire_that_never_settles_in_time_does_not_stop_it():
     twin = Twin.named("one_wire_twin", seed=1)
     results = []
-    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), 1.0, [Watch(on_step=results.append)])
+    runner = Runner(
+        Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
+    )
     hasty = Settled(window_s=25.0, timeout_s=25.0)
-    runner.run(adaptive_fod(ONE, Scripted(Choice((100.0, 50.0)), Choice((80.0,))), settle=hasty))
+    runner.run(
+        adaptive_fod(ONE, ScriptedChooser(NextInputs((100.0, 50.0)), NextInputs((80.0,))), settle=hasty)
+    )
     assert len(results) == 5
-    assert sum(r.verdict is Verdict.TIMED_OUT for r in results) >= 3
+    assert sum(r.verdict is StepVerdict.TIMED_OUT for r in results) >= 3

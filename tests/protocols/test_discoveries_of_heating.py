@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import smarig
-from smarig.model.actuator import Actuator
-from smarig.model.heating import temperature_along
-from smarig.preisach.gorbet_1997 import surface
+from smarig.plant.actuator import Actuator
+from smarig.plant.heating import temperature_along
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
-from smarig.runner.remnant import remnant
+from smarig.runner.initialisation_spread import initialisation_spread
 
 
 def loop_tops(run, loop_s):
@@ -50,11 +50,13 @@ def test_fig_5_3_fast_loops_drift_slow_loops_do_not_and_the_operator_explains_bo
 
 
 def test_fig_5_4_initialisation():
-    none, thesis, planned = (remnant("two_wire_twin", method) for method in ("none", "thesis", "planned"))
+    none, thesis, planned = (
+        initialisation_spread("two_wire_twin", method) for method in ("none", "thesis", "planned")
+    )
     assert none.offset_counts > 20
     assert thesis.offset_counts > 2, "the thesis's 0.1 Hz for 180 s does not make loops agree"
-    assert thesis.swing_up_K == pytest.approx(74, abs=2)
-    assert thesis.swing_down_K == pytest.approx(-46, abs=2)
+    assert thesis.max_input_K == pytest.approx(74, abs=2)
+    assert thesis.min_input_K == pytest.approx(-46, abs=2)
     assert planned.offset_counts <= 1
-    assert planned.swing_up_K > 184
-    assert planned.swing_down_K < -184
+    assert planned.max_input_K > 184
+    assert planned.min_input_K < -184

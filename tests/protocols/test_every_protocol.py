@@ -2,15 +2,15 @@
 
 import pytest
 
-from smarig.catalogue import names, summary
-from smarig.command import Hold, Waveform
 from smarig.config import load_rig
-from smarig.errors import UsageError
-from smarig.protocols._settings import build, described, parse_pairs
+from smarig.core.catalogue import names, summary
+from smarig.core.command import Hold, Waveform
+from smarig.core.errors import UsageError
+from smarig.protocols._settings import build, parse_pairs, setting_texts
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.preview import preview
 from smarig.runner.runner import Runner
 
@@ -34,7 +34,9 @@ def test_it_can_be_costed_and_stays_within_the_limits(rig, name):
 def test_it_runs_on_the_noisy_twin_settles_and_ends_at_zero(rig, name):
     twin = Twin.named(rig, seed=1)
     results = []
-    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), 1.0, [Watch(on_step=results.append)])
+    runner = Runner(
+        Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
+    )
     runner.run(build(name, Setup.of(rig)))
     assert twin.output_A == 0.0
     assert not [r for r in results if r.verdict == "timed_out"]
@@ -44,7 +46,7 @@ def test_it_runs_on_the_noisy_twin_settles_and_ends_at_zero(rig, name):
 def test_it_is_inert_documented_and_refuses_unknown_settings(name):
     build(name, Setup.of("one_wire_twin"))  # nothing happens: no rig is there
     assert summary("smarig.protocols", name).endswith(".")
-    assert all(key.replace(".", "").isidentifier() for key, _ in described(name))
+    assert all(key.replace(".", "").isidentifier() for key, _ in setting_texts(name))
     with pytest.raises(UsageError, match=f"'{name}' has no setting 'nonsense'"):
         build(name, Setup.of("one_wire_twin"), {"nonsense": "1"})
 

@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from smarig.command import StepResult, Verdict
-from smarig.sample import NAN, Sample
+from smarig.core.command import StepResult, StepVerdict
+from smarig.core.sample import NAN, Sample
 
 META = {
     "rig": "bench",
@@ -22,7 +22,7 @@ def sample(tick: int, **changes: float) -> Sample:
     return whole._replace(**changes)
 
 
-def result(index: int, verdict: Verdict = Verdict.SETTLED) -> StepResult:
+def result(index: int, verdict: StepVerdict = StepVerdict.SETTLED) -> StepResult:
     """A finished step."""
     return StepResult(index, verdict, 1.5 + index, 32.0, 0.1, 250, 10.0 * index, 10.0 * index + 9.9)
 

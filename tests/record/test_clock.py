@@ -6,7 +6,7 @@ import pytest
 
 from record.runs import META, sample
 from smarig.record import Recorder, load_run
-from smarig.record.clock import ClockWatch
+from smarig.record.clock_watch import ClockWatch
 
 
 class Clocks:
@@ -24,7 +24,7 @@ class Clocks:
 
 
 @pytest.mark.parametrize("jump_s", [3600.0, -3600.0, 2.5])
-def test_a_jump_is_told_once(jump_s):
+def test_a_clock_jump_is_reported_once(jump_s):
     clocks = Clocks()
     watch = clocks.watch()
     clocks.pass_by(0.5, 0.5)
@@ -42,15 +42,15 @@ def test_discipline_and_slow_commits_are_no_jumps():
     assert watch.jump(8000.0) == ""
 
 
-def test_the_devices_clock_is_asked_in_real_time_only():
+def test_the_devices_clock_is_compared_in_real_time_only():
     for real_time in (True, False):
         clocks = Clocks()
         watch = clocks.watch(real_time=real_time)
-        told = []
+        jumps = []
         for device_s in (0.5, 1.0, 31.0, 31.5):  # half a second of ours each
             clocks.pass_by(0.5, 0.5)
-            told.append(watch.jump(device_s))
-        assert [bool(t) for t in told] == [False, False, real_time, False]
+            jumps.append(watch.jump(device_s))
+        assert [bool(t) for t in jumps] == [False, False, real_time, False]
 
 
 def test_the_recorder_writes_it_down(tmp_path):
@@ -59,8 +59,8 @@ def test_the_recorder_writes_it_down(tmp_path):
     clocks.pass_by(7200.0, 1.0)
     recorder.sample(sample(1), None, 0.0)
     recorder.close(t_s=0.1)
-    told = [e for e in load_run(tmp_path / "a.run.sqlite").events if e.kind == "clock"]
-    assert [(e.level, "7199" in e.text) for e in told] == [("warning", True)]
+    jumps = [e for e in load_run(tmp_path / "a.run.sqlite").events if e.kind == "clock"]
+    assert [(e.level, "7199" in e.text) for e in jumps] == [("warning", True)]
 
 
 def test_clocks_that_agree_are_passed_over(tmp_path):

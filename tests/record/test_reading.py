@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from record.runs import META, result, sample
-from smarig.command import Verdict
-from smarig.errors import DataError, UsageError
+from smarig.core.command import StepVerdict
+from smarig.core.errors import DataError, UsageError
 from smarig.record import Recorder, load_run
 from smarig.record.schema import CREATE, SAMPLE_COLUMNS
 
@@ -20,8 +20,8 @@ def path(tmp_path):
     for tick in range(300):
         rec.sample(sample(tick), tick // 100, 0.5 * tick)
     rec.step(result(0), branch="rise", target=43.5)
-    rec.step(result(1, Verdict.ELAPSED), branch="", target=None)
-    rec.step(result(2, Verdict.TIMED_OUT), branch="fall", target=7.0)
+    rec.step(result(1, StepVerdict.ELAPSED), branch="", target=None)
+    rec.step(result(2, StepVerdict.TIMED_OUT), branch="fall", target=7.0)
     rec.close()
     return file
 
@@ -50,7 +50,7 @@ def test_without_steps_every_sample_is_a_point(tmp_path):
     assert np.allclose(y, 0.047 * u)
 
 
-def test_a_run_says_what_it_is(path):
+def test_a_run_has_a_readable_repr(path):
     run = load_run(str(path))
     assert repr(run) == "Run(wiping_out on bench (twin), 300 samples, 0.01 h, 3 steps, done)"
     assert len(run) == 300

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from record.runs import META, beside, result, sample, until
-from smarig.command import Verdict
-from smarig.errors import StorageError, UsageError
+from smarig.core.command import StepVerdict
+from smarig.core.errors import StorageError, UsageError
+from smarig.core.sample import NAN, Quality
 from smarig.record import Recorder, load_run, recorder
 from smarig.record.schema import SAMPLE_COLUMNS
-from smarig.sample import NAN, Quality
 
 
 def test_every_channel_comes_back(tmp_path):
@@ -63,7 +63,7 @@ def test_steps_events_and_description_come_back(tmp_path):
     path = tmp_path / "a.run.sqlite"
     rec = Recorder(path, META)
     rec.step(result(0), branch="rise", target=43.5)
-    rec.step(result(1, Verdict.TIMED_OUT), branch="fall", target=None)
+    rec.step(result(1, StepVerdict.TIMED_OUT), branch="fall", target=None)
     rec.event(3.5, "zero", "Encoder <zeroed> — “here”.", counts=12)
     rec.event(4.5, "trip", "Too hot.", level="error")
     rec.describe("notes", "wire № 3")
@@ -225,7 +225,7 @@ def fill(rec: Recorder, path) -> int:
     return next(ticks) - 1
 
 
-def test_a_full_disk_is_told_and_what_was_committed_stays(tmp_path, small_disk):
+def test_a_full_disk_is_reported_and_what_was_committed_stays(tmp_path, small_disk):
     path = tmp_path / "a.run.sqlite"
     rec = Recorder(path, META)
     fill(rec, path)

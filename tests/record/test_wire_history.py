@@ -7,11 +7,11 @@ import pytest
 
 import smarig
 from runner.interrupted import cut
-from smarig.errors import DataError, Interrupted, LimitExceeded
+from smarig.core.errors import DataError, Interrupted, LimitExceeded
 from smarig.record.wire_history import Wear, WireHistory, histories, load_history
-from smarig.runner.control import Control
-from smarig.runner.listener import Watch
-from smarig.runner.resume import resume
+from smarig.runner.listener import CallbackListener
+from smarig.runner.resume.resume_run import resume
+from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
 RIG = Path("configs/rigs/one_wire_twin.toml")
@@ -59,8 +59,8 @@ def test_an_interrupted_run_counts_once_however_it_ended(tmp_path):
     assert after.runs == 2
     assert after.cycles == 2 + 1, "the peak was reached before death, and once more on the way back or later"
     assert after.hours_hot > 2 * undisturbed.hours_hot
-    control = Control()
-    stop = Watch(on_sample=lambda s, step, u: control.stop("enough") if s.tick == 6000 else None)
+    control = RunControl()
+    stop = CallbackListener(on_sample=lambda s, step, u: control.stop("enough") if s.tick == 6000 else None)
     with Session("one_wire_twin", control=control) as session, pytest.raises(Interrupted):
         session.run("congruency", {}, tmp_path / "stopped.run.sqlite", listeners=[stop])
     stopped = of()
@@ -73,7 +73,7 @@ def test_an_interrupted_run_counts_once_however_it_ended(tmp_path):
 
 
 def test_a_simulation_wears_nothing(tmp_path):
-    from smarig.preisach.gorbet_1997 import surface
+    from smarig.preisach.hysteresis.gorbet_1997 import surface
     from smarig.rig.twin import TwinSettings
 
     with Session("one_wire_twin", twin=TwinSettings(hysteresis=surface("one_e"))) as session:
@@ -110,7 +110,7 @@ def test_a_figure_of_the_wrong_kind_is_damage(tmp_path):
             of("a")
 
 
-def test_a_history_that_cannot_be_written_is_told_and_ends_nothing(tmp_path, monkeypatch):
+def test_a_history_that_cannot_be_written_is_reported_and_ends_nothing(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / "file" / "wires"))
     run = smarig.run("validation", rig="one_wire_twin", out=tmp_path / "a.run.sqlite", points=2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from record.runs import META, beside
-from smarig.errors import StorageError, UsageError
+from smarig.core.errors import StorageError, UsageError
 from smarig.record import load_run
 from smarig.record.recorder import write_run
 

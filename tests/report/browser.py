@@ -47,8 +47,8 @@ def chromium() -> str:
 def axe() -> str:
     """axe-core's script: from $SMARIG_AXE (the file, or the folder of node_modules), or a skip that says so."""
     root = Path(__file__).resolve().parents[2]
-    given = os.environ.get("SMARIG_AXE")
-    places = [Path(given)] if given else []
+    axe_path = os.environ.get("SMARIG_AXE")
+    places = [Path(axe_path)] if axe_path else []
     places += [base / "axe-core" / "axe.min.js" for base in (*places, root / "node_modules")]
     found = next((path for path in places if path.is_file()), None)
     if found is None:
@@ -72,8 +72,8 @@ class Browser:
             errors="replace",
         )
         assert self._process.stderr is not None
-        told = (line.partition("DevTools listening on ")[2].strip() for line in self._process.stderr)
-        address = next((words for words in told if words), None)
+        browser_log = (line.partition("DevTools listening on ")[2].strip() for line in self._process.stderr)
+        address = next((words for words in browser_log if words), None)
         assert address, "Chromium ended before it listened"
         self._socket = create_connection(address, timeout=60, suppress_origin=True)
         self._last = 0

@@ -7,9 +7,9 @@ import plotly.graph_objects as go
 import pytest
 
 from report.pages import LOADING, Page, unpacked
-from smarig.characterise import characterise
-from smarig.identification.density import density_report
-from smarig.report.characterisation import characterisation_page
+from smarig.app.characterise import characterise
+from smarig.identification.density_report import density_report
+from smarig.report.characterisation_page import characterisation_page
 
 
 @pytest.fixture(scope="module")
@@ -64,10 +64,10 @@ def test_the_sections_come_in_the_promised_order(page):
 
 
 def test_the_five_numbers(evidence, page):
-    judged = evidence.verifications[evidence.chosen].runs[0]
-    e = judged.settled
+    verification = evidence.verifications[evidence.chosen].runs[0]
+    e = verification.settled
     assert f"{e.rms:.3g} mm" in page.card("Model error on held-out data")
-    assert f"noise floor {judged.noise_floor:.2g} mm" in page.card("Model error on held-out data")
+    assert f"noise floor {verification.noise_floor:.2g} mm" in page.card("Model error on held-out data")
     assert f"n = {e.n}" in page.card("Model error on held-out data")
     travel = max(np.ptp(run.points()[1]) for run in evidence.runs.values() if len(run.settled) > 1)
     assert f"{travel:.4g} mm" in page.card("Travel")
@@ -133,13 +133,13 @@ def test_the_trade_off_has_one_mark_a_kind_and_positive_in_the_good_corner(evide
 def test_the_summary_says_which_model_the_theorems_apply_to(evidence, page):
     at = page.visible.index("The exponential model is not in MP")
     words = page.visible[at : at + 700]
-    rms, judged = evidence.choice.held_out_rms, evidence.verifications
+    rms, verification = evidence.choice.held_out_rms, evidence.verifications
     assert (
         "The positive model is, by construction, so the stability results of chapter 8 apply to it" in words
     )
     assert "It predicts less well" in words
     assert f"on held-out curves {rms['positive']:.3g} against {rms['exponential']:.3g} mm" in words
-    run = {name: v.runs[0].settled.rms for name, v in judged.items()}
+    run = {name: v.runs[0].settled.rms for name, v in verification.items()}
     assert f"on the held-out run {run['positive']:.3g} against {run['exponential']:.3g} mm" in words
     assert f"constant, has {run['constant']:.3g} mm there" in words
     assert "--surface positive" in words
@@ -208,12 +208,12 @@ def test_the_density_map_is_white_at_zero_and_marks_the_minimum(evidence, page):
 
 
 def test_the_residuals_drawn_are_model_minus_measured(evidence, page):
-    judged = evidence.verifications[evidence.chosen].runs[0]
-    drawn = [t for t in page.traces("model − measured") if unpacked(t["y"]).size == judged.input.size]
+    verification = evidence.verifications[evidence.chosen].runs[0]
+    drawn = [t for t in page.traces("model − measured") if unpacked(t["y"]).size == verification.input.size]
     assert len(drawn) == 2
     for trace in drawn:
-        np.testing.assert_allclose(unpacked(trace["y"]), judged.predicted - judged.measured)
-    np.testing.assert_allclose(unpacked(drawn[1]["x"]), judged.input)
+        np.testing.assert_allclose(unpacked(trace["y"]), verification.predicted - verification.measured)
+    np.testing.assert_allclose(unpacked(drawn[1]["x"]), verification.input)
 
 
 def test_the_replayed_model_passes_the_measured_peaks(evidence, page):
@@ -249,7 +249,7 @@ def test_provenance_names_every_run_with_its_hash(evidence, page):
     assert evidence.command in page.visible
 
 
-def test_prop_4_6_is_told_in_its_one_proved_direction(evidence, page):
+def test_prop_4_6_is_stated_in_its_proved_direction_only(evidence, page):
     assert evidence.best.curves.cross
     assert "cross inside the major loop, so the wire's own μ is negative" in page.visible
     curves = replace(evidence.best.curves, cross=False)

@@ -7,15 +7,15 @@ import pytest
 
 from control.model_files import model_of
 from report.pages import Page, run_of, unpacked
-from smarig.closed_loop import Given, regulation, tracking
-from smarig.control.certificate import certificate
-from smarig.control.regulation.loop import DISTURBED
-from smarig.preisach.gorbet_1997 import surface
+from smarig.app.closed_loop import ModelSource, regulation, tracking
+from smarig.certify.model_certificate import certificate
+from smarig.control.regulation.regulation_protocol import DISTURBED
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import Event, load_run
-from smarig.report.certificate_page import certificate_page, origin
-from smarig.report.closed_loop import closed_loop
-from smarig.report.closed_loop_words import in_words
-from smarig.report.figures_loop import cut_words, error_reach
+from smarig.report.certificate_page import certificate_page, certified_model
+from smarig.report.closed_loop_figures import clipped_text, error_half_range
+from smarig.report.closed_loop_text import result_text
+from smarig.report.loop_result import closed_loop
 from smarig.report.run_page import run_page
 from smarig.runner.session import Session
 
@@ -23,21 +23,23 @@ COUNT_mm = 0.04712
 
 
 @pytest.fixture(scope="module")
-def given():
-    return Given(model_of("one_e"), "one_e.model.json", "1" * 64)
+def closed_loop_model():
+    return ModelSource(model_of("one_e"), "one_e.model.json", "1" * 64)
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory, given):
+def runs(tmp_path_factory, closed_loop_model):
     """Twenty seconds of steps, and a set-point held against a disturbance, in one sitting."""
     folder = tmp_path_factory.mktemp("loops")
     with Session("one_wire_twin", seed=2) as session:
         loops = {
-            "track": tracking(given, session.file, "steps", {"seconds": 20, "every_s": 10}),
-            "regulate": regulation(given, session.file, 6.0, hold_s=120.0, disturbance_K=6.0),
+            "track": tracking(closed_loop_model, session.file, "steps", {"seconds": 20, "every_s": 10}),
+            "regulate": regulation(closed_loop_model, session.file, 6.0, hold_s=120.0, disturbance_K=6.0),
         }
         return {
-            name: load_run(session.run(name, made.settings, folder / f"{name}.run.sqlite", maker=made.make))
+            name: load_run(
+                session.run(name, made.settings, folder / f"{name}.run.sqlite", protocol_factory=made.make)
+            )
             for name, made in loops.items()
         }
 
@@ -54,30 +56,30 @@ def test_a_tracked_run_shows_wanted_and_measured_and_the_error_in_counts(runs):
     band = page.traces("± 2 counts")[0]
     assert sorted(set(unpacked(band["y"]).tolist())) == [-2.0, 2.0]
     assert len([row for table in page.tables for row in table if row[0] in ("1", "2") and len(row) == 5]) == 2
-    assert f"n = {found.figures.n}" in page.card("Error, rms")
+    assert f"n = {found.measures.n}" in page.card("Error, rms")
 
 
 def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     run = runs["regulate"]
     page, found = Page(run_page(run)), closed_loop(run)
     psi = page.traces("ψ(ℓ)")[0]
-    drawn = np.interp(found.facts["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
+    drawn = np.interp(found.setpoint_data["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
     assert drawn == pytest.approx(6.0, abs=0.02)
     for name in ("reached", "foretold", "wanted, α = 2ℓ − β"):
         beta, alpha = (unpacked(page.traces(name)[0][axis]) for axis in ("x", "y"))
         assert np.all(np.diff(beta) >= -1e-9)
         assert np.all(np.diff(alpha) <= 1e-9)
-        assert np.abs(alpha + beta - 2 * found.facts["ell_K"])[alpha - beta < 40].max() < 30
-    shaded = unpacked(page.traces("disturbance")[0]["x"])
-    assert [shaded.min(), shaded.max()] == pytest.approx(found.pulse_s)
-    assert found.pulse_s[0] == pytest.approx(60.0, abs=0.2)
+        assert np.abs(alpha + beta - 2 * found.setpoint_data["ell_K"])[alpha - beta < 40].max() < 30
+    disturbance_shading = unpacked(page.traces("disturbance")[0]["x"])
+    assert [disturbance_shading.min(), disturbance_shading.max()] == pytest.approx(found.disturbance_s)
+    assert found.disturbance_s[0] == pytest.approx(60.0, abs=0.2)
     assert "foretold" in page.card("Distance from B")
     assert all("TWIN" in caption for caption in page.captions)
 
 
 def test_the_transient_is_the_largest_error_since_the_disturbance(runs):
     found = closed_loop(runs["regulate"])
-    later = found.loop.t_s > found.pulse_s[0]
+    later = found.loop.t_s > found.disturbance_s[0]
     assert found.transient == np.abs(found.loop.position - found.loop.wanted)[later].max()
     assert found.zero == pytest.approx(6.0 - found.loop.wanted[0])
 
@@ -93,7 +95,7 @@ def test_the_end_is_the_mean_and_the_spread_of_the_last_quarter(runs):
     page = Page(run_page(run))
     assert "mean of the last 30 s" in page.card("At the end")
     assert "of the readings" in page.card("Largest transient")
-    assert "of the readings from the disturbance on" in in_words(found, "mm")
+    assert "of the readings from the disturbance on" in result_text(found, "mm")
     assert "does not rest" not in page.visible
 
 
@@ -105,11 +107,11 @@ def moved(run, by):
     return replace(run, columns={**run.columns, "position": position})
 
 
-def test_a_loop_that_swings_or_rests_off_is_said_to_plainly(runs):
+def test_a_loop_that_swings_or_rests_off_is_reported(runs):
     swinging = moved(runs["regulate"], lambda t: 5 * np.sin(t / 2))
     elsewhere = moved(runs["regulate"], lambda t: 0 * t + 13)
     for run, words in ((swinging, "It does not rest: it swings by"), (elsewhere, "It rests")):
-        assert words in in_words(closed_loop(run), "mm")
+        assert words in result_text(closed_loop(run), "mm")
         assert words in Page(run_page(run)).visible
 
 
@@ -125,11 +127,11 @@ def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
     assert ranges[0][1] > np.abs(closed_loop(elsewhere).loop.error).max() > 40
     assert "cut off" not in page.visible
     jumps = np.r_[np.full(97, 0.5), np.full(3, 80.0)]
-    assert error_reach(jumps) == 12.0
-    assert error_reach(jumps, 30.0) == pytest.approx(34.5)
-    assert "3 % of the readings, the largest 80.0 counts" in cut_words(jumps, 12.0)
-    assert error_reach(np.full(9, 0.1)) == 4.0
-    assert cut_words(jumps, 92.0) == ""
+    assert error_half_range(jumps) == 12.0
+    assert error_half_range(jumps, 30.0) == pytest.approx(34.5)
+    assert "3 % of the readings, the largest 80.0 counts" in clipped_text(jumps, 12.0)
+    assert error_half_range(np.full(9, 0.1)) == 4.0
+    assert clipped_text(jumps, 92.0) == ""
 
 
 def test_a_transient_before_the_disturbance_does_not_count(runs):
@@ -152,9 +154,16 @@ def test_the_end_of_the_last_step_is_none(runs):
     assert found.loop.wanted[-1] == found.reference.position[-2]
 
 
-def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_model(runs, given):
-    same = Page(run_page(runs["track"], certified=(given.model, given.name, given.sha256)))
-    other = Page(run_page(runs["track"], certified=(given.model, given.name, "2" * 64)))
+def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_model(runs, closed_loop_model):
+    same = Page(
+        run_page(
+            runs["track"],
+            certified=(closed_loop_model.model, closed_loop_model.name, closed_loop_model.sha256),
+        )
+    )
+    other = Page(
+        run_page(runs["track"], certified=(closed_loop_model.model, closed_loop_model.name, "2" * 64))
+    )
     assert "Certificate of the model" in same.headings
     assert same.row("leaky_pi")[4:] == ["5", "covered"]
     assert same.visible.index("is not covered by this certificate") < same.visible.index(
@@ -170,7 +179,7 @@ def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_mod
 def test_the_page_of_a_certificate(name, verdict):
     model = model_of(name)
     found = certificate(model.hysteresis)
-    page = Page(certificate_page(model, found, origin(model, f"{name}.model.json", "3" * 64)))
+    page = Page(certificate_page(model, found, certified_model(model, f"{name}.model.json", "3" * 64)))
     assert page.visible.lstrip().startswith("TWIN")
     assert page.visible.count(verdict) == 1
     assert page.row("constant_gain")[-1] == ("covered" if name == "one_c" else "not covered: passive fails")

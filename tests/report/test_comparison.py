@@ -5,12 +5,12 @@ import pytest
 
 import smarig
 from report.pages import Page, run_of, step, unpacked
-from smarig.errors import UsageError
-from smarig.model.planted import from_pairs
+from smarig.core.errors import UsageError
+from smarig.plant.effect_catalogue import from_pairs
 from smarig.record import load_run
-from smarig.report.aligned import aligned, common
-from smarig.report.comparison_page import comparison_page
-from smarig.report.models_page import models_page
+from smarig.report.model_comparison_page import models_page
+from smarig.report.run_alignment import aligned, common_steps
+from smarig.report.run_comparison_page import comparison_page
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -27,9 +27,9 @@ def made(positions, targets=TARGETS, **meta):
 
 def test_outputs_are_subtracted_only_while_the_steps_are_the_same():
     first = made((0, 5, 2, 4))
-    assert common(first, made((0, 5, 2, 4), (0.0, 100.0, 30.0, 80.0))) == 2
-    assert common(first, made((0, 5), (0.0, 100.0))) == 2
-    assert common(first, made((0, 5, 2, 4), (10.0, 100.0, 20.0, 80.0))) == 0
+    assert common_steps(first, made((0, 5, 2, 4), (0.0, 100.0, 30.0, 80.0))) == 2
+    assert common_steps(first, made((0, 5), (0.0, 100.0))) == 2
+    assert common_steps(first, made((0, 5, 2, 4), (10.0, 100.0, 20.0, 80.0))) == 0
 
 
 def test_a_shift_of_the_encoder_is_taken_out_and_a_change_of_shape_stays():
@@ -40,9 +40,9 @@ def test_a_shift_of_the_encoder_is_taken_out_and_a_change_of_shape_stays():
     assert each.rms == pytest.approx(np.sqrt(0.03))
 
 
-def test_runs_of_one_sitting_keep_their_zero():
-    sitting = {"start_epoch": 1e9, "encoder_zero": "power-up"}
-    each = aligned({"a": made((0, 5, 2, 4), **sitting), "b": made((1, 6, 3, 5), **sitting)})[1]
+def test_runs_of_one_session_keep_their_zero():
+    session_meta = {"start_epoch": 1e9, "encoder_zero": "power-up"}
+    each = aligned({"a": made((0, 5, 2, 4), **session_meta), "b": made((1, 6, 3, 5), **session_meta)})[1]
     assert (each.offset, each.offset_kind) == (0.0, "known")
     np.testing.assert_allclose(each.difference, 1.0)
 
@@ -91,14 +91,14 @@ def wire(tmp_path_factory):
     return {name: load_run(folder / f"{name}.run.sqlite") for name in "cvw"}
 
 
-def test_a_walk_stands_out_of_the_noise(wire):
+def test_a_zero_walk_exceeds_the_noise(wire):
     found = aligned({"v": wire["v"], "w": wire["w"]})[1]
     assert found.difference.size == len(wire["v"].settled)
     assert found.noise
     assert found.rms > 10 * found.noise
 
 
-def test_models_are_judged_on_the_same_points_and_drawn_on_one_scale(wire):
+def test_models_are_compared_on_the_same_points_and_drawn_on_one_scale(wire):
     models = {name: smarig.identify(wire["c"], name).model for name in ("constant", "exponential")}
     page = Page(models_page(models, {"v": wire["v"], "w": wire["w"]}))
     rms = {name: float(page.row(f"{name} on v")[2]) for name in models}

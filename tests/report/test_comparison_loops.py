@@ -7,12 +7,12 @@ import pytest
 
 from control.model_files import model_of
 from report.pages import Page, run_of, step, unpacked
-from smarig.closed_loop import Given, regulation, tracking
-from smarig.errors import UsageError
+from smarig.app.closed_loop import ModelSource, regulation, tracking
+from smarig.core.errors import UsageError
 from smarig.record import Event, load_run
-from smarig.report.closed_loop import closed_loop
-from smarig.report.comparison_page import comparison_page
+from smarig.report.loop_result import closed_loop
 from smarig.report.numbers import number
+from smarig.report.run_comparison_page import comparison_page
 from smarig.report.style import COMPARED
 from smarig.runner.session import Session
 
@@ -24,20 +24,22 @@ STEPS = {"seconds": 20, "every_s": 10}
 def runs(tmp_path_factory):
     """Two controllers along steps, one along ramps, a set-point from two states, another one undisturbed."""
     folder = tmp_path_factory.mktemp("loops")
-    given = Given(model_of("one_e"), "one_e.model.json", "1" * 64)
+    closed_loop_model = ModelSource(model_of("one_e"), "one_e.model.json", "1" * 64)
     with Session("one_wire_twin", seed=2) as session:
         rig = session.file
         loops = {
-            "inverse": tracking(given, rig, "steps", STEPS),
-            "pi": tracking(given, rig, "steps", STEPS, "pi"),
-            "ramps": tracking(given, rig, "ramps", STEPS, "pi"),
-            "diagonal": regulation(given, rig, 6.0, **HELD),
-            "ascending": regulation(given, rig, 6.0, start="ascending", **HELD),
-            "elsewhere": regulation(given, rig, 4.0, hold_s=40.0),
+            "inverse": tracking(closed_loop_model, rig, "steps", STEPS),
+            "pi": tracking(closed_loop_model, rig, "steps", STEPS, "pi"),
+            "ramps": tracking(closed_loop_model, rig, "ramps", STEPS, "pi"),
+            "diagonal": regulation(closed_loop_model, rig, 6.0, **HELD),
+            "ascending": regulation(closed_loop_model, rig, 6.0, start="ascending", **HELD),
+            "elsewhere": regulation(closed_loop_model, rig, 4.0, hold_s=40.0),
         }
         return {
             name: load_run(
-                session.run(loop.protocol, loop.settings, folder / f"{name}.run.sqlite", maker=loop.make)
+                session.run(
+                    loop.protocol, loop.settings, folder / f"{name}.run.sqlite", protocol_factory=loop.make
+                )
             )
             for name, loop in loops.items()
         }
@@ -74,7 +76,7 @@ def test_controllers_along_one_reference_are_in_one_table(runs):
     table = table_of(page, "Controller")
     assert list(table) == ["inverse", "pi"]
     for name, row in table.items():
-        f, count = closed_loop(runs[name]).figures, closed_loop(runs[name]).loop.count
+        f, count = closed_loop(runs[name]).measures, closed_loop(runs[name]).loop.count
         settled = [s for s in f.settle_s if np.isfinite(s)]
         assert row["Controller"] == name
         assert row["Error, rms (mm)"] == number(f.rms)
@@ -102,7 +104,7 @@ def test_positions_errors_and_what_was_wanted_are_drawn_over_each_other(runs):
     assert all(words.strip(" .") for caption in page.captions for words in caption.split(": "))
 
 
-def test_that_one_controller_looks_ahead_is_said_where_the_others_do_not(runs):
+def test_different_lead_times_are_reported(runs):
     assert "(lead_s): inverse 0.31 s, pi 0 s." in page_of(runs, "inverse", "pi").visible
     again = {"again": replace(runs["pi"], meta=dict(runs["pi"].meta))}
     assert "look ahead" not in page_of(runs, "pi", **again).visible
@@ -129,12 +131,14 @@ def test_set_points_have_their_transients_beside_each_other(runs):
         assert row["Largest transient (mm)"] == number(f.transient)
         assert row["Transient (counts)"] == number(f.transient / f.loop.count)
         assert row["Over the smallest"] == number(f.transient / least)
-        assert row["At the end (counts)"].endswith(f" ± {number(f.end.spread / f.end.count, 2)}")
+        assert row["At the end (counts)"].endswith(f" ± {number(f.end.std / f.end.count, 2)}")
         assert row["Verdict"] == "rests"
     b_ell = found["diagonal"]
-    foretold = number(100 * b_ell.facts["predicted_distance_K2"] / b_ell.facts["area_K2"])
+    foretold = number(100 * b_ell.setpoint_data["predicted_distance_K2"] / b_ell.setpoint_data["area_K2"])
     assert table["diagonal"]["Foretold distance from Bℓ (%)"] == foretold
-    assert table["diagonal"]["Reached (%)"] == number(100 * b_ell.distance_K2 / b_ell.facts["area_K2"])
+    assert table["diagonal"]["Reached (%)"] == number(
+        100 * b_ell.distance_K2 / b_ell.setpoint_data["area_K2"]
+    )
     assert table["ascending"]["Reached (%)"] == "–"
     assert "Held at 6 mm, disturbed by +6 K" in page.visible
 
@@ -149,10 +153,10 @@ def test_transients_begin_where_each_loop_was_closed(runs):
         np.testing.assert_allclose(unpacked(error["y"]), np.abs(loop.error), rtol=1e-5, atol=1e-4)
         assert drawn["layout"]["yaxis"]["range"][1] > np.abs(loop.error).max()
     (tint,) = [t for t in drawn["data"] if t["name"] == "disturbance"]
-    assert unpacked(tint["x"]).min() == pytest.approx(closed_loop(runs["diagonal"]).pulse_s[0], abs=0.5)
+    assert unpacked(tint["x"]).min() == pytest.approx(closed_loop(runs["diagonal"]).disturbance_s[0], abs=0.5)
 
 
-def test_the_states_and_the_ways_from_them_are_those_of_the_runs(runs):
+def test_the_states_and_the_output_paths_are_those_of_the_runs(runs):
     page = page_of(runs, "diagonal", "ascending")
     plane = next(p for p in page.plots if p["layout"]["yaxis"]["title"]["text"] == "α (K)")
     way = next(p for p in page.plots if "s scale (mm)" in p["layout"]["yaxis"]["title"]["text"])

@@ -13,37 +13,37 @@ import pytest
 
 import smarig
 from report.pages import LOADING, Page, unpacked
-from smarig.diagnosis.critique import critique
-from smarig.diagnosis.diagnose import Diagnosis, Error
-from smarig.diagnosis.gain import measured_gain
-from smarig.diagnosis.refine import Refined
-from smarig.diagnosis.verdict import Verdict
-from smarig.diagnosis.visibility import visibility
-from smarig.identification.lived import actuator_of, subject_of
-from smarig.model.planted import from_pairs, kinds
+from smarig.diagnosis.critique.critique import critique
+from smarig.diagnosis.critique.visibility import visibility
+from smarig.diagnosis.diagnose import Diagnosis, ErrorSummary
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.diagnosis.held_out_gain import held_out_gain
+from smarig.plant.effect_catalogue import effect_types, from_pairs
 from smarig.record import load_run
-from smarig.report.diagnosed import Replay, place_of
+from smarig.replay.prediction import predict
+from smarig.replay.simulate_effects import actuator_of, plant_model_of
+from smarig.replay.timeline import build_timeline
 from smarig.report.diagnosis_page import diagnosis_page
-from smarig.report.figure import BEYOND
+from smarig.report.diagnosis_predictions import DiagnosisPredictions, diagnosis_caption
+from smarig.report.figure import AXIS_MARGIN
 from smarig.report.page import write_page
-from smarig.report.residual_variables import reaches, upright
+from smarig.report.residual_axes import half_ranges, symmetric_layout
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
-from smarig.story.retelling import retold
-from smarig.story.told import told
 
 DRIFT, SLIP = from_pairs(["ambient_drift=3", "slip=1"])
 COMPETE = ("ambient_drift", "creep", "sensor_lag", "slack", "walking")
 LEVELS = (0, 50, 70, 80, 90, 110, 160)
-NAMED = Verdict("named", ((("ambient_drift",), 0.97), (("slip",), 0.03)))
+NAMED = DiagnosisVerdict("named", ((("ambient_drift",), 0.97), (("slip",), 0.03)))
 
 
-def lived(folder, seed, *effects, judged=False):
+def lived(folder, seed, *effects, with_validation=False):
     """First-order curves of a one-wire twin, and a run to judge by if asked for."""
     with Session("one_wire_twin", twin=TwinSettings(seed=seed, effects=effects)) as session:
         curves = {"partition_K": LEVELS}
         runs = [session.run("first_order_descending", curves, folder / f"{seed}f.run.sqlite")]
-        if judged:
+        if with_validation:
             runs.append(session.run("validation", {"points": 10}, folder / f"{seed}v.run.sqlite"))
     return [load_run(run) for run in runs]
 
@@ -53,22 +53,24 @@ def named(tmp_path_factory) -> Diagnosis:
     """A drift of 3 K with its rival, 40 nulls."""
     folder = tmp_path_factory.mktemp("diagnosed")
     model = smarig.identify(lived(folder, 4)[0], "positive").model
-    runs = lived(folder, 5, DRIFT, judged=True)
+    runs = lived(folder, 5, DRIFT, with_validation=True)
     extended = replace(model, name=f"{model.name} + ambient_drift", effects=(DRIFT.to_json(),))
-    story = told(runs[:1], actuator_of(model).tau_s)
-    base, with_drift = (subject_of(m, story.runs[0]) for m in (model, extended))
-    first = critique(story, base, [k for k in kinds() if k.name in COMPETE], count=40, alpha=0.1)
+    timeline = build_timeline(runs[:1], actuator_of(model).tau_s)
+    base, with_drift = (plant_model_of(m, timeline.runs[0]) for m in (model, extended))
+    first = critique(timeline, base, [k for k in effect_types() if k.name in COMPETE], count=40, alpha=0.1)
     spread = {("ambient_drift", p.name): 0.1 for p in DRIFT.kind.parameters}
-    best = Refined((DRIFT,), spread, spread, np.zeros(1), base, moved=0.0)
+    best = ParameterFit((DRIFT,), spread, spread, np.zeros(1), base, moved=0.0)
     rival = SimpleNamespace(effects=(SLIP,), names=("slip",))
     level = SimpleNamespace(
         critique=first, explanations=(best, rival), best=best, gain=321.0, lead=lambda k: 14.0 * k
     )
-    misses = [np.std(story.settled.value - retold(story, s).values["settled"]) for s in (base, with_drift)]
-    gain = measured_gain(runs[:1], runs[1:], base, with_drift, first.refitted.noise)
-    error = Error(story.unit, first.refitted.noise.settled, float(misses[0]), *map(float, misses))
+    misses = [
+        np.std(timeline.settled.value - predict(timeline, s).values["settled"]) for s in (base, with_drift)
+    ]
+    gain = held_out_gain(runs[:1], runs[1:], base, with_drift, first.refitted.noise)
+    error = ErrorSummary(timeline.unit, first.refitted.noise.settled, float(misses[0]), *map(float, misses))
     return Diagnosis(
-        NAMED, story, first, (level,), base, visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
+        NAMED, timeline, first, (level,), base, visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
     )
 
 
@@ -76,13 +78,13 @@ def named(tmp_path_factory) -> Diagnosis:
 def silent(named) -> Diagnosis:
     """The same evidence where nothing exceeds the threshold."""
     quiet = replace(named.first, threshold=1e6, p_value=0.5)
-    return replace(named, verdict=Verdict("silent"), first=quiet, levels=(), gain=None)
+    return replace(named, verdict=DiagnosisVerdict("silent"), first=quiet, levels=(), gain=None)
 
 
 def nearest(d: Diagnosis, word: str) -> Diagnosis:
     """The same evidence under another verdict."""
     two = ((("ambient_drift",), 0.6), (("slip",), 0.4))
-    return replace(d, verdict=Verdict(word, two, "time" if word == "unknown" else None))
+    return replace(d, verdict=DiagnosisVerdict(word, two, "time" if word == "unknown" else None))
 
 
 def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named):
@@ -98,16 +100,16 @@ def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named
     assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable error removed")
 
 
-def test_steps_that_had_not_settled_are_told(named):
-    run = named.story.runs[0]
+def test_steps_that_had_not_settled_are_reported(named):
+    run = named.timeline.runs[0]
     late = [replace(step, verdict="timed_out") if k in (1, 4) else step for k, step in enumerate(run.steps)]
-    told_late = replace(named.story, runs=(replace(run, steps=tuple(late)), *named.story.runs[1:]))
-    words = f"2 of {len(named.story.settled)} settled points had not settled when their time was over."
-    assert words in replace(named, story=told_late).text()
+    late_text = replace(named.timeline, runs=(replace(run, steps=tuple(late)), *named.timeline.runs[1:]))
+    words = f"2 of {len(named.timeline.settled)} settled points had not settled when their time was over."
+    assert words in replace(named, timeline=late_text).text()
     assert "had not settled" not in named.text()
 
 
-def test_a_gain_below_nothing_is_said_loudly(named):
+def test_a_negative_gain_is_announced(named):
     worse = replace(named.gain, extended_error=3 * named.gain.base_error)
     better = replace(named.gain, extended_error=0.5 * named.gain.base_error)
     assert "do not use it yet" in Page(diagnosis_page(replace(named, gain=worse))).visible
@@ -122,8 +124,8 @@ def test_a_silent_diagnosis_says_so_and_shows_no_after(silent):
     assert "Nothing asks for an experiment" in page.visible
 
 
-def test_a_silence_with_something_above_the_threshold_is_no_clean_bill(named):
-    page = Page(diagnosis_page(replace(named, verdict=Verdict("silent"), levels=())))
+def test_a_silent_verdict_above_the_threshold_is_a_warning(named):
+    page = Page(diagnosis_page(replace(named, verdict=DiagnosisVerdict("silent"), levels=())))
     assert "Silent, with a doubt" in page.visible
     assert "Nothing asks for an experiment" not in page.visible
 
@@ -150,18 +152,20 @@ def test_every_other_verdict_has_its_sentence_and_advice(named, word: str, sente
 
 def test_the_residuals_drawn_are_measured_minus_each_model(named):
     page = Page(diagnosis_page(named))
-    replay = Replay.of(named)
-    assert np.std(replay.missed(replay.extended, "settled")) == pytest.approx(named.error.extended, rel=1e-6)
-    for name, whole in (("base", replay.base), ("extended", replay.extended)):
+    predictions = DiagnosisPredictions.of(named)
+    assert np.std(predictions.residuals(predictions.extended, "settled")) == pytest.approx(
+        named.error.extended, rel=1e-6
+    )
+    for name, whole in (("base", predictions.base), ("extended", predictions.extended)):
         drawn = unpacked(page.traces(f"measured − {name} model")[0]["y"])
-        np.testing.assert_allclose(drawn, replay.missed(whole, "settled"))
+        np.testing.assert_allclose(drawn, predictions.residuals(whole, "settled"))
         assert np.std(drawn) == pytest.approx(getattr(named.error, name), rel=1e-6)
 
 
-def test_the_room_is_drawn_where_it_tells_most(named):
+def test_the_ambient_channel_is_drawn_where_it_explains_most(named):
     caption = next(c for c in Page(diagnosis_page(named)).captions if "thermometer in the box" in c)
     assert " K " in caption
-    assert f"n = {len(named.story.settled)}" in caption
+    assert f"n = {len(named.timeline.settled)}" in caption
 
 
 def test_every_candidate_is_on_the_detection_figure_on_its_side_of_the_threshold(named):
@@ -177,7 +181,7 @@ def test_every_candidate_is_on_the_detection_figure_on_its_side_of_the_threshold
 def test_what_could_be_seen_and_what_not_is_said_of_every_effect(named):
     blind = replace(named.visibility, delta=np.where(np.arange(len(named.visibility.names)) == 0, 0.0, 1.0))
     page = Page(diagnosis_page(replace(named, visibility=blind)))
-    known = {k.name: k for k in kinds()}
+    known = {k.name: k for k in effect_types()}
     for name in named.visibility.names:
         assert page_row(page, name)[1].split()[0] == f"{abs(known[name].primary.typical):g}"
     hidden = named.visibility.names[0]
@@ -194,9 +198,9 @@ def page_row(page: Page, effect: str) -> list[str]:
 
 def test_a_separating_run_is_printed(named):
     run = {"protocol": "pause_an_hour", "why": "The room goes on, cycles do not.", "rig_hours": 2.5}
-    asked = replace(named)
-    object.__setattr__(asked, "separating_run", run)
-    words = Page(diagnosis_page(asked)).visible
+    requested = replace(named)
+    object.__setattr__(requested, "separating_run", run)
+    words = Page(diagnosis_page(requested)).visible
     assert "pause_an_hour, 2.50 h on the rig" in words
     assert "The room goes on, cycles do not." in words
 
@@ -220,17 +224,17 @@ def test_the_rms_of_the_blocks_drawn_make_up_the_whole_every_reading_by_its_own_
 
 def test_an_axis_that_is_finer_than_that_beside_it_says_so():
     small, large = np.array([-0.1, 0.1]), np.array([-5.0, 5.0])
-    assert reaches([large, small], 0.0) == pytest.approx([5 * BEYOND, 0.1 * BEYOND])
-    assert reaches([small, large], 0.0) == pytest.approx([5 * BEYOND] * 2)
-    assert reaches([large, small], 4.0) == pytest.approx([5 * BEYOND] * 2)
-    assert upright("y", 0.1, [5.0, 0.1])["annotations"][0]["text"] == "axis 50 × finer"
-    assert "annotations" not in upright("y", 5.0, [5.0, 0.1])
+    assert half_ranges([large, small], 0.0) == pytest.approx([5 * AXIS_MARGIN, 0.1 * AXIS_MARGIN])
+    assert half_ranges([small, large], 0.0) == pytest.approx([5 * AXIS_MARGIN] * 2)
+    assert half_ranges([large, small], 4.0) == pytest.approx([5 * AXIS_MARGIN] * 2)
+    assert symmetric_layout("y", 0.1, [5.0, 0.1])["annotations"][0]["text"] == "axis 50 × finer"
+    assert "annotations" not in symmetric_layout("y", 5.0, [5.0, 0.1])
 
 
-def test_a_dotted_line_is_told_of_only_where_one_can_be(named):
-    twice = replace(named, story=replace(named.story, runs=named.story.runs * 2))
-    assert "a dotted line" in place_of(twice, dotted=True)[0]
-    assert "a dotted line" not in place_of(twice)[0]
+def test_a_dotted_line_is_explained_only_where_one_can_be(named):
+    twice = replace(named, timeline=replace(named.timeline, runs=named.timeline.runs * 2))
+    assert "a dotted line" in diagnosis_caption(twice, dotted=True)[0]
+    assert "a dotted line" not in diagnosis_caption(twice)[0]
 
 
 def test_a_model_that_misses_more_than_before_is_no_good_news(named):
@@ -260,9 +264,9 @@ def test_a_page_is_labelled_whole_and_loads_nothing(named, silent, tmp_path):
 
 
 def test_in_a_notebook_it_says_what_it_found_and_draws_both_models(named):
-    shown = Page(named._repr_html_())
-    assert "ambient_drift" in shown.visible
-    assert "TWIN · simulated, not hardware" in shown.visible
+    display_html = Page(named._repr_html_())
+    assert "ambient_drift" in display_html.visible
+    assert "TWIN · simulated, not hardware" in display_html.visible
     drawn = {trace.name: np.asarray(trace.y, dtype=float) for trace in named.plot().data}
     page = Page(diagnosis_page(named))
     for which in ("base", "extended"):

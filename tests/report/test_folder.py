@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from report.pages import LOADING, Page, run_of, step
-from smarig.errors import UsageError
-from smarig.report.folder import report_folder
-from smarig.report.index_page import Entry, index_page
+from smarig.core.errors import UsageError
+from smarig.report.folder_report import report_folder
+from smarig.report.index_page import IndexEntry, index_page
 from smarig.report.page import LIBRARY
-from smarig.report.summary import shared_frames, summary_of
+from smarig.report.run_summary import shared_frames, summary_of
 from smarig.runner.session import Session
 
 INPUT = {"quantity": "temperature", "unit": "K"}
@@ -41,9 +41,9 @@ def test_a_run_whose_description_is_damaged_is_named_and_the_others_are_there(fo
     db.close()
     made = report_folder(folder)
     assert [page.report.name for page in made.pages] == ["a b#1.html"]
-    assert [("plain.run.sqlite" in s, "its key 'start_epoch' is not a moment" in s) for s in made.unread] == [
-        (True, True)
-    ]
+    assert [
+        ("plain.run.sqlite" in s, "its key 'start_epoch' is not a moment" in s) for s in made.unreadable
+    ] == [(True, True)]
     assert "start_epoch" in Page(made.index.read_text(encoding="utf-8")).visible
 
 
@@ -54,7 +54,7 @@ def test_a_folder_gets_an_index_pages_beside_its_runs_and_one_library(folder):
         "night/a b#1.html",
         "plain.html",
     ]
-    assert "junk.run.sqlite" in made.unread[0]
+    assert "junk.run.sqlite" in made.unreadable[0]
     text = made.index.read_text(encoding="utf-8")
     links = [
         attrs["href"] for name, attrs in Page(text).tags if name == "a" and not attrs["href"].startswith("#")
@@ -93,7 +93,7 @@ def test_somebody_elses_file_is_not_replaced_and_nothing_is_written(folder):
 
 
 def test_hundreds_of_runs_stay_a_small_page_that_loads_nothing():
-    entries = [Entry(summary_of(loop(k)), f"{k}.html") for k in range(300)]
+    entries = [IndexEntry(summary_of(loop(k)), f"{k}.html") for k in range(300)]
     text = index_page("many", entries)
     assert len(text.encode()) < 300 * 6_000
     page = Page(text)
@@ -106,7 +106,8 @@ def test_hundreds_of_runs_stay_a_small_page_that_loads_nothing():
 
 def test_each_picture_says_what_it_shows_and_that_it_is_a_twins():
     text = index_page(
-        "one", [Entry(summary_of(loop()), "a.html"), Entry(summary_of(loop(1, source="bench")), "b.html")]
+        "one",
+        [IndexEntry(summary_of(loop()), "a.html"), IndexEntry(summary_of(loop(1, source="bench")), "b.html")],
     )
     words = [attrs["aria-label"] for name, attrs in Page(text).tags if name == "svg"]
     assert words[0].startswith("TWIN, simulated. Hysteresis of validation: Displacement (mm) over 10 mm")
@@ -127,6 +128,6 @@ def test_runs_of_one_wire_are_drawn_to_one_scale_from_their_own_zero():
 
 
 def test_a_run_that_holds_nothing_is_listed_all_the_same():
-    page = Page(index_page("empty", [Entry(summary_of(run_of(end=None)), "e.html")]))
+    page = Page(index_page("empty", [IndexEntry(summary_of(run_of(end=None)), "e.html")]))
     assert "Nothing to draw." in page.visible
     assert "never closed" in page.visible

@@ -6,9 +6,9 @@ pytest.importorskip("websocket", reason="websocket-client is not installed (pip 
 
 import smarig
 from report.browser import Browser, axe, chromium
-from smarig.characterise import characterise
+from smarig.app.characterise import characterise
 from smarig.cli import run as cli
-from smarig.model.planted import from_pairs
+from smarig.plant.effect_catalogue import from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 import pytest
 
 from report.pages import Page, unpacked
-from smarig.errors import StorageError, UsageError
+from smarig.core.errors import StorageError, UsageError
 from smarig.report.decimate import envelope, path
 from smarig.report.figure import Figure, Panel, axis, line, packed
 from smarig.report.html import Html, table, tag

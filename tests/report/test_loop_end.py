@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.report.closed_loop_words import end_words, off, rest_words
-from smarig.report.loop_end import loop_end
+from smarig.report.closed_loop_text import hold_end_text, off, unsteady_text
+from smarig.report.hold_end import hold_end
 
 COUNT = 0.05
 T = np.arange(1, 4001) * 0.1  # 400 s
@@ -16,24 +16,24 @@ CURRENT = 0.4 + 0.1 * np.sin(T)
 
 
 def ended(error, **more):
-    return loop_end(T, error, CURRENT, COUNT, **more)
+    return hold_end(T, error, CURRENT, COUNT, **more)
 
 
 def test_count_noise_rests():
     end = ended(NOISE)
     assert end.seconds == pytest.approx(60.0)
     assert abs(end.mean) < 0.1 * COUNT
-    assert end.spread == pytest.approx(0.5 * COUNT, rel=0.1)
+    assert end.std == pytest.approx(0.5 * COUNT, rel=0.1)
     assert end.verdict == "rests"
-    assert rest_words(end, "mm") == ""
+    assert unsteady_text(end, "mm") == ""
 
 
 def test_what_rests_elsewhere_rests_off_and_its_side_is_told():
     end = ended(NOISE - 13 * COUNT)
     assert end.verdict == "rests off"
-    assert "It rests 0.6" in rest_words(end, "mm")
-    assert "13.0 counts) off" in rest_words(end, "mm")
-    assert "(−13.0 counts) from the set-point on average" in end_words(end, "mm")
+    assert "It rests 0.6" in unsteady_text(end, "mm")
+    assert "13.0 counts) off" in unsteady_text(end, "mm")
+    assert "(−13.0 counts) from the set-point on average" in hold_end_text(end, "mm")
 
 
 def test_a_limit_cycle_swings_whatever_its_phase_at_the_end():
@@ -42,9 +42,9 @@ def test_a_limit_cycle_swings_whatever_its_phase_at_the_end():
     assert wave[-1] == pytest.approx(0.0)
     end = ended(wave)
     assert end.verdict == "swings"
-    assert end.spread == pytest.approx(4 * COUNT / np.sqrt(2), rel=0.01)
-    assert end.swing == pytest.approx(8 * COUNT, rel=0.01)
-    assert rest_words(end, "mm") == (
+    assert end.std == pytest.approx(4 * COUNT / np.sqrt(2), rel=0.01)
+    assert end.peak_to_peak == pytest.approx(8 * COUNT, rel=0.01)
+    assert unsteady_text(end, "mm") == (
         "It does not rest: it swings by 0.4 mm (8.0 counts), the current between 0.3 A and 0.5 A."
     )
 
@@ -52,7 +52,7 @@ def test_a_limit_cycle_swings_whatever_its_phase_at_the_end():
 def test_a_loop_that_creeps_does_not_swing():
     end = ended(NOISE + T / 60.0 * 6 * COUNT)
     assert end.verdict == "moves"
-    assert "still moves" in rest_words(end, "mm")
+    assert "still moves" in unsteady_text(end, "mm")
 
 
 def test_a_disturbance_is_no_end_and_too_little_after_it_is_no_verdict():
@@ -68,24 +68,24 @@ def test_a_disturbance_is_no_end_and_too_little_after_it_is_no_verdict():
 def test_a_short_hold_is_judged_by_its_last_quarter():
     short = T <= 80.0
     early = np.where(T < 59.0, 30 * COUNT, 0.0)
-    end = loop_end(T[short], early[short], CURRENT[short], COUNT)
+    end = hold_end(T[short], early[short], CURRENT[short], COUNT)
     assert (end.mean, end.seconds) == (0.0, pytest.approx(20.0))
 
 
 def test_without_a_count_there_is_no_verdict_and_without_readings_no_end():
-    assert loop_end(T, NOISE + 1, CURRENT, 0.0).verdict == ""
-    assert loop_end(T, np.full(T.size, np.nan), CURRENT, COUNT) is None
+    assert hold_end(T, NOISE + 1, CURRENT, 0.0).verdict == ""
+    assert hold_end(T, np.full(T.size, np.nan), CURRENT, COUNT) is None
     gap = ended(np.where(T > 399.0, np.nan, NOISE))
-    assert np.isfinite([gap.mean, gap.spread, gap.swing]).all()
+    assert np.isfinite([gap.mean, gap.std, gap.peak_to_peak]).all()
 
 
 def test_currents_are_told_to_a_milliampere():
     end = replace(ended(NOISE), current_A=(-7.07e-4, 0.48123))
-    assert end_words(end, "mm").endswith("; current −0.001 to 0.481 A.")
+    assert hold_end_text(end, "mm").endswith("; current −0.001 to 0.481 A.")
 
 
 def test_zero_has_no_sign():
     end = replace(ended(NOISE), mean=-1e-4 * COUNT)
-    assert "s 0 mm (0.0 counts) from" in end_words(end, "mm")
+    assert "s 0 mm (0.0 counts) from" in hold_end_text(end, "mm")
     assert off(-0.0, "mm", 0.0) == "0 mm"
     assert off(0.3, "deg", 0.1) == "+0.3 deg (+3.0 counts)"

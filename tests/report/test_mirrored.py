@@ -6,7 +6,7 @@ import pytest
 from report.pages import Page, unpacked
 from smarig.identification.identify import identify
 from smarig.record import load_run
-from smarig.report import identified
+from smarig.report import identification_plot_data
 from smarig.report.page import Section, page
 from smarig.runner.session import Session
 
@@ -27,7 +27,9 @@ def test_measured_curves_are_the_measured_points(both):
     for run, found in both:
         points = {(round(u, 6), round(y, 9)) for u, y in zip(*run.points())}
         drawn = {
-            (round(u, 6), round(y, 9)) for c in identified.measured_curves(found) for u, y in zip(c.u, c.y)
+            (round(u, 6), round(y, 9))
+            for c in identification_plot_data.measured_curves(found)
+            for u, y in zip(c.u, c.y)
         }
         assert drawn <= points
         assert len(drawn) > 60
@@ -37,7 +39,7 @@ def test_the_density_is_the_same_from_either_side(both):
     (_, descending), (_, ascending) = both
     assert not descending.data.mirrored
     assert ascending.data.mirrored
-    maps = [identified.density_map(found) for found in (descending, ascending)]
+    maps = [identification_plot_data.density_map(found) for found in (descending, ascending)]
     for first, second in zip(maps[0][:2], maps[1][:2]):
         np.testing.assert_allclose(first, second)
     mu, other = maps[0][2], maps[1][2]
@@ -48,14 +50,14 @@ def test_the_density_is_the_same_from_either_side(both):
 def test_the_replayed_model_goes_through_the_measured_points(both):
     for run, found in both:
         inputs, outputs = run.points()
-        u, y = identified.replayed(found, inputs, 3)
+        u, y = identification_plot_data.resimulated(found, inputs, 3)
         np.testing.assert_allclose(u[::3], inputs)
         assert np.abs(y[::3] - outputs).max() < 0.005 * np.ptp(outputs)
 
 
 def test_a_page_of_ascending_curves_says_so(both):
-    from smarig.report.figures_fod import curves_figure, parameters_figure
-    from smarig.report.figures_surface import surface_figure
+    from smarig.report.first_order_figures import curves_figure, parameters_figure
+    from smarig.report.surface_figure import surface_figure
 
     run, found = both[1]
     figures = [

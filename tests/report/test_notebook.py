@@ -5,7 +5,7 @@ import pytest
 
 import smarig
 from report.pages import Page, run_of
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.record import load_run
 from smarig.runner.session import Session
 
@@ -23,22 +23,22 @@ def wire(tmp_path_factory):
 
 def test_a_run_and_a_model_show_themselves_in_a_few_kilobytes(wire):
     for thing, words in zip(wire, ("First order descending on one_wire_twin", "Exponential surface")):
-        shown = thing._repr_html_()
-        assert len(shown.encode()) < LIGHT
-        assert words in Page(shown).visible
-        assert "TWIN · simulated, not hardware" in Page(shown).visible
-        assert [attrs["role"] for name, attrs in Page(shown).tags if name == "svg"] == ["img"]
+        display_html = thing._repr_html_()
+        assert len(display_html.encode()) < LIGHT
+        assert words in Page(display_html).visible
+        assert "TWIN · simulated, not hardware" in Page(display_html).visible
+        assert [attrs["role"] for name, attrs in Page(display_html).tags if name == "svg"] == ["img"]
 
 
 def test_what_a_person_typed_does_not_become_markup():
-    shown = run_of(protocol="<img src=x>")._repr_html_()
-    assert "<img" not in shown
+    display_html = run_of(protocol="<img src=x>")._repr_html_()
+    assert "<img" not in display_html
 
 
 def test_what_cannot_be_drawn_says_so_instead_of_failing_the_cell():
-    shown = run_of(start_epoch="<yesterday>")._repr_html_()
-    assert Page(shown).visible.startswith("This Run cannot be drawn (TypeError: ")
-    assert "<yesterday>" not in shown
+    display_html = run_of(start_epoch="<yesterday>")._repr_html_()
+    assert Page(display_html).visible.startswith("This Run cannot be drawn (TypeError: ")
+    assert "<yesterday>" not in display_html
 
 
 def test_a_run_is_plotted_with_the_models_answer(wire):

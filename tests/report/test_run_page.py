@@ -5,10 +5,10 @@ import plotly.graph_objects as go
 import pytest
 
 from report.pages import LOADING, Page, run_of, step, unpacked
+from smarig.core.sample import Quality
 from smarig.record import Event
 from smarig.report.run_page import run_page
 from smarig.runner.session import Session
-from smarig.sample import Quality
 
 TEMPERATURE = {"quantity": "temperature", "unit": "degC"}
 STRAIN = {"quantity": "strain", "unit": "mm/mm"}

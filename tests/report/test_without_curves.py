@@ -6,15 +6,15 @@ import pytest
 from identification.made_runs import PARTITION, driven_run, fod_inputs, made_run
 from report.pages import Page, unpacked
 from smarig.identification.identify import identify
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.gorbet_1997 import surface
-from smarig.preisach.mirrored import Mirrored
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
-from smarig.report import identified
-from smarig.report.characterisation import characterisation_page
+from smarig.report import identification_plot_data
+from smarig.report.characterisation_page import characterisation_page
 from smarig.report.evidence import Evidence
-from smarig.report.figures_fod import curves_figure
+from smarig.report.first_order_figures import curves_figure
 from smarig.report.page import Section, page
 
 GROWING = [
@@ -77,7 +77,7 @@ def test_the_image_of_a_table_is_exact():
         driven_run("two_c", GROWING, seed=1, initial="anhysteretic"), "positive"
     ).model.hysteresis
     assert isinstance(table, FodTable)
-    image = identified.reflected(table)
+    image = identification_plot_data.mirrored_table(table)
     walk = np.random.default_rng(4).uniform(image.lower, image.upper, 300)
     there = Preisach.from_surface(image).simulate(walk)
     np.testing.assert_allclose(there, Preisach.from_surface(Mirrored(table)).simulate(walk), atol=1e-10)
@@ -88,9 +88,9 @@ def test_ascending_curves_are_drawn_as_measured_though_nothing_was_mirrored(asce
     assert found.data.mirrored
     assert not found.model.mirrored
     points = {(round(u, 6), round(y, 9)) for u, y in zip(*run.points())}
-    measured = identified.measured_curves(found)
+    measured = identification_plot_data.measured_curves(found)
     assert {(round(u, 6), round(y, 9)) for c in measured for u, y in zip(c.u, c.y)} <= points
-    _, _, error = identified.residuals(found)
+    _, _, error = identification_plot_data.residuals(found)
     assert np.sqrt(np.mean(error**2)) < 0.4  # of 33 degrees
     figure = curves_figure(found, run)
     drawn = Page(page("t", "", [Section("s", "s", [figure])], label="TWIN"))
@@ -101,7 +101,7 @@ def test_ascending_curves_are_drawn_as_measured_though_nothing_was_mirrored(asce
 
 def test_the_density_is_drawn_where_it_is(ascending):
     _, found = ascending
-    alpha, beta, mu = identified.density_map(found)
+    alpha, beta, mu = identification_plot_data.density_map(found)
     table = found.model.hysteresis
     np.testing.assert_allclose(alpha, table.nodes, atol=1e-9)
     mass = table.everett(alpha[9], beta[3]) - table.everett(alpha[8], beta[3])
@@ -122,10 +122,13 @@ def test_reversal_curves_have_their_intervals_in_the_signs_of_the_measurement():
     step = np.concatenate([np.full(c.size, float(k)) for k, c in enumerate(curves)])
     run = Run(run.path, run.meta, run.columns | {"step": step}, (), ())
     found = identify(run, "positive")
-    model, measured = identified.model_curves(found), identified.measured_curves(found)
+    model, measured = (
+        identification_plot_data.model_curves(found),
+        identification_plot_data.measured_curves(found),
+    )
     inside = []
     for curve, seen in zip(model, measured, strict=True):
-        low, high = identified.interval(found, curve)
+        low, high = identification_plot_data.interval(found, curve)
         order = np.argsort(curve.u)
         assert np.all((low <= curve.y + 1e-9) & (curve.y <= high + 1e-9))
         assert np.all(np.diff(low[order]) >= 0)

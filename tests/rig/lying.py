@@ -3,7 +3,7 @@
 from smarig.rig.twin import Twin
 
 
-class Lying:
+class TamperedRig:
     """A twin whose samples are changed before anybody sees them."""
 
     def __init__(self, rig, change):

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from smarig.errors import LeaseExpired, RigFault
-from smarig.sample import Quality
+from smarig.core.errors import LeaseExpired, RigFault
+from smarig.core.sample import Quality
 
 BACKLOG = 50  # steps that may still tell of the time before
 TRAVEL = 300  # ticks: six time constants
@@ -81,9 +81,9 @@ def check_silence_trips_the_lease_and_latches(make):
     with pytest.raises(LeaseExpired):
         rig.step(0.8)
     rig.arm()
-    seen = drive(rig, [0.1] * BACKLOG)[-1]
-    assert seen.current_A == pytest.approx(0.1, abs=0.002)
-    assert not seen.quality & Quality.TRIPPED
+    observed = drive(rig, [0.1] * BACKLOG)[-1]
+    assert observed.current_A == pytest.approx(0.1, abs=0.002)
+    assert not observed.quality & Quality.TRIPPED
 
 
 def check_zero_makes_here_the_origin(make):
@@ -105,7 +105,7 @@ def check_what_is_beyond_the_amplifier_is_refused_or_marked(make):
         assert abs(sample.current_A) < 1.01
 
 
-def check_alarms_are_told_once_and_closing_is_harmless(make):
+def check_alarms_are_reported_once_and_closing_is_harmless(make):
     rig = make()
     drive(rig, [0.5] * 20)
     rig.alarms()

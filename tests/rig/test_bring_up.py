@@ -2,22 +2,22 @@
 
 import pytest
 
-from rig.lying import Lying
+from rig.lying import TamperedRig
 from smarig.config import load_rig
-from smarig.model.actuator import Actuator
+from smarig.core.sample import Quality, Sample
+from smarig.plant.actuator import Actuator
 from smarig.rig.bring_up import _lease, _must_have_moved_K, bring_up
-from smarig.sample import Quality, Sample
 
 
 def checked(change, rig="one_wire_twin"):
     """Checks by name, and the largest current that was driven."""
     driven = [0.0]
 
-    def seen(sample):
+    def observed(sample):
         driven.append(abs(lying.twin.output_A))
         return change(sample)
 
-    lying = Lying(rig, seen)
+    lying = TamperedRig(rig, observed)
     lying.identity, lying.has_lease = lambda: ["a twin"], True
     found = {c.name: c for c in bring_up(lying, lying.file)}
     assert lying.twin.output_A == 0.0
@@ -64,15 +64,15 @@ def test_both_wires_are_looked_at():
     assert list(found)[-1] == "read-back, wire 2"
     found, _ = checked(lambda s: s._replace(counts=abs(s.counts)), "two_wire_twin")
     assert list(found)[-1] == "encoder direction, wire 2"
-    assert "must count downwards" in found["encoder direction, wire 2"].seen
+    assert "must count downwards" in found["encoder direction, wire 2"].observed
 
 
-def test_a_source_without_a_lease_says_so():
-    lying = Lying("one_wire_twin", lambda s: s)
+def test_a_source_without_a_lease_is_reported():
+    lying = TamperedRig("one_wire_twin", lambda s: s)
     lying.identity, lying.has_lease = lambda: ["a supply"], False
     *_, last = bring_up(lying, lying.file)
     assert (last.name, last.passed) == ("lease", True)
-    assert "only the cut-out ends what flows" in last.seen
+    assert "only the cut-out ends what flows" in last.observed
 
 
 class Leased:
@@ -113,4 +113,4 @@ class Leased:
 def test_a_lease_that_trips_with_current_still_flowing_fails(left_A, passes):
     lease, re_arm = _lease(Leased(left_A), load_rig("one_wire_twin"))
     assert (lease.passed, re_arm.passed) == (passes, True), lease
-    assert ("0.1000 A flowed then" in lease.seen) != passes
+    assert ("0.1000 A flowed then" in lease.observed) != passes

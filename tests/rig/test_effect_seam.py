@@ -2,13 +2,13 @@
 
 import pytest
 
-from smarig.model.actuator import Actuator
-from smarig.model.effect import Stage
-from smarig.model.plant import Plant
-from smarig.preisach.gorbet_1997 import surface
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect import Stage
+from smarig.plant.plant import Plant
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 
 
-class Planted:
+class Effect:
     """One hook at one stage."""
 
     def __init__(self, stage, hook):
@@ -25,21 +25,21 @@ def positions(effects):
 
 @pytest.mark.parametrize("stage", list(Stage))
 def test_a_neutral_effect_is_the_identity_bit_for_bit(stage):
-    assert positions([Planted(stage, lambda value, now: value)]) == positions([])
+    assert positions([Effect(stage, lambda value, now: value)]) == positions([])
 
 
 def test_an_additive_effect_adds():
-    shifted = positions([Planted(Stage.ADDITIVE, lambda value, now: value + 0.5)])
+    shifted = positions([Effect(Stage.ADDITIVE, lambda value, now: value + 0.5)])
     assert shifted == [y + 0.5 for y in positions([])]
 
 
 def test_an_input_effect_sees_time_and_output():
-    seen = []
+    observed = []
 
     def look(value, now):
-        seen.append((now.tick, now.output))
+        observed.append((now.tick, now.output))
         return value
 
-    positions([Planted(Stage.INPUT, look)])
-    assert [tick for tick, _ in seen] == list(range(1, 451))
-    assert len({output for _, output in seen}) > 300
+    positions([Effect(Stage.INPUT, look)])
+    assert [tick for tick, _ in observed] == list(range(1, 451))
+    assert len({output for _, output in observed}) > 300

@@ -2,11 +2,11 @@
 
 import pytest
 
-from smarig.command import Elapsed, Hold
-from smarig.errors import LimitExceeded
+from smarig.core.command import Elapsed, Hold
+from smarig.core.errors import LimitExceeded
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
 
@@ -37,12 +37,12 @@ def test_a_forbidden_command_never_reaches_the_rig(limits, current_A, message):
 
 def test_predicted_temperature_trips_to_zero_and_the_samples_that_show_it_are_kept():
     twin, guard = guarded(temperature_max_K=100.0)
-    seen = []
-    watch = Watch(on_sample=lambda s, step, input_K: seen.append(input_K))
+    observed = []
+    watch = CallbackListener(on_sample=lambda s, step, input_K: observed.append(input_K))
     with pytest.raises(LimitExceeded, match=r"temperature_max_K = 100"):
         Runner(guard, 1.0, [watch]).run(generator(Hold(1.0, Elapsed(60))))
     assert twin.output_A == 0.0
-    assert seen[-1] > 100 > seen[-2]
+    assert observed[-1] > 100 > observed[-2]
     with pytest.raises(LimitExceeded):
         guard.step(0.0)
 

@@ -2,20 +2,20 @@
 
 import pytest
 
-from smarig.errors import Interrupted, LimitExceeded, RigFault
-from smarig.rig.opening import _told
-from smarig.wire.blame import Silent
+from smarig.core.errors import Interrupted, LimitExceeded, RigFault
+from smarig.device.wire.link_faults import Silent
+from smarig.rig.open_rig import _confirmed_shutdown
 
-UNTOLD = "The amplifier could not be told."
+SHUTDOWN_UNCONFIRMED = "The amplifier could not be told."
 
 
 class Deaf:
     """A rig that cannot be told to be off."""
 
-    untold = ""
+    shutdown_unconfirmed = ""
 
     def safe(self):
-        self.untold = UNTOLD
+        self.shutdown_unconfirmed = SHUTDOWN_UNCONFIRMED
 
 
 @pytest.mark.parametrize(
@@ -24,17 +24,24 @@ class Deaf:
         (
             Interrupted("interrupted by the keyboard (Ctrl-C)"),
             RigFault,
-            f"Run interrupted by .* it is closed. {UNTOLD}",
+            f"Run interrupted by .* it is closed. {SHUTDOWN_UNCONFIRMED}",
         ),
-        (LimitExceeded("Too hot. The current is at zero."), LimitExceeded, rf"^Too hot\. {UNTOLD}$"),
-        (Silent("No answer."), Silent, rf"^No answer\. {UNTOLD}$"),
+        (
+            LimitExceeded("Too hot. The current is at zero."),
+            LimitExceeded,
+            rf"^Too hot\. {SHUTDOWN_UNCONFIRMED}$",
+        ),
+        (Silent("No answer."), Silent, rf"^No answer\. {SHUTDOWN_UNCONFIRMED}$"),
     ],
 )
-def test_an_ending_does_not_say_that_the_current_is_at_zero(ending, kind, says):
-    with pytest.raises(kind, match=says), _told(Deaf()):
+def test_an_unconfirmed_shutdown_does_not_claim_zero_current(ending, kind, says):
+    with pytest.raises(kind, match=says), _confirmed_shutdown(Deaf()):
         raise ending
 
 
 def test_nor_does_the_end_of_a_run():
-    with pytest.raises(RigFault, match=f"{UNTOLD} What was recorded until then is whole."), _told(Deaf()):
+    with (
+        pytest.raises(RigFault, match=f"{SHUTDOWN_UNCONFIRMED} What was recorded until then is whole."),
+        _confirmed_shutdown(Deaf()),
+    ):
         pass

@@ -2,19 +2,19 @@
 
 import pytest
 
-from rig.lying import Lying
+from rig.lying import TamperedRig
 from smarig.config import load_rig
-from smarig.errors import LimitExceeded
-from smarig.model.actuator import Actuator
+from smarig.core.errors import LimitExceeded
+from smarig.core.sample import Quality
+from smarig.plant.actuator import Actuator
 from smarig.rig.guard import Guard
-from smarig.rig.plausibility import BLIND, Plausibility
-from smarig.sample import Quality
+from smarig.rig.plausibility import MAX_STALE_SAMPLES, Plausibility
 
 TICKS_OF_HEATING = 500
 
 
 def guarded(change, rig="one_wire_twin"):
-    lying = Lying(rig, change)
+    lying = TamperedRig(rig, change)
     actuator = Actuator.named(lying.file.actuator)
     return Guard(lying, lying.file.limits, actuator, Plausibility(lying.file, actuator)), lying.twin
 
@@ -47,11 +47,11 @@ def test_what_cannot_be_trips_to_zero_with_its_cause(kind, lie, words):
 
 
 def test_an_encoder_that_sticks_on_a_hot_wire_trips_as_it_cools():
-    seen = []
+    observed = []
 
     def sticking(s):
-        seen.append(s.counts)
-        return s._replace(counts=seen[1200]) if s.tick > 1200 else s
+        observed.append(s.counts)
+        return s._replace(counts=observed[1200]) if s.tick > 1200 else s
 
     guard, twin = guarded(sticking)
     heated(guard, 1300, 1.0)
@@ -68,9 +68,11 @@ def test_motion_without_heating_trips():
 
 
 @pytest.mark.parametrize("lie", [LIES[0][1], LIES[1][1], LIES[3][1]])
-def test_one_or_two_samples_do_not_trip_and_stale_ones_say_nothing(lie):
+def test_one_or_two_samples_do_not_trip_and_stale_ones_do_not_count(lie):
     few = guarded(lambda s: lie(s) if 60 <= s.tick < 62 and lie is not LIES[3][1] else s)[0]
-    stale = guarded(lambda s: lie(s)._replace(quality=int(Quality.STALE)) if s.tick % BLIND else s)[0]
+    stale = guarded(
+        lambda s: lie(s)._replace(quality=int(Quality.STALE)) if s.tick % MAX_STALE_SAMPLES else s
+    )[0]
     heated(few)
     heated(stale)
 
@@ -83,21 +85,21 @@ def test_an_amplifier_that_measures_nothing_trips():
     with pytest.raises(LimitExceeded, match="gave no reading of the current for 20 samples"):
         heated(guard)
     assert twin.output_A == 0.0
-    assert twin.tick <= 50 + BLIND + 1
+    assert twin.tick <= 50 + MAX_STALE_SAMPLES + 1
 
 
 def test_a_current_that_is_not_measured_heats_as_it_was_set():
     blind, _ = guarded(lambda s: s._replace(current_A=0.0, quality=int(Quality.STALE)) if s.tick > 50 else s)
     seeing, _ = guarded(lambda s: s)
     for guard in (blind, seeing):
-        for _ in range(50 + BLIND - 1):
+        for _ in range(50 + MAX_STALE_SAMPLES - 1):
             guard.step(0.5)
     assert blind.input_K == pytest.approx(seeing.input_K, rel=0.01)
 
 
 def test_a_wire_that_was_hot_before_we_came_may_cool():
     """Devices live on when a host dies; the next one does not know how warm the wire is."""
-    lying = Lying("one_wire_twin", lambda s: s)
+    lying = TamperedRig("one_wire_twin", lambda s: s)
     for _ in range(400):
         lying.step(0.9)
     actuator = Actuator.named(lying.file.actuator)
@@ -126,7 +128,7 @@ def test_lost_samples_have_heated_the_wire_all_the_same():
     whole, _ = guarded(lambda s: s)
     heated(whole, 30)
 
-    class Loses(Lying):
+    class Loses(TamperedRig):
         def step(self, current_A, at_most=1):
             return [super(Loses, self).step(current_A, at_most) for _ in range(3)][-1]
 

@@ -7,8 +7,8 @@ import pytest
 from firmware.firmware_build import make as made
 from rig.rig_contract import CHECKS
 from smarig.config import load_rig
-from smarig.model.actuator import Actuator
-from smarig.rig.opening import opened
+from smarig.plant.actuator import Actuator
+from smarig.rig.open_rig import open_rig
 from smarig.rig.twin import TwinSettings
 
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
@@ -36,7 +36,7 @@ def make(request, tmp_path):
     file = load_rig(str(path))
     actuator = Actuator.named(file.actuator)
     with contextlib.ExitStack() as open_:
-        yield lambda seed=0: open_.enter_context(opened(str(path), file, actuator, TwinSettings(seed=seed)))
+        yield lambda seed=0: open_.enter_context(open_rig(str(path), file, actuator, TwinSettings(seed=seed)))
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__.removeprefix("check_"))

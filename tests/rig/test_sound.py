@@ -3,13 +3,13 @@
 import pytest
 
 from smarig.cli import run as cli
-from smarig.config import listed, load_rig
-from smarig.rig.sound import unsound
+from smarig.config import load_rig, shipped_names
+from smarig.rig.consistency import inconsistencies
 
 
-@pytest.mark.parametrize("name", listed("rigs"))
+@pytest.mark.parametrize("name", shipped_names("rigs"))
 def test_shipped_rigs_are_sound(name):
-    assert unsound(load_rig(name)) == []
+    assert inconsistencies(load_rig(name)) == []
 
 
 @pytest.mark.parametrize(
@@ -24,9 +24,9 @@ def test_shipped_rigs_are_sound(name):
         ("protection.heat_max_A2s = 20.0", "should lie between 10 (a steady 1 A)"),
     ],
 )
-def test_what_does_not_fit_together_is_told(tmp_path, capsys, line, says):
+def test_inconsistencies_are_reported(tmp_path, capsys, line, says):
     path = tmp_path / "mine.toml"
     path.write_text(f'name = "mine"\nbase = "bench_one_wire"\n{line}\n', encoding="utf-8")
-    assert [says in problem for problem in unsound(load_rig(str(path)))] == [True]
+    assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]
     assert cli(["check", str(path), "--no-current"]) == 2
     assert says in capsys.readouterr().err

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rig.rig_contract import drive
-from smarig.errors import UsageError
-from smarig.preisach.gorbet_1997 import surface
-from smarig.rig.noise import Noise
+from smarig.core.errors import UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.rig.tick_noise import TickNoise
 from smarig.rig.twin import Twin
 
 
@@ -63,9 +63,9 @@ def test_temperature_noise_is_remembered_by_the_hysteresis():
 
 
 def test_noise_is_a_function_of_seed_channel_and_tick():
-    assert Noise(1, 0).at(5000) == Noise(1, 0).at(5000)
-    assert Noise(1, 0).at(5000) != Noise(1, 1).at(5000)
-    values = [Noise(2, 1).at(k) for k in (0, 4095, 4096, 8192)]
+    assert TickNoise(1, 0).at(5000) == TickNoise(1, 0).at(5000)
+    assert TickNoise(1, 0).at(5000) != TickNoise(1, 1).at(5000)
+    values = [TickNoise(2, 1).at(k) for k in (0, 4095, 4096, 8192)]
     assert len(set(values)) == 4
 
 

@@ -7,15 +7,15 @@ import time
 import numpy as np
 import pytest
 
-from smarig.command import Drive, Elapsed, Hold, Mark, Settled, Waveform, Zero
-from smarig.errors import UsageError
+from smarig.core.command import Drive, Elapsed, Hold, Mark, Settled, Waveform, Zero
+from smarig.core.errors import UsageError
 from smarig.record import Recorder, load_run
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.asking import Asking, checked
-from smarig.runner.control import Control
-from smarig.runner.endings import safe_endings
+from smarig.runner.checked_generator import CheckedGenerator, checked
+from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
+from smarig.runner.signal_handling import stop_on_signals
 
 
 def recorded(protocol, path):
@@ -122,7 +122,7 @@ def test_a_protocol_that_swallows_everything_is_let_go_of(tmp_path):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGTERM"), reason="no signals here")
 def test_one_that_does_not_come_back_is_torn_out_after_a_stop(monkeypatch):
-    monkeypatch.setattr("smarig.runner.endings.THINKING_S", 0.05)
+    monkeypatch.setattr("smarig.runner.signal_handling.THINKING_S", 0.05)
 
     def protocol():
         yield Drive(0.1)
@@ -131,12 +131,12 @@ def test_one_that_does_not_come_back_is_torn_out_after_a_stop(monkeypatch):
         while time.monotonic() < end_s:
             pass
 
-    control = Control()
-    asking = Asking(protocol(), control)
-    with safe_endings(control):
-        asking.next(None)
+    control = RunControl()
+    checked_generator = CheckedGenerator(protocol(), control)
+    with stop_on_signals(control):
+        checked_generator.next(None)
         with pytest.raises(KeyboardInterrupt):
-            asking.next(None)
+            checked_generator.next(None)
     assert control.cause == "terminated (SIGTERM)"
 
 

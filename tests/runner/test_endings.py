@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 import smarig
-from smarig.errors import Interrupted, RigFault, StorageError
+from smarig.core.errors import Interrupted, RigFault, StorageError
 from smarig.record import recorder as recorder_module
-from smarig.runner import endings
-from smarig.runner.control import Control
-from smarig.runner.listener import Watch
+from smarig.runner import signal_handling
+from smarig.runner.listener import CallbackListener
 from smarig.runner.lock import wire_lock
+from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
 SPEED = 300
@@ -89,7 +89,7 @@ def test_a_storm_of_signals_ends_as_one(tmp_path):
 
 
 @posix
-def test_a_storm_of_ctrl_c_says_that_the_current_is_at_zero(tmp_path):
+def test_repeated_ctrl_c_reports_that_the_current_is_at_zero(tmp_path):
     """A key held down is one wish: the run is closed into one file, and the sentence is that of any interrupted run."""
     out = tmp_path / "r.run.sqlite"
     process = start(out)
@@ -105,9 +105,9 @@ def test_a_storm_of_ctrl_c_says_that_the_current_is_at_zero(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == [out.name]
 
 
-def impatient(control: Control, put_away: list[str]) -> None:
+def impatient(control: RunControl, put_away: list[str]) -> None:
     """Ctrl-C twice at once, a third time after a while, and a fourth while things are put away."""
-    with endings.safe_endings(control):
+    with signal_handling.stop_on_signals(control):
         try:
             signal.raise_signal(signal.SIGINT)
             signal.raise_signal(signal.SIGINT)
@@ -121,11 +121,11 @@ def impatient(control: Control, put_away: list[str]) -> None:
 
 
 @posix
-def test_who_insists_is_heard_once_and_told_the_same(monkeypatch):
+def test_a_second_ctrl_c_acts_once_and_reports_the_same_cause(monkeypatch):
     """A run that does not end is torn by a second Ctrl-C; what it puts away then is not torn by a third."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    monkeypatch.setattr(endings, "INSISTS_S", 0.05)
-    put_away, control = [], Control()
+    monkeypatch.setattr(signal_handling, "INSISTS_S", 0.05)
+    put_away, control = [], RunControl()
     try:
         with pytest.raises(Interrupted, match="Ctrl-C"):
             impatient(control, put_away)
@@ -159,12 +159,12 @@ def test_kill_9_loses_at_most_the_last_second(tmp_path, moment):
     out = tmp_path / "r.run.sqlite"
     process = start(out)
     wait_for_samples(process, out, random.Random(moment).randint(1, 4000))
-    seen = len(smarig.load_run(out))
+    observed = len(smarig.load_run(out))
     killed = time.time()
     process.kill()
     process.communicate()
     run = smarig.load_run(out)
-    assert len(run) >= seen
+    assert len(run) >= observed
     assert not run.complete
     assert "never closed" in run.cause
     started = next(e for e in run.events if e.kind == "start").data["epoch"]
@@ -185,7 +185,9 @@ def test_a_full_disk_stops_the_run_and_keeps_what_was_written(tmp_path, monkeypa
     monkeypatch.setattr(recorder_module, "COMMIT_INTERVAL_S", 0.001)
     with Session("one_wire_twin", speed=2000) as session:
         with pytest.raises(StorageError, match="cannot be written"):
-            session.run("first_order_descending", {}, out, listeners=[Watch(on_sample=fill_up_at_200)])
+            session.run(
+                "first_order_descending", {}, out, listeners=[CallbackListener(on_sample=fill_up_at_200)]
+            )
         assert session.rig.rig.output_A == 0.0
     run = smarig.load_run(out)
     assert len(run) >= 200

@@ -13,13 +13,13 @@ import pytest
 
 import smarig
 from runner.interrupted import cut
-from smarig.errors import DataError, Interrupted, LeaseExpired, UsageError
+from smarig.core.errors import DataError, Interrupted, LeaseExpired, UsageError
+from smarig.identification.calibration.holds import drive_holds
 from smarig.identification.fod_data import fod_data
-from smarig.identification.holds import holds
 from smarig.record import CONTINUED, load_run
-from smarig.runner.control import Control
-from smarig.runner.listener import Watch
-from smarig.runner.resume import resume, resume_in, session_for
+from smarig.runner.listener import CallbackListener
+from smarig.runner.resume.resume_run import resume, resume_in, session_for
+from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
 RIGS = ("one_wire_twin", "two_wire_twin")
@@ -87,10 +87,10 @@ def test_the_record_shows_what_happened(whole, tmp_path, rig):
     assert [s.index for s in run.steps] == list(range(len(run.steps)))  # a number is one stretch of samples
     assert [s.t_start_s for s in run.steps] == sorted(s.t_start_s for s in run.steps)
     assert "never closed" in events(run, "interrupted")[0].data["cause"]
-    told = events(run, "resumed")[0]
-    assert told.data["holds"] == len(back)
+    event = events(run, "resumed")[0]
+    assert event.data["holds"] == len(back)
     assert run["current_command_A"][before["tick"].size] == 0.0  # the wire is cooled first
-    assert len(before) not in [h.begin for h in holds(run)], "nobody saw how it cooled"
+    assert len(before) not in [h.begin for h in drive_holds(run)], "nobody saw how it cooled"
     columns = [np.array_equal(before[c], run[c][: len(before)], equal_nan=True) for c in before.columns]
     assert all(columns), "what was measured stays as it is"
 
@@ -108,7 +108,7 @@ def test_void_steps_teach_nothing(whole, tmp_path):
     assert model.fit["points"] == undisturbed.fit["points"]
 
 
-def test_a_run_can_be_interrupted_again_and_on_its_way_back(whole, tmp_path):
+def test_a_run_can_be_interrupted_again_and_during_restoration(whole, tmp_path):
     path = cut(whole["two_wire_twin"].path, tmp_path / "a.run.sqlite", 5000)
     once = resume(path)
     on_the_way = next(s for s in once.steps if s.branch == "re-establish" and s.t_start_s > 550)
@@ -136,13 +136,13 @@ def test_a_run_that_was_killed_at_its_very_end_is_only_closed(whole, tmp_path):
 
 
 def stop_at(tick, control):
-    return Watch(on_sample=lambda s, step, u: control.stop("enough") if s.tick == tick else None)
+    return CallbackListener(on_sample=lambda s, step, u: control.stop("enough") if s.tick == tick else None)
 
 
 @pytest.mark.parametrize("rig", RIGS)
-def test_a_stopped_run_goes_on_in_the_same_sitting(whole, tmp_path, rig):
+def test_a_stopped_run_resumes_in_the_same_session(whole, tmp_path, rig):
     """The same device: its ticks and its zero go on, and the wire has felt all of it."""
-    control = Control()
+    control = RunControl()
     out = tmp_path / "r.run.sqlite"
     with Session(rig, seed=1, wire="a", control=control) as session:
         with pytest.raises(Interrupted):
@@ -173,7 +173,7 @@ def test_a_trip_is_re_armed(whole, tmp_path):
                 "first_order_descending",
                 {"partition_K": PARTITIONS["one_wire_twin"]},
                 out,
-                listeners=[Watch(on_sample=silence)],
+                listeners=[CallbackListener(on_sample=silence)],
             )
         assert "nothing was heard" in load_run(out).cause
         resume_in(session, load_run(out))
@@ -210,7 +210,7 @@ def zeroed_hot(rig, out):
 
 
 @pytest.mark.parametrize("rig", RIGS)
-def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
+def test_a_lost_encoder_zero_is_recovered(whole, tmp_path, rig):
     """The encoder was zeroed on a hot wire before the run; the new twin's zero is another."""
     out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
     undisturbed = zeroed_hot(rig, out)
@@ -218,8 +218,8 @@ def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
     run = resume(cut(out, r, int(undisturbed["tick"][0]) + 4000))
     assert counts_apart(run, undisturbed) < 1
     assert run.meta["shift"]["counts"] == events(run, "shift")[0].data["counts"]
-    told = events(run, "shift")[0]
-    assert abs(told.data["counts"]) > 50
+    event = events(run, "shift")[0]
+    assert abs(event.data["counts"]) > 50
     cooled = next(s for s in run.steps if s.branch == "re-establish")
     rows = run["step"] == cooled.index
     assert cooled.position == pytest.approx(np.mean(run["position"][rows][-cooled.n :]))
@@ -228,12 +228,12 @@ def test_a_zero_that_was_lost_is_met_again(whole, tmp_path, rig):
     )
 
 
-def test_a_zero_that_was_not_met_before_the_next_death_is_met_later(whole, tmp_path):
+def test_an_encoder_zero_not_recovered_before_the_next_kill_is_recovered_later(whole, tmp_path):
     """Killed on the way back: the device is the same the second time, and its zero is still unknown."""
     rig, out, path = "one_wire_twin", tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
     undisturbed = zeroed_hot(rig, out)
     cut(out, path, int(undisturbed["tick"][0]) + 4000)
-    control = Control()
+    control = RunControl()
     with session_for(load_run(path), control=control) as session:
         with pytest.raises(Interrupted):
             resume_in(session, load_run(path), listeners=[stop_at(len(load_run(path)) + 1900, control)])
@@ -244,7 +244,7 @@ def test_a_zero_that_was_not_met_before_the_next_death_is_met_later(whole, tmp_p
     assert len(events(load_run(path), "shift")) == 1
 
 
-def test_a_zero_that_cannot_be_met_again_is_a_refusal(tmp_path):
+def test_an_encoder_zero_that_cannot_be_recovered_is_a_refusal(tmp_path):
     out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
     with Session("one_wire_twin", wire="a") as session:
         session._note("zero", 60.0)
@@ -260,7 +260,7 @@ def test_a_zero_that_cannot_be_met_again_is_a_refusal(tmp_path):
 # --- beginning anew ------------------------------------------------------------------------------------------------
 
 
-def test_a_waveform_is_begun_anew(tmp_path):
+def test_an_interrupted_waveform_restarts_the_protocol(tmp_path):
     whole = smarig.run("minor_loops", rig="one_wire_twin", out=tmp_path / "w.run.sqlite", wire="a")
     run = resume(cut(whole.path, tmp_path / "r.run.sqlite", len(whole) // 2))
     assert events(run, "resumed")[0].data["start_over"]
@@ -270,10 +270,10 @@ def test_a_waveform_is_begun_anew(tmp_path):
     assert last[0] == pytest.approx(last[1], abs=run.meta["output"]["per_count"])
 
 
-def test_a_memory_out_of_a_state_that_is_gone_is_begun_anew(tmp_path):
+def test_a_memory_that_cannot_be_restored_restarts_the_protocol(tmp_path):
     """Two wires, never saturated: what they remember hangs on where they began."""
     settings = {"temperatures_K": "50,-30,40,-20"}
-    control = Control()
+    control = RunControl()
     out = tmp_path / "r.run.sqlite"
     with Session("two_wire_twin", control=control) as session:
         with pytest.raises(Interrupted):
@@ -292,7 +292,7 @@ def test_a_memory_out_of_a_state_that_is_gone_is_begun_anew(tmp_path):
     assert counts_apart(again, whole) < 1
 
 
-def test_a_chooser_is_asked_again_and_says_the_same(tmp_path):
+def test_a_chooser_called_again_gives_the_same_choice(tmp_path):
     whole = smarig.run("adaptive_fod", rig="one_wire_twin", out=tmp_path / "w.run.sqlite", longest_h=0.4)
     run = resume(cut(whole.path, tmp_path / "r.run.sqlite", 8000))
     n = min(len(run.settled), len(whole.settled))
@@ -345,7 +345,7 @@ def test_an_actuator_may_be_a_file_of_ones_own(tmp_path):
         resume(cut(run.path, tmp_path / "s.run.sqlite", 900))
 
 
-def test_a_protocol_that_says_otherwise_now_is_refused(tmp_path):
+def test_a_protocol_that_differs_from_its_record_is_refused(tmp_path):
     rig = tmp_path / "mine.toml"
     text = Path("configs/rigs/one_wire_twin.toml").read_text(encoding="utf-8")
     rig.write_text(text, encoding="utf-8")
@@ -367,7 +367,7 @@ def test_a_protocol_that_says_otherwise_now_is_refused(tmp_path):
         "UPDATE step SET n = -5",
     ],
 )
-def test_damaged_samples_are_not_gone_on_with(whole, tmp_path, damage):
+def test_a_run_with_damaged_samples_is_not_resumed(whole, tmp_path, damage):
     path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000)
     with sqlite3.connect(path) as db:
         db.execute(damage)
@@ -396,7 +396,7 @@ def test_a_host_that_was_late_read_samples_of_the_current_before(whole, tmp_path
 
 
 @pytest.mark.parametrize(("first", "last"), [(5, 9), (-3, -1), (0, -1)])
-def test_another_current_within_a_step_is_refused_and_told(whole, tmp_path, first, last):
+def test_another_current_within_a_step_is_refused_and_reported(whole, tmp_path, first, last):
     path = cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000)
     with pytest.raises(DataError, match=r"step 2 was .*0\.123.* A, but its protocol asks for"):
         resume(with_another_current(path, first, last))

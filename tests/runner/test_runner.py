@@ -2,14 +2,14 @@
 
 import pytest
 
-from smarig.command import Drive, Elapsed, Hold, Mark, StepResult, Waveform, Zero
-from smarig.errors import Interrupted, UsageError
+from smarig.core.command import Drive, Elapsed, Hold, Mark, StepResult, Waveform, Zero
+from smarig.core.errors import Interrupted, UsageError
+from smarig.core.sample import Sample
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.control import Control
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
+from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
-from smarig.sample import Sample
 
 
 def setup(listeners=(), control=None):
@@ -37,10 +37,10 @@ def test_a_protocol_is_answered_with_results_and_samples():
 
 
 def test_a_waveform_is_held_over_its_own_period():
-    seen = []
-    _, runner = setup([Watch(on_sample=lambda s, step, u: seen.append(s.current_command_A))])
+    observed = []
+    _, runner = setup([CallbackListener(on_sample=lambda s, step, u: observed.append(s.current_command_A))])
     runner.run(c for c in [Waveform((0.1, 0.2, 0.3), 0.3)])
-    assert seen == [0.1] * 3 + [0.2] * 3 + [0.3] * 3
+    assert observed == [0.1] * 3 + [0.2] * 3 + [0.3] * 3
 
 
 def test_zero_reaches_the_encoder():
@@ -50,7 +50,7 @@ def test_zero_reaches_the_encoder():
 
 
 def test_a_stop_ends_the_run_on_the_next_tick_at_zero():
-    control = Control()
+    control = RunControl()
     ticks = []
 
     def after_five(s, step, u):
@@ -58,7 +58,7 @@ def test_a_stop_ends_the_run_on_the_next_tick_at_zero():
         if len(ticks) == 5:
             control.stop("enough")
 
-    twin, runner = setup([Watch(on_sample=after_five)], control)
+    twin, runner = setup([CallbackListener(on_sample=after_five)], control)
     with pytest.raises(Interrupted, match="enough"):
         runner.run(c for c in [Hold(0.5, Elapsed(100))])
     assert len(ticks) == 5
@@ -66,17 +66,17 @@ def test_a_stop_ends_the_run_on_the_next_tick_at_zero():
 
 
 def test_a_pause_holds_the_current_and_keeps_sampling():
-    control = Control()
-    seen = []
+    control = RunControl()
+    observed = []
 
     def watch(s, step, u):
-        seen.append(s.current_command_A)
-        control.paused = 10 <= len(seen) < 60
+        observed.append(s.current_command_A)
+        control.paused = 10 <= len(observed) < 60
 
-    _, runner = setup([Watch(on_sample=watch)], control)
+    _, runner = setup([CallbackListener(on_sample=watch)], control)
     runner.run(c for c in [Hold(0.5, Elapsed(2.0))])
-    assert len(seen) == 20 + 50
-    assert set(seen) == {0.5}
+    assert len(observed) == 20 + 50
+    assert set(observed) == {0.5}
 
 
 @pytest.mark.parametrize("where", ["protocol", "listener"])
@@ -90,7 +90,7 @@ def test_an_exception_anywhere_leaves_the_current_at_zero(where):
         if where == "protocol":
             raise RuntimeError("protocol broke")
 
-    twin, runner = setup([Watch(on_sample=broken_listener)])
+    twin, runner = setup([CallbackListener(on_sample=broken_listener)])
     with pytest.raises(RuntimeError, match=f"{where} broke"):
         runner.run(protocol())
     assert twin.tick > 0

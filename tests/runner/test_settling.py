@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from smarig.command import Elapsed, Hold, Settled, Verdict
-from smarig.errors import UsageError
+from smarig.core.command import Elapsed, Hold, Settled, StepVerdict
+from smarig.core.errors import UsageError
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
-from smarig.runner.settling import SettleWindow
+from smarig.runner.settling_detection import SettleWindow
 
 
 def first_settled(counts, until):
@@ -50,12 +50,14 @@ def test_what_is_left_when_it_settles_is_small(amplitude):
     assert amplitude * math.exp(-t[k] / 5.3) < 0.1
 
 
-def test_a_hold_that_never_settles_times_out_and_says_so():
+def test_a_hold_that_never_settles_times_out_and_is_marked():
     twin = Twin.named("one_wire_twin", seed=1)
     results = []
-    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), 0.047, [Watch(on_step=results.append)])
+    runner = Runner(
+        Guard(twin, twin.file.limits, twin.actuator), 0.047, [CallbackListener(on_step=results.append)]
+    )
     runner.run(c for c in [Hold(0.6, Settled(band_counts=0.01, timeout_s=60.0))])
-    assert results[0].verdict is Verdict.TIMED_OUT
+    assert results[0].verdict is StepVerdict.TIMED_OUT
     assert math.isclose(results[0].t_end_s - results[0].t_start_s, 60.0)
     assert results[0].n == 250
 
@@ -63,7 +65,9 @@ def test_a_hold_that_never_settles_times_out_and_says_so():
 def test_a_fixed_hold_reports_its_last_25_seconds():
     twin = Twin.named("one_wire_twin", noise=False)
     results = []
-    runner = Runner(Guard(twin, twin.file.limits, twin.actuator), 1.0, [Watch(on_step=results.append)])
+    runner = Runner(
+        Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
+    )
     runner.run(c for c in [Hold(0.6, Elapsed(100.0)), Hold(0.6, Elapsed(3.0))])
     assert [r.n for r in results] == [250, 30]
     assert results[1].index == 1

@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 
-from simulators.faults import Fault
-from simulators.lines import Lines
+from simulators.faults import SimulatedFault
+from simulators.lines import TextFraming
 from simulators.pace import LockStep
 from simulators.station import PythonAmplifier, PythonDaq
-from simulators.world import World
-
-from smarig.rig.specimen import Reading
-from smarig.wire import lines
-from smarig.wire.exchange import Exchange, Refusal
+from simulators.world import SimulatedBench
+from smarig.device.wire import lines
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.rig.specimen import RawReading
 
 PERIOD_s = 0.1
 
@@ -21,11 +20,11 @@ class FiveOhms:
     def __init__(self) -> None:
         self.counts = 0
 
-    def advance(self, output_A: float) -> Reading:
+    def advance(self, output_A: float) -> RawReading:
         """As asked."""
         self.counts += 10
         flowed_uA = round(output_A * 1e6)
-        return Reading(flowed_uA, 5 * flowed_uA, self.counts, 2200, -32768, False)
+        return RawReading(flowed_uA, 5 * flowed_uA, self.counts, 2200, -32768, False)
 
     def counts_now(self) -> int:
         """Without noise."""
@@ -35,8 +34,10 @@ class FiveOhms:
 class Bench:
     """A world with a pace, and a host's hand on both devices."""
 
-    def __init__(self, faults: Sequence[Fault] = ()) -> None:
-        self.world = World(FiveOhms(), PythonAmplifier(Lines()), PythonDaq(Lines()), PERIOD_s, 2000, faults)
+    def __init__(self, faults: Sequence[SimulatedFault] = ()) -> None:
+        self.world = SimulatedBench(
+            FiveOhms(), PythonAmplifier(TextFraming()), PythonDaq(TextFraming()), PERIOD_s, 2000, faults
+        )
         self.pace = LockStep(self.world, self.world.tick)
         self.amplifier, self.daq = self.world.amplifier, self.world.daq
 

@@ -8,14 +8,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from simulators.lines import Lines
+from simulators.lines import TextFraming
 from simulators.modbus import Rtu
 from simulators.station import PythonAmplifier, PythonDaq
-
-from smarig.resources import shipped
-from smarig.wire import lines, rtu
-from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import from_words, load_map
+from smarig.core.resources import shipped
+from smarig.device.wire import lines, rtu
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.register import from_words, load_map
 
 FOLDER = shipped("firmware_protocol") / "golden"
 MAKERS = {"amplifier": PythonAmplifier, "encoder_daq": PythonDaq}
@@ -23,7 +22,7 @@ MAKERS = {"amplifier": PythonAmplifier, "encoder_daq": PythonDaq}
 
 def made(script: dict[str, Any]) -> PythonAmplifier | PythonDaq:
     """The Python device that a script begins with."""
-    framing = Rtu(script["address"]) if script["framing"] == "rtu" else Lines()
+    framing = Rtu(script["address"]) if script["framing"] == "rtu" else TextFraming()
     device = MAKERS[script["device"]](framing)
     device.boot(script["boot_count"])
     return device

@@ -6,8 +6,8 @@ import time
 import tty
 from functools import partial
 
-from smarig.wire import lines, rtu
-from smarig.wire.exchange import Exchange, Refusal
+from smarig.device.wire import lines, rtu
+from smarig.device.wire.exchange import Exchange, Refusal
 
 
 class Talk:

@@ -4,15 +4,15 @@ import random
 
 from hypothesis import given
 from hypothesis import strategies as st
-from simulators.lines import Lines
+
+from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
 from simulators.station import PythonAmplifier, PythonDaq
+from smarig.device.wire import lines, rtu
+from smarig.device.wire.crc import crc16
+from smarig.device.wire.exchange import Exchange, Refusal
 
-from smarig.wire import lines, rtu
-from smarig.wire.crc import crc16
-from smarig.wire.exchange import Exchange, Refusal
-
-FRAMINGS = (Lines(), Rtu(65), Tcp(65))
+FRAMINGS = (TextFraming(), Rtu(65), Tcp(65))
 bits = st.binary(max_size=300)
 words = st.lists(st.integers(0, 0xFFFF), max_size=130).map(tuple)
 exchanges = st.builds(
@@ -42,7 +42,7 @@ def test_noise_is_never_an_exception_and_changes_nothing(framing, data):
 
 @given(exchanges)
 def test_what_is_refused_has_no_effect(exchange):
-    for device in (PythonAmplifier(Lines()), PythonDaq(Lines())):
+    for device in (PythonAmplifier(TextFraming()), PythonDaq(TextFraming())):
         before = state(device)
         if isinstance(device.accept(exchange), Refusal):
             assert state(device) == before
@@ -62,14 +62,14 @@ def test_requests_come_whole_however_they_are_cut(sizes, as_text):
         Exchange(1, 5),
         Exchange(0, 0, 0x100, (9,)),
     ]
-    framing = Lines() if as_text else Rtu(65)
+    framing = TextFraming() if as_text else Rtu(65)
     stream = b"".join(lines.request(e) if as_text else rtu.request(65, e) for e in asked)
     receiver, heard, at = framing.receiver(), [], 0
     while at < len(stream):
         size = sizes[at % len(sizes)]
         heard += receiver.take(stream[at : at + size])
         at += size
-    assert [framing.decode(request).asks for request in heard] == asked
+    assert [framing.decode(request).requested for request in heard] == asked
 
 
 def test_over_tcp_requests_come_whole_and_a_wrong_header_ends_the_rest():

@@ -1,9 +1,9 @@
 """Faults from a file: what is unknown or impossible is refused in one sentence."""
 
 import pytest
-from simulators.faults import Garbled, Unplugged, load_faults
 
-from smarig.errors import ConfigError
+from simulators.faults import GarbledBytes, Unplugged, load_faults
+from smarig.core.errors import ConfigError
 
 
 def written(tmp_path, text: str):
@@ -29,7 +29,7 @@ def test_read(tmp_path):
         to_exchange = 7
     """
     garbled, unplugged = load_faults(written(tmp_path, text))
-    assert garbled == Garbled(kind="garbled", device="amplifier", share=0.01, seed=1, from_s=10, to_s=60)
+    assert garbled == GarbledBytes(kind="garbled", device="amplifier", share=0.01, seed=1, from_s=10, to_s=60)
     assert isinstance(unplugged, Unplugged)
     assert [unplugged.active(0, k) for k in (4, 5, 6, 7)] == [False, True, True, False]
     assert [garbled.active(t, 0) for t in (9.99, 10, 59.9, 60)] == [False, True, True, False]

@@ -1,31 +1,30 @@
 """Faults on bytes: what becomes of requests and replies, always the same for the same seed."""
 
-from simulators.line_troubles import Late, LineTroubles
-
 from simulators import faults
+from simulators.line_troubles import Late, LineFaults
 
 DEVICE = {"device": "amplifier"}
 
 
-def replies(*wrong: faults.Fault, exchange: int = 1, time_s: float = 0) -> list[Late]:
-    return LineTroubles(wrong).replies(b"abc", time_s, exchange)
+def replies(*wrong: faults.SimulatedFault, exchange: int = 1, time_s: float = 0) -> list[Late]:
+    return LineFaults(wrong).replies(b"abc", time_s, exchange)
 
 
 def test_nothing_wrong():
     assert replies() == [Late(0, b"abc")]
-    assert LineTroubles(()).requests(b"abc", 0, 1) == [b"abc"]
+    assert LineFaults(()).requests(b"abc", 0, 1) == [b"abc"]
 
 
 def test_one_bit_of_a_share_of_replies():
-    garbled = faults.Garbled(kind="garbled", share=0.25, seed=3, **DEVICE)
+    garbled = faults.GarbledBytes(kind="garbled", share=0.25, seed=3, **DEVICE)
     heard = [replies(garbled, exchange=k)[0].data for k in range(1, 1001)]
     wrong = [int.from_bytes(data) ^ int.from_bytes(b"abc") for data in heard if data != b"abc"]
     assert 200 < len(wrong) < 300
     assert all(bits.bit_count() == 1 for bits in wrong)
     assert heard == [replies(garbled, exchange=k)[0].data for k in range(1, 1001)]
-    assert LineTroubles([garbled]).requests(b"abc", 0, 1) == [b"abc"]
-    certain = faults.Garbled(kind="garbled", direction="request", **DEVICE)
-    assert LineTroubles([certain]).requests(b"", 0, 1) == [b""]
+    assert LineFaults([garbled]).requests(b"abc", 0, 1) == [b"abc"]
+    certain = faults.GarbledBytes(kind="garbled", direction="request", **DEVICE)
+    assert LineFaults([certain]).requests(b"", 0, 1) == [b""]
 
 
 def test_dropped_repeated_delayed_and_noisy():
@@ -38,13 +37,13 @@ def test_dropped_repeated_delayed_and_noisy():
 
 def test_requests_have_a_direction_of_their_own():
     dropped = faults.Dropped(kind="dropped", direction="request", **DEVICE)
-    assert LineTroubles([dropped]).requests(b"abc", 0, 1) == []
+    assert LineFaults([dropped]).requests(b"abc", 0, 1) == []
     assert replies(dropped) == [Late(0, b"abc")]
 
 
 def test_a_dead_line_and_an_unplugged_port_have_their_time():
-    dead = LineTroubles([faults.DeadLine(kind="dead_line", from_s=1, to_s=2, **DEVICE)])
+    dead = LineFaults([faults.DeadLine(kind="dead_line", from_s=1, to_s=2, **DEVICE)])
     assert [len(dead.requests(b"abc", t, 1)) for t in (0.9, 1.0, 2.0)] == [1, 0, 1]
     assert [len(dead.replies(b"abc", t, 1)) for t in (0.9, 1.0, 2.0)] == [1, 0, 1]
-    unplugged = LineTroubles([faults.Unplugged(kind="unplugged", from_s=1, to_s=2, **DEVICE)])
+    unplugged = LineFaults([faults.Unplugged(kind="unplugged", from_s=1, to_s=2, **DEVICE)])
     assert [unplugged.plugged(t, 1) for t in (0.9, 1.0, 2.0)] == [True, False, True]

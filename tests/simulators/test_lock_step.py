@@ -1,14 +1,14 @@
 """Device time in lock-step: it goes on when a host asks for what is not there yet, and when it is gone."""
 
 from benches import Bench, PERIOD_s
-from simulators.pace import AT_ONCE, GONE_AFTER_s, RealTime
 
-from smarig.wire.exchange import Exchange, Refusal
+from simulators.pace import MAX_CATCH_UP_TICKS, HOST_TIMEOUT_s, RealTime
+from smarig.device.wire.exchange import Exchange, Refusal
 
 BEYOND_THE_MAP = Exchange(500, 1, 0x100, (1, 0, 0, 1, 5))
 
 
-def test_time_stands_until_samples_of_the_future_are_asked_for():
+def test_time_stands_until_future_samples_are_requested():
     bench = Bench()
     assert bench.world.ticks == 0
     assert [s[0] for s in bench.samples(1, first=1, want=3)] == [10, 20, 30]
@@ -37,27 +37,27 @@ def test_what_is_refused_or_for_the_amplifier_does_not_advance():
     assert bench.world.ticks == 0
 
 
-def test_time_runs_when_nothing_is_heard_for_a_second_and_waits_again_once_something_is():
+def test_time_runs_after_a_second_of_silence_and_waits_again_after_a_request():
     bench = Bench()
     bench.pace.catch_up(100.0)
     assert (bench.world.ticks, bench.pace.next_due_s()) == (0, None)  # no host was ever there
     bench.armed(300_000)
-    bench.pace.heard(100.0)
-    bench.pace.catch_up(100.0 + GONE_AFTER_s - 0.01)
+    bench.pace.host_active(100.0)
+    bench.pace.catch_up(100.0 + HOST_TIMEOUT_s - 0.01)
     assert bench.world.ticks == 0
-    bench.pace.catch_up(100.0 + GONE_AFTER_s + 20.5 * PERIOD_s)
+    bench.pace.catch_up(100.0 + HOST_TIMEOUT_s + 20.5 * PERIOD_s)
     assert (bench.world.ticks, bench.amplifier.state) == (20, "armed")
-    bench.pace.catch_up(100.0 + GONE_AFTER_s + 21.5 * PERIOD_s)
+    bench.pace.catch_up(100.0 + HOST_TIMEOUT_s + 21.5 * PERIOD_s)
     assert (bench.amplifier.state, bench.amplifier.trip) == ("tripped", "lease")
-    bench.pace.heard(104.0)
+    bench.pace.host_active(104.0)
     bench.pace.catch_up(104.9)
     assert bench.world.ticks == 21
 
 
-def test_time_runs_for_good_when_the_host_has_gone():
+def test_time_runs_for_good_when_the_host_has_ended():
     bench = Bench()
-    bench.pace.host_gone(50.0)
-    bench.pace.heard(50.0)
+    bench.pace.host_ended(50.0)
+    bench.pace.host_active(50.0)
     bench.pace.catch_up(50.0 + 3.5 * PERIOD_s)
     assert bench.world.ticks == 3
 
@@ -71,6 +71,6 @@ def test_real_time_makes_up_for_late_ticks():
     assert len(ticks) == 25
     assert abs(pace.next_due_s() - 7.26) < 1e-9
     pace.catch_up(1e6)
-    assert len(ticks) == 25 + AT_ONCE
+    assert len(ticks) == 25 + MAX_CATCH_UP_TICKS
     pace.catch_up(7.2)
-    assert len(ticks) == 25 + AT_ONCE
+    assert len(ticks) == 25 + MAX_CATCH_UP_TICKS

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from talks import Talk
 
-from smarig.resources import shipped
-from smarig.wire.exchange import Exchange, Refusal
-from smarig.wire.register import load_map
+from smarig.core.resources import shipped
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.register import load_map
 
 AMPLIFIER = load_map("amplifier")
 DAQ = load_map("encoder_daq")

@@ -4,13 +4,13 @@ from pathlib import Path
 
 from simulators.amplifier import Amplifier
 from simulators.framing import answer
-from simulators.lines import Lines
+from simulators.lines import TextFraming
 
 README = Path(__file__).resolve().parents[2] / "firmware_protocol" / "README.md"
 
 
-def test_the_session_is_what_the_device_says():
-    device, framing = Amplifier(boot_count=1), Lines()
+def test_the_documented_session_matches_the_device():
+    device, framing = Amplifier(boot_count=1), TextFraming()
     session = [line for line in README.read_text("utf-8").splitlines() if line[:2] in ("> ", "< ", "(t")]
     said = None
     for line in session:

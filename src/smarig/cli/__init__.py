@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 
 import click
 
-from smarig.catalogue import blamed, names, own_files
-from smarig.cli._output import report_error
-from smarig.errors import Interrupted, SmarigError, UsageError
+from smarig.cli.output import report_error
+from smarig.core.catalogue import names, own_file_error, own_files
+from smarig.core.errors import Interrupted, SmarigError, UsageError
 
 EPILOG = """\b
 Examples:
@@ -25,16 +25,16 @@ Examples:
 
 
 class _Commands(click.Group):
-    """Commands are the public modules of this package; each holds ``command``."""
+    """Commands are the modules of ``smarig.cli.commands``; each holds ``command``."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
-        return [name.rstrip("_") for name in names("smarig.cli")]
+        return [name.rstrip("_") for name in names("smarig.cli.commands")]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         del ctx
-        module = next((n for n in names("smarig.cli") if n.rstrip("_") == cmd_name), None)
-        return importlib.import_module(f"smarig.cli.{module}").command if module else None
+        module = next((n for n in names("smarig.cli.commands") if n.rstrip("_") == cmd_name), None)
+        return importlib.import_module(f"smarig.cli.commands.{module}").command if module else None
 
 
 @click.command(
@@ -61,16 +61,16 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     _interrupt_on("SIGTERM", "SIGHUP")
     try:
-        with own_files(), _whose_fault():
+        with own_files(), _blame_own_file():
             status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
         return status if isinstance(status, int) else 0
-    except click.exceptions.Exit as leaving:
-        return leaving.exit_code
+    except click.exceptions.Exit as exit_request:
+        return exit_request.exit_code
     except click.ClickException as error:
         return report_error(error.format_message(), 2)
-    except Interrupted as stopped:
-        sentence = f"Run {stopped}: it is closed, the current is at zero. {stopped.remedy}"
-        return report_error(sentence, stopped.exit_status)
+    except Interrupted as interruption:
+        sentence = f"Run {interruption}: it is closed, the current is at zero. {interruption.remedy}"
+        return report_error(sentence, interruption.exit_status)
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
@@ -93,27 +93,27 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 @contextlib.contextmanager
-def _whose_fault() -> Iterator[None]:
+def _blame_own_file() -> Iterator[None]:
     """What goes wrong in a person's own file is told as its, with the line."""
     try:
         yield
     except (SmarigError, click.ClickException, click.exceptions.Exit, click.Abort):
         raise
     except Exception as error:
-        sentence = blamed(error)
+        sentence = own_file_error(error)
         if not sentence or os.environ.get("SMARIG_DEBUG"):
             raise
         raise UsageError(sentence) from error
 
 
-def _interrupt_on(*wanted: str) -> None:
+def _interrupt_on(*signal_names: str) -> None:
     """Outside a session these signals end a command like Ctrl-C does; a session has its own way with them."""
-    for number in _signals(*wanted):
+    for number in _signals(*signal_names):
         with contextlib.suppress(ValueError):  # not the main thread: somebody else's signals
             if signal.getsignal(number) != signal.SIG_IGN:  # nohup
                 signal.signal(number, signal.default_int_handler)
 
 
-def _signals(*wanted: str) -> list[signal.Signals]:
+def _signals(*signal_names: str) -> list[signal.Signals]:
     """Those of them that this system has."""
-    return [getattr(signal, name) for name in wanted if hasattr(signal, name)]
+    return [getattr(signal, name) for name in signal_names if hasattr(signal, name)]

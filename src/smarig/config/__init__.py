@@ -1,22 +1,22 @@
 """Configuration files: TOML in, frozen and checked values out. Schemas in one file, where files are in another."""
 
-from smarig.config.files import (
-    listed,
+from smarig.config.config_files import (
     load_actuator,
     load_campaign,
     load_rig,
     locate,
     own_drivers,
     rig_text,
+    shipped_names,
 )
-from smarig.config.schema import (
+from smarig.config.file_schemas import (
     ActuatorFile,
     CampaignFile,
     CampaignStep,
-    In,
     LimitsFile,
     LinkFile,
     LinksFile,
+    PositiveIn,
     ProtectionFile,
     Quantity,
     RigFile,
@@ -27,19 +27,19 @@ __all__ = [
     "ActuatorFile",
     "CampaignFile",
     "CampaignStep",
-    "In",
     "LimitsFile",
     "LinkFile",
     "LinksFile",
+    "PositiveIn",
     "ProtectionFile",
     "Quantity",
     "RigFile",
     "SimulatorFile",
-    "listed",
     "load_actuator",
     "load_campaign",
     "load_rig",
     "locate",
     "own_drivers",
     "rig_text",
+    "shipped_names",
 ]

@@ -13,62 +13,62 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from smarig.diagnosis.comparable import comparable
-from smarig.diagnosis.critique import ALPHA, NULLS, Critique, critique
-from smarig.diagnosis.density_beside import density_said, settled_rms
-from smarig.diagnosis.either_density import found
-from smarig.diagnosis.gain import Gain, measured_gain
-from smarig.diagnosis.refine import Refined
-from smarig.diagnosis.search import Level
-from smarig.diagnosis.sentences import sentences
-from smarig.diagnosis.verdict import Verdict, decided
-from smarig.diagnosis.visibility import Visibility, visibility
-from smarig.errors import UsageError
-from smarig.identification.lived import subject_of, wire_of
-from smarig.identification.model_file import Model, load_model
-from smarig.identification.origin import file_hash, provenance
-from smarig.model.effect import Kind
-from smarig.model.given import GivenInput, judgeable
-from smarig.model.planted import kinds, kinds_of
+from smarig.core.errors import UsageError
+from smarig.core.notebook_display import NotebookDisplay
+from smarig.diagnosis.critique.critique import ALPHA, NULLS, Critique, critique
+from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
+from smarig.diagnosis.diagnosis_text import text_lines
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
+from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.diagnosis.explain.search import SearchLevel
+from smarig.diagnosis.explain.signed_density import find_explanations
+from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.diagnosis.run_checks import check_comparable
+from smarig.plant.effect import EffectType
+from smarig.plant.effect_catalogue import effect_types, effect_types_only_on
+from smarig.plant.measured_input import MeasuredInput, is_testable
 from smarig.record import Run, load_run
-from smarig.shown import Shown
-from smarig.story.retelling import numerics
-from smarig.story.subject import Subject
-from smarig.story.told import Story, told
+from smarig.replay.model_file import Model, load_model
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.prediction import numerics
+from smarig.replay.provenance import file_hash, provenance
+from smarig.replay.simulate_effects import actuator_for_run, plant_model_of
+from smarig.replay.timeline import Timeline, build_timeline
 
 NORMAL_95 = 1.96
-LEAST_ALPHA = 1e-6
+MIN_ALPHA = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Error:
-    """Rms of settled points of the training runs: noise, the model as given, refitted, and extended."""
+class ErrorSummary:
+    """Rms of settled points of the training runs: noise, the model as original, refitted, and extended."""
 
     unit: str
     noise_floor: float
-    given: float
+    original: float
     base: float
     extended: float
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis(Shown):
+class Diagnosis(NotebookDisplay):
     """What was found, with the evidence it rests on.
 
     ``base`` is the wire without them, its density identified anew: what the gain is counted against. ``model`` is the
-    extended model where effects were found, else the given one; ``gain`` is None without held-out runs. ``numerics``
-    is the error of the critic's own time steps at settled points; ``separating_run`` what ``smarig.proposal`` proposes,
+    extended model where effects were found, else the original one; ``gain`` is None without held-out runs. ``numerics``
+    is the error of the critic's own time steps at settled points; ``separating_run`` what ``smarig.app.proposal`` proposes,
     if it was asked.
     """
 
-    verdict: Verdict
-    story: Story
+    verdict: DiagnosisVerdict
+    timeline: Timeline
     first: Critique
-    levels: tuple[Level, ...]
-    base: Subject
-    visibility: Visibility
-    error: Error
-    gain: Gain | None
+    levels: tuple[SearchLevel, ...]
+    base: PlantModel
+    visibility: VisibilityTable
+    error: ErrorSummary
+    gain: HeldOutGain | None
     model: Model
     numerics: float
     alpha: float
@@ -77,7 +77,7 @@ class Diagnosis(Shown):
     separating_run: dict[str, Any] | None = None
 
     @property
-    def best(self) -> Refined | None:
+    def best(self) -> ParameterFit | None:
         """The best explanation, where one is needed."""
         said = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
         return self.levels[-1].best if self.levels and said else None
@@ -98,18 +98,18 @@ class Diagnosis(Shown):
 
     def text(self) -> str:
         """What was found, in plain sentences."""
-        return "\n".join(sentences(self))
+        return "\n".join(text_lines(self))
 
     def effects(self) -> list[dict[str, Any]]:
         """The effects of the best explanation: name, probability, parameters with 95 % intervals."""
         best = self.best
-        return [] if best is None else [_effect(p, best, self.verdict) for p in best.effects]
+        return [] if best is None else [_effect_json(p, best, self.verdict) for p in best.effects]
 
     def to_json(self) -> dict[str, Any]:
         """The CLI's JSON object."""
         e, gain = self.error, self.gain
         held_out = gain and {
-            "given": gain.given,
+            "given": gain.original,
             "base": gain.base,
             "extended": gain.extended,
             "noise_floor": gain.floor,
@@ -128,7 +128,7 @@ class Diagnosis(Shown):
                 "noise_floor": e.noise_floor,
                 "base": e.base,
                 "extended": e.extended,
-                "given": e.given,
+                "given": e.original,
             },
             "held_out": held_out,
             "separating_run": self.separating_run,
@@ -146,8 +146,8 @@ class Diagnosis(Shown):
         return f"Diagnosis({self.verdict.word}{': ' if said else ''}{said})"
 
 
-def _effect(planted: Any, best: Refined, verdict: Verdict) -> dict[str, Any]:
-    kind: Kind = planted.kind
+def _effect_json(planted: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:
+    kind: EffectType = planted.kind
     fitted = {q: s for (name, q), s in best.spread.items() if name == kind.name}
     return {
         "name": kind.name,
@@ -188,45 +188,53 @@ def diagnose(
     ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
     when the runs hold no settled steps or overlap, UsageError for settings that make no sense.
     """
-    started, say = time.monotonic(), progress or (lambda _: None)
+    started, report_progress = time.monotonic(), progress or (lambda _: None)
     _check(alpha, nulls, seed)
-    given = model if isinstance(model, Model) else load_model(model)
-    taught, judged = _runs(train), _runs(held_out)
-    comparable(given, [*taught, *judged])
-    story, subject = _told(given, taught)
-    if judged:
-        _judges(given, taught, judged)
-    catalogue, blind = _judgeable(_catalogue(subject, without), story, subject)
-    say(f"{len(story.settled)} settled points, {sum(len(r) for r in story.others)} other readings")
-    judge = partial(critique, story, kinds=catalogue, count=nulls, alpha=alpha, seed=seed)
-    seen = found(story, subject, judge, say)
+    original = model if isinstance(model, Model) else load_model(model)
+    train_runs, held_out_runs = _runs(train), _runs(held_out)
+    check_comparable(original, [*train_runs, *held_out_runs])
+    timeline, plant_model = _timeline_and_subject(original, train_runs)
+    if held_out_runs:
+        _check_held_out(original, train_runs, held_out_runs)
+    catalogue, insensitive = _visible_effect_types(_catalogue(plant_model, without), timeline, plant_model)
+    report_progress(
+        f"{len(timeline.settled)} settled points, {sum(len(r) for r in timeline.other_readings)} other readings"
+    )
+    criticise = partial(critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed)
+    seen = find_explanations(timeline, plant_model, criticise, report_progress)
     base, first, levels = seen.base, seen.first, seen.levels
-    verdict = decided(first, levels)
-    base = density_said(story, base, seen.plain)
+    verdict = decide_verdict(first, levels)
+    base = with_posterior_density(timeline, base, seen.plain)
     extended = base
     if levels and verdict.explanations:
-        likeliest = levels[-1].explanations[0]
-        extended = density_said(story, likeliest.subject, likeliest.refitted)
-    known = (levels[-1].critique if levels else first).refitted
-    noise, open_density = known.noise, known.posterior.variances
-    gain = measured_gain(taught, judged, base, extended, noise, open_density, subject) if judged else None
+        best_explanation = levels[-1].explanations[0]
+        extended = with_posterior_density(timeline, best_explanation.plant_model, best_explanation.refitted)
+    final_refit = (levels[-1].critique if levels else first).refitted
+    noise, open_density = final_refit.noise, final_refit.posterior.variances
+    gain = (
+        held_out_gain(train_runs, held_out_runs, base, extended, noise, open_density, plant_model)
+        if held_out_runs
+        else None
+    )
     return Diagnosis(
         verdict,
-        story,
+        timeline,
         first,
         tuple(levels),
         base,
-        visibility(first, blind),
-        Error(
-            story.unit,
-            _floor(noise.white[: len(story.settled)]),
-            settled_rms(story, subject),
-            settled_rms(story, base),
-            settled_rms(story, extended),
+        visibility(first, insensitive),
+        ErrorSummary(
+            timeline.unit,
+            _floor(noise.white[: len(timeline.settled)]),
+            settled_rms(timeline, plant_model),
+            settled_rms(timeline, base),
+            settled_rms(timeline, extended),
         ),
         gain,
-        _extended(given, extended, taught, verdict) if verdict.word in ("named", "ambiguous") else given,
-        numerics(story, base),
+        _extended(original, extended, train_runs, verdict)
+        if verdict.word in ("named", "ambiguous")
+        else original,
+        numerics(timeline, base),
         alpha,
         nulls,
         time.monotonic() - started,
@@ -234,7 +242,7 @@ def diagnose(
 
 
 def _check(alpha: float, nulls: int, seed: int) -> None:
-    if not LEAST_ALPHA <= alpha < 0.5:
+    if not MIN_ALPHA <= alpha < 0.5:
         raise UsageError(f"The chance of a false alarm lies between 0 and 0.5, not at {alpha:g}.")
     if seed < 0:
         raise UsageError(f"Seed {seed} is negative; give a whole number from 0 up.")
@@ -244,16 +252,16 @@ def _check(alpha: float, nulls: int, seed: int) -> None:
         )
 
 
-def _runs(given: Any) -> list[Run]:
-    several = [given] if isinstance(given, Run | str | Path) else list(given)
+def _runs(original: Any) -> list[Run]:
+    several = [original] if isinstance(original, Run | str | Path) else list(original)
     return [run if isinstance(run, Run) else load_run(run) for run in several]
 
 
-def _judges(model: Model, taught: list[Run], judged: list[Run]) -> None:
+def _check_held_out(model: Model, train_runs: list[Run], held_out_runs: list[Run]) -> None:
     """Raises, before anything is computed, where held-out runs cannot judge."""
-    if any(_same(a, b) for a in taught for b in judged):
+    if any(_same(a, b) for a in train_runs for b in held_out_runs):
         raise UsageError("A run cannot teach and judge: a copy of a training run is held out.")
-    told([*taught, *judged], wire_of(model, taught[0]).tau_s)
+    build_timeline([*train_runs, *held_out_runs], actuator_for_run(model, train_runs[0]).tau_s)
 
 
 def _same(a: Run, b: Run) -> bool:
@@ -261,44 +269,53 @@ def _same(a: Run, b: Run) -> bool:
     return file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"])
 
 
-def _told(model: Model, runs: list[Run]) -> tuple[Story, Subject]:
+def _timeline_and_subject(model: Model, runs: list[Run]) -> tuple[Timeline, PlantModel]:
     if not runs:
         raise UsageError("A diagnosis needs at least one run to learn from.")
-    story = told(runs, wire_of(model, runs[0]).tau_s)
-    return story, subject_of(model, story.runs[0])
+    timeline = build_timeline(runs, actuator_for_run(model, runs[0]).tau_s)
+    return timeline, plant_model_of(model, timeline.runs[0])
 
 
-def _catalogue(subject: Subject, without: Sequence[str]) -> list[Kind]:
-    every = kinds("two_wire" if subject.actuator.two_wire else "one_wire")
-    every += kinds_of("untrained") if isinstance(subject.actuator, GivenInput) else ()
-    names = [k.name for k in kinds()]
+def _catalogue(plant_model: PlantModel, without: Sequence[str]) -> list[EffectType]:
+    all_types = effect_types("two_wire" if plant_model.actuator.two_wire else "one_wire")
+    all_types += effect_types_only_on("untrained") if isinstance(plant_model.actuator, MeasuredInput) else ()
+    names = [k.name for k in effect_types()]
     for name in without:
         if name not in names:
             raise UsageError(f"There is no effect '{name}' to leave out.")
-    return [k for k in every if k.name not in without]
+    return [k for k in all_types if k.name not in without]
 
 
-def _judgeable(every: list[Kind], story: Story, subject: Subject) -> tuple[list[Kind], list[str]]:
+def _visible_effect_types(
+    all_types: list[EffectType], timeline: Timeline, plant_model: PlantModel
+) -> tuple[list[EffectType], list[str]]:
     """(effects that these data could show, names of those that act before the input was measured)."""
-    clock = story.given == "clock"
-    seen = [k for k in every if not story.given or judgeable(k, subject.hysteresis, clock=clock)]
-    return seen, [k.name for k in every if k not in seen]
+    clock = timeline.measured_input == "clock"
+    seen = [
+        k
+        for k in all_types
+        if not timeline.measured_input or is_testable(k, plant_model.hysteresis, clock=clock)
+    ]
+    return seen, [k.name for k in all_types if k not in seen]
 
 
 def _floor(noise: np.ndarray) -> float:
     return float(np.sqrt(np.mean(noise**2)))
 
 
-def _extended(given: Model, subject: Subject, train: list[Run], verdict: Verdict) -> Model:
-    """The given model with the density identified beside the effects, and with them."""
+def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdict: DiagnosisVerdict) -> Model:
+    """The original model with the density identified beside the effects, and with them."""
     return replace(
-        given,
-        name=f"{given.name} + {' + '.join(e.kind.name for e in subject.planted)}",
-        hysteresis=subject.hysteresis,
-        effects=tuple(e.to_json() for e in subject.planted),
+        original,
+        name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.planted)}",
+        hysteresis=plant_model.hysteresis,
+        effects=tuple(e.to_json() for e in plant_model.planted),
         parameters=(),
         covariance=np.empty((0, 0)),
         intervals={},
         provenance=tuple(provenance(run) for run in train),
-        warnings=(*given.warnings, f"Effects by diagnosis ({verdict.word}); density identified beside them."),
+        warnings=(
+            *original.warnings,
+            f"Effects by diagnosis ({verdict.word}); density identified beside them.",
+        ),
     )

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Draft:
+class RunDraft:
     """A run to be written: ``columns`` (n,) each under names of SAMPLE_COLUMNS, NaN where unknown;
     ``steps`` in STEP_COLUMNS order; ``warnings`` one sentence each."""
 

@@ -12,11 +12,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError
+from smarig.core.errors import DataError
 from smarig.record import Run
 
 Array = NDArray[np.float64]
-Kind = Literal["none", "multiplicative", "additive"]
+DriftKind = Literal["none", "multiplicative", "additive"]
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class ForcCurves:
 
 
 @dataclass(frozen=True)
-class Decision:
+class DriftDecision:
     """What was decided, and the rms held-out error of each kind in the moment's unit over ``n`` points."""
 
-    kind: Kind
+    kind: DriftKind
     error: dict[str, float]
     n: int
 
@@ -49,33 +49,33 @@ class Decision:
         return asdict(self)
 
 
-def corrected(curves: ForcCurves, kind: Kind) -> ForcCurves:
+def corrected(curves: ForcCurves, kind: DriftKind) -> ForcCurves:
     """The curves with drift taken out: M·m̄/m(k) or M + m̄ − m(k), m(k) the calibration at sample k.
 
     m̄ is the mean calibration moment, m(k) linear between calibration points and constant beyond.
     """
-    at = np.flatnonzero(curves.curve < 0)
+    positions = np.flatnonzero(curves.curve < 0)
     if kind == "none":
         return curves
-    if at.size < 2:
-        raise DataError(f"Drift needs two calibration points at least; there are {at.size}.")
-    seen = curves.moment[at]
-    drift = np.interp(np.arange(curves.moment.size), at, seen)
+    if positions.size < 2:
+        raise DataError(f"Drift needs two calibration points at least; there are {positions.size}.")
+    calibration = curves.moment[positions]
+    drift = np.interp(np.arange(curves.moment.size), positions, calibration)
     if kind == "additive":
-        return ForcCurves(curves.field, curves.moment + seen.mean() - drift, curves.curve)
-    if (seen * seen.mean() <= 0).any():
+        return ForcCurves(curves.field, curves.moment + calibration.mean() - drift, curves.curve)
+    if (calibration * calibration.mean() <= 0).any():
         raise DataError("Calibration moments change sign: they are no saturation moments.")
-    return ForcCurves(curves.field, curves.moment * seen.mean() / drift, curves.curve)
+    return ForcCurves(curves.field, curves.moment * calibration.mean() / drift, curves.curve)
 
 
-def correct_drift_if_it_helps(curves: ForcCurves) -> tuple[ForcCurves, Decision]:
+def correct_drift_if_it_helps(curves: ForcCurves) -> tuple[ForcCurves, DriftDecision]:
     """The curves as they predict each other best, and the decision with all figures."""
-    kinds: tuple[Kind, ...] = ("none", "multiplicative", "additive")
+    kinds: tuple[DriftKind, ...] = ("none", "multiplicative", "additive")
     tried = {kind: corrected(curves, kind) for kind in kinds}
     misses = {kind: held_out_misses(c) for kind, c in tried.items()}
     error = {kind: float(np.sqrt(np.mean(m**2))) for kind, m in misses.items()}
     best = min(kinds, key=lambda kind: error[kind])  # the first of equals: nothing is done for nothing
-    return tried[best], Decision(best, error, misses["none"].size)
+    return tried[best], DriftDecision(best, error, misses["none"].size)
 
 
 def held_out_misses(curves: ForcCurves) -> Array:
@@ -94,7 +94,7 @@ def held_out_misses(curves: ForcCurves) -> Array:
     return found
 
 
-def drift_corrected(run: Run) -> tuple[Array, Decision]:
+def drift_corrected(run: Run) -> tuple[Array, DriftDecision]:
     """Moments (n,) of an imported run of reversal curves, drift corrected if that helps, and the decision."""
     if not run.has("step") or not (run["step"] < 0).any():
         raise DataError(f"{run.path} has no calibration points (step −1).")
@@ -122,6 +122,6 @@ def _miss(before: tuple[Array, Array], held_out: tuple[Array, Array], after: tup
     reversals = before[0][0], field[0], after[0][0]
     span = reversals[2] - reversals[0]
     weight = (reversals[1] - reversals[0]) / span if span else 0.5
-    at = field[inside]
-    predicted = (1 - weight) * np.interp(at, *before) + weight * np.interp(at, *after)
+    positions = field[inside]
+    predicted = (1 - weight) * np.interp(positions, *before) + weight * np.interp(positions, *after)
     return moment[inside] - predicted

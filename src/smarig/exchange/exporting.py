@@ -5,9 +5,9 @@ Refuses to know any format: those are in writers/.
 
 from pathlib import Path
 
-from smarig.catalogue import find
+from smarig.core.atomic_file import atomic_file
+from smarig.core.catalogue import find
 from smarig.record import Run, load_run
-from smarig.whole_file import whole_file
 
 
 def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
@@ -19,6 +19,6 @@ def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool =
     target = Path(out)
     write = find("smarig.exchange.writers", to)
     data = run if isinstance(run, Run) else load_run(run)
-    with whole_file(target, force=force) as part:
+    with atomic_file(target, force=force) as part:
         write(data, part)
     return target

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core.sample import Quality
 from smarig.exchange.channel_faults import channel_findings, clipped
-from smarig.sample import Quality
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def record_findings(
     return out
 
 
-def twin_columns(columns: Mapping[str, Array]) -> list[str]:
+def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
     """Sentences on columns that hold the same numbers twice, perhaps with another zero."""
     names = [n for n, x in columns.items() if np.isfinite(x).any() and np.nanmax(x) > np.nanmin(x)]
     out = []
@@ -53,7 +53,7 @@ def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list
     ]
 
 
-def saturation(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:
+def saturation_marks(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:
     """Quality marks (n,): SATURATED where one of the measured channels is clipped."""
     mask = np.zeros(next(iter(columns.values())).size, dtype=bool)
     for name in channels:

@@ -11,11 +11,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from smarig.catalogue import find
-from smarig.errors import DataError, StorageError, UsageError
-from smarig.exchange.draft import Draft
+from smarig.core.catalogue import find
+from smarig.core.errors import DataError, StorageError, UsageError
+from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapping import mapping_text
-from smarig.exchange.rig_facts import RigFacts
+from smarig.exchange.rig_constants import RigConstants
 from smarig.record.recorder import write_run
 
 LARGEST_BYTES = 2 * 10**9
@@ -71,18 +71,18 @@ def import_file(
     return ImportReport(target, len(draft), len(draft.steps), draft.warnings)
 
 
-def _shifted(draft: Draft, source: Path, t0: float) -> Draft:
+def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:
     if "t_s" not in draft.columns or not (draft.columns["t_s"] == draft.columns["t_s"]).all():
         raise UsageError(f"{source} has no time, so --t0 has no meaning.")
     columns = {**draft.columns, "t_s": draft.columns["t_s"] + t0}
     steps = tuple((*s[:5], s[5] + t0, s[6] + t0, *s[7:]) for s in draft.steps)
-    return Draft(columns, draft.meta, steps, draft.warnings)
+    return RunDraft(columns, draft.meta, steps, draft.warnings)
 
 
 def _describe(
     source: Path, format: str, rig: str | None, mapping: str | None, wire: str | None
 ) -> dict[str, Any]:
-    facts = RigFacts.named(rig) if rig else None
+    facts = RigConstants.named(rig) if rig else None
     return {
         "source": "import",
         "rig": facts.file.name if facts else None,

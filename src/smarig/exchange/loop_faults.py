@@ -21,7 +21,7 @@ _CONTRARY = 0.01  # of the input's range
 
 
 @dataclass(frozen=True)
-class Loop:
+class LoopRecord:
     """Input ``u`` and output ``y`` (n,) in measured order, with their units and line numbers."""
 
     u: Array
@@ -31,13 +31,15 @@ class Loop:
     output_unit: str
     row: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
-    def finite(self) -> "Loop":
+    def finite(self) -> "LoopRecord":
         """The rows in which both are known; ``row`` remembers which they were."""
         rows = np.flatnonzero(np.isfinite(self.u) & np.isfinite(self.y))
-        return Loop(self.u[rows], self.y[rows], self.line[rows], self.input_unit, self.output_unit, rows)
+        return LoopRecord(
+            self.u[rows], self.y[rows], self.line[rows], self.input_unit, self.output_unit, rows
+        )
 
 
-def loop_findings(loop: Loop, *, designed: bool = False) -> list[str]:
+def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
     """All findings on an input–output record; nothing for records too short or flat to judge.
 
     ``designed``: every point was asked for, so that large steps, small reversals and visits of one input
@@ -48,11 +50,11 @@ def loop_findings(loop: Loop, *, designed: bool = False) -> list[str]:
         return []
     turns = branch_ends(known.u, _REVERSAL * float(np.ptp(known.u)))
     if designed:
-        return _sense(known, turns)
-    found = _jumps(known) + _contrary(known, turns) + _open(known, turns)
+        return _wrong_direction(known, turns)
+    found = _jumps(known) + _false_reversals(known, turns) + _not_closed(known, turns)
     # A current is followed with the heating's lag, so that its loops in time say nothing of the hysteresis.
-    sense = _sense(known, turns) if known.input_unit != "A" else []
-    return found + sense + _centre(known)
+    direction = _wrong_direction(known, turns) if known.input_unit != "A" else []
+    return found + direction + _centre(known)
 
 
 def branch_ends(u: Array, threshold: float) -> list[int]:
@@ -67,7 +69,7 @@ def branch_ends(u: Array, threshold: float) -> list[int]:
     return turns
 
 
-def _jumps(loop: Loop) -> list[str]:
+def _jumps(loop: LoopRecord) -> list[str]:
     step = np.where(np.diff(loop.row) == 1, np.abs(np.diff(loop.y)), 0.0)
     large = step > _JUMP * np.ptp(loop.y)
     if not large.any():
@@ -80,12 +82,12 @@ def _jumps(loop: Loop) -> list[str]:
     ]
 
 
-def _contrary(loop: Loop, turns: list[int]) -> list[str]:
+def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
     moves = np.diff(loop.u)
-    sense = np.zeros(moves.size)
+    direction = np.zeros(moves.size)
     for a, b in pairwise(turns):
-        sense[a:b] = np.sign(loop.u[b] - loop.u[a])
-    back = np.where(moves * sense < 0, np.abs(moves), 0.0)
+        direction[a:b] = np.sign(loop.u[b] - loop.u[a])
+    back = np.where(moves * direction < 0, np.abs(moves), 0.0)
     false = back > _CONTRARY * np.ptp(loop.u)
     if false.mean() < 0.01:
         return []
@@ -95,7 +97,7 @@ def _contrary(loop: Loop, turns: list[int]) -> list[str]:
     ]
 
 
-def _open(loop: Loop, turns: list[int]) -> list[str]:
+def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
     low, high, near = loop.u.min(), loop.u.max(), _SAME * float(np.ptp(loop.u))
     ends = {
         "At the low end of the input": [k for k in turns if loop.u[k] <= low + near],
@@ -117,7 +119,7 @@ def _open(loop: Loop, turns: list[int]) -> list[str]:
     return out
 
 
-def _sense(loop: Loop, turns: list[int]) -> list[str]:
+def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[str]:
     wide = [
         (a, b, c)
         for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:])
@@ -134,7 +136,7 @@ def _sense(loop: Loop, turns: list[int]) -> list[str]:
     ]
 
 
-def _lag(loop: Loop, a: int, b: int, c: int) -> tuple[float, float]:
+def _lag(loop: LoopRecord, a: int, b: int, c: int) -> tuple[float, float]:
     """Agreement in −1…1 of (falling − rising output) with the local slope, and its mean size over the range.
 
     A lagging output is falling(u) ≈ rising(u + δ), so that the difference has the sign of the slope.
@@ -151,12 +153,12 @@ def _lag(loop: Loop, a: int, b: int, c: int) -> tuple[float, float]:
     return agreement, float(np.mean(np.abs(apart)) / np.ptp(loop.y))
 
 
-def _along(loop: Loop, part: slice, grid: Array) -> Array:
+def _along(loop: LoopRecord, part: slice, grid: Array) -> Array:
     order = np.argsort(loop.u[part], kind="stable")
     return np.interp(grid, loop.u[part][order], loop.y[part][order])
 
 
-def _centre(loop: Loop) -> list[str]:
+def _centre(loop: LoopRecord) -> list[str]:
     low, high = loop.u.min(), loop.u.max()
     centre, half = (high + low) / 2, (high - low) / 2
     temperature = loop.input_unit in ("degC", "K")  # whose zero is nobody's centre

@@ -11,42 +11,49 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError
+from smarig.core.errors import DataError
 from smarig.exchange.channel_faults import quantum, unused_findings
-from smarig.exchange.clock import check_time, merge_repeats, time_findings
-from smarig.exchange.draft import Draft, directions, step_row
-from smarig.exchange.findings import record_findings, repeated_rows, saturation, twin_columns
-from smarig.exchange.loop_faults import Loop, loop_findings
+from smarig.exchange.draft import RunDraft, directions, step_row
+from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
+from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.exchange.mapping import Column, MappingFile, require_columns
-from smarig.exchange.plausible import check_plausible, check_strain
-from smarig.exchange.table import Layout, Table, read_table
-from smarig.exchange.units import convert
+from smarig.exchange.text_table import Table, TableLayout, read_table
+from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
+from smarig.exchange.unit_conversion import convert
+from smarig.exchange.value_bounds import check_bounds, check_strain
 
 Array = NDArray[np.float64]
 
 
-def read_mapped_csv(path: Path, mapping: MappingFile) -> Draft:
+def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
     """Read a text table as its mapping says; DataError, ConfigError or UsageError naming line and column."""
     f = mapping.file
     known = tuple(mapping.used()) if not f.names else ()
-    table = read_table(path, Layout(known, f.names, f.delimiter, f.decimal, f.header_starts, f.table))
+    table = read_table(path, TableLayout(known, f.names, f.delimiter, f.decimal, f.header_starts, f.table))
     require_columns(mapping, list(table.columns), path)
     return mapped_draft(path, table, mapping)
 
 
-def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> Draft:
+def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     """A table that holds every column of its mapping, as a run; loops keep their numbers as ``step``."""
-    table, clock = _on_one_clock(path, table, mapping)
-    columns, line, branch, notes = _unfolded(path, table, mapping)
+    table, clock = _with_time(path, table, mapping)
+    columns, line, branch, notes = _unfold_branches(path, table, mapping)
     conditions, remarks = _conditions(path, table, mapping)
-    odd = _compared(path, table, mapping, columns)
+    odd = _compare_sensors(path, table, mapping, columns)
     columns["input"] = columns[mapping.input.channel]
     units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
-    columns["quality"] = saturation(columns, units)
-    warnings = [*table.notes, *clock, *notes, *odd, *remarks, *twin_columns(_without_time(table, mapping))]
+    columns["quality"] = saturation_marks(columns, units)
+    warnings = [
+        *table.notes,
+        *clock,
+        *notes,
+        *odd,
+        *remarks,
+        *duplicate_columns(_without_time(table, mapping)),
+    ]
     if mapping.time is None:  # with a clock, rows at rest are alike
         warnings += repeated_rows(_without_time(table, mapping), table.line)
-    warnings += _odd_in_each_loop(columns, units, line, table.loop)
+    warnings += _findings_by_loop(columns, units, line, table.loop)
     for name in mapping.ignore:
         if name in table.columns:
             warnings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
@@ -58,10 +65,10 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> Draft:
     if table.loop is not None:
         columns["step"] = table.loop.astype(float)
     steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
-    return Draft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(warnings))
+    return RunDraft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(warnings))
 
 
-def _odd_in_each_loop(
+def _findings_by_loop(
     columns: dict[str, Array],
     units: dict[str, str],
     line: NDArray[np.int64],
@@ -77,17 +84,17 @@ def _odd_in_each_loop(
         part, where = {name: x[rows] for name, x in columns.items()}, line[rows]
         found = record_findings(part, units, where)
         if "position" in part:
-            loop = Loop(part["input"], part["position"], where, units["input"], units["position"])
+            loop = LoopRecord(part["input"], part["position"], where, units["input"], units["position"])
             found += loop_findings(loop)
         out += [prefix + sentence for sentence in found]
     return out
 
 
-def _on_one_clock(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[str]]:
+def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[str]]:
     """The table with a column 't_s' (NaN without a clock), repeats treated as the mapping says."""
     time = mapping.time
     if time is None:
-        return _with(table, {**table.columns, "t_s": np.full(len(table), np.nan)}, table.line), []
+        return _replace_rows(table, {**table.columns, "t_s": np.full(len(table), np.nan)}, table.line), []
     t_s = np.zeros(len(table))
     if time.column:
         t_s = t_s + convert(table.columns[time.column], time.unit, "s")
@@ -101,15 +108,15 @@ def _on_one_clock(path: Path, table: Table, mapping: MappingFile) -> tuple[Table
             )
         t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
-    said = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
+    messages = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
-        said.append(
+        messages.append(
             f"The file has no clock: {time.period_s:g} s a period is what the mapping says, not measured."
         )
     if time.repeated != "mean":
-        return _with(table, {**table.columns, "t_s": t_s}, table.line), said
+        return _replace_rows(table, {**table.columns, "t_s": t_s}, table.line), messages
     first, merged = merge_repeats(t_s, {**table.columns, "t_s": t_s})
-    return _with(table, merged, table.line[first]), said
+    return _replace_rows(table, merged, table.line[first]), messages
 
 
 def _without_time(table: Table, mapping: MappingFile) -> dict[str, Array]:
@@ -117,11 +124,11 @@ def _without_time(table: Table, mapping: MappingFile) -> dict[str, Array]:
     return {name: x for name, x in table.columns.items() if name not in clock}
 
 
-def _with(table: Table, columns: dict[str, Array], line: NDArray[np.int64]) -> Table:
+def _replace_rows(table: Table, columns: dict[str, Array], line: NDArray[np.int64]) -> Table:
     return replace(table, columns=columns, line=line)
 
 
-def _unfolded(
+def _unfold_branches(
     path: Path, table: Table, mapping: MappingFile
 ) -> tuple[dict[str, Array], NDArray[np.int64], list[str], list[str]]:
     """Channels of all branches one after the other, line numbers, direction of each row, what was odd."""
@@ -144,7 +151,7 @@ def _channels(path: Path, table: Table, mapping: MappingFile, columns: dict) -> 
     out = {"t_s": table.columns["t_s"]}
     for channel, column in columns.items():
         values = convert(_scaled(table, column), column.unit, mapping.unit_of(channel))
-        check_plausible(path, channel, column.column, values, table.line)
+        check_bounds(path, channel, column.column, values, table.line)
         if not np.isfinite(values).any():
             raise DataError(f"{path}: column '{column.column}' holds no number at all.")
         out[channel] = np.array(values, dtype=float)
@@ -157,7 +164,7 @@ def _scaled(table: Table, column: Column) -> Array:
 
 def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[str]]:
     """What was meant to be constant, as mean, min, max; a sentence where it was not."""
-    out, said = {}, []
+    out, messages = {}, []
     for name, column in mapping.conditions.items():
         x = _scaled(table, column)
         if not np.isfinite(x).any():
@@ -165,15 +172,17 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
         out[name] = {"unit": column.unit, "mean": mean, "min": low, "max": high}
         if low == high:
-            said.append(f"{name} is exactly {low:g} {column.unit} in every row: nominal, not measured.")
+            messages.append(f"{name} is exactly {low:g} {column.unit} in every row: nominal, not measured.")
         elif high - low > 0.1 * abs(mean):
-            said.append(f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g} {column.unit}.")
-    return out, said
+            messages.append(
+                f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g} {column.unit}."
+            )
+    return out, messages
 
 
-def _compared(path: Path, table: Table, mapping: MappingFile, columns: dict[str, Array]) -> list[str]:
+def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: dict[str, Array]) -> list[str]:
     """Blanks channels where two sensors of one thing disagree; DataError if that is most of the file."""
-    said = []
+    messages = []
     for compare in mapping.compare:
         a, b = (table.columns[name] for name in compare.columns)
         apart = np.abs(a - b)
@@ -187,15 +196,15 @@ def _compared(path: Path, table: Table, mapping: MappingFile, columns: dict[str,
         for channel in compare.blames if bad.any() else ():
             columns[channel][bad] = np.nan
         if bad.any():
-            said.append(
+            messages.append(
                 f"Columns {pair} disagree by up to {np.nanmax(apart):.3g} {compare.unit} in {int(bad.sum())} "
                 f"rows (lines {table.line[bad].min()}–{table.line[bad].max()}); "
                 f"{', '.join(compare.blames) or 'nothing'} is left out there."
             )
         usual = float(np.median(apart[~bad]))
         if usual > 0.2 * compare.within:
-            said.append(f"Elsewhere columns {pair} still differ by {usual:.2g} {compare.unit} (median).")
-    return said
+            messages.append(f"Elsewhere columns {pair} still differ by {usual:.2g} {compare.unit} (median).")
+    return messages
 
 
 def _reading_steps(columns: dict[str, Array], branch: list[str]) -> list[tuple]:

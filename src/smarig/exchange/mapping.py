@@ -10,11 +10,11 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from smarig.config import locate
-from smarig.errors import ConfigError, UsageError
-from smarig.exchange.units import dimension
-from smarig.toml_file import Section, load
+from smarig.core.errors import ConfigError, UsageError
+from smarig.core.toml_file import TomlTable, load
+from smarig.exchange.unit_conversion import dimension
 
-Channel = Literal[
+ChannelName = Literal[
     "current_command_A",
     "current_A",
     "voltage_V",
@@ -32,7 +32,7 @@ CHANNEL_UNITS = {
 }
 
 
-class TextLayout(Section):
+class TextLayout(TomlTable):
     """[file]: ``names`` where there is no header row; ``header_starts`` for files of several tables."""
 
     names: tuple[str, ...] = ()  # of the columns, where there is no header row
@@ -42,7 +42,7 @@ class TextLayout(Section):
     table: int = Field(default=1, ge=1)  # which of them, counted from 1
 
 
-class MatLayout(Section):
+class MatLayout(TomlTable):
     """[mat]: variables of MATLAB files instead of columns of a text.
 
     ``files``: names that belong together and lie side by side, '*' standing for the same text in each;
@@ -60,7 +60,7 @@ class MatLayout(Section):
         return self
 
 
-class TimeAxis(Section):
+class TimeAxis(TomlTable):
     """[time]: a column, or a period (rows_per_period rows each, the column then counting within it)."""
 
     column: str = ""  # of the times
@@ -77,7 +77,7 @@ class TimeAxis(Section):
         return self
 
 
-class Column(Section):
+class Column(TomlTable):
     """One channel: value = scale × cell + offset, in ``unit``."""
 
     column: str  # its name in the file
@@ -86,51 +86,51 @@ class Column(Section):
     offset: float = Field(default=0.0, allow_inf_nan=False)  # then added
 
 
-class Branch(Section):
+class Branch(TomlTable):
     """One branch of data that keep several branches on one row; unfolded in the order of the file."""
 
     direction: Literal["up", "down"]  # of the input along it
-    columns: dict[Channel, Column] = Field(min_length=1)  # of this branch, by channel
+    columns: dict[ChannelName, Column] = Field(min_length=1)  # of this branch, by channel
 
 
-class Quantity(Section):
+class MappedQuantity(TomlTable):
     """What input or output is, and the unit it is stored in."""
 
     quantity: str  # what it is, in words
     unit: str  # it is stored in
 
 
-class Input(Quantity):
+class InputChannel(MappedQuantity):
     """[input]: the channel that drives the hysteresis."""
 
-    channel: Channel  # that drives the hysteresis
+    channel: ChannelName  # that drives the hysteresis
 
 
-class Compare(Section):
+class SensorComparison(TomlTable):
     """Two columns that should agree: rows further apart than ``within`` lose the ``blames`` channels."""
 
     columns: tuple[str, str]  # two that should agree
     within: float = Field(gt=0)  # how far apart they may be
     unit: str  # of that
-    blames: tuple[Channel, ...] = ()  # channels that are lost where they do not agree
+    blames: tuple[ChannelName, ...] = ()  # channels that are lost where they do not agree
 
 
-class MappingFile(Section):
+class MappingFile(TomlTable):
     """configs/imports/NAME.toml"""
 
     name: str  # of the file
     summary: str  # one line, for smarig list
     source: str  # where the data come from
-    input: Input  # what drives the hysteresis
-    output: Quantity | None = None  # what position is
+    input: InputChannel  # what drives the hysteresis
+    output: MappedQuantity | None = None  # what position is
     file: TextLayout = TextLayout()  # how the text is laid out
     mat: MatLayout | None = None  # variables of MATLAB files
     time: TimeAxis | None = None  # left out where data have none
-    columns: dict[Channel, Column] = Field(default_factory=dict)  # what the columns are, by channel
+    columns: dict[ChannelName, Column] = Field(default_factory=dict)  # what the columns are, by channel
     branch: tuple[Branch, ...] = ()  # in place of columns: several branches on one row
     conditions: dict[str, Column] = Field(default_factory=dict)  # kept with the run: a load, …
     ignore: dict[str, str] = Field(default_factory=dict)  # columns not used, each with the reason
-    compare: tuple[Compare, ...] = ()  # columns that should agree
+    compare: tuple[SensorComparison, ...] = ()  # columns that should agree
     steps: Literal["none", "rows"] = "none"  # whether every row is a settled step
     initial: Literal["", "negative", "positive", "anhysteretic"] = ""  # where the data begin; empty: unknown
     notes: str = ""  # a remark
@@ -152,7 +152,7 @@ class MappingFile(Section):
                 _expect(column.unit, dimension(self.unit_of(channel)), f"{where}.{channel}.unit")
         return self
 
-    def tables(self) -> list[tuple[str, dict[Channel, Column]]]:
+    def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:
         """Column tables in the order in which they are unfolded, with their names."""
         if self.columns:
             return [("columns", self.columns)]

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 
 MAX_BYTES = 500_000_000
 _HEADER_BYTES = 128

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
 from smarig.exchange.mat_file import MatFile, open_mat, size_text
-from smarig.exchange.table import Table
+from smarig.exchange.text_table import Table
 
 Array = NDArray[np.float64]
 
@@ -25,15 +25,15 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
     ``line`` is a reading's number within its loop, from 1. Raises UsageError for a missing file of a set,
     ConfigError for a missing or unmapped variable, DataError for a file or variable that is no good.
     """
-    files = [open_mat(file) for file in belonging(path, layout.files)]
-    homes = _homes(files)
-    require_columns(mapping, list(homes), path, "variable")
-    matrices = {name: _loops(homes[name], name, layout) for name in mapping.used()}
+    files = [open_mat(file) for file in file_set(path, layout.files)]
+    file_of = _files_by_variable(files)
+    require_columns(mapping, list(file_of), path, "variable")
+    matrices = {name: _loops(file_of[name], name, layout) for name in mapping.used()}
     for (a, x), (b, y) in pairwise(matrices.items()):
         if x.shape != y.shape:
             raise DataError(
-                f"{path}: variables '{a}' and '{b}' differ in size, {size_text(homes[a].variables[a].shape)} and "
-                f"{size_text(homes[b].variables[b].shape)}; they must hold the same readings."
+                f"{path}: variables '{a}' and '{b}' differ in size, {size_text(file_of[a].variables[a].shape)} and "
+                f"{size_text(file_of[b].variables[b].shape)}; they must hold the same readings."
             )
     loops, readings = next(iter(matrices.values())).shape
     if readings < 2:
@@ -49,7 +49,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
     return Table(columns, line, {}, tuple(notes), number)
 
 
-def belonging(path: Path, patterns: tuple[str, ...]) -> list[Path]:
+def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
     """All files of the set ``path`` is one of, in the order of the patterns; itself without patterns.
 
     >>> [p.name for p in belonging(Path("H_x.mat"), ())]
@@ -70,17 +70,17 @@ def belonging(path: Path, patterns: tuple[str, ...]) -> list[Path]:
     raise UsageError(f"The mapping reads files named {' and '.join(patterns)}; {path} is neither.")
 
 
-def _homes(files: list[MatFile]) -> dict[str, MatFile]:
+def _files_by_variable(files: list[MatFile]) -> dict[str, MatFile]:
     """Which file each variable is in; DataError if it is in two."""
-    homes: dict[str, MatFile] = {}
+    file_of: dict[str, MatFile] = {}
     for file in files:
         for name in file.variables:
-            if name in homes:
+            if name in file_of:
                 raise DataError(
-                    f"Variable '{name}' is in {homes[name].path} and in {file.path}; which is meant?"
+                    f"Variable '{name}' is in {file_of[name].path} and in {file.path}; which is meant?"
                 )
-            homes[name] = file
-    return homes
+            file_of[name] = file
+    return file_of
 
 
 def _loops(file: MatFile, name: str, layout: MatLayout) -> Array:

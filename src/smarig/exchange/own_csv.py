@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.exchange.channel_faults import quantum
-from smarig.exchange.clock import check_time, time_findings
-from smarig.exchange.draft import Draft
-from smarig.exchange.findings import record_findings, saturation, twin_columns
-from smarig.exchange.heated import input_description
+from smarig.exchange.draft import RunDraft
+from smarig.exchange.findings import duplicate_columns, record_findings, saturation_marks
 from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
-from smarig.exchange.loop_faults import Loop, loop_findings
-from smarig.exchange.plausible import check_plausible
-from smarig.exchange.rig_facts import RigFacts
-from smarig.exchange.table import Layout, Table, read_table
+from smarig.exchange.loop_faults import LoopRecord, loop_findings
+from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.text_table import Table, TableLayout, read_table
+from smarig.exchange.time_axis import check_time, time_findings
+from smarig.exchange.value_bounds import check_bounds
+from smarig.exchange.with_heating_model import input_description
 
 Array = NDArray[np.float64]
 CURRENTS = ("current_command_A", "current_A")
@@ -36,38 +36,40 @@ UNITS = {
 }
 
 
-def read_own_csv(path: Path, rig: RigFacts | None = None) -> Draft:
+def read_own_csv(path: Path, rig: RigConstants | None = None) -> RunDraft:
     """Read a CSV in smarig's columns; DataError or UsageError naming line and column."""
     known = ("time_s", *CURRENTS, *POSITIONS, *OPTIONAL)
-    table = read_table(path, Layout(known=(*known, *EXPORTED)))
+    table = read_table(path, TableLayout(known=(*known, *EXPORTED)))
     _check_columns(path, table, known)
     line, t_s = table.line, table.columns["time_s"]
     check_time(path, "time_s", t_s, line, "refuse")
     columns: dict[str, Array] = {"t_s": t_s}
     for name in (*CURRENTS, *UNITS):
         if name in table.columns:
-            check_plausible(path, name, name, table.columns[name], line)
+            check_bounds(path, name, name, table.columns[name], line)
             columns[name] = table.columns[name]
     unit, resolution = _position(path, table, rig, columns)
     drive = _drive(path, table, columns)
     input_meta, target = _input(table, rig, columns, drive)
-    ranges = _given(table.columns["step"]) if "step" in table.columns else holds(drive, _band(table, drive))
+    ranges = (
+        _step_ranges(table.columns["step"]) if "step" in table.columns else holds(drive, _band(table, drive))
+    )
     rows, columns["step"], remarks = found_steps(
         Recording(t_s, columns["position"], resolution), ranges, target
     )
     measured = {**UNITS, "position": unit}
-    columns["quality"] = np.fmax(_flags(path, table), saturation(columns, measured))
+    columns["quality"] = np.fmax(_flags(path, table), saturation_marks(columns, measured))
     warnings = [
         *table.notes,
         *time_findings(t_s, line, "refuse"),
-        *twin_columns({k: x for k, x in table.columns.items() if k in (*POSITIONS, *UNITS)}),
+        *duplicate_columns({k: x for k, x in table.columns.items() if k in (*POSITIONS, *UNITS)}),
         *record_findings(columns, measured, line),
         *_loop(rows, columns["step"], line, input_meta["unit"], unit),
         *(remarks if "step" not in table.columns else []),
     ]
     output_meta = {"quantity": QUANTITIES[unit], "unit": unit, "per_count": resolution}
     meta = {"protocol": "imported", "input": input_meta, "output": output_meta}
-    return Draft(columns, meta, tuple(rows), tuple(warnings))
+    return RunDraft(columns, meta, tuple(rows), tuple(warnings))
 
 
 def _drive(path: Path, table: Table, columns: dict[str, Array]) -> Array:
@@ -82,7 +84,7 @@ def _loop(rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: s
     """Findings on the loop of the steps' ends: between them the wire is on its way."""
     target, position = (np.array([row[k] for row in rows], dtype=float) for k in (4, 8))
     first = np.array([line[int(np.argmax(step == row[0]))] for row in rows], dtype=np.int64)
-    return loop_findings(Loop(target, position, first, input_unit, unit), designed=True)
+    return loop_findings(LoopRecord(target, position, first, input_unit, unit), designed=True)
 
 
 def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:
@@ -100,14 +102,14 @@ def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:
         )
     if not set(CURRENTS) & set(names):
         raise DataError(f"{path} has no current: a column 'current_command_A' or 'current_A' is needed.")
-    given = [name for name in POSITIONS if name in names]
-    if len(given) != 1:
-        found = f"has {' and '.join(given)}" if given else "has no position"
+    positions = [name for name in POSITIONS if name in names]
+    if len(positions) != 1:
+        found = f"has {' and '.join(positions)}" if positions else "has no position"
         raise DataError(f"{path} {found}; exactly one of {', '.join(POSITIONS)} is needed.")
 
 
 def _position(
-    path: Path, table: Table, rig: RigFacts | None, columns: dict[str, Array]
+    path: Path, table: Table, rig: RigConstants | None, columns: dict[str, Array]
 ) -> tuple[str, float | None]:
     name = next(n for n in POSITIONS if n in table.columns)
     values = table.columns[name]
@@ -127,7 +129,7 @@ def _position(
 
 
 def _input(
-    table: Table, rig: RigFacts | None, columns: dict[str, Array], drive: Array
+    table: Table, rig: RigConstants | None, columns: dict[str, Array], drive: Array
 ) -> tuple[dict[str, str], Callable[[int, int], float]]:
     """Fills in the input; returns its description and the target of a hold of samples a…b."""
     if rig is None:
@@ -145,7 +147,7 @@ def _band(table: Table, drive: Array) -> float:
     return COMMAND_A if "current_command_A" in table.columns else tolerance(drive)
 
 
-def _given(step: Array) -> list[tuple[int, int]]:
+def _step_ranges(step: Array) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.nan_to_num(step, nan=-1.0))) + 1
     bounds = [0, *edges.tolist(), step.size]
     return [(a, b) for a, b in pairwise(bounds) if np.isfinite(step[a])]

@@ -12,20 +12,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError, UsageError
-from smarig.identification.history import History, histories
-from smarig.identification.selection import matches
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.point_selection import matches
 from smarig.preisach.operator import State
-from smarig.record import Run
+from smarig.record import FORC_PROTOCOL, Run
+from smarig.replay.memory_history import MemoryHistory, memory_histories
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-FORC_PROTOCOL = "first_order_reversal_curves"
-_Row = tuple[float, float, float, int, int, int]
+_FodRow = tuple[float, float, float, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class Descent:
+class DescendingCurve:
     """One curve by itself: number, maximum α, inputs β (n,) falling from at most α, outputs y (n,)."""
 
     curve: int
@@ -64,9 +63,9 @@ class FodData:
         """Number of different curves that descend from a maximum."""
         return np.unique(self.alpha[self.alpha > self.beta]).size
 
-    def descents(self) -> list[Descent]:
+    def descending_curves(self) -> list[DescendingCurve]:
         """The curves that descend from a maximum, in order of measurement; repeated readings averaged."""
-        found: list[Descent] = []
+        found: list[DescendingCurve] = []
         for number in np.unique(self.curve):
             mine = self.curve == number
             alpha = float(self.alpha[mine].max())
@@ -74,7 +73,7 @@ class FodData:
             beta, where = np.unique(self.beta[mine], return_inverse=True)
             y = np.bincount(where, self.y[mine]) / np.bincount(where)
             if beta[0] < alpha:
-                found.append(Descent(int(number), alpha, beta[::-1], y[::-1]))
+                found.append(DescendingCurve(int(number), alpha, beta[::-1], y[::-1]))
         return found
 
     def where(self, mask: NDArray[np.bool_]) -> "FodData":
@@ -116,7 +115,7 @@ def fod_data(runs: Sequence[Run] | Run) -> FodData:
     Raises DataError when there are no two curves, saying which inputs are needed.
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
-    data = located(runs)
+    data = first_order_points(runs)
     if data.curves >= 2:
         return data
     names = ", ".join(run.path.name for run in runs)
@@ -133,7 +132,7 @@ def fod_data(runs: Sequence[Run] | Run) -> FodData:
     )
 
 
-def located(runs: Sequence[Run]) -> FodData:
+def first_order_points(runs: Sequence[Run]) -> FodData:
     """Like ``fod_data``, but without asking for curves: possibly few points, or none."""
     if not runs:
         raise UsageError("No run was given; name at least one run file with FOD data.")
@@ -145,7 +144,7 @@ def located(runs: Sequence[Run]) -> FodData:
         raise DataError("Reversal curves and other runs were given together: identify them apart.")
     if all(forc):
         return _reversal_curves(runs)
-    plain, mirror = (_extracted(runs, mirrored) for mirrored in (False, True))
+    plain, mirror = (_follow_memory(runs, mirrored) for mirrored in (False, True))
     # The major loop is the same in the mirror: the points inside it tell which way the curves go.
     return mirror if np.sum(~mirror.major) > np.sum(~plain.major) else plain
 
@@ -167,25 +166,25 @@ def select(data: FodData, expression: str) -> FodData:
 # --- following the memory -----------------------------------------------------------------------------
 
 
-def _extracted(runs: Sequence[Run], mirrored: bool) -> FodData:
-    lower, upper, records = histories(runs, mirrored=mirrored)
-    rows: list[_Row] = []
+def _follow_memory(runs: Sequence[Run], mirrored: bool) -> FodData:
+    lower, upper, records = memory_histories(runs, mirrored=mirrored)
+    rows: list[_FodRow] = []
     curve = 0
     for index, history in enumerate(records):
         if rows and not history.continued:
             curve = rows[-1][3] + 1
-        places = _places(history, curve)
+        places = _fod_points(history, curve)
         rows += [(a, b, history.outputs[k], c, index, k) for k, a, b, c in places]
         curve = places[-1][3] if places else curve
     return _assembled(rows, (lower, upper), runs[0].unit, mirrored)
 
 
-def _places(history: History, curve: int) -> list[tuple[int, float, float, int]]:
+def _fod_points(history: MemoryHistory, curve: int) -> list[tuple[int, float, float, int]]:
     """(point, α, β, curve) of the FOD points of one run; a curve begins where the input rises again."""
     places: list[tuple[int, float, float, int]] = []
     before, fell = history.start, history.continued
     for k, state in enumerate(history.states):
-        place = _place(before, state)
+        place = _fod_point(before, state)
         before = state
         if place is None or state is None or place[0] <= state.extrema[0]:
             continue  # resting in negative saturation is on no curve
@@ -197,7 +196,7 @@ def _places(history: History, curve: int) -> list[tuple[int, float, float, int]]
     return places
 
 
-def _place(before: State | None, now: State | None) -> tuple[float, float] | None:
+def _fod_point(before: State | None, now: State | None) -> tuple[float, float] | None:
     """(α, β) of a point from the memory before and at it, None when it is no FOD point."""
     if now is None or now.diagonal:
         return None
@@ -216,7 +215,7 @@ def _place(before: State | None, now: State | None) -> tuple[float, float] | Non
 
 def _reversal_curves(runs: Sequence[Run]) -> FodData:
     """Curves numbered by the ``step`` column, rising from a reversal input below positive saturation."""
-    rows: list[_Row] = []
+    rows: list[_FodRow] = []
     lower, upper, first = np.inf, -np.inf, 0
     for index, run in enumerate(runs):
         u, y, step = -run["input"], -run["position"], run["step"]
@@ -231,7 +230,7 @@ def _reversal_curves(runs: Sequence[Run]) -> FodData:
     return _assembled(rows, (lower, upper), runs[0].unit, True)
 
 
-def _assembled(rows: list[_Row], ends: tuple[float, float], unit: str, mirrored: bool) -> FodData:
+def _assembled(rows: list[_FodRow], ends: tuple[float, float], unit: str, mirrored: bool) -> FodData:
     table = np.array(rows, dtype=float).reshape(len(rows), 6)
     alpha, beta, y = table[:, :3].T
     curve, run, point = table[:, 3:].T.astype(np.int64)

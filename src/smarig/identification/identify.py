@@ -14,38 +14,47 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.catalogue import suggestion
-from smarig.errors import DataError, UsageError
-from smarig.identification.choose import MOST_OBSERVATIONS, POSITIVE, Choice, choose, thinned, thinning
-from smarig.identification.curve_report import CurveReport, curve_report
-from smarig.identification.density import DensityReport, density_report
-from smarig.identification.fit_figures import (
+from smarig.core.catalogue import suggestion
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.density_report import DensityReport, density_report
+from smarig.identification.fod_data import FodData, first_order_points, fod_data
+from smarig.identification.fod_data import select as selected
+from smarig.identification.forc.forc_curves import curves_from_run
+from smarig.identification.noise_floor import noise_floor
+from smarig.identification.positive.observations import Observations
+from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
+from smarig.identification.surface.choose_surface import (
+    MOST_OBSERVATIONS,
+    POSITIVE,
+    SurfaceChoice,
+    choose_surface,
+    thinned,
+    thinning_mask,
+)
+from smarig.identification.surface.curve_report import CurveReport, curve_report
+from smarig.identification.surface.fit_figures import (
     plain,
     positive_figures,
     positive_warnings,
     surface_figures,
     surface_warnings,
 )
-from smarig.identification.fod_data import FORC_PROTOCOL, FodData, fod_data, located
-from smarig.identification.fod_data import select as selected
-from smarig.identification.fod_table_data import table
-from smarig.identification.forc_curves import curves_from_run
-from smarig.identification.model_file import Model, NoiseRecord
-from smarig.identification.noise_floor import noise_floor
-from smarig.identification.origin import description, file_hash, provenance
-from smarig.identification.positive.fit import PositiveFit, fit_positive
-from smarig.identification.positive.observations import Observations
-from smarig.identification.surface_fit import ROOT_WEIGHT, SurfaceFit, Weights, fit_surface
-from smarig.preisach.fod_surface import FORMS, FodSurface
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.forc_table import ForcTable
-from smarig.preisach.mirrored import Mirrored
-from smarig.record import Run, load_run
+from smarig.identification.surface.measured_table import table
+from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
+from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.record import FORC_PROTOCOL, Run, load_run
+from smarig.replay.model_file import Model, NoiseRecord
+from smarig.replay.provenance import file_hash, model_metadata, provenance
 
-Kind = Literal["constant", "parabolic", "exponential", "positive", "table", "best"]
-_BEYOND = 1e30
-_NOTHING = 0.9  # of the output's standard deviation left over by a fit: it has not followed the output
-KINDS: tuple[str, ...] = (*FORMS, POSITIVE, "table", "best")
+SurfaceKind = Literal["constant", "parabolic", "exponential", "positive", "table", "best"]
+_LARGEST_VALUE = 1e30
+_UNEXPLAINED_SHARE = (
+    0.9  # of the output's standard deviation left over by a fit: it has not followed the output
+)
+SURFACE_KINDS: tuple[str, ...] = (*FORMS, POSITIVE, "table", "best")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +72,7 @@ class Identification:
     fit: SurfaceFit | None
     density: DensityReport
     curves: CurveReport
-    choice: Choice | None
+    choice: SurfaceChoice | None
     positive: PositiveFit | None = None
 
     @property
@@ -122,7 +131,7 @@ class Identification:
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
+class _FittedHysteresis:
     """One kind fitted: ``image`` is the hysteresis, or its mirror image where ``mirrored``."""
 
     image: FodSurface | FodTable | ForcTable
@@ -136,11 +145,11 @@ class _Found:
 
 def identify(
     runs: Run | str | Path | Sequence[Run | str | Path],
-    surface: Kind | str = "best",
+    surface: SurfaceKind | str = "best",
     *,
     select: str | None = None,
     anchor: bool = False,
-    weights: Weights = "residual",
+    weights: MajorLoopWeighting = "residual",
     symmetric: bool = False,
 ) -> Identification:
     """Identify a Preisach model from runs (or paths), by any protocol.
@@ -154,42 +163,42 @@ def identify(
     Raises UsageError for unknown names, DataError when the runs hold too little.
     """
     _check_words(surface, weights, symmetric)
-    given = _loaded(runs)
-    everything = _curves(given, surface)
+    loaded = _loaded(runs)
+    everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
-    choice = choose(data, anchor=anchor, weights=weights) if surface == "best" else None
+    choice = choose_surface(data, anchor=anchor, weights=weights) if surface == "best" else None
     kind = choice.kind if choice else surface
     if kind == POSITIVE:
-        found = _positive(given, data, select, weights, symmetric)
+        found = _positive(loaded, data, select, weights, symmetric)
     else:
         fit = choice.fit if choice and choice.fit and choice.fit.points == len(data) else None
         if kind in FORMS and fit is None:
             fit = fit_surface(data, kind, anchor=anchor, weights=weights)
-        found = _surface(given, data, fit, select, weights)
+        found = _surface(loaded, data, fit, select, weights)
     curves = curve_report(everything)  # a selection says nothing of the range
-    fit, floor = found.fit, noise_floor(given)
-    late = _late(given, data, found)
+    fit, floor = found.fit, noise_floor(loaded)
+    late = _unsettled_warning(loaded, data, found)
     model = Model(
-        name=f"{given[0].meta.get('wire') or given[0].path.name.split('.')[0]} {kind}",
+        name=f"{loaded[0].meta.get('wire') or loaded[0].path.name.split('.')[0]} {kind}",
         hysteresis=Mirrored(found.image) if found.mirrored else found.image,
         mirrored=found.mirrored,
         fit=found.figures,
         noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
-        provenance=tuple(provenance(run) for run in given),
-        twin=any(run.twin for run in given),
+        provenance=tuple(provenance(run) for run in loaded),
+        twin=any(run.twin for run in loaded),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         parameters=fit.names if fit else (),
         covariance=fit.covariance if fit else np.empty((0, 0)),
         intervals=fit.intervals if fit else {},
         warnings=(*curves.warnings, *found.warnings, *late),
-        **description(given),
+        **model_metadata(loaded),
     )
     return Identification(model, kind, data, fit, found.density, curves, choice, found.positive)
 
 
 def _check_words(surface: str, weights: str, symmetric: bool) -> None:
-    if surface not in KINDS:
-        raise UsageError(f"No surface '{surface}'{suggestion(surface, list(KINDS))}.")
+    if surface not in SURFACE_KINDS:
+        raise UsageError(f"No surface '{surface}'{suggestion(surface, list(SURFACE_KINDS))}.")
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     if symmetric and surface != POSITIVE:
@@ -198,15 +207,15 @@ def _check_words(surface: str, weights: str, symmetric: bool) -> None:
 
 def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
     several = [runs] if isinstance(runs, Run | str | Path) else list(runs)
-    given = [run if isinstance(run, Run) else load_run(run) for run in several]
-    if len({file_hash(run) or id(run) for run in given}) < len(given):
+    loaded = [run if isinstance(run, Run) else load_run(run) for run in several]
+    if len({file_hash(run) or id(run) for run in loaded}) < len(loaded):
         raise UsageError("The same run was given twice: its points would count double; name each run once.")
-    return given
+    return loaded
 
 
-def _curves(runs: Sequence[Run], surface: str) -> FodData:
+def _first_order_curves(runs: Sequence[Run], surface: str) -> FodData:
     """The runs' first-order curves; DataError where a surface needs some and there are too few."""
-    data = located(runs)
+    data = first_order_points(runs)
     if surface == POSITIVE:
         return data
     if data.curves < 2:
@@ -217,26 +226,34 @@ def _curves(runs: Sequence[Run], surface: str) -> FodData:
                 f"{error} Without such curves only the {POSITIVE} surface can be identified: it learns from "
                 "every point whose memory is known."
             ) from None
-    _usable(data.y, data.alpha, data.unit)
+    _check_usable(data.y, data.alpha, data.unit)
     return data
 
 
-def _usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str) -> None:
+def _check_usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str) -> None:
     """DataError where no hysteresis can be seen: nothing moves, or a number is beyond all measure."""
-    if not (np.isfinite(y).all() and np.abs(y).max() < _BEYOND and np.abs(alpha).max() < _BEYOND):
+    if not (
+        np.isfinite(y).all() and np.abs(y).max() < _LARGEST_VALUE and np.abs(alpha).max() < _LARGEST_VALUE
+    ):
         raise DataError("The runs' points hold values that are not finite or beyond all measure.")
     if np.ptp(y) == 0:
         raise DataError(f"The output is {y[0]:g} {unit} at every point: nothing moves, nothing to identify.")
 
 
 def _surface(
-    runs: Sequence[Run], data: FodData, fit: SurfaceFit | None, select: str | None, weights: Weights
-) -> _Found:
+    runs: Sequence[Run],
+    data: FodData,
+    fit: SurfaceFit | None,
+    select: str | None,
+    weights: MajorLoopWeighting,
+) -> _FittedHysteresis:
     """A fitted surface, or without a fit a table."""
     image = fit.surface if fit else _tabulated(runs, data, select)
     figures = surface_figures(image.y(data.alpha, data.beta) - data.y, data, fit, weights, select)
     density = density_report(image)
-    return _Found(image, data.mirrored, figures, density, surface_warnings(image, data, fit, density), fit)
+    return _FittedHysteresis(
+        image, data.mirrored, figures, density, surface_warnings(image, data, fit, density), fit
+    )
 
 
 def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTable | ForcTable:
@@ -247,8 +264,8 @@ def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTab
 
 
 def _positive(
-    runs: Sequence[Run], data: FodData, select: str | None, weights: Weights, symmetric: bool
-) -> _Found:
+    runs: Sequence[Run], data: FodData, select: str | None, weights: MajorLoopWeighting, symmetric: bool
+) -> _FittedHysteresis:
     """Of points on first-order curves where they were selected, else of all points of known memory.
 
     Only the former can be in the mirror: memory is followed in the signs of the measurement.
@@ -258,16 +275,16 @@ def _positive(
         observations = Observations.of_fod(thinned(data, MOST_OBSERVATIONS))
     else:
         observations = Observations.of_runs(runs)
-        observations = observations.where(thinning(observations.curve, MOST_OBSERVATIONS))
-    _usable(observations.y, observations.alpha, data.unit)
+        observations = observations.where(thinning_mask(observations.curve, MOST_OBSERVATIONS))
+    _check_usable(observations.y, observations.alpha, data.unit)
     inputs = np.concatenate([run.points()[0] for run in runs])
     if np.ptp(inputs) == 0:
         raise DataError(f"The input is {inputs[0]:g} at every point: nothing drives the output.")
     fit = fit_positive(observations, symmetric=symmetric)
-    if not _follows(fit, observations):
-        raise DataError(_why_nothing_follows(observations, symmetric))
+    if not _explains_output(fit, observations):
+        raise DataError(_no_fit_reason(observations, symmetric))
     figures = positive_figures(fit, observations, data, weights, select)
-    return _Found(
+    return _FittedHysteresis(
         image=fit.table,
         mirrored=points_alone and data.mirrored,
         figures=figures,
@@ -277,14 +294,14 @@ def _positive(
     )
 
 
-def _follows(fit: PositiveFit, observations: Observations) -> bool:
-    return fit.rms <= _NOTHING * float(np.std(observations.y))
+def _explains_output(fit: PositiveFit, observations: Observations) -> bool:
+    return fit.rms <= _UNEXPLAINED_SHARE * float(np.std(observations.y))
 
 
-def _why_nothing_follows(observations: Observations, symmetric: bool) -> str:
+def _no_fit_reason(observations: Observations, symmetric: bool) -> str:
     """An output of the wrong sign, or one that has nothing to do with the input: a fit of its negative tells."""
-    turned = replace(observations, y=-observations.y)
-    if _follows(fit_positive(turned, symmetric=symmetric), turned):
+    negated = replace(observations, y=-observations.y)
+    if _explains_output(fit_positive(negated, symmetric=symmetric), negated):
         return (
             "No positive measure follows this output, one follows its negative: it falls while the input rises, so "
             "turn its sign (a negative scale in the mapping of an import) and identify again."
@@ -295,7 +312,7 @@ def _why_nothing_follows(observations: Observations, symmetric: bool) -> str:
     )
 
 
-def _late(runs: Sequence[Run], data: FodData, found: _Found) -> list[str]:
+def _unsettled_warning(runs: Sequence[Run], data: FodData, found: _FittedHysteresis) -> list[str]:
     """How many of the points used are from steps that did not settle."""
     if found.positive and not (found.mirrored or found.figures["select"]):
         late = sum(step.verdict != "settled" for run in runs for step in run.settled)

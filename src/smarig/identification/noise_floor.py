@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.identification.history import History, histories
 from smarig.identification.settled_points import settled_points
 from smarig.record import Run
+from smarig.replay.memory_history import MemoryHistory, memory_histories
 
 FEWEST_PAIRS = 3
 FEWEST_ENDS = 8
@@ -41,11 +41,11 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
     unit = runs[0].unit if runs else ""
-    inside, ends = _Pool(), _Pool()
+    inside, ends = _PooledVariance(), _PooledVariance()
     for run in runs:
         if not run.points()[0].size:
             continue
-        lower, upper, (history,) = histories([run])
+        lower, upper, (history,) = memory_histories([run])
         for at_end, outputs in _repeats(history, lower, upper):
             (ends if at_end else inside).add(outputs)
     if inside.freedom >= FEWEST_PAIRS:
@@ -67,7 +67,7 @@ def _of_windows(runs: list[Run]) -> tuple[float, int] | None:
     return float(np.sqrt(np.mean(every**2))), every.size
 
 
-def _repeats(history: History, lower: float, upper: float) -> Iterable[tuple[bool, np.ndarray]]:
+def _repeats(history: MemoryHistory, lower: float, upper: float) -> Iterable[tuple[bool, np.ndarray]]:
     """(in saturation?, outputs) of every memory state that was reached more than once."""
     visits: dict[tuple, list[float]] = defaultdict(list)
     before = None
@@ -81,7 +81,7 @@ def _repeats(history: History, lower: float, upper: float) -> Iterable[tuple[boo
             yield len(extrema) == 1 and not lower < u < upper, np.array(outputs)
 
 
-class _Pool:
+class _PooledVariance:
     def __init__(self) -> None:
         self.squares, self.freedom = 0.0, 0
 

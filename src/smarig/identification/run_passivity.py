@@ -10,23 +10,22 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.control.examined import Examined
-from smarig.control.readings import Readings, noise_of, stretch
-from smarig.control.units import Units
-from smarig.errors import DataError
-from smarig.identification.fod_data import FORC_PROTOCOL
-from smarig.identification.history import REST, Start, named_start
-from smarig.identification.model_file import Model
-from smarig.identification.simulate import check_input, check_output
+from smarig.certify.certificate_units import Units
+from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certify.measured_passivity import MeasuredPassivity, reading_noise, segment_passivity
+from smarig.core.errors import DataError
 from smarig.preisach.operator import Preisach
 from smarig.preisach.state import State
-from smarig.record import Run
+from smarig.record import FORC_PROTOCOL, Run
+from smarig.replay.memory_history import SATURATION_TOLERANCE, Start, recorded_start
+from smarig.replay.model_file import Model
+from smarig.replay.simulate_runs import check_input, check_output
 
 _UNKNOWN = "the state at the start of the run is not known, and the input has not saturated since"
-_LOST = "the input was missing, so the memory is not known until it saturates"
+_INPUT_MISSING = "the input was missing, so the memory is not known until it saturates"
 
 
-def of_run(run: Run, model: Model, start: Start | None = None) -> Readings:
+def passivity_of_run(run: Run, model: Model, start: Start | None = None) -> MeasuredPassivity:
     """Supplied energy of the readings of a run, sample by sample, with the model's beside it and its bound.
 
     ``start``: the state the run began in, where its record does not say. Effects of a model are left out: the bound is
@@ -40,15 +39,15 @@ def of_run(run: Run, model: Model, start: Start | None = None) -> Readings:
     present = np.isfinite(u) & np.isfinite(y)
     if not present.any():
         raise DataError(f"{run.path} has no sample with both input and position.")
-    examined = Examined.of(model.hysteresis, Units(model.unit, model.input.unit))
-    noise = noise_of(y, float(run.meta.get("output", {}).get("per_count") or 0.0))
-    starts = list(_starts(model.preisach(), u, present, start or named_start(run)))
+    hysteresis_analysis = HysteresisAnalysis.of(model.hysteresis, Units(model.unit, model.input.unit))
+    noise = reading_noise(y, float(run.meta.get("output", {}).get("per_count") or 0.0))
+    starts = list(_starts(model.preisach(), u, present, start or recorded_start(run)))
     ends = [a for a, _ in starts[1:]] + [u.size]
-    made = []
+    segments = []
     for (a, memory), end in zip(starts, ends):
         b = a + int(np.argmin(np.append(present[a:end], False)))  # up to the next gap
-        made.append(stretch(examined, u[a:b], y[a:b], noise, a, memory))
-    return Readings(tuple(made), noise, examined.units.energy, model.unit)
+        segments.append(segment_passivity(hysteresis_analysis, u[a:b], y[a:b], noise, a, memory))
+    return MeasuredPassivity(tuple(segments), noise, hysteresis_analysis.units.energy, model.unit)
 
 
 def _starts(
@@ -56,21 +55,21 @@ def _starts(
 ) -> Iterator[tuple[int, State | str]]:
     """Rows where a stretch begins (after a gap, or as the memory gets known) with its state, or why there is none."""
     h, unknown = operator.hysteresis, "" if start else _UNKNOWN
-    rest = REST * (h.upper - h.lower)
+    rest = SATURATION_TOLERANCE * (h.upper - h.lower)
     operator.reset(start or "negative")
     before = False
     for k, value in enumerate(u.tolist()):
-        learnt = False
+        became_known = False
         if value != value:
-            unknown = _LOST
+            unknown = _INPUT_MISSING
         else:
             saturated = (
                 "negative" if value <= h.lower + rest else "positive" if value >= h.upper - rest else None
             )
             if unknown and saturated:
                 operator.reset(saturated)
-                unknown, learnt = "", True
+                unknown, became_known = "", True
             operator.step(value)
-        if present[k] and (learnt or not before):
+        if present[k] and (became_known or not before):
             yield k, unknown or operator.state
         before = bool(present[k])

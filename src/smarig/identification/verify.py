@@ -12,23 +12,23 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError, UsageError
-from smarig.identification.fod_data import FORC_PROTOCOL, located
-from smarig.identification.history import named_start
-from smarig.identification.lived import untold
-from smarig.identification.model_file import Model
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.fod_data import first_order_points
 from smarig.identification.noise_floor import noise_floor
-from smarig.identification.origin import file_hash, provenance
-from smarig.identification.selection import matches
-from smarig.identification.simulate import check_output, out_of_range, simulate_along, simulate_in_turn
-from smarig.record import Run
+from smarig.identification.point_selection import matches
+from smarig.record import FORC_PROTOCOL, Run
+from smarig.replay.memory_history import recorded_start
+from smarig.replay.model_file import Model
+from smarig.replay.provenance import file_hash, provenance
+from smarig.replay.simulate_effects import missing_earlier_runs
+from smarig.replay.simulate_runs import check_output, out_of_range, simulate_runs, simulate_samples
 
 Array = NDArray[np.float64]
 Offset = Literal["auto", "known", "fitted"]
 
 
 @dataclass(frozen=True)
-class Errors:
+class PredictionErrors:
     """Model minus data over n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
 
     n: int
@@ -50,8 +50,8 @@ class RunVerification:
     """
 
     run: str
-    settled: Errors
-    transient: Errors | None
+    settled: PredictionErrors
+    transient: PredictionErrors | None
     noise_floor: float | None
     offset: float
     offset_kind: str
@@ -105,20 +105,21 @@ def verify(
     several = [runs] if isinstance(runs, Run) else list(runs)
     for run in several:
         check_output(model, run)
-    chosen = _chosen(several, select)
-    predictions = simulate_in_turn(model, several)
-    missing = untold(model, several) if model.effects else []
+    selected = _selected_points(several, select)
+    predictions = simulate_runs(model, several)
+    missing = missing_earlier_runs(model, several) if model.effects else []
     judged = [
-        _judged(model, run, p, c, select, offset, missing) for run, p, c in zip(several, predictions, chosen)
+        _verified(model, run, p, c, select, offset, missing)
+        for run, p, c in zip(several, predictions, selected)
     ]
     return Verification(model.name, model.unit, tuple(judged))
 
 
-def _chosen(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
+def _selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
     """Which points count, per run; curves are numbered through all runs, as in ``identify``."""
     if select is None:
         return [np.ones(run.points()[0].size, dtype=bool) for run in runs]
-    data = located(runs)
+    data = first_order_points(runs)
     hit = matches(select, {"curve": data.curve, "alpha": data.alpha, "beta": data.beta})
     masks = [np.zeros(run.points()[0].size, dtype=bool) for run in runs]
     for r, k in zip(data.run[hit], data.point[hit]):
@@ -128,17 +129,17 @@ def _chosen(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
     return masks
 
 
-def _judged(
+def _verified(
     model: Model,
     run: Run,
     predicted: Array,
-    chosen: NDArray[np.bool_],
+    selected: NDArray[np.bool_],
     select: str | None,
     offset: Offset,
     missing: Sequence[str],
 ) -> RunVerification:
     inputs, measured = run.points()
-    counts = chosen & np.isfinite(predicted)
+    counts = selected & np.isfinite(predicted)
     if not counts.any():
         raise DataError(
             f"{run.path}: no point can be predicted, because the memory at its start is unknown and it never "
@@ -147,7 +148,7 @@ def _judged(
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, inputs[counts])))
-    early = 0 if run.meta.get("protocol") == FORC_PROTOCOL else int(np.sum(chosen & ~counts))
+    early = 0 if run.meta.get("protocol") == FORC_PROTOCOL else int(np.sum(selected & ~counts))
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
@@ -159,20 +160,20 @@ def _judged(
         measured=measured,
         predicted=predicted + shift,
         judged=counts,
-        warnings=(*_fair(model, run), *_warnings(model, early, outside, kind, missing)),
+        warnings=(*_validity_warnings(model, run), *_warnings(model, early, outside, kind, missing)),
     )
 
 
-def _errors(error: Array, span: float) -> Errors:
+def _errors(error: Array, span: float) -> PredictionErrors:
     rms = float(np.sqrt(np.mean(error**2)))
-    return Errors(error.size, rms, rms / span if span else float("nan"), float(np.abs(error).max()))
+    return PredictionErrors(error.size, rms, rms / span if span else float("nan"), float(np.abs(error).max()))
 
 
-def _transient(model: Model, run: Run, shift: float) -> Errors | None:
+def _transient(model: Model, run: Run, shift: float) -> PredictionErrors | None:
     """Every sample along the run's input column, None where that is not known apart from the points."""
     if not (run.settled and run.has("input") and run.has("position")):
         return None
-    error = simulate_along(model, run) + shift - run["position"]
+    error = simulate_samples(model, run) + shift - run["position"]
     known = np.isfinite(error)
     return (
         _errors(error[known], float(np.nanmax(run["position"]) - np.nanmin(run["position"])))
@@ -209,13 +210,13 @@ def known_offset(model: Model, run: Run) -> float | None:
             return 0.0
     if mine.protocol == FORC_PROTOCOL:
         return 0.0
-    start = named_start(run)
+    start = recorded_start(run)
     if start is not None and run.meta.get("encoder_zero", "power-up") == "power-up":
         return -model.preisach(start).y
     return None
 
 
-def _fair(model: Model, run: Run) -> list[str]:
+def _validity_warnings(model: Model, run: Run) -> list[str]:
     """Is this a fair judgement? Not on another wire, not on training data, not on half a run."""
     found = []
     wires = {p.wire for p in model.provenance if p.wire}

@@ -24,7 +24,7 @@ HEATING, COOLING = VERMILION, SKY
 GOOD, BAD = GREEN, VERMILION
 
 
-def between(cold: Colour, hot: Colour, share: float) -> Colour:
+def blend(cold: Colour, hot: Colour, share: float) -> Colour:
     """A mixture of two colours, ``share`` of the second, clipped to 0…1.
 
     >>> between((0, 0, 0), (200, 100, 50), 0.5)
@@ -35,11 +35,11 @@ def between(cold: Colour, hot: Colour, share: float) -> Colour:
     return r, g, b
 
 
-def warmth(share: float) -> Colour:
+def temperature_colour(share: float) -> Colour:
     """Of a wire between ambient and its hottest: blue, pale yellow, vermilion."""
     if share < 0.5:
-        return between(SKY, PALE, 2 * share)
-    return between(PALE, VERMILION, 2 * share - 1)
+        return blend(SKY, PALE, 2 * share)
+    return blend(PALE, VERMILION, 2 * share - 1)
 
 
 def model_colour(k: int) -> Colour:

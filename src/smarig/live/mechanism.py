@@ -9,10 +9,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.live.axes import nice_step
-from smarig.live.colours import AMBER, FAINT, GREY, INK, Colour, warmth
-from smarig.live.marks import Array, Dots, Hued, Mark, Placed, Solid, Strips, point
-from smarig.model.actuator import Actuator
+from smarig.live.colours import AMBER, FAINT, GREY, INK, Colour, temperature_colour
+from smarig.live.plot_axes import nice_step
+from smarig.live.primitives import (
+    Array,
+    ColourChanges,
+    Points,
+    Polylines,
+    Primitive,
+    SolidBody,
+    Transform,
+    point,
+)
+from smarig.plant.actuator import Actuator
 
 PATH = "rig"
 # In radii of the pulley: the load below the shaft, its size, the pulley's thickness.
@@ -20,11 +29,11 @@ DROP, LOAD, THICK = 2.8, (1.6, 1.3, 1.6), 0.6
 DRAWN = (7.3, 4.6)  # radii of one wire, of each of two: a part of it is enough to look at
 DIAL = 1.75  # radii
 WIRE_PX = 4.0
-Place = tuple[float, float, float]
+Point3D = tuple[float, float, float]
 ARC = 9  # points of a quarter turn
 
 
-def eye_of(actuator: Actuator) -> tuple[Place, Place]:
+def camera_of(actuator: Actuator) -> tuple[Point3D, Point3D]:
     """Where to look from, and at what."""
     r = float(actuator.file.transmission.radius.value)
     if actuator.two_wire:
@@ -46,51 +55,58 @@ class Mechanism:
             actuator.gain_K_per_A2 * float(actuator.file.heating.reference_current.value) ** 2, 1.0
         )
 
-    def body(self) -> list[Mark]:
+    def body(self) -> list[Primitive]:
         """What never changes by itself."""
         r = self._r
         spoke = np.array(
             [[0.0, 0.0, self._front], [0.0, r * (DIAL - 0.1) if self._two else 0.94 * r, self._front]]
         )
-        marks: list[Mark] = [
-            Solid(f"{PATH}/pulley/disc", "cylinder", (0.94 * r, 0.94 * r, self._thick), (0, 0, 0), GREY),
-            Strips(f"{PATH}/pulley/mark", None, [spoke], [AMBER], 4.0),
+        primitives: list[Primitive] = [
+            SolidBody(f"{PATH}/pulley/disc", "cylinder", (0.94 * r, 0.94 * r, self._thick), (0, 0, 0), GREY),
+            Polylines(f"{PATH}/pulley/mark", None, [spoke], [AMBER], 4.0),
             *[
-                Solid(f"{PATH}/anchor_{k}", "box", (0.5 * r, 1.4 * r, 1.4 * r), (x, r, 0), FAINT)
+                SolidBody(f"{PATH}/anchor_{k}", "box", (0.5 * r, 1.4 * r, 1.4 * r), (x, r, 0), FAINT)
                 for k, x in enumerate((-self._drawn, self._drawn)[: 1 + self._two])
             ],
         ]
         for k, side in enumerate((-1.0, 1.0)[: 1 + self._two], start=1):
-            marks.append(Strips(f"{PATH}/wire_{k}", None, [self._along(side)], [], WIRE_PX))
+            primitives.append(Polylines(f"{PATH}/wire_{k}", None, [self._along(side)], [], WIRE_PX))
         if self._two:
-            marks += self._dial()
+            primitives += self._dial()
         else:
-            marks.append(
-                Solid(f"{PATH}/load/block", "box", self._load, (r, -self._drop - self._load[1] / 2, 0), GREY)
+            primitives.append(
+                SolidBody(
+                    f"{PATH}/load/block", "box", self._load, (r, -self._drop - self._load[1] / 2, 0), GREY
+                )
             )
-            marks += self._ruler()
+            primitives += self._ruler()
         if self._label:
             at = point((-0.6 if self._two else -0.8) * self._drawn, -1.3 * r if self._two else -1.5 * r, 0.0)
-            marks.append(Dots(f"{PATH}/source", None, at, AMBER, texts=(f"{self._label}: not hardware",)))
-        return marks
+            primitives.append(
+                Points(f"{PATH}/source", None, at, AMBER, texts=(f"{self._label}: not hardware",))
+            )
+        return primitives
 
-    def moved(self, times_s: Array, positions: Array, inputs_K: Array) -> list[Mark]:
+    def moved(self, times_s: Array, positions: Array, inputs_K: Array) -> list[Primitive]:
         """Wires, pulley and load at positions (n,) in the rig's unit; a wire's colour is its estimated temperature."""
         turn = np.radians(positions) if self._deg else positions / self._r
         still = np.zeros((len(times_s), 3))
-        marks: list[Mark] = [Placed(f"{PATH}/pulley", times_s, still, turn)]
-        hues = self._hues(inputs_K)
-        marks.append(Hued(f"{PATH}/wire_1", times_s, hues))
+        primitives: list[Primitive] = [Transform(f"{PATH}/pulley", times_s, still, turn)]
+        hues = self._temperature_colours(inputs_K)
+        primitives.append(ColourChanges(f"{PATH}/wire_1", times_s, hues))
         if self._two:
-            return [*marks, Hued(f"{PATH}/wire_2", times_s, self._hues(-inputs_K))]
+            return [
+                *primitives,
+                ColourChanges(f"{PATH}/wire_2", times_s, self._temperature_colours(-inputs_K)),
+            ]
         lifted = np.zeros_like(still)
         lifted[:, 1] = positions
         top = [self._r, 0.0, -0.1 * self._r]
         hanging = [np.array([top, [self._r, p - self._drop, -0.1 * self._r]]) for p in positions.tolist()]
         return [
-            *marks,
-            Placed(f"{PATH}/load", times_s, lifted),
-            Strips(f"{PATH}/wire_1_hanging", times_s, hanging, hues, WIRE_PX),
+            *primitives,
+            Transform(f"{PATH}/load", times_s, lifted),
+            Polylines(f"{PATH}/wire_1_hanging", times_s, hanging, hues, WIRE_PX),
         ]
 
     def _along(self, side: float) -> Array:
@@ -101,10 +117,10 @@ class Mechanism:
         ]
         return np.vstack([[[side * self._drawn, self._r, side * 0.1 * self._r]], arc])
 
-    def _hues(self, inputs_K: Array) -> Sequence[Colour]:
-        return [warmth(u / self._hottest_K) for u in inputs_K.tolist()]
+    def _temperature_colours(self, inputs_K: Array) -> Sequence[Colour]:
+        return [temperature_colour(u / self._hottest_K) for u in inputs_K.tolist()]
 
-    def _ruler(self) -> list[Mark]:
+    def _ruler(self) -> list[Primitive]:
         """Beside the load: how far it was lifted, in millimetres."""
         x, y0 = self._r + self._load[0] / 2 + 10, -self._drop
         every = nice_step(self._r / 5)
@@ -114,12 +130,12 @@ class Mechanism:
         ends = np.array([[x + 2 * self._r, y0 + p, 0.0] for p in (steps[0], steps[-1])])
         pointer = np.array([[self._r + self._load[0] / 2, y0, 0.0], [x - 1, y0, 0.0]])
         return [
-            Strips(f"{PATH}/ruler/lines", None, lines, [INK] * len(lines), 1.2),
-            Dots(f"{PATH}/ruler/labels", None, ends, INK, texts=("0 mm", f"{steps[-1]:g} mm")),
-            Strips(f"{PATH}/load/pointer", None, [pointer], [AMBER], 2.0),
+            Polylines(f"{PATH}/ruler/lines", None, lines, [INK] * len(lines), 1.2),
+            Points(f"{PATH}/ruler/labels", None, ends, INK, texts=("0 mm", f"{steps[-1]:g} mm")),
+            Polylines(f"{PATH}/load/pointer", None, [pointer], [AMBER], 2.0),
         ]
 
-    def _dial(self) -> list[Mark]:
+    def _dial(self) -> list[Primitive]:
         """Around the shaft: the angle, in degrees from where the encoder was zeroed."""
         R, z = DIAL * self._r, self._front
         degrees = np.arange(-90, 91, 15)
@@ -136,6 +152,8 @@ class Mechanism:
             1.32 * R * np.cos(a[shown]), 1.32 * R * np.sin(a[shown]) + 0.15 * R, np.full(int(shown.sum()), z)
         ]
         return [
-            Strips(f"{PATH}/dial/lines", None, [ring, *ticks], [INK] * (1 + len(ticks)), 1.2),
-            Dots(f"{PATH}/dial/labels", None, at, INK, texts=tuple(f"{d}°" for d in degrees[shown].tolist())),
+            Polylines(f"{PATH}/dial/lines", None, [ring, *ticks], [INK] * (1 + len(ticks)), 1.2),
+            Points(
+                f"{PATH}/dial/labels", None, at, INK, texts=tuple(f"{d}°" for d in degrees[shown].tolist())
+            ),
         ]

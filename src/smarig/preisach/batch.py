@@ -1,7 +1,7 @@
 """Many at once: many inputs through one hysteresis, or one input through many hystereses.
 
 The memory does not depend on the output. So along one input the extrema and wipe-outs are found once
-(``trace``), and a hysteresis adds only its numbers: F at all corners as arrays, then sums along the chains
+(``memory_trace``), and a hysteresis adds only its numbers: F at all corners as arrays, then sums along the chains
 
     y_i = y_parent(i) + F(u_i, u_parent(i)) rising,      y_i = y_parent(i) − F(u_parent(i), u_i) falling.
 
@@ -15,19 +15,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett, from_diagonal
-from smarig.preisach.kernel import Stack, plain
-from smarig.preisach.operator import Initial, Preisach, checked
-from smarig.preisach.relay_measure import RelayMeasure
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.kernel import ExtremaStack, python_loop
+from smarig.preisach.operator import Initial, Preisach, input_array
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-NOWHERE = -1
+NO_PARENT = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
+class MemoryTrace:
     """Corners of the memory along an input: points ``u`` (m,) and the extremum each hangs on, ``parent`` (m,).
 
     Point 0 is negative saturation; then come the extrema of the initial state and its present point; the
@@ -60,7 +60,7 @@ class Trace:
         """Ancestors 1, 2, 4, … generations back of the points that are parents; the last index is nobody."""
         knots = self._knots
         back = np.searchsorted(knots, self.parent[knots])
-        back[self.parent[knots] == NOWHERE] = knots.size
+        back[self.parent[knots] == NO_PARENT] = knots.size
         jumps, back = [], np.append(back, knots.size)
         while (back < knots.size).any():
             jumps.append(back)
@@ -69,13 +69,13 @@ class Trace:
 
     @cached_property
     def _knots(self) -> Index:
-        return np.unique(np.append(self.parent[self.parent != NOWHERE], 0))
+        return np.unique(np.append(self.parent[self.parent != NO_PARENT], 0))
 
     def outputs(self, hysteresis: Everett) -> Array:
         """Outputs of one hysteresis at the samples, (n,)."""
         moved = self.u != self.u[self.parent]  # back in u₋ all relays are off, those of α = β = u₋ too
         change = np.where(moved, self.sign * hysteresis.swept(self.alpha, self.beta), 0.0)
-        alone = self.parent == NOWHERE
+        alone = self.parent == NO_PARENT
         change[0] = hysteresis.y_lower
         alone[0] = False
         if alone.any():
@@ -85,51 +85,53 @@ class Trace:
         for back in self._jumps:
             sums = sums + sums[back]
         own = self.parent[self.first :]
-        at = np.where(own == NOWHERE, sums.size - 1, np.searchsorted(self._knots, own))
+        at = np.where(own == NO_PARENT, sums.size - 1, np.searchsorted(self._knots, own))
         return change[self.first :] + sums[at]
 
 
-def trace(inputs: ArrayLike, lower: float, upper: float, initial: Initial = "negative") -> Trace:
+def memory_trace(inputs: ArrayLike, lower: float, upper: float, initial: Initial = "negative") -> MemoryTrace:
     """Follow the memory of a hysteresis over [lower, upper] along inputs (n,) from an initial state."""
-    state = Preisach(RelayMeasure.silent(lower, upper), initial, compiled=False).state
-    u = np.clip(checked(inputs), lower, upper)
+    state = Preisach(RelayMeasure.zero(lower, upper), initial, compiled=False).state
+    u = np.clip(input_array(inputs), lower, upper)
     chain = [lower, *state.extrema[1:], state.u]
     present, path = len(chain) - 1, np.concatenate([chain, u])
-    parent = [NOWHERE, *range(present), *[NOWHERE] * u.size]
-    stack = Stack.holding(state, lambda point: (point, point))
+    parent = [NO_PARENT, *range(present), *[NO_PARENT] * u.size]
+    stack = ExtremaStack.from_state(state, lambda point: (point, point))
     stack.K[1:] = range(stack.top)
     if state.diagonal:
-        parent[1] = NOWHERE
+        parent[1] = NO_PARENT
         saturated = np.flatnonzero((u == lower) | (u == upper))[:1] + present + 1
         end = int(saturated[0]) if saturated.size else path.size
-        _record(parent, path, present, end, stack)
-        present, stack = end, Stack(np.inf, [lower], [0], [0.0], np.nan)
+        _find_parents(parent, path, present, end, stack)
+        present, stack = end, ExtremaStack(np.inf, [lower], [0], [0.0], np.nan)
         parent[end : end + 1] = [0] * len(parent[end : end + 1])
-    _record(parent, path, present, path.size, stack)
-    return Trace(path, _completed(np.array(parent, dtype=np.intp), path), len(chain), state.extrema[0])
+    _find_parents(parent, path, present, path.size, stack)
+    return MemoryTrace(
+        path, _with_unmoved_points(np.array(parent, dtype=np.intp), path), len(chain), state.extrema[0]
+    )
 
 
-def _record(parent: list[int], path: Array, begin: int, end: int, stack: Stack) -> None:
+def _find_parents(parent: list[int], path: Array, begin: int, end: int, stack: ExtremaStack) -> None:
     """Run the loop over points begin + 1 … end − 1, with point numbers for keys and no outputs."""
     u, numbers = path[begin:end].tolist(), list(range(begin, end))
     if len(u) > 1:
         stack.reserve(len(u))
         nothing = [0.0] * len(u)
         memory = stack.centre, stack.U, stack.K, stack.Y, stack.top
-        plain(_recorded)(parent, u, numbers, numbers, nothing, nothing, *memory)
+        python_loop(_record_parent)(parent, u, numbers, numbers, nothing, nothing, *memory)
 
 
-def _recorded(parent: list[int], a: int, b: int) -> float:
+def _record_parent(parent: list[int], a: int, b: int) -> float:
     """In the place of an Everett function: of two points, the later one hangs on the earlier."""
     parent[max(a, b)] = min(a, b)
     return 0.0
 
 
-def _completed(parent: Index, path: Array) -> Index:
+def _with_unmoved_points(parent: Index, path: Array) -> Index:
     """Points the loop asked no F for: standing still, they hang where they hung; in u₋ they hang on point 0."""
     moved = np.append(True, path[1:] != path[:-1])
     parent = parent[np.maximum.accumulate(np.where(moved, np.arange(path.size), 0))]
-    return np.where((parent == NOWHERE) & (path == path[0]) & (np.arange(path.size) > 0), 0, parent)
+    return np.where((parent == NO_PARENT) & (path == path[0]) & (np.arange(path.size) > 0), 0, parent)
 
 
 def simulate_many(
@@ -140,7 +142,7 @@ def simulate_many(
     The same numbers as ``Preisach(h, initial).simulate(u)`` each, to rounding. A State as the initial one
     gives its extrema; outputs at them are each hysteresis's own. UsageError for any other shapes.
 
-    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> simulate_many([surface("one_c"), surface("one_e")], [90.0, 40.0, 60.0]).shape
     (2, 3)
     >>> simulate_many(surface("one_c"), [[90.0, 40.0], [50.0, 20.0], [0.0, 174.1]]).shape
@@ -155,10 +157,10 @@ def simulate_many(
     if u.ndim != 1:
         raise UsageError(f"Several hystereses share one input of shape (n,), got {u.shape}.")
     outputs = np.empty((len(hystereses), u.size))
-    traces: dict[tuple[float, float], Trace] = {}
+    traces: dict[tuple[float, float], MemoryTrace] = {}
     for k, h in enumerate(hystereses):
         ends = h.lower, h.upper
         if ends not in traces:
-            traces[ends] = trace(u, *ends, initial)
+            traces[ends] = memory_trace(u, *ends, initial)
         outputs[k] = traces[ends].outputs(h)
     return outputs

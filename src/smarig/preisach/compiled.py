@@ -1,7 +1,7 @@
 """The loop of ``kernel.py`` compiled by numba (extra ``fast``): the same source, on arrays instead of lists.
 
 numba is imported when it is first worth it, and each kind of hysteresis is compiled once. Without numba
-everything runs as plain Python. Knows no hysteresis: only the free functions of its ``Keyed``.
+everything runs as plain Python. Knows no hysteresis: only the free functions of its ``KeyedEverett``.
 """
 
 from functools import cache, lru_cache
@@ -11,11 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import UsageError
-from smarig.preisach.kernel import Array, Between, Keyed, Run, Search, Stack, Way, make
+from smarig.core.errors import UsageError
+from smarig.preisach.kernel import (
+    Array,
+    ExtremaStack,
+    KernelInput,
+    KeyedEverett,
+    KeyedFunction,
+    LoopFunction,
+    Search,
+    make_loop,
+)
 
 WORTH = 500_000  # samples that take plain Python about as long as compiling takes
-_compiled: set[Between] = set()
+_compiled: set[KeyedFunction] = set()
 
 
 @cache
@@ -24,7 +33,7 @@ def available() -> bool:
     return find_spec("numba") is not None
 
 
-def worth(keyed: Keyed, n: int, wanted: bool | None) -> bool:
+def worth_compiling(keyed: KeyedEverett, n: int, wanted: bool | None) -> bool:
     """Whether to compile for n samples; UsageError when that is wanted and impossible."""
     if wanted is False or (wanted is None and not (keyed.compilable and available())):
         return False
@@ -35,13 +44,13 @@ def worth(keyed: Keyed, n: int, wanted: bool | None) -> bool:
     return bool(wanted) or n >= WORTH or keyed.between in _compiled
 
 
-def follow(keyed: Keyed, stack: Stack, way: Way, y: Array) -> None:
+def follow(keyed: KeyedEverett, stack: ExtremaStack, kernel_input: KernelInput, y: Array) -> None:
     """``kernel.follow``, compiled: write the outputs (n,) along the way into y."""
-    run, (params, search), last = _loop(keyed.between), _prepared(keyed), way.y
+    run, (params, search), last = _loop(keyed.between), _prepared_arrays(keyed), kernel_input.y
     _compiled.add(keyed.between)
     top, U, Y = stack.top, np.array(stack.U), np.array(stack.Y)
-    K = np.array(stack.K, dtype=keyed.places(np.array([way.u]), search)[0].dtype)
-    for where, u, released in way.chunks():
+    K = np.array(stack.K, dtype=keyed.places(np.array([kernel_input.u]), search)[0].dtype)
+    for where, u, released in kernel_input.chunks():
         missing = top + u.size - U.size
         if missing > 0:
             U, K, Y = (np.concatenate([c, np.zeros(missing + c.size, c.dtype)]) for c in (U, K, Y))
@@ -55,14 +64,14 @@ def follow(keyed: Keyed, stack: Stack, way: Way, y: Array) -> None:
 
 
 @cache
-def _loop(between: Between) -> Run:
+def _loop(between: KeyedFunction) -> LoopFunction:
     import numba
 
-    return numba.njit(make(numba.njit(between)), nogil=True)
+    return numba.njit(make_loop(numba.njit(between)), nogil=True)
 
 
 @lru_cache(maxsize=8)
-def _prepared(keyed: Keyed) -> tuple[tuple[Any, ...], Search]:
+def _prepared_arrays(keyed: KeyedEverett) -> tuple[tuple[Any, ...], Search]:
     """The hysteresis's lists as arrays, and a search that remembers what it prepared for its levels."""
     buckets: dict[tuple[int, str], tuple] = {}
 

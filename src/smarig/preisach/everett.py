@@ -109,36 +109,36 @@ class DiagonalIntegrals:
 Strip = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
-class _Way(NamedTuple):
+class _StripIntegral(NamedTuple):
     """A strip, the panel edges (n + 1,) along it, and its integral up to each edge (n + 1,)."""
 
     strip: Strip
     edges: NDArray[np.float64]
-    before: NDArray[np.float64]
+    up_to_edge: NDArray[np.float64]
 
 
 @lru_cache(maxsize=8)  # a twin asks for the same diagonal state at every tick of its initialisation
-def _rising(surface: Differentiable, centre: float) -> _Way:
+def _rising(surface: Differentiable, centre: float) -> _StripIntegral:
     def strip(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
         return surface.strip_alpha(alpha, np.maximum(2 * centre - alpha, surface.lower))
 
-    return _way(strip, _panels(surface, centre, centre, surface.upper, 2 * centre - surface.lower))
+    return _strip_integral(strip, _panels(surface, centre, centre, surface.upper, 2 * centre - surface.lower))
 
 
 @lru_cache(maxsize=8)
-def _falling(surface: Differentiable, centre: float) -> _Way:
+def _falling(surface: Differentiable, centre: float) -> _StripIntegral:
     """In the variable −β, so that a fall runs upwards like a rise."""
 
     def strip(minus_beta: NDArray[np.float64]) -> NDArray[np.float64]:
         return surface.strip_beta(np.minimum(2 * centre + minus_beta, surface.upper), -minus_beta)
 
     panels = _panels(surface, centre, surface.lower, centre, 2 * centre - surface.upper)
-    return _way(strip, -panels[::-1])
+    return _strip_integral(strip, -panels[::-1])
 
 
-def _way(strip: Strip, edges: NDArray[np.float64]) -> _Way:
+def _strip_integral(strip: Strip, edges: NDArray[np.float64]) -> _StripIntegral:
     whole = _gauss(strip, edges[:-1], edges[1:])
-    return _Way(strip, edges, np.concatenate([[0.0], np.cumsum(whole)]))
+    return _StripIntegral(strip, edges, np.concatenate([[0.0], np.cumsum(whole)]))
 
 
 def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> NDArray[np.float64]:
@@ -152,15 +152,15 @@ def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: fl
     return np.unique(edges[(edges >= a) & (edges <= b)])
 
 
-def _cumulative(way: _Way, u: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cumulative(strip_integral: _StripIntegral, u: NDArray[np.float64]) -> NDArray[np.float64]:
     """∫ from edges[0] to each u (n,): whole panels by their sums, the last one by its own Gauss–Legendre.
 
     Exact to rounding for the surfaces of §5.4 at these widths.
     """
-    strip, edges, before = way
+    strip, edges, up_to_edge = strip_integral
     panel = np.clip(np.searchsorted(edges, u, side="left") - 1, 0, max(edges.size - 2, 0))
     blocks = np.array_split(np.arange(u.size), u.size // _BLOCK + 1)
-    return np.concatenate([before[panel[k]] + _gauss(strip, edges[panel[k]], u[k]) for k in blocks])
+    return np.concatenate([up_to_edge[panel[k]] + _gauss(strip, edges[panel[k]], u[k]) for k in blocks])
 
 
 def _gauss(strip: Strip, a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_surface import FodSurface
 
 Array = NDArray[np.float64]
 

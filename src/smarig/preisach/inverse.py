@@ -19,17 +19,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett, from_diagonal
-from smarig.preisach.kernel import Keyed, Stack, keyed
+from smarig.preisach.kernel import ExtremaStack, KeyedEverett, keyed
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-12  # of the output range
-PLACES = 256
-MOST_NODES = 600  # beyond this, monotonicity is looked at along each way instead of once for all
+GRID_POINTS = 256
+MAX_NODES = 600  # beyond this, monotonicity is looked at along each way instead of once for all
 
 
-class Stretch(NamedTuple):
+class BranchSegment(NamedTuple):
     """A part of the way between two inputs with one law of output, for a scalar and for an array."""
 
     start: float
@@ -75,27 +75,27 @@ def _weight(left: float) -> float:
     return 1.0 - left if left < 1.0 else 0.5
 
 
-def _finite(target: float) -> bool:
+def _is_finite(target: float) -> bool:
     try:
         return isfinite(target)
     except (TypeError, ValueError, OverflowError):  # a word, an array, an integer beyond all floats
         raise UsageError(f"The inverse takes a number as its output, got {target!r:.40}.") from None
 
 
-def _told_apart(a: float, b: float) -> tuple[str, str]:
+def _format_distinct(a: float, b: float) -> tuple[str, str]:
     """Two different numbers in print, with as many digits (six or more) as it takes to see that they differ."""
     digits = next((n for n in range(6, 17) if f"{a:.{n}g}" != f"{b:.{n}g}"), 17)
     return f"{a:.{digits}g}", f"{b:.{digits}g}"
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class InverseSolver:
     """Monotone moves of one hysteresis, and where they end up."""
 
     hysteresis: Everett
 
     @cached_property
-    def keyed(self) -> Keyed:
+    def keyed(self) -> KeyedEverett:
         """F by keys, as the loop uses it."""
         return keyed(self.hysteresis)
 
@@ -123,14 +123,14 @@ class Ways:
     @cached_property
     def nodes(self) -> Array:
         """Inputs at which monotonicity is looked at."""
-        even = np.linspace(self.hysteresis.lower, self.hysteresis.upper, PLACES + 1)
+        even = np.linspace(self.hysteresis.lower, self.hysteresis.upper, GRID_POINTS + 1)
         return np.array(self.steps) if self.steps else np.union1d(even, self.kinks)
 
     @cached_property
     def monotone(self) -> bool:
         """Whether no move whatever turns the output back: F rises with α and falls with β at all nodes."""
         u = self.nodes
-        if u.size > MOST_NODES:
+        if u.size > MAX_NODES:
             return False
         values = np.where(u[:, None] >= u, self.hysteresis.swept(u[:, None], u), 0.0)
         low = -self.rounding
@@ -138,27 +138,27 @@ class Ways:
         falls = np.where(u[:, None] > u[:-1], -np.diff(values, axis=1), 0.0)
         return bool(np.all(rises >= low) and np.all(falls >= low))
 
-    def reaching(self, stack: Stack, u: float, y: float, target: float) -> float:
+    def solve(self, stack: ExtremaStack, u: float, y: float, target: float) -> float:
         """Input of the least move from (u, y) that brings the output to the target; DataError when none does."""
-        if not _finite(target):
+        if not _is_finite(target):
             raise DataError(f"Output {target:g} cannot be reached: it is no number.")
         if abs(target - y) <= self.slack:
             return u
         up = target > y
         end = y
-        for stretch in self._stretches(stack, u, y, up):
-            ends = self._ends(stretch, target, up)
+        for segment in self._branch_segments(stack, u, y, up):
+            ends = self._bracket(segment, target, up)
             if ends is not None:
-                return ends[1] if self.steps else root(self._beyond(stretch, target, up), *ends)
-            end, u = stretch.y_end, stretch.end
+                return ends[1] if self.steps else root(self._residual_function(segment, target, up), *ends)
+            end, u = segment.y_end, segment.end
         if abs(target - end) <= self.rounding:
             return u
-        wanted, last = _told_apart(target, end)
+        wanted, last = _format_distinct(target, end)
         raise DataError(f"Output {wanted} cannot be reached: the range ends at {last}.")
 
     # --- the way ---------------------------------------------------------------------------------
 
-    def _stretches(self, s: Stack, u: float, y: float, up: bool) -> Iterator[Stretch]:
+    def _branch_segments(self, s: ExtremaStack, u: float, y: float, up: bool) -> Iterator[BranchSegment]:
         """From the present input to saturation; each ends where a remembered extremum is passed and wiped out."""
         h, diagonal = self.hysteresis, s.centre == s.centre
         end = h.upper if up else h.lower
@@ -184,12 +184,12 @@ class Ways:
 
     def _branch(
         self, u0: float, y0: float, start: float, end: float, y_end: float | None, up: bool
-    ) -> Stretch:
+    ) -> BranchSegment:
         k, swept = self.keyed, self.hysteresis.swept
         between, place, params = k.between, k.place, k.params
         own = place(params, u0)[1 if up else 0]
         if up:
-            stretch = Stretch(
+            segment = BranchSegment(
                 start,
                 end,
                 0.0,
@@ -197,75 +197,78 @@ class Ways:
                 lambda u: y0 + swept(u, u0),
             )
         else:
-            stretch = Stretch(
+            segment = BranchSegment(
                 start,
                 end,
                 0.0,
                 lambda u: y0 - between(params, own, place(params, u)[1]),
                 lambda u: y0 - swept(u0, u),
             )
-        return stretch._replace(y_end=stretch.output(end) if y_end is None else y_end)
+        return segment._replace(y_end=segment.output(end) if y_end is None else y_end)
 
-    def _released(self, s: Stack, start: float, end: float) -> Stretch:
+    def _released(self, s: ExtremaStack, start: float, end: float) -> BranchSegment:
         def outputs(u: ArrayLike) -> Array:
             return s.Y[0] + from_diagonal(self.hysteresis, s.centre, u)
 
         def output(u: float) -> float:
             return float(outputs([u])[0])
 
-        return Stretch(start, end, output(end), output, outputs)
+        return BranchSegment(start, end, output(end), output, outputs)
 
     # --- within one stretch ------------------------------------------------------------------------
 
-    def _beyond(self, way: Stretch, target: float, up: bool) -> Callable[[float], float]:
+    def _residual_function(self, segment: BranchSegment, target: float, up: bool) -> Callable[[float], float]:
         sign, tiny = (1.0 if up else -1.0), 1e-3 * self.rounding
 
-        def beyond(u: float) -> float:
-            far = sign * (way.output(u) - target)
+        def residual(u: float) -> float:
+            far = sign * (segment.output(u) - target)
             return 0.0 if -tiny < far < tiny else far  # to rounding is there: no search for the last bit
 
-        return beyond
+        return residual
 
-    def _ends(self, way: Stretch, target: float, up: bool) -> tuple[float, float] | None:
+    def _bracket(self, segment: BranchSegment, target: float, up: bool) -> tuple[float, float] | None:
         """Neighbouring kinks (else nodes) the target lies between; None when this stretch does not reach it."""
         if not self.monotone:
-            return self._first_crossing(way, target, up)
-        if (target - way.y_end if up else way.y_end - target) > self.slack:
+            return self._first_crossing(segment, target, up)
+        if (target - segment.y_end if up else segment.y_end - target) > self.slack:
             return None
-        beyond, inside = self._beyond(way, target, up), self._passed(way, self.kinks)
+        residual, inside = (
+            self._residual_function(segment, target, up),
+            self._nodes_inside(segment, self.kinks),
+        )
         low, high = 0, len(inside)
         while low < high:
             middle = (low + high) // 2
-            if beyond(inside[middle]) >= -self.slack:
+            if residual(inside[middle]) >= -self.slack:
                 high = middle
             else:
                 low = middle + 1
-        near = inside[low - 1] if low > 0 else way.start
-        return near, inside[low] if low < len(inside) else way.end
+        near = inside[low - 1] if low > 0 else segment.start
+        return near, inside[low] if low < len(inside) else segment.end
 
-    def _passed(self, way: Stretch, places: list[float]) -> list[float]:
+    def _nodes_inside(self, segment: BranchSegment, places: list[float]) -> list[float]:
         """Those of the places (rising) that lie strictly between the ends, in the order they are passed.
 
         Relays: a move away from a threshold it stood on switches, however short it is; so its first place
         is the very next number.
         """
-        if way.end > way.start:
-            inside = places[bisect_right(places, way.start) : bisect_left(places, way.end)]
+        if segment.end > segment.start:
+            inside = places[bisect_right(places, segment.start) : bisect_left(places, segment.end)]
         else:
-            inside = places[bisect_right(places, way.end) : bisect_left(places, way.start)][::-1]
-        if self.steps and way.start != way.end:
-            inside.insert(0, nextafter(way.start, way.end))
+            inside = places[bisect_right(places, segment.end) : bisect_left(places, segment.start)][::-1]
+        if self.steps and segment.start != segment.end:
+            inside.insert(0, nextafter(segment.start, segment.end))
         return inside
 
-    def _first_crossing(self, way: Stretch, target: float, up: bool) -> tuple[float, float] | None:
+    def _first_crossing(self, segment: BranchSegment, target: float, up: bool) -> tuple[float, float] | None:
         """Neighbouring nodes around the first place that brings the target; DataError when the output turns first."""
-        u = np.array([way.start, *self._passed(way, self.nodes.tolist()), way.end])
-        gone = (way.outputs(u) - target) * (1.0 if up else -1.0)
-        there = np.flatnonzero(gone[1:] >= -self.slack)
+        u = np.array([segment.start, *self._nodes_inside(segment, self.nodes.tolist()), segment.end])
+        progress = (segment.outputs(u) - target) * (1.0 if up else -1.0)
+        there = np.flatnonzero(progress[1:] >= -self.slack)
         last = int(there[0]) if there.size else u.size - 2
-        back = np.flatnonzero(np.diff(gone[: last + 2]) < -self.rounding)
+        back = np.flatnonzero(np.diff(progress[: last + 2]) < -self.rounding)
         if back.size:
-            more = np.flatnonzero(np.diff(gone[back[0] :]) >= 0)
+            more = np.flatnonzero(np.diff(progress[back[0] :]) >= 0)
             until = u[back[0] + more[0]] if more.size else u[-1]
             raise DataError(
                 f"The output is not monotone on the way to {target:g}: while the input "

@@ -1,7 +1,7 @@
 """The one loop of the Preisach operator: a whole array of inputs along the stack of remembered extrema.
 
 The same source runs as plain Python on lists and, compiled by ``compiled.py``, on arrays; a single step is
-the same loop with one input. A hysteresis hands itself over ``Keyed``: where an input lies (its keys, as α
+the same loop with one input. A hysteresis hands itself over ``KeyedEverett``: where an input lies (its keys, as α
 and as β, found once) and the Everett function between two keys. Knows no integral, no file and no class.
 
 The stack: ``U[1] … U[top]`` are remembered extrema, maxima and minima in turn, ``K`` their keys (as α for
@@ -27,14 +27,14 @@ from smarig.preisach.everett import Everett
 from smarig.preisach.state import State
 
 Array = NDArray[np.float64]
-Between = Callable[[Any, Any, Any], float]
-Run = Callable[..., int]
+KeyedFunction = Callable[[Any, Any, Any], float]
+LoopFunction = Callable[..., int]
 Search = Callable[[Array, Array, Any], NDArray[np.intp]]
 CHUNK = 1 << 14
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Keyed:
+class KeyedEverett:
     """A hysteresis as the loop sees it; ``between`` and ``place`` are free functions that numba can compile.
 
     ``between(params, a, b)`` is F(α, β) for keys; ``place(params, u)`` gives an input's keys as α and as β,
@@ -42,34 +42,38 @@ class Keyed:
     holds lists and numbers; inputs lie in [u₋, u₊].
     """
 
-    between: Between
+    between: KeyedFunction
     params: Any
     place: Callable[[Any, float], tuple[Any, Any]]
     places: Callable[[Array, Search], tuple[NDArray, NDArray]]
     compilable: bool = True
 
 
-def itself(_params: Any, u: float) -> tuple[float, float]:
+def input_as_keys(_params: Any, u: float) -> tuple[float, float]:
     """Keys of a hysteresis whose Everett function takes the inputs themselves."""
     return u, u
 
 
-def themselves(u: Array, _search: Search) -> tuple[Array, Array]:
-    """``itself`` for arrays."""
+def inputs_as_keys(u: Array, _search: Search) -> tuple[Array, Array]:
+    """``input_as_keys`` for arrays."""
     return u, u
 
 
-def _called(everett: Callable[[float, float], float], alpha: float, beta: float) -> float:
+def _call_everett(everett: Callable[[float, float], float], alpha: float, beta: float) -> float:
     return everett(alpha, beta)
 
 
-def keyed(hysteresis: Everett) -> Keyed:
+def keyed(hysteresis: Everett) -> KeyedEverett:
     """The hysteresis's own ``keyed``, or its method ``everett`` called sample by sample."""
     own = getattr(hysteresis, "keyed", None)
-    return own if isinstance(own, Keyed) else Keyed(_called, hysteresis.everett, itself, themselves, False)
+    return (
+        own
+        if isinstance(own, KeyedEverett)
+        else KeyedEverett(_call_everett, hysteresis.everett, input_as_keys, inputs_as_keys, False)
+    )
 
 
-def make(between: Between) -> Run:
+def make_loop(between: KeyedFunction) -> LoopFunction:
     """The loop around one Everett function.
 
     ``run(params, u, a, b, y, released, centre, U, K, Y, top)`` follows the inputs ``u[1:]`` with keys ``a``
@@ -115,10 +119,10 @@ def make(between: Between) -> Run:
     return run
 
 
-plain = cache(make)  # one closure for each Everett function
+python_loop = cache(make_loop)  # one closure for each Everett function
 
 
-class Stack:
+class ExtremaStack:
     """``U``, ``K``, ``Y`` and ``top`` of the module's docstring, as lists; ``centre`` is ℓ or NaN."""
 
     __slots__ = ("K", "U", "Y", "centre", "top")
@@ -130,7 +134,7 @@ class Stack:
         self.top, self.centre = len(extrema), centre
 
     @classmethod
-    def holding(cls, state: State, place: Callable[[float], tuple[Any, Any]]) -> "Stack":
+    def from_state(cls, state: State, place: Callable[[float], tuple[Any, Any]]) -> "ExtremaStack":
         """The memory of a state, whose present point is not the last extremum as well; ``place`` gives keys."""
         extrema, below, centre = [*state.extrema], inf, nan
         if state.diagonal:
@@ -149,7 +153,7 @@ class Stack:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class KernelInput:
     """What is to be followed: the present point, inputs (n,), the saturations that clip them; ``released`` (n,)."""
 
     u: float
@@ -166,21 +170,21 @@ class Way:
             where = slice(begin, begin + CHUNK)
             part = np.concatenate([[before], self.inputs[where]])
             np.clip(part, self.lower, self.upper, out=part)
-            given = part if self.released is None else np.concatenate([[0.0], self.released[where]])
-            yield where, part, given
+            released_part = part if self.released is None else np.concatenate([[0.0], self.released[where]])
+            yield where, part, released_part
             before = part[-1]
 
 
-def follow(keyed: Keyed, stack: Stack, way: Way, y: Array) -> None:
+def follow(keyed: KeyedEverett, stack: ExtremaStack, kernel_input: KernelInput, y: Array) -> None:
     """Write the outputs (n,) along the way into y; plain Python.
 
     In chunks, so that Python's numbers never take more memory than a few megabytes.
     """
-    run, last = plain(keyed.between), way.y
-    for where, part, given in way.chunks():
+    run, last = python_loop(keyed.between), kernel_input.y
+    for where, part, released_part in kernel_input.chunks():
         u = part.tolist()
         a, b = (u if key is part else key.tolist() for key in keyed.places(part, np.searchsorted))
-        released = u if given is part else given.tolist()
+        released = u if released_part is part else released_part.tolist()
         out = [last, *u[1:]]
         stack.reserve(len(u))
         memory = stack.centre, stack.U, stack.K, stack.Y, stack.top

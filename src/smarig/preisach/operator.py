@@ -18,14 +18,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.errors import DataError, UsageError
+from smarig.core.errors import DataError, UsageError
 from smarig.preisach import compiled as fast
 from smarig.preisach.everett import Everett, from_diagonal
-from smarig.preisach.fod_surface import FodSurface
-from smarig.preisach.fod_table import FodTable
-from smarig.preisach.inverse import Ways
-from smarig.preisach.kernel import Stack, Way, follow, keyed, plain
-from smarig.preisach.relay_measure import RelayMeasure
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.inverse import InverseSolver
+from smarig.preisach.kernel import ExtremaStack, KernelInput, follow, keyed, python_loop
 from smarig.preisach.state import State as State
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ class Preisach:
     long enough to be worth it, or the ``samples`` are that are still to come; True always, False never. The loop
     is the same.
 
-    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> wire = Preisach.from_surface(surface("one_c"))
     >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])       # a minor loop closes: wiping-out
     >>> bool(y[1] == y[3])
@@ -65,7 +65,7 @@ class Preisach:
             )
         self.hysteresis = hysteresis
         self._keyed = keyed(hysteresis)
-        self._params, self._run = self._keyed.params, plain(self._keyed.between)
+        self._params, self._run = self._keyed.params, python_loop(self._keyed.between)
         self._compiled, self._samples = compiled, samples
         self._lower, self._upper = hysteresis.lower, hysteresis.upper
         self.reset(initial)
@@ -118,11 +118,11 @@ class Preisach:
     def go_to_diagonal(self, centre: float) -> float:
         """Go to B_ℓ = {α = 2ℓ − β} (§8.3), ℓ = centre clipped to the range; returns ψ(ℓ) = r(B_ℓ)."""
         h = self.hysteresis
-        centre = float(min(max(number(centre), self._lower), self._upper))
+        centre = float(min(max(input_number(centre), self._lower), self._upper))
         # F alone does not reach B_ℓ, so ψ is built from below: what is on in B_ℓ is what a fall to u₋
         # would switch off.
         y = h.y_lower + h.fall_from_diagonal(centre, self._lower)
-        self._remember(State((centre,), (y,), centre, y, True))
+        self._set_state(State((centre,), (y,), centre, y, True))
         return y
 
     def _saturate(self, u: float) -> float:
@@ -131,7 +131,7 @@ class Preisach:
         if u > self._lower:
             (a, _), (_, b) = k.place(k.params, u), k.place(k.params, self._lower)
             y += k.between(k.params, a, b)
-        self._remember(State((self._lower,), (h.y_lower,), u, y))
+        self._set_state(State((self._lower,), (h.y_lower,), u, y))
         return y
 
     def _restore(self, state: State) -> None:
@@ -144,13 +144,13 @@ class Preisach:
                 f"{max(*state.extrema, state.u):g} and does not belong to a hysteresis over "
                 f"[{self._lower:g}, {self._upper:g}]."
             )
-        self._remember(state.reduced())
+        self._set_state(state.reduced())
 
-    def _remember(self, state: State) -> None:
-        self._stack = Stack.holding(state, self._place)
-        self._stand(state.u, state.y)
+    def _set_state(self, state: State) -> None:
+        self._stack = ExtremaStack.from_state(state, self._place)
+        self._set_point(state.u, state.y)
 
-    def _stand(self, u: float, y: float) -> None:
+    def _set_point(self, u: float, y: float) -> None:
         self.u, self.y = u, y
         self._a, self._b = self._place(u)
 
@@ -165,18 +165,18 @@ class Preisach:
         try:
             inside = self._lower < u < self._upper
         except (TypeError, ValueError):
-            raise _no_number(u) from None
+            raise _not_a_number(u) from None
         if not inside:
             if u != u:
                 raise DataError(_NAN)
             u = self._lower if u <= self._lower else self._upper
             return self.y if u == self.u else self._saturate(u)
         a, b = self._keyed.place(self._params, u)
-        self._stack.top, self.y = self._moved(u, a, b)
+        self._stack.top, self.y = self._move_result(u, a, b)
         self.u, self._a, self._b = u, a, b
         return self.y
 
-    def _moved(self, u: float, a: Any, b: Any) -> tuple[int, float]:
+    def _move_result(self, u: float, a: Any, b: Any) -> tuple[int, float]:
         """The stack's new top and the output after a move to u, with keys a and b, inside the range."""
         s, y, released = self._stack, [self.y, self.y], None
         if s.top + 2 > len(s.U):
@@ -192,40 +192,40 @@ class Preisach:
         try:
             u = min(max(u, self._lower), self._upper)
         except (TypeError, ValueError):
-            raise _no_number(u) from None
+            raise _not_a_number(u) from None
         if u != u or u in (self._lower, self._upper):
             saved = self._stack, self.u, self.y
             y = self.step(u)
             self._stack = saved[0]
-            self._stand(*saved[1:])
+            self._set_point(*saved[1:])
             return y
         s = self._stack
         below = s.U[0], s.U[1]  # all a move overwrites; what it pops is still there
-        _, y = self._moved(u, *self._place(u))
+        _, y = self._move_result(u, *self._place(u))
         s.U[0], s.U[1] = below
         return y
 
     def simulate(self, u: Sequence[float] | ArrayLike, initial: Initial = "negative") -> Array:
         """Outputs for inputs u, shape (n,), from an initial state; moves are monotone between samples."""
-        inputs = checked(u)
+        inputs = input_array(u)
         self.reset(initial)
         return self._follow(inputs)
 
     def follow(self, u: Sequence[float] | ArrayLike) -> Array:
         """Outputs for inputs u, shape (n,), from the present state on: many steps in one call."""
-        return self._follow(checked(u))
+        return self._follow(input_array(u))
 
     def _follow(self, inputs: Array) -> Array:
         y = np.empty(inputs.size)
         done = self._leave_diagonal(inputs, y) if self._diagonal else 0
-        self._drive(inputs[done:], y[done:])
+        self._run_loop(inputs[done:], y[done:])
         return y
 
     def _leave_diagonal(self, inputs: Array, y: Array) -> int:
         """Follow the inputs through the first that saturates, where a diagonal state ends; returns how many."""
         saturated = np.flatnonzero((inputs <= self._lower) | (inputs >= self._upper))[:1]
         end = int(saturated[0]) if saturated.size else inputs.size
-        self._drive(inputs[:end], y[:end], self._released(inputs[:end]))
+        self._run_loop(inputs[:end], y[:end], self._released(inputs[:end]))
         if end < inputs.size:
             y[end] = self._saturate(self._lower if inputs[end] <= self._lower else self._upper)
         return end + 1
@@ -242,16 +242,16 @@ class Preisach:
             outputs[wanted] = s.Y[0] + from_diagonal(self.hysteresis, s.centre, inputs[wanted])
         return outputs
 
-    def _drive(self, inputs: Array, y: Array, released: Array | None = None) -> None:
+    def _run_loop(self, inputs: Array, y: Array, released: Array | None = None) -> None:
         if inputs.size:
-            way = Way(self.u, self.y, inputs, self._lower, self._upper, released)
+            kernel_input = KernelInput(self.u, self.y, inputs, self._lower, self._upper, released)
             loop = (
                 fast.follow
-                if fast.worth(self._keyed, max(inputs.size, self._samples), self._compiled)
+                if fast.worth_compiling(self._keyed, max(inputs.size, self._samples), self._compiled)
                 else follow
             )
-            loop(self._keyed, self._stack, way, y)
-            self._stand(min(max(float(inputs[-1]), self._lower), self._upper), float(y[-1]))
+            loop(self._keyed, self._stack, kernel_input, y)
+            self._set_point(min(max(float(inputs[-1]), self._lower), self._upper), float(y[-1]))
 
     # --- inverse ---------------------------------------------------------------------------------
 
@@ -261,14 +261,14 @@ class Preisach:
         The least move that does: see ``inverse.py``. Leaves the operator's memory as it was.
         """
         if state is None:
-            return self._ways.reaching(self._stack, self.u, self.y, y_target)
+            return self._inverse_solver.solve(self._stack, self.u, self.y, y_target)
         here = self._stack, self.u, self.y
         try:
             self.reset(state)
-            return self._ways.reaching(self._stack, self.u, self.y, y_target)
+            return self._inverse_solver.solve(self._stack, self.u, self.y, y_target)
         finally:
             self._stack = here[0]
-            self._stand(*here[1:])
+            self._set_point(*here[1:])
 
     def inverse_trajectory(self, y: Sequence[float] | ArrayLike) -> Array:
         """Inputs (n,) that bring the output to each y in turn, one least monotone move each.
@@ -276,7 +276,7 @@ class Preisach:
         The memory moves along, as with ``follow``. DataError, naming the sample, when an output cannot be
         reached; the memory is then that before the sample. UsageError for another shape.
         """
-        targets = _row(y, "The inverse", "output")
+        targets = _vector(y, "The inverse", "output")
         u = np.empty(targets.size)
         for k, target in enumerate(targets.tolist()):
             try:
@@ -287,8 +287,8 @@ class Preisach:
         return u
 
     @cached_property
-    def _ways(self) -> Ways:
-        return Ways(self.hysteresis)
+    def _inverse_solver(self) -> InverseSolver:
+        return InverseSolver(self.hysteresis)
 
     def __repr__(self) -> str:
         h = self.hysteresis
@@ -298,31 +298,31 @@ class Preisach:
         )
 
 
-def checked(u: Sequence[float] | ArrayLike) -> Array:
+def input_array(u: Sequence[float] | ArrayLike) -> Array:
     """Inputs (n,) as floats; UsageError for another shape, DataError for NaN."""
-    inputs = _row(u, "The Preisach operator", "input")
+    inputs = _vector(u, "The Preisach operator", "input")
     if inputs.size and np.isnan(inputs.min()):  # a minimum with NaN is NaN, and needs no memory
         where = int(np.argmax(np.isnan(inputs)))
         raise DataError(f"The Preisach operator was given NaN as its input, at sample {where}.")
     return inputs
 
 
-def number(u: float) -> float:
+def input_number(u: float) -> float:
     """One input; UsageError for what is no number, DataError for NaN."""
     try:
         nan = math.isnan(u)
     except (TypeError, ValueError, OverflowError):
-        raise _no_number(u) from None
+        raise _not_a_number(u) from None
     if nan:
         raise DataError(_NAN)
     return u
 
 
-def _no_number(u: object) -> UsageError:
+def _not_a_number(u: object) -> UsageError:
     return UsageError(f"The Preisach operator takes a number as its input, got {u!r:.40}.")
 
 
-def _row(values: Sequence[float] | ArrayLike, what: str, of: str) -> Array:
+def _vector(values: Sequence[float] | ArrayLike, what: str, of: str) -> Array:
     try:
         row = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

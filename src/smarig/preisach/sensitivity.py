@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.preisach.everett import Differentiable, Everett
 from smarig.preisach.state import State
 
@@ -27,7 +27,7 @@ def sensitivity(hysteresis: Everett | Differentiable, state: State) -> Array:
     of B_ℓ is no input. ∂y/∂u is that of going on in the direction of the last move. On a kink the slopes are
     one-sided. UsageError for relays, which have none.
 
-    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> from smarig.preisach.operator import Preisach
     >>> wire = Preisach.from_surface(surface("one_c"))
     >>> y = wire.simulate([90.0, 40.0])
@@ -48,7 +48,7 @@ def sensitivities(hysteresis: Everett | Differentiable, states: Sequence[State])
     strip[base] = False
     for k, state in zip(base.tolist(), states):
         if state.diagonal:
-            slope[k + 1] += _leaving(surface, path[k], path[k + 1])
+            slope[k + 1] += _slope_leaving_diagonal(surface, path[k], path[k + 1])
             strip[k + 1] = False
     here = np.flatnonzero(strip)
     before, after = path[here - 1], path[here]
@@ -70,7 +70,7 @@ def _with_slopes(hysteresis: Everett | Differentiable) -> Differentiable:
     return cast(Differentiable, hysteresis)
 
 
-def _leaving(hysteresis: Differentiable, centre: float, u: float) -> float:
+def _slope_leaving_diagonal(hysteresis: Differentiable, centre: float, u: float) -> float:
     """Slope of the output along the first move away from B_ℓ, whose strip ends at the mirror image of u."""
     here, image = np.array([u]), np.array([2 * centre - u])
     if u >= centre:

@@ -14,14 +14,14 @@ def turning_points(u: NDArray[np.float64], threshold: float) -> list[int]:
     >>> turning_points(np.array([0.0, -0.1, 3.0]), 1.5)
     [0, 1, 2]
     """
-    turns, low, high, sense = [0], 0, 0, 0
+    turns, low, high, direction = [0], 0, 0, 0
     for k, value in enumerate(u.tolist()):
         low, high = (k if value < u[low] else low), (k if value > u[high] else high)
-        if sense >= 0 and value < u[high] - threshold:
+        if direction >= 0 and value < u[high] - threshold:
             turns += [high] if high > turns[-1] else []
-            sense, low = -1, k
-        elif sense <= 0 and value > u[low] + threshold:
+            direction, low = -1, k
+        elif direction <= 0 and value > u[low] + threshold:
             turns += [low] if low > turns[-1] else []
-            sense, high = 1, k
+            direction, high = 1, k
     last = u.size - 1
     return [*turns, last] if turns[-1] != last else turns

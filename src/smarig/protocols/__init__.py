@@ -10,12 +10,12 @@ def misfit(name: str, found: Any) -> str:
     >>> misfit("hold", lambda: None)
     'hold must be a function hold(setup, *, setting: type = default, …); it takes no setup'
     """
-    because = _misfit(found)
+    reason = _misfit_reason(found)
     shape = f"{name} must be a function {name}(setup, *, setting: type = default, …)"
-    return f"{shape}; {because}" if because else ""
+    return f"{shape}; {reason}" if reason else ""
 
 
-def _misfit(found: Any) -> str:
+def _misfit_reason(found: Any) -> str:
     if not inspect.isfunction(found):
         return f"it is of type {type(found).__name__}"
     parameters = [p for p in inspect.signature(found).parameters.values() if p.name != "chooser"]

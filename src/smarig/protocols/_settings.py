@@ -10,10 +10,10 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from smarig.catalogue import chosen, find, names, suggestion
-from smarig.command import Protocol
 from smarig.config import CampaignFile
-from smarig.errors import UsageError
+from smarig.core.catalogue import find, names, resolve_name, suggestion
+from smarig.core.command import Protocol
+from smarig.core.errors import UsageError
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 
@@ -33,23 +33,23 @@ def build(
     >>> next(protocol).data["points"]
     5
     """
-    refuse_loops(name)
+    refuse_closed_loops(name)
     function = find(PACKAGE, name)
     hints = get_type_hints(function)
     parameters = inspect.signature(function).parameters
     known = [p.name for p in parameters.values() if p.kind is p.KEYWORD_ONLY]
-    given: dict[str, Any] = {"chooser": chooser} if "chooser" in parameters else {}
+    arguments: dict[str, Any] = {"chooser": chooser} if "chooser" in parameters else {}
     for key, value in _grouped(settings or {}).items():
         if key not in known:
             raise UsageError(f"Protocol '{name}' has no setting '{key}'{suggestion(key, known)}.")
-        given[key] = _typed(name, key, value, hints[key])
-    made = function(setup, **given)
-    if not isinstance(made, Generator):
+        arguments[key] = _converted(name, key, value, hints[key])
+    generator = function(setup, **arguments)
+    if not isinstance(generator, Generator):
         raise UsageError(f"Protocol '{name}' yields nothing: it must be a generator of commands.")
-    return made
+    return generator
 
 
-def refuse_loops(name: str) -> None:
+def refuse_closed_loops(name: str) -> None:
     """UsageError that says what closes a loop, where a closed loop is asked for as if it were a protocol."""
     if name in _LOOPS and name not in names(PACKAGE):
         raise UsageError(
@@ -58,13 +58,13 @@ def refuse_loops(name: str) -> None:
         )
 
 
-def chosen_steps(plan: CampaignFile) -> CampaignFile:
+def with_loaded_protocols(plan: CampaignFile) -> CampaignFile:
     """A campaign with its steps' protocols by name; own files join the catalogue."""
-    steps = (s.model_copy(update={"protocol": chosen(PACKAGE, s.protocol)}) for s in plan.step)
+    steps = (s.model_copy(update={"protocol": resolve_name(PACKAGE, s.protocol)}) for s in plan.step)
     return plan.model_copy(update={"step": tuple(steps)})
 
 
-def described(name: str) -> list[tuple[str, str]]:
+def setting_texts(name: str) -> list[tuple[str, str]]:
     """(setting, default and choices) of a protocol, for listings; groups with their dots.
 
     >>> dict(described("initialise"))["method"]
@@ -111,7 +111,7 @@ def _grouped(settings: Mapping[str, Any]) -> dict[str, Any]:
     return grouped
 
 
-def _typed(name: str, key: str, value: Any, hint: Any) -> Any:
+def _converted(name: str, key: str, value: Any, hint: Any) -> Any:
     if isinstance(value, str) and "tuple" in str(hint):
         value = [part for part in value.replace(";", ",").split(",") if part.strip()]
     if isinstance(value, dict):

@@ -9,13 +9,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol as Interface
 
-from smarig.command import Hold, Mark, Protocol, Settled, StepResult, Verdict
-from smarig.errors import UsageError
+from smarig.core.command import Hold, Mark, Protocol, Settled, StepResult, StepVerdict
+from smarig.core.errors import UsageError
 from smarig.protocols._setup import Setup
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class HoldResult:
     """A finished hold: the input asked for and the mean counts of its window.
 
     ``settled`` is False for a hold that timed out: the wire was there, but its reading is not the settled one.
@@ -29,7 +29,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class NextInputs:
     """Inputs to hold next, one after the other; none when there is nothing left to ask.
 
     ``predicted_share`` is the predicted rms error of y(α, β) over the triangle, as a share of the output
@@ -43,8 +43,8 @@ class Choice:
 class Chooser(Interface):
     """What to hold next, from everything seen so far: a function, so state goes in and comes out."""
 
-    def __call__(self, setup: Setup, seen: Sequence[Seen], settle: Settled, /) -> Choice:
-        """``seen`` begins with a hold in negative saturation."""
+    def __call__(self, setup: Setup, results: Sequence[HoldResult], settle: Settled, /) -> NextInputs:
+        """``results`` begins with a hold in negative saturation."""
         ...
 
 
@@ -72,50 +72,50 @@ def adaptive_fod(
     return _adaptive(setup, chooser or halving, target_share, 3600 * longest_h, settle or Settled())
 
 
-def halving(setup: Setup, seen: Sequence[Seen], _settle: Settled) -> Choice:
+def halving(setup: Setup, results: Sequence[HoldResult], _settle: Settled) -> NextInputs:
     """The chooser that looks at nothing: FOD curves over even partitions of 4, 8 and 16 segments in turn."""
-    asked = 2  # both saturations
+    hold_count = 2  # both saturations
     for segments in (4, 8, 16):
         levels = [setup.at(k / segments) for k in range(segments + 1)]
         for k in range(1, segments + 1):
-            if asked >= len(seen):
-                return Choice((levels[k], *reversed(levels[:k])))
-            asked += k + 1
-    return Choice(())
+            if hold_count >= len(results):
+                return NextInputs((levels[k], *reversed(levels[:k])))
+            hold_count += k + 1
+    return NextInputs(())
 
 
 def _adaptive(
     setup: Setup, chooser: Chooser, target_share: float, longest_s: float, settle: Settled
 ) -> Protocol:
     yield Mark("adaptive first-order descending", {"chooser": getattr(chooser, "__name__", repr(chooser))})
-    seen: list[Seen] = []
+    results: list[HoldResult] = []
     start_s = math.nan
-    choice = Choice((setup.lower_K, setup.upper_K))
+    choice = NextInputs((setup.lower_K, setup.upper_K))
     while choice.inputs_K:
         for input_K in choice.inputs_K:
             _check(setup, input_K)
             result = yield Hold(
-                setup.current_for(input_K), settle, target=input_K, branch=_branch(seen, input_K)
+                setup.current_for(input_K), settle, target=input_K, branch=_branch(results, input_K)
             )
-            seen.append(_seen(input_K, result))
+            results.append(_hold_result(input_K, result))
             start_s = result.t_start_s if math.isnan(start_s) else start_s
             if result.t_end_s - start_s >= longest_s:
-                yield Mark("time is up", {"holds": len(seen), "longest_h": longest_s / 3600})
+                yield Mark("time is up", {"holds": len(results), "longest_h": longest_s / 3600})
                 return
-        choice = chooser(setup, tuple(seen), settle)
+        choice = chooser(setup, tuple(results), settle)
         share = choice.predicted_share
-        told = {"holds": len(seen), "inputs_K": list(choice.inputs_K)}
-        yield Mark("chosen", told if math.isnan(share) else told | {"predicted_share": share})
+        mark_data = {"holds": len(results), "inputs_K": list(choice.inputs_K)}
+        yield Mark("chosen", mark_data if math.isnan(share) else mark_data | {"predicted_share": share})
         if share <= target_share:
-            yield Mark("target reached", {"holds": len(seen), "predicted_share": share})
+            yield Mark("target reached", {"holds": len(results), "predicted_share": share})
             return
 
 
-def _branch(seen: Sequence[Seen], input_K: float) -> str:
+def _branch(results: Sequence[HoldResult], input_K: float) -> str:
     """Where a hold leads from the one before it: the record's word for its step."""
-    if len(seen) < 2:
+    if len(results) < 2:
         return "saturate"
-    return "rise" if input_K > seen[-1].input_K else "fall"
+    return "rise" if input_K > results[-1].input_K else "fall"
 
 
 def _check(setup: Setup, input_K: float) -> None:
@@ -126,9 +126,11 @@ def _check(setup: Setup, input_K: float) -> None:
         )
 
 
-def _seen(input_K: float, result: StepResult | None) -> Seen:
+def _hold_result(input_K: float, result: StepResult | None) -> HoldResult:
     if not isinstance(result, StepResult):
         raise UsageError(
             "adaptive_fod chooses from results: it can be run on a rig or a twin, not be listed."
         )
-    return Seen(input_K, result.counts, result.counts_sd, result.n, result.verdict is Verdict.SETTLED)
+    return HoldResult(
+        input_K, result.counts, result.counts_sd, result.n, result.verdict is StepVerdict.SETTLED
+    )

@@ -1,8 +1,8 @@
 """The congruent-minor-loop test of §5.3.2: do comparable loops have one shape?"""
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.errors import UsageError
-from smarig.protocols._moves import few, line, saturate, settle_at
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.core.errors import UsageError
+from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -25,14 +25,14 @@ def congruency(
         raise UsageError(f"congruency needs 0 ≤ low < high < peak ≤ 1, got {low:g}, {high:g}, {peak:g}.")
     settle = settle or Settled()
     bottom, top, crest = setup.at(low), setup.at(high), setup.at(peak)
-    n = few("points_per_branch", points_per_branch, 1, 1000)
+    n = checked_count("points_per_branch", points_per_branch, 1, 1000)
     yield Mark("congruency", {"bottom_K": bottom, "top_K": top, "peak_K": crest})
     yield from saturate(setup, settle)
-    yield from settle_at(setup, line(setup.lower_K, top, n), "rise", settle)
-    yield from settle_at(setup, line(top, bottom, n), "A down", settle)
-    yield from settle_at(setup, line(bottom, top, n), "A up", settle)
-    yield from settle_at(setup, line(top, crest, n), "peak", settle)
-    yield from settle_at(setup, line(crest, bottom, n), "fall", settle)
-    yield from settle_at(setup, line(bottom, top, n), "B up", settle)
-    yield from settle_at(setup, line(top, bottom, n), "B down", settle)
+    yield from settle_at(setup, evenly_spaced(setup.lower_K, top, n), "rise", settle)
+    yield from settle_at(setup, evenly_spaced(top, bottom, n), "A down", settle)
+    yield from settle_at(setup, evenly_spaced(bottom, top, n), "A up", settle)
+    yield from settle_at(setup, evenly_spaced(top, crest, n), "peak", settle)
+    yield from settle_at(setup, evenly_spaced(crest, bottom, n), "fall", settle)
+    yield from settle_at(setup, evenly_spaced(bottom, top, n), "B up", settle)
+    yield from settle_at(setup, evenly_spaced(top, bottom, n), "B down", settle)
     yield from saturate(setup, settle)

@@ -1,7 +1,7 @@
 """The mirror of the FOD protocol (§4.2): first-order ascending (FOA) curves."""
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.protocols._moves import default_partition, increasing, saturate, settle_at
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.protocols._building_blocks import checked_partition, default_partition, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -13,7 +13,7 @@ def first_order_ascending(
     A classical Preisach operator gives the same density from either set; comparing them tests it.
     """
     settle = settle or Settled()
-    levels = increasing(setup, partition_K or default_partition(setup))
+    levels = checked_partition(setup, partition_K or default_partition(setup))
     yield Mark("first-order ascending", {"partition_K": list(levels)})
     yield from saturate(setup, settle)
     yield from saturate(setup, settle, upper=True)

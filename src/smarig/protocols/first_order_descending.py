@@ -1,7 +1,7 @@
 """The identification protocol of §3.4 and §5.4.1: first-order descending (FOD) curves."""
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.protocols._moves import default_partition, increasing, saturate, settle_at
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.protocols._building_blocks import checked_partition, default_partition, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -15,7 +15,7 @@ def first_order_descending(
     partitions, scaled to the rig's range.
     """
     settle = settle or Settled()
-    levels = increasing(setup, partition_K or default_partition(setup))
+    levels = checked_partition(setup, partition_K or default_partition(setup))
     yield Mark("first-order descending", {"partition_K": list(levels)})
     yield from saturate(setup, settle)
     yield from settle_at(setup, levels[:1], "base", settle)

@@ -3,11 +3,11 @@
 import math
 from typing import Literal
 
-from smarig.command import Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
-from smarig.protocols._moves import few
+from smarig.core.command import Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
+from smarig.protocols._building_blocks import checked_count
 from smarig.protocols._setup import Setup
 
-_SWING_TAUS = 8.0  # a swing of 8 τ comes within 0.03 % of the limit
+_SATURATION_TAUS = 8.0  # a swing of 8 τ comes within 0.03 % of the limit
 _CYCLES = 18  # as in the thesis: 18 maxima and 18 minima
 _PERIOD_TAUS = 5 * math.pi  # ω τ = 0.4: lag compensation asks for at most 8 % more than the amplitude
 
@@ -27,20 +27,20 @@ def initialise(
     sin(0.2πt) by the steady relation, for 180 s; with τ ≈ 5 s the wire does not follow it (theory.md §8.6).
     A one-wire rig has no remnant hysteresis when cold: it is cooled.
     """
-    few("cycles", cycles, 1, 1000)
+    checked_count("cycles", cycles, 1, 1000)
     settle = settle or Settled()
     yield Mark("initialise", {"method": method if setup.two_wire else "cool"})
     if setup.two_wire:
-        yield from _planned(setup, cycles) if method == "planned" else _as_in_the_thesis(setup)
-    yield Hold(0.0, Elapsed(_SWING_TAUS * setup.tau_s), branch="cool")
+        yield from _planned_sinusoid(setup, cycles) if method == "planned" else _thesis_sinusoid(setup)
+    yield Hold(0.0, Elapsed(_SATURATION_TAUS * setup.tau_s), branch="cool")
     yield Hold(0.0, settle, branch="cool")
     yield Zero()
 
 
-def _planned(setup: Setup, cycles: int) -> Protocol:
-    swing = Elapsed(_SWING_TAUS * setup.tau_s)
-    yield Hold(setup.current_for(setup.upper_K), swing, branch="swing up")
-    yield Hold(setup.current_for(setup.lower_K), swing, branch="swing down")
+def _planned_sinusoid(setup: Setup, cycles: int) -> Protocol:
+    saturation = Elapsed(_SATURATION_TAUS * setup.tau_s)
+    yield Hold(setup.current_for(setup.upper_K), saturation, branch="swing up")
+    yield Hold(setup.current_for(setup.lower_K), saturation, branch="swing down")
     amplitude = min(setup.upper_K, -setup.lower_K)
     omega = 2 * math.pi / (_PERIOD_TAUS * setup.tau_s)
     end_s = cycles * 2 * math.pi / omega
@@ -55,7 +55,7 @@ def _planned(setup: Setup, cycles: int) -> Protocol:
     yield Waveform(tuple(currents), setup.period_s, branch="decay")
 
 
-def _as_in_the_thesis(setup: Setup) -> Protocol:
+def _thesis_sinusoid(setup: Setup) -> Protocol:
     amplitude, end_s = min(setup.upper_K, -setup.lower_K), 180.0
     times = [(k + 1) * setup.period_s for k in range(round(end_s / setup.period_s))]
     inputs = [(end_s - t) / end_s * amplitude * math.sin(0.2 * math.pi * t) for t in times]

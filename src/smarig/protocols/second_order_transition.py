@@ -1,7 +1,7 @@
 """Second-order transition curves (§3.5): what a non-linear Preisach model needs besides FODs."""
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.protocols._moves import increasing, line, saturate, settle_at
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.protocols._building_blocks import checked_partition, evenly_spaced, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -13,7 +13,9 @@ def second_order_transition(
     The re-rising branches are second-order: they tell congruent from input-dependent hysteresis (§3.5).
     """
     settle = settle or Settled()
-    levels = increasing(setup, partition_K or (setup.lower_K, *line(setup.lower_K, setup.upper_K, 6)))
+    levels = checked_partition(
+        setup, partition_K or (setup.lower_K, *evenly_spaced(setup.lower_K, setup.upper_K, 6))
+    )
     yield Mark("second-order transition", {"partition_K": list(levels)})
     for i in range(2, len(levels)):
         for j in range(1, i):

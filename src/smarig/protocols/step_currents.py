@@ -5,9 +5,9 @@ import math
 from pathlib import Path
 from typing import Literal
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.errors import DataError, UsageError
-from smarig.protocols._moves import few, line, settle_at, within_range
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.core.errors import DataError, UsageError
+from smarig.protocols._building_blocks import checked_count, checked_inputs, evenly_spaced, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -39,19 +39,19 @@ def step_currents(
             )
     if currents_A:
         temperatures_K = tuple(setup.actuator.input_for(i) for i in currents_A)
-    inputs = within_range(setup, temperatures_K or _named(setup, profile, points), "step_currents")
+    inputs = checked_inputs(setup, temperatures_K or _profile_inputs(setup, profile, points), "step_currents")
     yield Mark("step currents", {"points": len(inputs)})
     yield from settle_at(setup, inputs, profile if not temperatures_K else "listed", settle)
 
 
-def _named(setup: Setup, profile: str, points: int) -> list[float]:
-    few("points", points, 2, 100_000)
+def _profile_inputs(setup: Setup, profile: str, points: int) -> list[float]:
+    checked_count("points", points, 2, 100_000)
     low, high = setup.lower_K, setup.upper_K
     if profile == "major_loop":
         half = (points + 1) // 2
-        return [low, *line(low, high, half), *line(high, low, half)]
+        return [low, *evenly_spaced(low, high, half), *evenly_spaced(high, low, half)]
     if profile == "staircase":
-        return [low, *line(low, high, points)]
+        return [low, *evenly_spaced(low, high, points)]
     middle, size = (low + high) / 2, (high - low) / 2
     turns = [2 * math.pi * 3 * (k + 1) / points for k in range(points)]
     fade = [1.0 if profile == "sine" else 1 - (k + 1) / points for k in range(points)]

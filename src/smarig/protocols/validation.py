@@ -2,8 +2,8 @@
 
 import random
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.protocols._moves import few, saturate, settle_at
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.protocols._building_blocks import checked_count, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 
@@ -12,7 +12,7 @@ def validation(setup: Setup, *, points: int = 40, seed: int = 1, settle: Settled
 
     The sequence follows from ``seed``; a model is judged on it, and never fitted to it.
     """
-    few("points", points, 2, 100_000)
+    checked_count("points", points, 2, 100_000)
     settle = settle or Settled()
     dice = random.Random(seed)
     inputs = [setup.at(dice.random()) for _ in range(points)]

@@ -1,7 +1,7 @@
 """The wiping-out test of §5.3.1: does a peak erase what came before it?"""
 
-from smarig.command import Mark, Protocol, Settled
-from smarig.protocols._moves import few, line, saturate, settle_at
+from smarig.core.command import Mark, Protocol, Settled
+from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate, settle_at
 from smarig.protocols._setup import Setup
 
 # Shares of the range at which the nested branches of one segment turn (Fig. 5.5).
@@ -13,16 +13,18 @@ def wiping_out(setup: Setup, *, points_per_branch: int = 5, settle: Settled | No
 
     The peak that opens B wipes out the memory of A, if the wire has a Preisach representation (§3.3.1).
     """
-    few("points_per_branch", points_per_branch, 1, 1000)
+    checked_count("points_per_branch", points_per_branch, 1, 1000)
     settle = settle or Settled()
     turns = [setup.at(share) for share in _TURNS]
     yield Mark("wiping-out", {"turns_K": turns})
     yield from saturate(setup, settle)
     start = setup.lower_K
     for segment in ("A", "B"):
-        yield from settle_at(setup, line(start, turns[0], points_per_branch), f"{segment} peak", settle)
+        yield from settle_at(
+            setup, evenly_spaced(start, turns[0], points_per_branch), f"{segment} peak", settle
+        )
         for k in range(1, len(turns)):
-            branch = line(turns[k - 1], turns[k], points_per_branch)
+            branch = evenly_spaced(turns[k - 1], turns[k], points_per_branch)
             yield from settle_at(setup, branch, f"{segment} {k}", settle)
         start = turns[-1]
     yield from saturate(setup, settle)

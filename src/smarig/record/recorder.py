@@ -15,14 +15,14 @@ from collections import deque
 from pathlib import Path
 from typing import Any
 
-from smarig.command import StepResult
-from smarig.errors import StorageError, UsageError
-from smarig.file_kind import RUN
+from smarig.core.atomic_file import check_replaceable
+from smarig.core.command import StepResult
+from smarig.core.errors import StorageError, UsageError
+from smarig.core.file_content import RUN
+from smarig.core.sample import Sample
 from smarig.record import schema
-from smarig.record.clock import ClockWatch
-from smarig.record.going_on import GoingOn, reopened
-from smarig.sample import Sample
-from smarig.whole_file import replaceable
+from smarig.record.clock_watch import ClockWatch
+from smarig.record.continuation import Continuation, reopened
 
 COMMIT_INTERVAL_S = 0.5
 RESERVE_BYTES = 8_000_000  # stop while there is still room to close the run
@@ -37,7 +37,7 @@ class Recorder:
         meta: dict[str, Any],
         *,
         force: bool = False,
-        going_on: GoingOn | None = None,
+        continuation: Continuation | None = None,
         clock: ClockWatch | None = None,
     ) -> None:
         self.path = path
@@ -48,9 +48,9 @@ class Recorder:
         self._wake = threading.Event()
         self._closing = False
         self._failure: str | None = None
-        self._lost: str | None = None
+        self._loss_text: str | None = None
         meta = {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}
-        self._db = _create(path, meta, force) if going_on is None else reopened(path, meta, going_on)
+        self._db = _create(path, meta, force) if continuation is None else reopened(path, meta, continuation)
         self._thread = threading.Thread(target=self._write_until_closed, name="recorder", daemon=True)
         self._thread.start()
 
@@ -59,7 +59,7 @@ class Recorder:
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
         """One sample; a few microseconds. Raises StorageError once writing has failed."""
         if self._failure is not None:
-            self._lost = None
+            self._loss_text = None
             raise StorageError(self._failure)
         self._rows.append(
             (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
@@ -117,7 +117,7 @@ class Recorder:
                 self._commit()
                 self._check_space()
             except StorageError as error:  # samples are lost: told at the end, if not before
-                self._failure = self._lost = f"{error} The current is at zero."
+                self._failure = self._loss_text = f"{error} The current is at zero."
                 return
             except Exception as error:  # whatever it is, the tick must hear of it
                 self._failure = f"Run {self.path} cannot be written: {error}. The current is at zero."
@@ -133,33 +133,33 @@ class Recorder:
         if not rows and not statements:
             return
         try:
-            refused = self._written(rows, statements)
+            rejected = self._write_batch(rows, statements)
         except Exception:  # rolled back: keep them, so that closing can try once more
             self._rows.extendleft(reversed(rows))
             with self._lock:
                 self._statements[:0] = statements
             raise
-        if refused:
+        if rejected:
             raise StorageError(
-                f"Run {self.path}: {len(refused)} samples were not kept, the first of tick {refused[0][0]}: that tick "
+                f"Run {self.path}: {len(rejected)} samples were not kept, the first of tick {rejected[0][0]}: that tick "
                 "is there already, or is none. All others are."
             )
 
-    def _written(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:
+    def _write_batch(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:
         """All in one transaction; returns the samples that no file can keep, lest the good ones be lost with them."""
-        refused: list[tuple] = []
+        rejected: list[tuple] = []
         with self._db:
             self._db.execute("SAVEPOINT batch")
             try:
                 self._db.executemany(schema.INSERT_SAMPLE, rows)
             except (sqlite3.IntegrityError, OverflowError):
                 self._db.execute("ROLLBACK TO batch")
-                refused = [row for row in rows if not self._fits(row)]
+                rejected = [row for row in rows if not self._insertable(row)]
             for sql, row in statements:
                 self._db.execute(sql, row)
-        return refused
+        return rejected
 
-    def _fits(self, row: tuple) -> bool:
+    def _insertable(self, row: tuple) -> bool:
         try:
             self._db.execute(schema.INSERT_SAMPLE, row)
         except (sqlite3.IntegrityError, OverflowError):
@@ -194,8 +194,8 @@ class Recorder:
         finally:
             _leave_one_file(self._db)
             self._db.close()
-        if self._lost is not None:
-            raise StorageError(self._lost)
+        if self._loss_text is not None:
+            raise StorageError(self._loss_text)
 
 
 def _leave_one_file(db: sqlite3.Connection) -> None:
@@ -209,7 +209,7 @@ def _leave_one_file(db: sqlite3.Connection) -> None:
 def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
-    replaceable(path, RUN)
+    check_replaceable(path, RUN)
     _refuse_if_recording(path)
     try:
         for suffix in ("", "-wal", "-shm"):
@@ -218,7 +218,7 @@ def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection
         db = sqlite3.connect(path, check_same_thread=False)
         db.execute("PRAGMA journal_mode=WAL")
         db.execute("PRAGMA synchronous=FULL")
-        db.execute(f"PRAGMA wal_autocheckpoint={schema.PAGES_BESIDE}")
+        db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
         with db:
             db.executescript(schema.CREATE)
             db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
@@ -252,25 +252,25 @@ def write_run(
     ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
     ``steps`` are rows in STEP_COLUMNS order.
     """
-    part = path.with_name(path.name + ".part")
+    part_path = path.with_name(path.name + ".part")
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
-    replaceable(path, RUN)
+    check_replaceable(path, RUN)
     _refuse_if_recording(path)
     try:
         db = _create(
-            part,
+            part_path,
             {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}},
             True,
         )
         try:
             n = len(columns["tick"])
-            given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
-            given[-1] = given[-1] if given[-1] is not None else [0] * n
+            provided = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
+            provided[-1] = provided[-1] if provided[-1] is not None else [0] * n
             with db:
                 db.executemany(
                     schema.INSERT_SAMPLE,
-                    zip(*[[None] * n if c is None else _plain(c) for c in given], strict=True),
+                    zip(*[[None] * n if c is None else _as_list(c) for c in provided], strict=True),
                 )
                 db.executemany(schema.INSERT_STEP, steps)
             db.execute("PRAGMA journal_mode=DELETE")
@@ -278,14 +278,14 @@ def write_run(
             db.close()
         for suffix in ("-wal", "-shm"):
             path.with_name(path.name + suffix).unlink(missing_ok=True)
-        part.replace(path)
+        part_path.replace(path)
     except (OSError, sqlite3.Error, OverflowError) as error:
         raise StorageError(f"Run file {path} cannot be written: {error}.") from None
     finally:
         for suffix in ("", "-wal", "-shm"):
             with contextlib.suppress(OSError):
-                part.with_name(part.name + suffix).unlink()
+                part_path.with_name(part_path.name + suffix).unlink()
 
 
-def _plain(column: Any) -> list:
+def _as_list(column: Any) -> list:
     return column.tolist() if hasattr(column, "tolist") else list(column)

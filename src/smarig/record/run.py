@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.errors import DataError, UsageError
-from smarig.record.description import check, decoded
+from smarig.core.errors import DataError, UsageError
+from smarig.core.notebook_display import NotebookDisplay
+from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
-from smarig.shown import Shown
 
 CONTINUED = "continued"  # ``initial`` of a run that goes on where the one before it ended
+FORC_PROTOCOL = "first_order_reversal_curves"  # of runs imported from FORC files
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Run(Shown):
+class Run(NotebookDisplay):
     """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.meta`` its description.
 
     Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,
@@ -130,16 +131,16 @@ def load_run(path: str | Path) -> Run:
     if not file.is_file():
         raise UsageError(f"There is no run file {file}.")
     try:
-        with _opened(file) as db:
+        with _connect(file) as db:
             return _read(file, db)
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
         raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
 
 
 def _read(file: Path, db: sqlite3.Connection) -> Run:
-    meta = {k: _key(k, v) for k, v in db.execute("SELECT key, value FROM run").fetchall()}
+    meta = {k: _meta_value(k, v) for k, v in db.execute("SELECT key, value FROM run").fetchall()}
     _check_version(file, meta)
-    check(meta)
+    check_metadata(meta)
     rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
     steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
     events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
@@ -154,20 +155,20 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
     )
 
 
-def _key(key: Any, value: Any) -> Any:
+def _meta_value(key: Any, value: Any) -> Any:
     if not isinstance(key, str):
         raise TypeError("a key of its description is not a text")
     try:
-        return decoded(value)
+        return decode_json(value)
     except (ValueError, TypeError) as error:
         raise ValueError(f"its key {key!r} cannot be read: {error}") from None
 
 
 def _event(t_s, level, kind, text, data) -> Event:
-    found = decoded(data or "{}")
-    if not isinstance(found, dict):
+    decoded_data = decode_json(data or "{}")
+    if not isinstance(decoded_data, dict):
         raise TypeError("the figures of an event are not a table")
-    return Event(float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), found)
+    return Event(float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), decoded_data)
 
 
 def _number(value: Any) -> float | None:
@@ -190,7 +191,7 @@ def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, pos
 
 
 @contextmanager
-def _opened(file: Path) -> Iterator[sqlite3.Connection]:
+def _connect(file: Path) -> Iterator[sqlite3.Connection]:
     db = sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True, timeout=10.0)
     try:
         yield db

@@ -52,7 +52,7 @@ CREATE TABLE step (
 CREATE TABLE event (t_s REAL, level TEXT, kind TEXT, text TEXT, data TEXT);
 """
 
-PAGES_BESIDE = 100  # of the write-ahead log, until they go into the file: some tens of seconds at 10 Hz
+WAL_PAGES = 100  # of the write-ahead log, until they go into the file: some tens of seconds at 10 Hz
 
 INSERT_SAMPLE = f"INSERT INTO sample VALUES ({','.join('?' * len(SAMPLE_COLUMNS))})"
 INSERT_STEP = f"INSERT OR REPLACE INTO step VALUES ({','.join('?' * len(STEP_COLUMNS))})"

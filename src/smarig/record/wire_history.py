@@ -17,17 +17,17 @@ from dataclasses import asdict, dataclass, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from smarig.errors import DataError
-from smarig.whole_file import whole_file
+from smarig.core.atomic_file import atomic_file
+from smarig.core.errors import DataError
 
 _HOT, _COLD = 0.5, 0.25  # shares of the range
 
 
 def history_folder() -> Path:
     """Where histories live: $SMARIG_HISTORY_DIR, or the user's data folder."""
-    given = os.environ.get("SMARIG_HISTORY_DIR")
+    override = os.environ.get("SMARIG_HISTORY_DIR")
     data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(given) if given else Path(data) / "smarig" / "wires"
+    return Path(override) if override else Path(data) / "smarig" / "wires"
 
 
 class Wear:
@@ -70,7 +70,7 @@ class WireHistory:
 
     def after(self, wear: Wear, *, new_run: bool, now: Callable[[], datetime] | None = None) -> "WireHistory":
         """The history with what a run, or the rest of one, did."""
-        at = (now() if now else datetime.now(UTC)).strftime("%Y-%m-%dT%H:%M:%SZ")
+        now_text = (now() if now else datetime.now(UTC)).strftime("%Y-%m-%dT%H:%M:%SZ")
         return replace(
             self,
             runs=self.runs + new_run,
@@ -78,8 +78,8 @@ class WireHistory:
             hours_hot=self.hours_hot + wear.hours_hot,
             dose_K_h=self.dose_K_h + wear.dose_K_h,
             largest_input_K=max(self.largest_input_K, wear.largest_input_K),
-            first_use=self.first_use or at,
-            last_use=at,
+            first_use=self.first_use or now_text,
+            last_use=now_text,
         )
 
     def sentence(self) -> str:
@@ -94,7 +94,7 @@ class WireHistory:
 
     def save(self) -> None:
         """Write it whole; StorageError where that cannot be done."""
-        with whole_file(_path(self.wire, self.twin), force=True) as part:
+        with atomic_file(_path(self.wire, self.twin), force=True) as part:
             part.write_text(json.dumps(asdict(self), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 

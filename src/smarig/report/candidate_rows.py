@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis.critique import Score
+from smarig.diagnosis.critique.critique import CandidateScore
 from smarig.diagnosis.diagnose import Diagnosis
-from smarig.report.diagnosed import Array
+from smarig.report.diagnosis_predictions import Array
 from smarig.report.figure import axis
 from smarig.report.numbers import thousands
 from smarig.report.style import FIRST, SECOND
@@ -18,22 +18,22 @@ from smarig.report.style import FIRST, SECOND
 NAMED, GENERIC = FIRST, SECOND  # an effect of the catalogue; a smooth function of a variable
 
 
-def singles(d: Diagnosis, named: int = 6, plain: int = 4) -> list[Score]:
+def top_candidates(d: Diagnosis, named: int = 6, plain: int = 4) -> list[CandidateScore]:
     """The single candidates that gain most beyond chance, named and generic, most first; three at least."""
     by_net = sorted(d.first.scores, key=lambda s: -s.net)
-    known = [s for s in by_net if not s.candidate.generic][:named]
-    found = [*known, *[s for s in by_net if s.candidate.generic][:plain]]
+    named_effects = [s for s in by_net if not s.candidate.generic][:named]
+    found = [*named_effects, *[s for s in by_net if s.candidate.generic][:plain]]
     found.sort(key=lambda s: -s.net)
     return found[: max(3, sum(s.net > 0.5 for s in found))]
 
 
-def called(score: Score) -> str:
+def candidate_name(score: CandidateScore) -> str:
     """A candidate's name for readers: "resistance depends on time" for a generic one."""
     name, _, of = score.candidate.name.lstrip("?").partition(" of ")
     return f"{of or 'position'} depends on {name}" if score.candidate.generic else name
 
 
-def nats(value: float) -> str:
+def nats_text(value: float) -> str:
     """A gain as it is worth telling: to a tenth, whole ones from 100.
 
     >>> nats(2653.9), nats(6.28), nats(-0.002), nats(-2.5)
@@ -44,18 +44,18 @@ def nats(value: float) -> str:
     return (f"{value:.1f}" if abs(value) < 100 else thousands(round(value))).replace("-", "−")
 
 
-def places(count: int) -> Array:
+def row_positions(count: int) -> Array:
     """Rows from the top down."""
     return np.arange(float(count))[::-1]
 
 
-def layout_of_rows(names: Sequence[str], rows: Array, title: str, values: Sequence[float]) -> dict[str, Any]:
+def rows_layout(names: Sequence[str], rows: Array, title: str, values: Sequence[float]) -> dict[str, Any]:
     """Layout with a name on each row and an axis that is linear near 0 and logarithmic beyond."""
     upright = axis("", tickvals=rows.tolist(), ticktext=list(names), range=[-0.7, len(names) - 0.3], ticks="")
-    return {"xaxis": stretched(title, min(values), max(values)), "yaxis": upright, "showlegend": False}
+    return {"xaxis": arcsinh_axis(title, min(values), max(values)), "yaxis": upright, "showlegend": False}
 
 
-def stretched(title: str, low: float, high: float) -> dict[str, Any]:
+def arcsinh_axis(title: str, low: float, high: float) -> dict[str, Any]:
     """An axis for arcsinh of a quantity, with the quantity's own numbers on it."""
     sizes = np.array([1.0, 3.0]) * 10.0 ** np.arange(0, 9)[:, None]
     every = np.concatenate([-sizes.ravel()[::-1], [0.0], sizes.ravel()])
@@ -64,11 +64,11 @@ def stretched(title: str, low: float, high: float) -> dict[str, Any]:
     ends = [float(ends[0]) - (room if low < 0 else 0.0), float(ends[1]) + room]
     shown = [v for v in every.tolist() if ends[0] <= np.arcsinh(v) <= ends[1]]
     shown = [v for v in shown if v == 0 or len(shown) < 9 or abs(v) in sizes[:, 0]]
-    texts = [_tick(v) for v in shown]
+    texts = [_tick_text(v) for v in shown]
     return axis(title, tickvals=np.arcsinh(shown).tolist(), ticktext=texts, tickangle=0, range=ends)
 
 
-def _tick(value: float) -> str:
+def _tick_text(value: float) -> str:
     """A round number; powers of ten from 10 000."""
     power = int(np.log10(max(abs(value), 1.0)) + 1e-9)
     plain = f"{value:g}" if power < 4 else f"{value / 10**power:g}·10<sup>{power}</sup>"

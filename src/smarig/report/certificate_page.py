@@ -5,26 +5,26 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.control.certificate import Certificate
-from smarig.control.hypothesis import Hypothesis
-from smarig.control.scope import FINDINGS
-from smarig.control.storage import Storage
-from smarig.control.units import Units
-from smarig.identification.model_file import Model
-from smarig.report.conditions import exact_unit
-from smarig.report.figures_certificate import plane_figure
+from smarig.certify.certificate_scope import FINDINGS
+from smarig.certify.certificate_units import Units
+from smarig.certify.hypothesis import Hypothesis
+from smarig.certify.model_certificate import ModelCertificate
+from smarig.certify.storage_bound import StorageBound
+from smarig.replay.model_file import Model
+from smarig.report.certificate_figures import certificate_figure
 from smarig.report.html import Html, cards, escaped, joined, notice, paragraph, table, tag
+from smarig.report.model_tables import M_P, M_PC
 from smarig.report.numbers import number
 from smarig.report.page import Section, page
-from smarig.report.tables_model import M_P, M_PC
+from smarig.report.run_description import display_unit
 
-_HOLDS = {True: "holds", False: "fails", None: "not decided"}
+_HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}
 _INDEX = re.compile(r"\b(Q|S|k|u|Δy|M)_(PC|P|r|a|e|o|k)\b")
-_BOX = {True: "good", False: "bad", None: "warning"}
+_BOX_STYLES = {True: "good", False: "bad", None: "warning"}
 
 
 @dataclass(frozen=True)
-class Origin:
+class CertifiedModel:
     """What a certificate is about: model, file, hash, and the runs its data came from."""
 
     model: str
@@ -35,16 +35,16 @@ class Origin:
     data: tuple[dict[str, Any], ...]
     effects: tuple[str, ...]
 
-    def sentence(self) -> str:
+    def summary_text(self) -> str:
         """Model, data, and what is left out."""
         runs = ", ".join(f"{r['protocol']} ({r['rows']} rows)" for r in self.data) or "no recorded run"
         kind = "twin data" if self.twin else "measured data"
         return (
             f"Certificate of {self.model} ({self.file}, SHA-256 {self.sha256[:12]}…), identified on {self.rig} from "
-            f"{kind}: {runs}.{self.left_out()}"
+            f"{kind}: {runs}.{self.exclusion_text()}"
         )
 
-    def left_out(self) -> str:
+    def exclusion_text(self) -> str:
         """What a model with effects is told."""
         if not self.effects:
             return ""
@@ -56,7 +56,7 @@ class Origin:
         return {**plain, "covers": "the hysteresis alone" if self.effects else "the model's hysteresis"}
 
 
-def origin(model: Model, file: str, sha256: str) -> Origin:
+def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
     """Of a model and its file."""
     runs = tuple(
         {
@@ -69,7 +69,7 @@ def origin(model: Model, file: str, sha256: str) -> Origin:
         for p in model.provenance
     )
     effects = tuple(str(e.get("name")) for e in model.effects)
-    return Origin(model.name, file, sha256, model.twin, model.rig, runs, effects)
+    return CertifiedModel(model.name, file, sha256, model.twin, model.rig, runs, effects)
 
 
 def units_of(model: Model) -> Units:
@@ -77,15 +77,19 @@ def units_of(model: Model) -> Units:
     return Units(model.unit, model.input.unit)
 
 
-def certificate_page(model: Model, found: Certificate, about: Origin) -> str:
+def certificate_page(model: Model, found: ModelCertificate, about: CertifiedModel) -> str:
     """The whole page (HTML)."""
     label = "TWIN" if model.twin else ""
     sections = [
-        Section("Verdict", "Verdict", [verdict_box(found), headline(found), *_left_out(about)]),
+        Section(
+            "Verdict", "Verdict", [verdict_box(found), certificate_cards(found), *_exclusion_notice(about)]
+        ),
         Section("Velocity feedback", "Velocity feedback", [*velocity_parts(found)]),
         Section("Hypotheses", "Hypotheses", [hypotheses_table(found)]),
         Section(
-            "Weighting function and set-points", "μ and ψ", [plane_figure(model, found, _words(about), label)]
+            "Weighting function and set-points",
+            "μ and ψ",
+            [certificate_figure(model, found, _caption(about), label)],
         ),
         Section("Limits", "Limits", [limits_table(found)]),
         Section("Other loops", "Other loops", [*other_loops(found)]),
@@ -96,68 +100,68 @@ def certificate_page(model: Model, found: Certificate, about: Origin) -> str:
     return page(title, f"{about.file}, identified on {about.rig}", sections, label=label, simulated=simulated)
 
 
-def certificate_parts(found: Certificate, about: Origin) -> list[Html]:
+def certificate_parts(found: ModelCertificate, about: CertifiedModel) -> list[Html]:
     """A certificate as part of another page: verdict, table, hypotheses, origin."""
     return [
         verdict_box(found),
-        *_left_out(about),
+        *_exclusion_notice(about),
         *velocity_parts(found),
         hypotheses_table(found),
         limits_table(found),
-        paragraph(about.sentence()),
+        paragraph(about.summary_text()),
     ]
 
 
-def verdict_box(found: Certificate) -> Html:
+def verdict_box(found: ModelCertificate) -> Html:
     """Passive or not, in a box, with the input that breaks it where there is one."""
-    parts = [paragraph(tag("b", symbols(found.verdict)))]
+    parts = [paragraph(tag("b", with_subscripts(found.verdict)))]
     if found.dissipativity is not None:
         parts.append(paragraph(found.dissipativity.text))
-    if found.breaking is not None:
-        parts.append(paragraph(found.counter_example))
-    return notice(_BOX[found.passive], *parts)
+    if found.counterexample is not None:
+        parts.append(paragraph(found.counterexample_text))
+    return notice(_BOX_STYLES[found.passive], *parts)
 
 
-def headline(found: Certificate) -> Html:
+def certificate_cards(found: ModelCertificate) -> Html:
     """Classes, storage and bias."""
-    c, s = found.classes, found.storage
+    c, s = found.classes, found.storage_bound
     inside = (
         joined(["in ", M_P]) if c.M_P else joined(["in ", M_PC, ", not in ", M_P]) if c.M_PC else "neither"
     )
-    ground = {
+    basis = {
         "positive": "Q_r",
         "recoverable": "Q_r",
         "dissipative": "S_a",
         "none": "none exists",
         "undecided": "not known",
-    }[s.ground]
+    }[s.basis]
     return cards(
         [
             ("Class of μ", inside, f"g ≥ 0: {'yes' if found.g_not_negative else 'no'}"),
-            ("Storage", symbols(ground), _storage_note(s)),
-            ("Bias from u(0) = 0", _bias(found), f"begins in {_state(found)}"),
+            ("Storage", with_subscripts(basis), _storage_text(s)),
+            ("Bias from u(0) = 0", _bias_text(found), f"begins in {_initial_state_text(found)}"),
         ]
     )
 
 
-def _storage_note(s: Storage) -> str:
-    if s.ground in ("none", "undecided"):
-        return "no function of the state will do" if s.ground == "none" else "not decided"
+def _storage_text(s: StorageBound) -> str:
+    if s.basis in ("none", "undecided"):
+        return "no function of the state will do" if s.basis == "none" else "not decided"
     why = {"positive": "by Thm 7.4", "recoverable": "proved, although μ < 0 somewhere"}
-    return why.get(s.ground, "proved" if s.proved else "known from below only")
+    return why.get(s.basis, "proved" if s.proven else "known from below only")
 
 
-def _bias(found: Certificate) -> str:
-    if found.storage.ground in ("none", "undecided"):
-        return "no bound" if found.storage.ground == "none" else "unknown"
-    return f"{number(found.storage.energy)} {exact_unit(found.storage.unit)}"
+def _bias_text(found: ModelCertificate) -> str:
+    if found.storage_bound.basis in ("none", "undecided"):
+        return "no bound" if found.storage_bound.basis == "none" else "unknown"
+    return f"{number(found.storage_bound.energy)} {display_unit(found.storage_bound.unit)}"
 
 
-def _state(found: Certificate) -> str:
+def _initial_state_text(found: ModelCertificate) -> str:
     return "B*" if found.initial == "anhysteretic" else "negative saturation"
 
 
-def symbols(text: str) -> Html:
+def with_subscripts(text: str) -> Html:
     """A sentence with its indices set low.
 
     >>> symbols("k_e < 2")
@@ -166,9 +170,9 @@ def symbols(text: str) -> Html:
     return Html(_INDEX.sub(r"\1<sub>\2</sub>", escaped(text)))
 
 
-def velocity_parts(found: Certificate) -> list[Html]:
+def velocity_parts(found: ModelCertificate) -> list[Html]:
     """The sentence of Thm 8.2, and k_e of each controller."""
-    per = exact_unit(found.units.gain)
+    per = display_unit(found.units.gain)
     rows = [
         (
             j.name,
@@ -180,29 +184,38 @@ def velocity_parts(found: Certificate) -> list[Html]:
         )
         for j in found.controllers
     ]
-    header = ("Controller", "Numbers", f"δ ({per})", f"γ ({per})", symbols("k_e"), "Thm 8.2")
+    header = ("Controller", "Numbers", f"δ ({per})", f"γ ({per})", with_subscripts("k_e"), "Thm 8.2")
     words = (
         "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ where "
         "Thm 8.2 covers the loop."
     )
-    return [paragraph(symbols(found.loops)), table(header, rows, symbols(words), stacked=True)]
+    return [
+        paragraph(with_subscripts(found.velocity_text)),
+        table(header, rows, with_subscripts(words), stacked=True),
+    ]
 
 
-def limits_table(found: Certificate) -> Html:
+def limits_table(found: ModelCertificate) -> Html:
     """How far the certificate reaches."""
-    rows = [(symbols(limit.about), symbols(limit.text)) for limit in found.limits]
+    rows = [(with_subscripts(limit.about), with_subscripts(limit.text)) for limit in found.limits]
     return table(("About", "What holds"), rows, f"How far the certificate reaches; see {FINDINGS}.")
 
 
-def other_loops(found: Certificate) -> list[Html]:
+def other_loops(found: ModelCertificate) -> list[Html]:
     """Gains on a schedule, and position controllers."""
-    return [paragraph(symbols(found.scheduling)), paragraph(symbols(found.position_controllers))]
+    return [
+        paragraph(with_subscripts(found.scheduling)),
+        paragraph(with_subscripts(found.position_controllers)),
+    ]
 
 
-def hypotheses_table(found: Certificate) -> Html:
+def hypotheses_table(found: ModelCertificate) -> Html:
     """Each hypothesis of both theorems, whether it holds, and why."""
-    rows = [("Thm 8.1", h.name, _HOLDS[h.holds], symbols(h.why)) for h in found.hypotheses]
-    rows += [("Thm 8.2", symbols(h.name), _HOLDS[h.holds], symbols(h.why)) for h in _common(found)]
+    rows = [("Thm 8.1", h.name, _HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in found.hypotheses]
+    rows += [
+        ("Thm 8.2", with_subscripts(h.name), _HOLDS_TEXT[h.holds], with_subscripts(h.why))
+        for h in _common_hypotheses(found)
+    ]
     return table(
         ("Theorem", "Hypothesis", "Verdict", "Why"),
         rows,
@@ -210,20 +223,20 @@ def hypotheses_table(found: Certificate) -> Html:
     )
 
 
-def _common(found: Certificate) -> list[Hypothesis]:
+def _common_hypotheses(found: ModelCertificate) -> list[Hypothesis]:
     return [h for h in found.controllers[0].stability.hypotheses if not h.name.startswith("H₁")]
 
 
-def _left_out(about: Origin) -> list[Html]:
-    return [notice("warning", paragraph(about.left_out().strip()))] if about.effects else []
+def _exclusion_notice(about: CertifiedModel) -> list[Html]:
+    return [notice("warning", paragraph(about.exclusion_text().strip()))] if about.effects else []
 
 
-def _words(about: Origin) -> str:
+def _caption(about: CertifiedModel) -> str:
     rows = sum(r["rows"] for r in about.data)
     return f"Model {about.model}, rig {about.rig}, {len(about.data)} run(s), n = {rows} rows."
 
 
-def provenance(about: Origin) -> Html:
+def provenance(about: CertifiedModel) -> Html:
     """The model file and the runs its data came from, with their hashes."""
     rows: list[tuple[Any, ...]] = [(about.file, "model", "", "", tag("code", about.sha256))]
     rows += [

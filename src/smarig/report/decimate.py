@@ -20,10 +20,10 @@ def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.in
     edges = np.linspace(0, n, points // 2 + 1).astype(int)
     low = np.where(np.isfinite(values), values, np.inf)
     high = np.where(np.isfinite(values), values, -np.inf)
-    kept = [
+    kept_indices = [
         (a + int(np.argmin(low[a:b])), a + int(np.argmax(high[a:b]))) for a, b in zip(edges[:-1], edges[1:])
     ]
-    return np.unique(np.array(kept).ravel())
+    return np.unique(np.array(kept_indices).ravel())
 
 
 def path(u: NDArray[np.float64], y: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:

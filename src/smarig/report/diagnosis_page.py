@@ -6,108 +6,108 @@ Puts figures, tables and sentences in order; decides nothing.
 from collections.abc import Iterator
 
 from smarig.diagnosis.diagnose import Diagnosis
-from smarig.model.planted import kinds
-from smarig.report.conditions import exact_unit, label_of, protocol_of
-from smarig.report.diagnosed import Replay
-from smarig.report.diagnosis_next import next_experiment
-from smarig.report.diagnosis_noise import noise_words
+from smarig.plant.effect_catalogue import effect_types
+from smarig.report.detection_figure import detection_figure
+from smarig.report.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis_summary import summary
-from smarig.report.diagnosis_words import apart
+from smarig.report.diagnosis_tables import candidates_table, explanations_table, visibility_table
+from smarig.report.diagnosis_text import distinguishing_text
+from smarig.report.explanations_figure import explanations_figure
 from smarig.report.figure import Figure
-from smarig.report.figures_detection import detection_figure
-from smarig.report.figures_gain import gain_figure
-from smarig.report.figures_lookalikes import lookalikes_figure
-from smarig.report.figures_offset import temperature_figure
-from smarig.report.figures_residuals import channel_figure, residual_figure
-from smarig.report.figures_rivals import rivals_figure
+from smarig.report.gain_figure import gain_figure
 from smarig.report.html import Html, bullets, notice, paragraph, tag
+from smarig.report.input_offset_figure import input_offset_figure
+from smarig.report.next_experiment_text import next_experiment
+from smarig.report.noise_budget import noise_budget
 from smarig.report.numbers import duration
 from smarig.report.page import Section, page
-from smarig.report.run_page import endings, lead
-from smarig.report.tables import conditions_table, marks_table, provenance_table
-from smarig.report.tables_diagnosis import explanations_table, singles_table, visibility_table
+from smarig.report.residual_figures import channel_figure, residual_figure
+from smarig.report.run_description import display_unit, protocol_name, source_label
+from smarig.report.run_page import ending_notices, run_lead
+from smarig.report.run_tables import conditions_table, provenance_table, quality_table
+from smarig.report.similar_effects_figure import similar_effects_figure
 
 Parts = Iterator[Html | Figure]
 
 
 def diagnosis_page(d: Diagnosis) -> str:
     """One self-contained page (HTML) of a diagnosis, for ``write_page``."""
-    replay = Replay.of(d)
-    sections = [Section(title, short, list(parts(replay))) for title, short, parts in _SECTIONS]
-    runs = d.story.runs
+    predictions = DiagnosisPredictions.of(d)
+    sections = [Section(title, short, list(parts(predictions))) for title, short, parts in _SECTIONS]
+    runs = d.timeline.runs
     return page(
         "Diagnosis: what the model misses",
-        f"{lead(runs[0])}; model {d.model.name}",
+        f"{run_lead(runs[0])}; model {d.model.name}",
         [section for section in sections if section.parts],
-        label=label_of(*runs),
-        notices=endings(list(runs)),
+        label=source_label(*runs),
+        notices=ending_notices(list(runs)),
     )
 
 
-def _summary(replay: Replay) -> Parts:
-    yield from summary(replay.d)
+def _summary(predictions: DiagnosisPredictions) -> Parts:
+    yield from summary(predictions.d)
 
 
-def _residuals(replay: Replay) -> Parts:
-    d = replay.d
-    if replay.extended is None:
+def _residuals(predictions: DiagnosisPredictions) -> Parts:
+    d = predictions.d
+    if predictions.extended is None:
         yield paragraph("No effect was added to the model, so there is no picture after.")
-    yield residual_figure(replay)
-    for figure in (channel_figure(replay), temperature_figure(replay)):
+    yield residual_figure(predictions)
+    for figure in (channel_figure(predictions), input_offset_figure(predictions)):
         if figure:
             yield figure
-    if d.error.base > 1.5 * d.error.given:
+    if d.error.base > 1.5 * d.error.original:
         yield notice(
             "warning",
             paragraph(
                 f"The density identified anew by the diagnosis fits its own data less well than the model as given: "
-                f"{d.error.base:.3g} against {d.error.given:.3g} {exact_unit(d.error.unit)} rms. Part of what is drawn "
+                f"{d.error.base:.3g} against {d.error.original:.3g} {display_unit(d.error.unit)} rms. Part of what is drawn "
                 "above may be that density's. The verdict rests on the critic, which allows for any smooth density."
             ),
         )
 
 
-def _rivals(replay: Replay) -> Parts:
-    d = replay.d
+def _explanations(predictions: DiagnosisPredictions) -> Parts:
+    d = predictions.d
     if d.levels:
         yield explanations_table(d)
-    yield singles_table(d)
-    yield rivals_figure(d)
+    yield candidates_table(d)
+    yield explanations_figure(d)
 
 
-def _detection(replay: Replay) -> Parts:
-    yield detection_figure(replay.d)
-    blind = [s.candidate.name for s in replay.d.first.scores if not s.candidate.traces.shape[1]]
-    if blind:
-        yield paragraph(f"Not judged, because these data cannot show them: {', '.join(blind)}.")
+def _detection(predictions: DiagnosisPredictions) -> Parts:
+    yield detection_figure(predictions.d)
+    not_tested = [s.candidate.name for s in predictions.d.first.scores if not s.candidate.traces.shape[1]]
+    if not_tested:
+        yield paragraph(f"Not judged, because these data cannot show them: {', '.join(not_tested)}.")
 
 
-def _noise(replay: Replay) -> Parts:
-    yield from noise_words(replay.d)
+def _noise(predictions: DiagnosisPredictions) -> Parts:
+    yield from noise_budget(predictions.d)
 
 
-def _visibility(replay: Replay) -> Parts:
-    d, v = replay.d, replay.d.visibility
-    known = {k.name: k for k in kinds()}
-    yield visibility_table(d, known)
+def _visibility(predictions: DiagnosisPredictions) -> Parts:
+    d, v = predictions.d, predictions.d.visibility
+    types = {t.name: t for t in effect_types()}
+    yield visibility_table(d, types)
     if v.invisible:
         yield paragraph(tag("b", "What these data cannot show at any strength, and what would show it:"))
-        yield bullets(apart(known[n]) for n in v.invisible)
+        yield bullets(distinguishing_text(types[n]) for n in v.invisible)
     else:
         yield paragraph(
             f"All {len(v.names)} effects of the catalogue would be seen in these data at some strength."
         )
-    figure = lookalikes_figure(v, d)
+    figure = similar_effects_figure(v, d)
     if figure:
         yield figure
-    alike = [n for n in v.names if v.group(n)]
-    if alike:
+    similar = [n for n in v.names if v.group(n)]
+    if similar:
         yield paragraph(tag("b", "What tells look-alikes apart:"))
-        yield bullets(apart(known[n]) for n in alike)
+        yield bullets(distinguishing_text(types[n]) for n in similar)
 
 
-def _held_out(replay: Replay) -> Parts:
-    d = replay.d
+def _held_out(predictions: DiagnosisPredictions) -> Parts:
+    d = predictions.d
     if d.gain is None:
         yield paragraph(
             "No held-out run was given, so it is unknown what the effects gain outside their own data."
@@ -116,15 +116,15 @@ def _held_out(replay: Replay) -> Parts:
     yield gain_figure(d.gain, d)
 
 
-def _next(replay: Replay) -> Parts:
-    yield from next_experiment(replay.d)
+def _next(predictions: DiagnosisPredictions) -> Parts:
+    yield from next_experiment(predictions.d)
 
 
-def _provenance(replay: Replay) -> Parts:
-    d = replay.d
-    runs = {f"{k}. {protocol_of(run)}": run for k, run in enumerate(d.story.runs, start=1)}
-    yield conditions_table(d.story.runs[0])
-    yield marks_table(runs)
+def _provenance(predictions: DiagnosisPredictions) -> Parts:
+    d = predictions.d
+    runs = {f"{k}. {protocol_name(run)}": run for k, run in enumerate(d.timeline.runs, start=1)}
+    yield conditions_table(d.timeline.runs[0])
+    yield quality_table(runs)
     yield provenance_table(runs)
     yield paragraph(
         f"Learned from the runs above; model {d.model.name}; {d.nulls} nulls, α = {d.alpha:g}. "
@@ -135,7 +135,7 @@ def _provenance(replay: Replay) -> Parts:
 _SECTIONS = (
     ("Verdict", "Verdict", _summary),
     ("What the model misses", "Residuals", _residuals),
-    ("Rivals", "Rivals", _rivals),
+    ("Rivals", "Rivals", _explanations),
     ("Is anything wrong at all?", "Detection", _detection),
     ("Noise floor and numerics", "Noise", _noise),
     ("What could not have been seen", "Visibility", _visibility),

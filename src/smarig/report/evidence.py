@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarig.diagnosis.diagnose import Diagnosis
-from smarig.identification.calibrate import Calibration
-from smarig.identification.choose import Choice
+from smarig.identification.calibration.calibrate import Calibration
 from smarig.identification.identify import Identification
-from smarig.identification.representation import Representation
+from smarig.identification.surface.choose_surface import SurfaceChoice
+from smarig.identification.surface.representation_tests import Representation
 from smarig.identification.verify import Verification
 from smarig.record import Run
 
@@ -33,7 +33,7 @@ class Evidence:
     command: str
     seconds: float
     calibration: Calibration | None = None
-    choice: Choice | None = None
+    choice: SurfaceChoice | None = None
     diagnosis: Diagnosis | None = None
 
     @property

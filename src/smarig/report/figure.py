@@ -19,8 +19,8 @@ from smarig.report.html import Html, joined, tag
 from smarig.report.numbers import number
 
 Trace = dict[str, Any]
-BEYOND = 1.15  # how far an axis reaches, over what is drawn
-MARK = {
+AXIS_MARGIN = 1.15  # how far an axis reaches, over what is drawn
+WATERMARK = {
     "xref": "paper",
     "yref": "paper",
     "x": 1,
@@ -38,47 +38,47 @@ MARK = {
 class Panel:
     """One plot: traces and layout (Plotly schema), height in CSS pixels; ``wide`` takes a whole row.
 
-    On pages narrower than ``least_px`` it keeps that width and scrolls inside its frame.
+    On pages narrower than ``min_width_px`` it keeps that width and scrolls inside its frame.
     """
 
     data: Sequence[Trace]
     layout: Mapping[str, Any]
     height: int = 420
     wide: bool = False
-    least_px: int = 0
+    min_width_px: int = 0
 
 
 @dataclass(frozen=True)
 class Figure:
     """Panels under one caption; ``label`` says loudly that nothing was measured ("TWIN"), "" on hardware.
 
-    ``least_px`` is the width below which panels stand under each other.
+    ``min_width_px`` is the width below which panels stand under each other.
     """
 
     panels: Sequence[Panel]
     title: str
     caption: Sequence[Any]
     label: str
-    least_px: int = 560
+    min_width_px: int = 560
 
     def html(self) -> Html:
         """The figure as markup; its plots are drawn by the page's script."""
         panels = [_panel(panel, self) for panel in self.panels]
-        badge = joined([badge_of(self.label), " "]) if self.label else ""
+        badge = joined([label_badge(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
         kind = "panels one" if len(panels) == 1 else "panels"
-        reach = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._scrolls else {}
-        frame = tag("div", *panels, class_=kind, style=f"--least:{self.least_px}px", **reach)
+        half_range = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._is_scrollable else {}
+        frame = tag("div", *panels, class_=kind, style=f"--least:{self.min_width_px}px", **half_range)
         return tag("figure", frame, caption)
 
     @property
-    def _scrolls(self) -> bool:
+    def _is_scrollable(self) -> bool:
         """Whether a panel may be wider than a small screen: the frame is then one that keys can scroll."""
-        return any(panel.least_px for panel in self.panels)
+        return any(panel.min_width_px for panel in self.panels)
 
 
-def badge_of(label: str) -> Html:
+def label_badge(label: str) -> Html:
     """The label that a caption begins with."""
     return tag("span", f"{label} · simulated, not hardware", class_="twin")
 
@@ -86,22 +86,25 @@ def badge_of(label: str) -> Html:
 def _panel(panel: Panel, figure: Figure) -> Html:
     layout = dict(panel.layout)
     if figure.label:
-        layout["annotations"] = [*layout.get("annotations", ()), MARK | _at(layout) | {"text": figure.label}]
+        layout["annotations"] = [
+            *layout.get("annotations", ()),
+            WATERMARK | _watermark_position(layout) | {"text": figure.label},
+        ]
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
     # "<" must not end the script element it stands in
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
-    size = f"--high:{panel.height}px" + (f";min-width:{panel.least_px}px" if panel.least_px else "")
-    plot = tag("div", script, class_="plot", style=size, role="img", aria_label=in_words(panel, figure))
+    size = f"--high:{panel.height}px" + (f";min-width:{panel.min_width_px}px" if panel.min_width_px else "")
+    plot = tag("div", script, class_="plot", style=size, role="img", aria_label=alt_text(panel, figure))
     return tag("div", plot, class_="cell wide" if panel.wide else "cell")
 
 
-def _at(layout: Mapping[str, Any]) -> dict[str, str]:
+def _watermark_position(layout: Mapping[str, Any]) -> dict[str, str]:
     """Where the label is put: at the frame, where axes of one scale leave part of the paper empty."""
     framed = layout.get("xaxis", {}).get("constrain") == "domain"
     return {"xref": "x domain", "yref": "y domain"} if framed else {}
 
 
-def in_words(panel: Panel, figure: Figure) -> str:
+def alt_text(panel: Panel, figure: Figure) -> str:
     """What a plot shows, for those who hear the page: whose it is, its axes with units, and what is drawn."""
     flat = [_title(panel.layout[key]) for key in panel.layout if key.startswith("yaxis")]
     solid = panel.layout.get("scene", {})
@@ -160,22 +163,28 @@ def dots(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Tra
 
 
 def _scatter(mode: str, x: ArrayLike, y: ArrayLike, name: str) -> Trace:
-    return {"type": "scatter", "mode": mode, "x": _x(x), "y": _x(y), "name": str(tag_free(name))}
+    return {
+        "type": "scatter",
+        "mode": mode,
+        "x": _packed_x(x),
+        "y": _packed_x(y),
+        "name": str(plotly_escaped(name)),
+    }
 
 
-def _x(values: ArrayLike) -> dict[str, str]:
+def _packed_x(values: ArrayLike) -> dict[str, str]:
     array = np.asarray(values, dtype=float)
     return packed(array, single=array.size > 500)
 
 
-def tag_free(text: Any) -> Html:
+def plotly_escaped(text: Any) -> Html:
     """Text for inside a plot, where Plotly would read markup: escaped."""
     return joined([text])
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """An axis with its quantity and unit."""
-    return {"title": {"text": tag_free(title)}} | more
+    return {"title": {"text": plotly_escaped(title)}} | more
 
 
 def log_axis(title: str, low: float, high: float) -> dict[str, Any]:

@@ -34,14 +34,14 @@ def tag(element: str, /, *children: Any, **attributes: Any) -> Html:
     >>> tag("p", "T < 0", class_="note")
     '<p class="note">T &lt; 0</p>'
     """
-    given = "".join(
+    attribute_text = "".join(
         f' {key.rstrip("_").replace("_", "-")}="{html.escape(str(value))}"'
         for key, value in attributes.items()
         if value not in (None, "")
     )
     if element in _VOID:
-        return Html(f"<{element}{given}>")
-    return Html(f"<{element}{given}>{joined(children)}</{element}>")
+        return Html(f"<{element}{attribute_text}>")
+    return Html(f"<{element}{attribute_text}>{joined(children)}</{element}>")
 
 
 def joined(parts: Iterable[Any], between: str = "") -> Html:
@@ -76,10 +76,10 @@ def table(
 
 
 def _row(cells: Sequence[Any], names: Sequence[str]) -> Html:
-    told = (
+    data_cells = (
         tag("td", cell, data_column=name) for cell, name in zip_longest(cells[1:], names[1:], fillvalue="")
     )
-    return tag("tr", tag("th", cells[0], scope="row"), *told)
+    return tag("tr", tag("th", cells[0], scope="row"), *data_cells)
 
 
 def plain(cell: Any) -> str:

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.report.compared import whose
+from smarig.report.comparison_labels import banner
 from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag
-from smarig.report.index_script import INDEX
+from smarig.report.index_script import INDEX_SCRIPT
 from smarig.report.numbers import duration, number, thousands
 from smarig.report.page import Section, page
-from smarig.report.summary import Summary, shared_frames
+from smarig.report.run_summary import RunSummary, shared_frames
 
 _COLUMNS = (
     ("Run", "name"),
@@ -39,21 +39,23 @@ _SORTS = (
 
 
 @dataclass(frozen=True)
-class Entry:
+class IndexEntry:
     """A run's summary and the address of its page, seen from the index."""
 
-    summary: Summary
+    summary: RunSummary
     href: str
 
 
-def index_page(title: str, entries: Sequence[Entry], unread: Sequence[str] = ()) -> str:
-    """One page (HTML) about a folder of runs; ``unread`` says of files that are none why not."""
+def index_page(title: str, entries: Sequence[IndexEntry], unreadable: Sequence[str] = ()) -> str:
+    """One page (HTML) about a folder of runs; ``unreadable`` says of files that are none why not."""
     runs = [entry.summary for entry in entries]
-    label, words = whose([run.label for run in runs])
-    warning = notice("bad", paragraph(tag("b", "Not read")), bullets(unread)) if unread else Html("")
-    table = joined([tag("div", _table(entries), class_="table runs", tabindex=0), tag("script", Html(INDEX))])
+    label, words = banner([run.label for run in runs])
+    warning = notice("bad", paragraph(tag("b", "Not read")), bullets(unreadable)) if unreadable else Html("")
+    table = joined(
+        [tag("div", _table(entries), class_="table runs", tabindex=0), tag("script", Html(INDEX_SCRIPT))]
+    )
     sections = [
-        Section("Overview", "Overview", [_headline(runs)]),
+        Section("Overview", "Overview", [_cards(runs)]),
         Section("Hysteresis of every run", "Pictures", [_search(runs), _gallery(entries), _caption(runs)]),
         Section("Every run in numbers", "Table", [table]),
     ]
@@ -61,18 +63,22 @@ def index_page(title: str, entries: Sequence[Entry], unread: Sequence[str] = ())
     return page(title, lead, sections, label=label, simulated=words, notices=[warning])
 
 
-def _headline(runs: Sequence[Summary]) -> Html:
-    ended = sum(run.cause == "done" for run in runs)
-    marked = sum(run.marked > 0 for run in runs)
+def _cards(runs: Sequence[RunSummary]) -> Html:
+    ending_text = sum(run.cause == "done" for run in runs)
+    flagged = sum(run.flagged > 0 for run in runs)
     wires = {(run.rig, run.wire) for run in runs}
     return cards(
         [
-            ("Runs", thousands(len(runs)), f"{ended} ended as planned, {len(runs) - ended} did not"),
+            (
+                "Runs",
+                thousands(len(runs)),
+                f"{ending_text} ended as planned, {len(runs) - ending_text} did not",
+            ),
             ("Rig time", duration(float(np.nansum([run.duration_s for run in runs]))), "sum of all runs"),
             (
                 "Samples",
                 thousands(sum(run.samples for run in runs)),
-                f"{marked or 'no'} runs with marked ones",
+                f"{flagged or 'no'} runs with marked ones",
             ),
             ("Wires", str(len(wires)), "rigs and wires that differ"),
         ]
@@ -82,16 +88,16 @@ def _headline(runs: Sequence[Summary]) -> Html:
 # --- controls -------------------------------------------------------------------------------------------
 
 
-def _search(runs: Sequence[Summary]) -> Html:
+def _search(runs: Sequence[RunSummary]) -> Html:
     found = tag(
         "input", type="search", name_="words", autocomplete="off", placeholder="name, protocol, seed, note…"
     )
     return tag(
         "form",
         tag("label", "Search", found),
-        _choice("Protocol", "protocol", [run.protocol for run in runs]),
-        _choice("Rig", "rig", [run.rig for run in runs]),
-        _choice("Ended", "ended", [_ended(run) for run in runs]),
+        _filter_select("Protocol", "protocol", [run.protocol for run in runs]),
+        _filter_select("Rig", "rig", [run.rig for run in runs]),
+        _filter_select("Ended", "ended", [_ending_text(run) for run in runs]),
         tag(
             "label", "Order by", tag("select", *(tag("option", w, value=k) for k, w in _SORTS), name_="sort")
         ),
@@ -103,27 +109,27 @@ def _search(runs: Sequence[Summary]) -> Html:
     )
 
 
-def _choice(words: str, name: str, values: Sequence[str]) -> Html:
+def _filter_select(words: str, name: str, values: Sequence[str]) -> Html:
     known = sorted({value for value in values if value})
     options = [Html('<option value="">all</option>'), *(tag("option", value, value=value) for value in known)]
     return tag("label", words, tag("select", *options, name_=name))
 
 
-def _ended(run: Summary) -> str:
+def _ending_text(run: RunSummary) -> str:
     return "as planned" if run.cause == "done" else "otherwise"
 
 
 # --- pictures and table ---------------------------------------------------------------------------------
 
 
-def _gallery(entries: Sequence[Entry]) -> Html:
+def _gallery(entries: Sequence[IndexEntry]) -> Html:
     frames = shared_frames([entry.summary for entry in entries])
     items = []
     for k, (entry, frame) in enumerate(zip(entries, frames)):
         run = entry.summary
         drawn = run.drawing(frame) if run.u.size else paragraph("Nothing to draw.")
         ending = [] if run.cause == "done" else [tag("p", tag("b", run.cause))]
-        name = tag("a", _stem(run), href=entry.href)
+        name = tag("a", _run_stem(run), href=entry.href)
         about = tag("p", f"{run.protocol}; {run.size}")
         items.append(
             tag("li", drawn, name, about, *ending, data_run=str(k), class_="twinned" if run.label else "")
@@ -131,8 +137,8 @@ def _gallery(entries: Sequence[Entry]) -> Html:
     return tag("ul", *items, class_="gallery")
 
 
-def _caption(runs: Sequence[Summary]) -> Html:
-    families = len({run.family for run in runs})
+def _caption(runs: Sequence[RunSummary]) -> Html:
+    families = len({run.scale_group for run in runs})
     scale = "All are" if families == 1 else "Runs of one rig, wire and unit are"
     return paragraph(
         f"Output against hysteresis input; settled points joined in order, vermilion rising, blue falling. {scale} "
@@ -140,19 +146,19 @@ def _caption(runs: Sequence[Summary]) -> Html:
     )
 
 
-def _table(entries: Sequence[Entry]) -> Html:
+def _table(entries: Sequence[IndexEntry]) -> Html:
     heads = [tag("th", words, scope="col", data_key=key) for words, key in _COLUMNS]
     rows = [_row(k, entry) for k, entry in enumerate(entries)]
     title = tag("caption", "Runs. Marked: steps and samples that are not as they should be.")
     return tag("table", title, tag("thead", tag("tr", *heads)), tag("tbody", *rows))
 
 
-def _row(k: int, entry: Entry) -> Html:
+def _row(k: int, entry: IndexEntry) -> Html:
     run = entry.summary
     settled = f"{run.settled} of {run.steps}" if run.steps else ""
     travel = f"{number(run.travel)} {run.unit}"
     took = duration(run.duration_s) if np.isfinite(run.duration_s) else ""
-    ended = run.cause if run.cause == "done" else tag("b", run.cause)
+    ending_text = run.cause if run.cause == "done" else tag("b", run.cause)
     cells = (
         run.protocol,
         run.rig,
@@ -163,22 +169,22 @@ def _row(k: int, entry: Entry) -> Html:
         took,
         settled,
         travel,
-        run.marked,
-        ended,
+        run.flagged,
+        ending_text,
     )
     text = (run.file, *map(str, cells[:6]), run.cause, run.notes, run.settings)
     return tag(
         "tr",
-        tag("th", tag("a", _stem(run), href=entry.href), scope="row"),
+        tag("th", tag("a", _run_stem(run), href=entry.href), scope="row"),
         *(tag("td", cell) for cell in cells),
         data_run=str(k),
         data_text=" ".join(text).lower(),
-        data_ended=_ended(run),
-        **_sorted_by(run),
+        data_ended=_ending_text(run),
+        **_sort_attributes(run),
     )
 
 
-def _sorted_by(run: Summary) -> dict[str, str]:
+def _sort_attributes(run: RunSummary) -> dict[str, str]:
     """What a row is ordered by, column by column; numbers without their units."""
     sizes = {"duration": run.duration_s, "travel": run.travel}
     plain = {
@@ -188,10 +194,10 @@ def _sorted_by(run: Summary) -> dict[str, str]:
         "wire": run.wire,
         "source": run.source,
     }
-    plain |= {"began": run.began, "seed": run.seed, "settled": str(run.settled), "marked": str(run.marked)}
+    plain |= {"began": run.began, "seed": run.seed, "settled": str(run.settled), "marked": str(run.flagged)}
     plain |= {key: f"{value:.6g}" if np.isfinite(value) else "" for key, value in sizes.items()}
     return {f"data_{key}": value for key, value in plain.items()}
 
 
-def _stem(run: Summary) -> str:
+def _run_stem(run: RunSummary) -> str:
     return run.file.removesuffix(".sqlite").removesuffix(".run")

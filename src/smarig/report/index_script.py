@@ -3,7 +3,7 @@
 Without it the page shows everything, in the order in which it was written.
 """
 
-INDEX = """
+INDEX_SCRIPT = """
 (function(){
  const rows=[...document.querySelectorAll('tbody tr[data-run]')];
  const cards=rows.map(row=>document.querySelector('li[data-run="'+row.dataset.run+'"]'));

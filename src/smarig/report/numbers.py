@@ -36,8 +36,8 @@ def counts(value: float, *, sign: bool = False) -> str:
     >>> counts(7.66), counts(-0.02, sign=True), counts(0.58, sign=True), counts(-13.0, sign=True)
     ('7.7 counts', '0.0 counts', '+0.6 counts', '−13.0 counts')
     """
-    told = round(value, 1) + 0.0
-    return f"{told:{'+' if sign and told else ''}.1f} counts".replace("-", "−")
+    rounded = round(value, 1) + 0.0
+    return f"{rounded:{'+' if sign and rounded else ''}.1f} counts".replace("-", "−")
 
 
 def raised(power: int) -> str:

@@ -11,15 +11,15 @@ from typing import Any
 
 from plotly.offline import get_plotlyjs
 
-from smarig.report.drawing import drawing
+from smarig.core.atomic_file import atomic_file
 from smarig.report.figure import Figure
+from smarig.report.figure_script import figure_script
 from smarig.report.html import Html, escaped, joined, tag
 from smarig.report.style import CSS
-from smarig.whole_file import whole_file
 
 LIBRARY = "smarig-figures.js"  # Plotly's script, where a folder of pages shares it
 GENERATOR = "smarig"
-SIMULATED = "every number on this page comes from a software simulation. No wire was measured."
+SIMULATED_TEXT = "every number on this page comes from a software simulation. No wire was measured."
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def page(
     sections: Sequence[Section],
     *,
     label: str = "",
-    simulated: str = SIMULATED,
+    simulated: str = SIMULATED_TEXT,
     notices: Sequence[Html] = (),
     library: str = "",
 ) -> str:
@@ -81,7 +81,7 @@ def _section(number: int, section: Section) -> Html:
 def _scripts(library: str) -> Html:
     missing = tag("noscript", tag("p", "The figures of this page need JavaScript; the tables do not."))
     plotly = tag("script", src=library) if library else Html(f"<script>{get_plotlyjs()}</script>")
-    return joined([missing, plotly, Html(f"\n<script>{drawing()}</script>")])
+    return joined([missing, plotly, Html(f"\n<script>{figure_script()}</script>")])
 
 
 def _footer(words: str, library: str) -> Html:
@@ -90,14 +90,14 @@ def _footer(words: str, library: str) -> Html:
         if library
         else "This file is complete in itself"
     )
-    said = f"Written by smarig. {alone}; it loads nothing from anywhere{' else' if library else ''}."
-    return tag("footer", tag("p", f"{words} {said}".strip()))
+    footer_text = f"Written by smarig. {alone}; it loads nothing from anywhere{' else' if library else ''}."
+    return tag("footer", tag("p", f"{words} {footer_text}".strip()))
 
 
 def write_page(html: str, path: str | Path, force: bool = False) -> Path:
-    """Write a page, all of it or nothing; errors as of ``whole_file``."""
+    """Write a page, all of it or nothing; errors as of ``atomic_file``."""
     file = Path(path)
-    with whole_file(file, force=force) as part:
+    with atomic_file(file, force=force) as part:
         part.write_text(html, encoding="utf-8")
     return file
 
@@ -106,12 +106,12 @@ def write_library(folder: Path) -> Path:
     """Plotly's script beside the pages of a folder, written where it is not there yet or is another version's."""
     file, text = folder / LIBRARY, get_plotlyjs()
     if not file.is_file() or file.read_text(encoding="utf-8") != text:
-        with whole_file(file, force=True) as part:
+        with atomic_file(file, force=True) as part:
             part.write_text(text, encoding="utf-8")
     return file
 
 
-def is_ours(path: Path) -> bool:
+def is_smarig_page(path: Path) -> bool:
     """Whether a file is a page written by smarig, which may be written anew without asking."""
     if not path.is_file():
         return False

@@ -4,36 +4,36 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from smarig.errors import DataError
-from smarig.identification.model_file import Model
-from smarig.identification.representation import Representation, congruency, wiping_out
+from smarig.core.errors import DataError
+from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
 from smarig.record import Run
-from smarig.report.closed_loop import is_closed_loop
-from smarig.report.closed_loop_page import loop_sections
-from smarig.report.conditions import (
-    count_size,
-    duration_s,
-    exact_unit,
-    label_of,
-    marks,
-    protocol_of,
-    sentence,
-)
+from smarig.replay.model_file import Model
+from smarig.report.closed_loop_sections import loop_sections
 from smarig.report.figure import Figure
-from smarig.report.figures_hysteresis import hysteresis
-from smarig.report.figures_representation import representation_figure
-from smarig.report.figures_time import initialisation, time_series
 from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag
+from smarig.report.hysteresis_figure import hysteresis_figure
+from smarig.report.loop_result import is_closed_loop
 from smarig.report.numbers import duration, number, thousands
 from smarig.report.page import Section, page
-from smarig.report.tables import (
+from smarig.report.representation_figure import representation_figure
+from smarig.report.run_description import (
+    capitalised,
+    count_size,
+    display_unit,
+    duration_s,
+    protocol_name,
+    quality_counts,
+    source_label,
+)
+from smarig.report.run_tables import (
     conditions_table,
     events_table,
-    marks_table,
     provenance_table,
-    settings_words,
+    quality_table,
+    settings_text,
     steps_table,
 )
+from smarig.report.time_figures import initialisation_figure, time_series_figure
 
 
 def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] | None = None) -> str:
@@ -42,59 +42,59 @@ def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] |
     ``library`` is the address of Plotly's script where pages share it, "" to have it inside. A closed loop has sections
     of its own, and with ``certified`` (a model, its file's name and hash) the certificate of that model.
     """
-    data = list(_figures(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
+    data = list(_figure_parts(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
     sections = [
-        Section("Summary", "Summary", [headline(run), settings_words(run)]),
+        Section("Summary", "Summary", [run_cards(run), settings_text(run)]),
         *loop_sections(run, certified),
         Section("Measurement", "Measurement", data),
         Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
             "Honest numbers",
             "Honest numbers",
-            [marks_table({protocol_of(run): run}), steps_table(run), events_table(run)],
+            [quality_table({protocol_name(run): run}), steps_table(run), events_table(run)],
         ),
-        Section("Provenance", "Provenance", [provenance_table({protocol_of(run): run})]),
+        Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})]),
     ]
-    title = f"{sentence(protocol_of(run))} run"
-    notices = [*endings([run]), *_warnings(run)]
-    return page(title, lead(run), sections, label=label_of(run), notices=notices, library=library)
+    title = f"{capitalised(protocol_name(run))} run"
+    notices = [*ending_notices([run]), *_warnings(run)]
+    return page(title, run_lead(run), sections, label=source_label(run), notices=notices, library=library)
 
 
-def _figures(run: Run) -> Iterator[Figure | Html]:
+def _figure_parts(run: Run) -> Iterator[Figure | Html]:
     if not len(run):
         return
     if run.has("t_s") and any(run.has(name) for name in ("current_A", "input", "position")):
-        yield time_series(run)
-    start = initialisation(run)
+        yield time_series_figure(run)
+    start = initialisation_figure(run)
     if start:
         yield start
     if is_closed_loop(run):  # its hysteresis is drawn with the loop
         return
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
-        yield hysteresis(run)
-    if run.meta.get("protocol") in _TESTS:
-        yield from _tested(run)
+        yield hysteresis_figure(run)
+    if run.meta.get("protocol") in _REPRESENTATION_TESTS:
+        yield from _representation_parts(run)
 
 
-_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
+_REPRESENTATION_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
 
 
-def _tested(run: Run) -> Iterator[Figure | Html]:
+def _representation_parts(run: Run) -> Iterator[Figure | Html]:
     try:
-        test = _TESTS[run.meta["protocol"]](run)
+        test = _REPRESENTATION_TESTS[run.meta["protocol"]](run)
     except DataError as error:
         yield notice("warning", paragraph(str(error)))
         return
-    yield representation_words(test)
+    yield representation_notice(test)
     yield representation_figure(test, run)
 
 
-def representation_words(test: Representation) -> Html:
+def representation_notice(test: Representation) -> Html:
     """Verdict and meaning in a box."""
     return notice("good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning))
 
 
-def lead(run: Run) -> str:
+def run_lead(run: Run) -> str:
     """What was measured on what, in a line."""
     wire, rig = run.meta.get("wire"), run.meta.get("rig")
     imported = (run.meta.get("imported") or {}).get("file")
@@ -106,11 +106,11 @@ def lead(run: Run) -> str:
     return ", ".join(part for part in parts if part) or run.path.name
 
 
-def headline(run: Run) -> Html:
+def run_cards(run: Run) -> Html:
     """The numbers of one run that matter."""
-    m, size = marks(run), 0.0 if run.meta.get("imported") else count_size(run)
+    m, size = quality_counts(run), 0.0 if run.meta.get("imported") else count_size(run)
     known = run["position"][np.isfinite(run["position"])]
-    travel = f"{number(float(np.ptp(known)), 4)} {exact_unit(run.unit)}" if known.size else "none"
+    travel = f"{number(float(np.ptp(known)), 4)} {display_unit(run.unit)}" if known.size else "none"
     bad = m.timed_out + m.interrupted
     timed = np.isfinite(duration_s(run))
     return cards(
@@ -131,7 +131,7 @@ def headline(run: Run) -> Html:
     )
 
 
-def endings(runs: list[Run]) -> list[Html]:
+def ending_notices(runs: list[Run]) -> list[Html]:
     """A box for every run that did not end as planned, with the cause."""
     return [
         notice(
@@ -147,6 +147,6 @@ def endings(runs: list[Run]) -> list[Html]:
 
 def _warnings(run: Run) -> list[Html]:
     found = run.meta.get("warnings") or ()
-    told = [e.text for e in run.events if e.level in ("warning", "error") and e.kind != "end"]
-    items = [*found, *told]
+    logged_warnings = [e.text for e in run.events if e.level in ("warning", "error") and e.kind != "end"]
+    items = [*found, *logged_warnings]
     return [notice("warning", paragraph(tag("b", "Warnings")), bullets(items))] if items else [joined([])]

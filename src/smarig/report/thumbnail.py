@@ -15,7 +15,7 @@ from smarig.report.numbers import number
 from smarig.report.style import COOLING, FAINT, HEATING, INK
 
 Array = NDArray[np.float64]
-WIDE, HIGH = 220, 150
+WIDTH_PX, HEIGHT_PX = 220, 150
 _TEXT = "#4b5563"
 _LEFT, _RIGHT, _TOP, _BOTTOM = 8, 8, 16, 18
 
@@ -45,11 +45,11 @@ def thumbnail(
     if not u.size:
         return Html("")
     shown = frame or frame_of(u, y)
-    x = _scaled(u, shown.u, _LEFT, WIDE - _RIGHT)
-    z = _scaled(y, shown.y, HIGH - _BOTTOM, _TOP)
+    x = _scaled(u, shown.u, _LEFT, WIDTH_PX - _RIGHT)
+    z = _scaled(y, shown.y, HEIGHT_PX - _BOTTOM, _TOP)
     up = np.diff(u) > 0
-    paths = [_path(x, z, chosen, colour) for chosen, colour in ((up, HEATING), (~up, COOLING))]
-    border = (_LEFT, _TOP, WIDE - _LEFT - _RIGHT, HIGH - _TOP - _BOTTOM)
+    paths = [_svg_path(x, z, chosen, colour) for chosen, colour in ((up, HEATING), (~up, COOLING))]
+    border = (_LEFT, _TOP, WIDTH_PX - _LEFT - _RIGHT, HEIGHT_PX - _TOP - _BOTTOM)
     box = '<rect x="{}" y="{}" width="{}" height="{}" fill="none" stroke="{}"/>'.format(*border, FAINT)
     return tag(
         "svg",
@@ -58,7 +58,7 @@ def thumbnail(
         tag(
             "g", *_texts(shown, units, label), font_size="9", font_family="system-ui, sans-serif", fill=_TEXT
         ),
-        viewBox=f"0 0 {WIDE} {HIGH}",
+        viewBox=f"0 0 {WIDTH_PX} {HEIGHT_PX}",
         role="img",
         aria_label=f"{label}, simulated. {words}" if label else words,
     )
@@ -68,7 +68,7 @@ def _scaled(values: Array, span: tuple[float, float], first: float, last: float)
     return first + (last - first) * (values - span[0]) / (span[1] - span[0])
 
 
-def _path(x: Array, z: Array, chosen: NDArray[np.bool_], colour: str) -> Html:
+def _svg_path(x: Array, z: Array, chosen: NDArray[np.bool_], colour: str) -> Html:
     """The chosen segments, in tenths of a unit: neighbours joined, others begun anew."""
     pieces, at = [], -1
     for k in np.flatnonzero(chosen):
@@ -84,25 +84,25 @@ def _dot(x: float, z: float) -> Html:
 
 def _texts(shown: Frame, units: tuple[str, str], label: str) -> Sequence[Html]:
     """The ends of both axes with their units, and the mark."""
-    below, above = HIGH - 5, _TOP - 5
-    inputs, outputs = plain_ends(shown.u), " to ".join(plain_ends(shown.y))
+    below, above = HEIGHT_PX - 5, _TOP - 5
+    inputs, outputs = end_labels(shown.u), " to ".join(end_labels(shown.y))
     found = [
         _text(_LEFT, below, inputs[0]),
-        _text(WIDE - _RIGHT, below, f"{inputs[1]} {units[0]}", 'text-anchor="end"'),
+        _text(WIDTH_PX - _RIGHT, below, f"{inputs[1]} {units[0]}", 'text-anchor="end"'),
         _text(_LEFT, above, f"{outputs} {units[1]}"),
     ]
     if label:
         width = 7 * len(label) + 6
         found.append(
-            Html(f'<rect x="{WIDE - _RIGHT - width}" y="1" width="{width}" height="13" fill="#f7c948"/>')
+            Html(f'<rect x="{WIDTH_PX - _RIGHT - width}" y="1" width="{width}" height="13" fill="#f7c948"/>')
         )
         found.append(
-            _text(WIDE - _RIGHT - 3, above, label, 'text-anchor="end" font-weight="700" fill="#111"')
+            _text(WIDTH_PX - _RIGHT - 3, above, label, 'text-anchor="end" font-weight="700" fill="#111"')
         )
     return found
 
 
-def plain_ends(span: tuple[float, float]) -> tuple[str, str]:
+def end_labels(span: tuple[float, float]) -> tuple[str, str]:
     """Both ends of a span with as many decimals as the span deserves.
 
     >>> plain_ends((-0.0017, 12.6)), plain_ends((0.02, 0.0345))

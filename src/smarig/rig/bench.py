@@ -11,19 +11,19 @@ from collections import deque
 from collections.abc import Callable
 
 from smarig.config import RigFile
-from smarig.drivers._roles import CurrentReading, CurrentSource, PositionReading, PositionSensor
-from smarig.errors import LeaseExpired
-from smarig.model.actuator import Actuator
+from smarig.core.errors import LeaseExpired
+from smarig.core.sample import Quality, Sample
+from smarig.device.drivers._roles import CurrentReading, CurrentSource, PositionReading, PositionSensor
+from smarig.device.wire.link_faults import Garbled, Silent
+from smarig.plant.actuator import Actuator
 from smarig.rig.rig import Alarm
-from smarig.sample import Quality, Sample
-from smarig.wire.blame import Garbled, Silent
 
-COMPARED = 300  # ticks between two looks at both clocks
-BLOCK = 16  # samples that are fetched at once
-LEAP = 1_000_000  # ticks that no host slept through
-REMEMBERED = 256  # currents that were set lately
-WAITS_S = 1.0  # until devices in lock-step take us for gone
-PATIENCE_S = 2.0  # without a sample, before the sensor counts as dead
+CLOCK_CHECK_TICKS = 300  # ticks between two looks at both clocks
+MAX_BLOCK_TICKS = 16  # samples that are fetched at once
+MAX_TICK_GAP = 1_000_000  # ticks that no host slept through
+COMMAND_HISTORY = 256  # currents that were set lately
+LOCK_STEP_TIMEOUT_S = 1.0  # until devices in lock-step take us for gone
+SENSOR_TIMEOUT_S = 2.0  # without a sample, before the sensor counts as dead
 
 
 class Bench:
@@ -49,21 +49,21 @@ class Bench:
         self.lock_step = speed == 0
         self._tick_s = 0.0 if self.lock_step else rig.period_s / speed
         lease = round(rig.lease_s / rig.period_s)
-        self._block = max(1, min(BLOCK, lease - 1))  # ticks that may pass while nothing is said
+        self._block = max(1, min(MAX_BLOCK_TICKS, lease - 1))  # ticks that may pass while nothing is said
         self._clock, self._sleep = clock, sleep
         self.tick = sensor.tick()
         self._offset = source.tick() - self.tick
-        self._compare_at = self.tick + COMPARED
+        self._next_clock_check = self.tick + CLOCK_CHECK_TICKS
         self._due_s = clock()
-        self._sent_A = 0.0
-        self._before: deque[tuple[int, float]] = deque(
-            maxlen=REMEMBERED
+        self._command_A = 0.0
+        self._past_commands: deque[tuple[int, float]] = deque(
+            maxlen=COMMAND_HISTORY
         )  # last tick of a current, by the source, and the current
         self._last: CurrentReading | None = None
         self._alarms: list[Alarm] = []
-        self._made: list[PositionReading] = []  # read before a zero, and still to be told
+        self._pending_readings: list[PositionReading] = []  # read before a zero, and still to be told
         self._tripped = ""
-        self.untold = ""  # why the source may not know that it is to be off
+        self.shutdown_unconfirmed = ""  # why the source may not know that it is to be off
 
     @property
     def period_s(self) -> float:
@@ -79,14 +79,14 @@ class Bench:
         """Apply a current from the next tick on; the samples since the last call, at least one."""
         if self._tripped:
             raise LeaseExpired(self._tripped)
-        if current_A != self._sent_A:
+        if current_A != self._command_A:
             self._set(current_A)
-        positions = self._positions(min(at_most, self._block))
-        currents = self._currents(positions)
+        positions = self._read_positions(min(at_most, self._block))
+        currents = self._read_currents(positions)
         self.tick = positions[-1].tick
-        if self._tick_s and self.tick >= self._compare_at:
-            self._follow()
-        samples = tuple(self._joined(p, c) for p, c in zip(positions, currents))
+        if self._tick_s and self.tick >= self._next_clock_check:
+            self._update_offset()
+        samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
         over = samples[-1].quality & (Quality.TRIPPED | Quality.STALE)  # what came before it has been told
         if self.source.tripped and over:
             self._tripped = self.source.tripped
@@ -96,39 +96,39 @@ class Bench:
         """Send it, and keep which current was set before: samples that are still to be read are from then."""
         last = self.source.set(current_A)
         if last is not None:
-            self._before.append((last, self._sent_A))
-        self._sent_A = current_A
+            self._past_commands.append((last, self._command_A))
+        self._command_A = current_A
 
-    def _set_at(self, tick: int) -> float:
+    def _command_at(self, tick: int) -> float:
         """The current that was set in a tick of the source."""
-        current_A = self._sent_A
-        for last, before_A in reversed(self._before):
+        current_A = self._command_A
+        for last, before_A in reversed(self._past_commands):
             if last < tick:
                 break
             current_A = before_A
         return current_A
 
-    def _positions(self, at_most: int) -> list[PositionReading]:
+    def _read_positions(self, at_most: int) -> list[PositionReading]:
         """What the encoder read since; waits for its next tick where time passes by itself."""
-        if self._made:
-            found, self._made = self._made, []
+        if self._pending_readings:
+            found, self._pending_readings = self._pending_readings, []
             return found
         wanted = at_most if self.lock_step else self._block
         self._due_s += self._tick_s
         wait_s = self._due_s - self._clock()
         if wait_s > 0:
             self._sleep(wait_s)
-        give_up_s = self._clock() + PATIENCE_S
+        give_up_s = self._clock() + SENSOR_TIMEOUT_S
         while True:
             found = self.sensor.since(self.tick + 1, wanted)
             if found:
                 break
             if self._clock() > give_up_s:
-                raise Silent(f"The encoder gives no new sample in {PATIENCE_S:g} s. {Silent.remedy}")
+                raise Silent(f"The encoder gives no new sample in {SENSOR_TIMEOUT_S:g} s. {Silent.remedy}")
             self._due_s = self._clock() + self._tick_s / 8  # it is a little behind our clock: fall in with it
             self._sleep(self._tick_s / 8)
         lost = found[0].tick - self.tick - 1
-        if lost > LEAP:
+        if lost > MAX_TICK_GAP:
             raise Garbled(f"The encoder's ticks leapt by {lost}: it cannot be trusted. {Garbled.remedy}")
         if lost:
             self._alarms.append(
@@ -138,7 +138,7 @@ class Bench:
             )
         return found
 
-    def _currents(self, positions: list[PositionReading]) -> list[CurrentReading]:
+    def _read_currents(self, positions: list[PositionReading]) -> list[CurrentReading]:
         """What the source measured in the same ticks; where it has none, the last, marked as stale."""
         first = positions[0].tick + self._offset
         by_tick: dict[int, CurrentReading] = {}
@@ -159,18 +159,18 @@ class Bench:
             found.append(reading)
         return found
 
-    def _follow(self) -> None:
+    def _update_offset(self) -> None:
         """Two clocks differ a little: now and then, see by how many ticks; one is where they happened to be read."""
-        self._compare_at = self.tick + COMPARED
+        self._next_clock_check = self.tick + CLOCK_CHECK_TICKS
         ahead = self.source.tick() - self.sensor.tick() - self._offset
         if abs(ahead) > 1:
             self._offset += ahead - (1 if ahead > 0 else -1)
 
-    def _joined(self, p: PositionReading, c: CurrentReading) -> Sample:
+    def _join(self, p: PositionReading, c: CurrentReading) -> Sample:
         return Sample(
             p.tick,
             p.tick * self.file.period_s,
-            self._set_at(c.tick),
+            self._command_at(c.tick),
             c.current_A,
             c.voltage_V,
             c.temperature_degC,
@@ -187,13 +187,15 @@ class Bench:
 
     def zero(self) -> None:
         """Zero the encoder where it stands: what it made before and is still to be told counts from there as well."""
-        made = [] if self.lock_step else self._positions(self._block)
+        pending = [] if self.lock_step else self._read_positions(self._block)
         self.sensor.zero()
-        self._made = [p._replace(counts=p.counts - made[-1].counts) for p in made]
+        self._pending_readings = [p._replace(counts=p.counts - pending[-1].counts) for p in pending]
 
     def idle(self, seconds: float) -> None:
         """Say nothing for so long: the lease must end what flows. Devices that wait for us do so for a second only."""
-        self._sleep(seconds + WAITS_S if self.lock_step else seconds * self._tick_s / self.period_s)
+        self._sleep(
+            seconds + LOCK_STEP_TIMEOUT_S if self.lock_step else seconds * self._tick_s / self.period_s
+        )
         self._due_s = self._clock()
 
     def identity(self) -> list[str]:
@@ -203,12 +205,12 @@ class Bench:
     def arm(self) -> None:
         """Clear a trip; the output stays at zero until the next step."""
         self.source.arm()
-        self._sent_A, self._tripped = 0.0, ""
+        self._command_A, self._tripped = 0.0, ""
 
     def safe(self) -> None:
         """Current to zero. Never raises; the lease does it where no line does."""
-        self._sent_A = 0.0
-        self.untold = self.source.off()
+        self._command_A = 0.0
+        self.shutdown_unconfirmed = self.source.off()
 
     def close(self) -> None:
         """Let go of both lines."""

@@ -13,23 +13,23 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from smarig.config import RigFile
-from smarig.errors import RigFault
-from smarig.model.actuator import Actuator
-from smarig.preisach.gorbet_1997 import surface
+from smarig.core.errors import RigFault
+from smarig.core.sample import Quality, Sample
+from smarig.plant.actuator import Actuator
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.rig.guard import Guard
-from smarig.rig.plausibility import FLOWING_A, READ_BACK, RESISTANCE
+from smarig.rig.plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE, RESISTANCE_FACTORS
 from smarig.rig.rig import Rig
-from smarig.sample import Quality, Sample
 
-MOVED = 5  # counts: more than noise
-STAIRS = 20  # of current, up to the limit
-STAIR_TAUS = 1.5  # time constants on each
+MIN_MOTION_COUNTS = 5  # counts: more than noise
+CURRENT_STEPS = 20  # of current, up to the limit
+STEP_TAUS = 1.5  # time constants on each
 COOL_TAUS = 5.0
-LEAST_PULSE = 0.1  # of the largest current: flows while the lease is tried
-AFTER_LEASE_S = 1.5
-SURELY = 10  # times as many: no wire is that far from its model
-Say = Callable[[str], None]
+LEASE_TEST_SHARE = 0.1  # of the largest current: flows while the lease is tried
+LEASE_MARGIN_S = 1.5
+MOTION_MARGIN = 10  # times as many: no wire is that far from its model
+ProgressCallback = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples that show the trip still
 
 
@@ -38,10 +38,10 @@ class Check(NamedTuple):
 
     name: str
     passed: bool
-    seen: str
+    observed: str
 
 
-class Silenceable(Rig, Protocol):
+class SupportsIdle(Rig, Protocol):
     """A rig that can be left alone on purpose."""
 
     def idle(self, seconds: float) -> None:
@@ -58,12 +58,12 @@ class Silenceable(Rig, Protocol):
         ...
 
 
-def bring_up(rig: Silenceable, file: RigFile, say: Say = lambda _: None) -> list[Check]:
+def bring_up(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback = lambda _: None) -> list[Check]:
     """All checks in order; what cannot be gone on with ends the list."""
     found: list[Check] = []
     try:
-        for check in _checks(rig, file, say):
-            say(f"{'ok ' if check.passed else 'NOT'} {check.name}: {check.seen}")
+        for check in _checks(rig, file, on_progress):
+            on_progress(f"{'ok ' if check.passed else 'NOT'} {check.name}: {check.observed}")
             found.append(check)
     except RigFault as fault:
         found.append(Check("rig", False, str(fault)))
@@ -72,109 +72,120 @@ def bring_up(rig: Silenceable, file: RigFile, say: Say = lambda _: None) -> list
     return found
 
 
-def _checks(rig: Silenceable, file: RigFile, say: Say) -> Iterator[Check]:
+def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> Iterator[Check]:
     """What does not obey, or does not move as it is heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
     guard = Guard(rig, file.limits, actuator)
-    pulses = [_pulse(guard, file, actuator, +1, say)]
+    pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
     if file.limits.current_min_A < 0:  # the second wire
-        pulses.append(_pulse(guard, file, actuator, -1, say))
+        pulses.append(_heating_checks(guard, file, actuator, -1, on_progress))
     for check in chain([_at_rest(guard, file)], *pulses):
         yield check
         if not check.passed:
             return
     if rig.has_lease:
-        yield from _lease(rig, file)
+        yield from _check_lease(rig, file)
     else:
         yield Check("lease", True, "this source has none: if the host dies, only the cut-out ends what flows")
 
 
 def _at_rest(guard: Guard, file: RigFile) -> Check:
     """Nothing flows when nothing is asked for."""
-    sample = _last(guard, 0.0, 10)
-    seen = f"{sample.current_A:.4f} A flow at 0 A; ambient {sample.ambient_degC:.1f} °C"
-    return Check("at rest", _obeys(sample, 0.0, file), seen)
+    sample = _last_sample(guard, 0.0, 10)
+    observed = f"{sample.current_A:.4f} A flow at 0 A; ambient {sample.ambient_degC:.1f} °C"
+    return Check("at rest", _follows_command(sample, 0.0, file), observed)
 
 
-def _pulse(guard: Guard, file: RigFile, actuator: Actuator, sign: int, say: Say) -> Iterator[Check]:
+def _heating_checks(
+    guard: Guard, file: RigFile, actuator: Actuator, sign: int, on_progress: ProgressCallback
+) -> Iterator[Check]:
     """Up in stairs until the wire moves, or must have by its model; then what was seen, and cooling."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
-    enough_K = _must_have_moved_K(actuator, file, sign)
+    certain_motion_K = _input_of_certain_motion_K(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
-    begin = _last(guard, 0.0, 1).counts
-    sample, asked_A, moved = _last(guard, 0.0, 1), 0.0, 0
-    for k in range(1, STAIRS + 1):
-        asked_A = largest_A * k / STAIRS
-        sample = _last(guard, asked_A, round(STAIR_TAUS * tau_ticks))
+    begin = _last_sample(guard, 0.0, 1).counts
+    sample, command_A, moved = _last_sample(guard, 0.0, 1), 0.0, 0
+    for k in range(1, CURRENT_STEPS + 1):
+        command_A = largest_A * k / CURRENT_STEPS
+        sample = _last_sample(guard, command_A, round(STEP_TAUS * tau_ticks))
         moved = sample.counts - begin
-        say(f"    {asked_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K by the model")
-        if abs(moved) >= MOVED or not _obeys(sample, asked_A, file) or abs(guard.input_K) >= enough_K:
+        on_progress(f"    {command_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K by the model")
+        if (
+            abs(moved) >= MIN_MOTION_COUNTS
+            or not _follows_command(sample, command_A, file)
+            or abs(guard.input_K) >= certain_motion_K
+        ):
             break
     how = "was the last reading, none came" if sample.quality & Quality.STALE else "measured"
     wire = ", wire 2" if sign < 0 else ""
-    obeyed = f"{sample.current_A:.4f} A {how} at {asked_A:.4f} A"
-    yield Check(f"read-back{wire}", _obeys(sample, asked_A, file), obeyed)
+    comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
+    yield Check(f"read-back{wire}", _follows_command(sample, command_A, file), comparison)
     yield _resistance(sample, actuator)._replace(name=f"resistance{wire}")
-    where = f"{moved:+d} counts at {asked_A:.2f} A, {guard.input_K:.0f} K by the model"
+    where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K by the model"
     rule = f"heating must count {'downwards' if sign < 0 else 'upwards'}"
-    yield Check(f"encoder direction{wire}", sign * moved >= MOVED, f"{where}; {rule}")
-    _last(guard, 0.0, round(COOL_TAUS * tau_ticks))
+    yield Check(f"encoder direction{wire}", sign * moved >= MIN_MOTION_COUNTS, f"{where}; {rule}")
+    _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
 
 
-def _must_have_moved_K(actuator: Actuator, file: RigFile, sign: int) -> float:
+def _input_of_certain_motion_K(actuator: Actuator, file: RigFile, sign: int) -> float:
     """The input, from rest, at which the model has moved several times what is looked for."""
     of_wire = actuator.file.hysteresis
     h = surface(of_wire.surface)
     inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
     y = Preisach(h).simulate(inputs, of_wire.initial)
     moved = np.abs(y - y[0]) / actuator.position_per_count(file.encoder.counts_per_rev)
-    enough = min(SURELY * MOVED, float(moved.max()))  # a coarse encoder never counts so far
+    enough = min(
+        MOTION_MARGIN * MIN_MOTION_COUNTS, float(moved.max())
+    )  # a coarse encoder never counts so far
     return float(abs(inputs[np.argmax(moved >= enough)]))
 
 
-def _obeys(sample: Sample, asked_A: float, file: RigFile) -> bool:
+def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:
     """Whether what was asked for is what flows, as far as is measured."""
-    near = abs(sample.current_A - asked_A) <= READ_BACK * file.limits.current_max_A
+    near = abs(sample.current_A - command_A) <= READ_BACK_TOLERANCE * file.limits.current_max_A
     return near and not sample.quality & Quality.STALE
 
 
 def _resistance(sample: Sample, actuator: Actuator) -> Check:
     heating = actuator.file.heating
-    low = RESISTANCE[0] * heating.resistance_austenite.value
-    high = RESISTANCE[1] * heating.resistance_martensite.value
-    if abs(sample.current_A) < FLOWING_A:
+    low = RESISTANCE_FACTORS[0] * heating.resistance_austenite.value
+    high = RESISTANCE_FACTORS[1] * heating.resistance_martensite.value
+    if abs(sample.current_A) < MIN_CURRENT_A:
         return Check("resistance", False, "too little current flowed to tell")
     ohm = sample.voltage_V / sample.current_A
     return Check("resistance", low <= ohm <= high, f"{ohm:.2f} ohm, expected {low:.2f} to {high:.2f}")
 
 
-def _lease(rig: Silenceable, file: RigFile) -> Iterator[Check]:
+def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
     """With a little current flowing, say nothing: when does the device switch off by itself?"""
-    heard = rig.step(LEAST_PULSE * file.limits.current_max_A)[-1].tick
-    rig.idle(file.lease_s + AFTER_LEASE_S)
-    first = _first_tripped(rig, heard)
+    last_command_tick = rig.step(LEASE_TEST_SHARE * file.limits.current_max_A)[-1].tick
+    rig.idle(file.lease_s + LEASE_MARGIN_S)
+    first = _first_tripped(rig, last_command_tick)
     rig.arm()
     backlog = round(BACKLOG_S / rig.period_s)
     later = list(takewhile(_tripped, (s for _ in range(backlog) for s in rig.step(0.0))))
-    took_s = (first - heard) * rig.period_s if first else math.nan
+    took_s = (first - last_command_tick) * rig.period_s if first else math.nan
     in_time = abs(took_s - file.lease_s) <= max(2 * rig.period_s, 0.1 * file.lease_s)
     flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)
-    seen = f"the output went off {took_s:.2f} s after the last word; lease {file.lease_s:g} s"
-    if flows_A > READ_BACK * file.limits.current_max_A:
-        seen, in_time = f"tripped {took_s:.2f} s after the last word, but {flows_A:.4f} A flowed then", False
-    yield Check("lease", in_time, seen)
+    observed = f"the output went off {took_s:.2f} s after the last word; lease {file.lease_s:g} s"
+    if flows_A > READ_BACK_TOLERANCE * file.limits.current_max_A:
+        observed, in_time = (
+            f"tripped {took_s:.2f} s after the last word, but {flows_A:.4f} A flowed then",
+            False,
+        )
+    yield Check("lease", in_time, observed)
     yield Check("re-arm", len(later) < backlog, "the trip is over once it is armed again")
 
 
-def _first_tripped(rig: Rig, heard: int) -> int:
+def _first_tripped(rig: Rig, last_command_tick: int) -> int:
     """The tick in which the device was first tripped; 0 if it never was."""
     with contextlib.suppress(RigFault):
         for _ in range(1000):
             for sample in rig.step(0.0):
                 if _tripped(sample):
                     return sample.tick
-                if (sample.tick - heard) * rig.period_s > 60:
+                if (sample.tick - last_command_tick) * rig.period_s > 60:
                     return 0
     return 0
 
@@ -183,7 +194,7 @@ def _tripped(sample: Sample) -> bool:
     return bool(sample.quality & Quality.TRIPPED)
 
 
-def _last(guard: Guard, current_A: float, ticks: int) -> Sample:
+def _last_sample(guard: Guard, current_A: float, ticks: int) -> Sample:
     """The last sample of so many ticks at a current."""
     sample: Sample | None = None
     left = max(1, ticks)

@@ -8,12 +8,12 @@ command: what is not allowed is refused, and the rig made safe.
 import math
 
 from smarig.config import LimitsFile
-from smarig.errors import LimitExceeded
-from smarig.model.actuator import Actuator
-from smarig.model.heating import Heating
+from smarig.core.errors import LimitExceeded
+from smarig.core.sample import Quality, Sample
+from smarig.plant.actuator import Actuator
+from smarig.plant.heating import JouleHeating
 from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Alarm, Rig
-from smarig.sample import Quality, Sample
 
 _ROUNDING = 1e-9
 _STALE = int(Quality.STALE)  # a plain integer: an enum's & costs a µs a tick
@@ -28,7 +28,7 @@ class Guard:
         self.rig, self.limits, self._plausibility = rig, limits, plausibility
         self._alarms: list[Alarm] = []
         self._last_tick = rig.tick
-        self.heating = Heating(actuator, rig.period_s)
+        self.heating = JouleHeating(actuator, rig.period_s)
         self.tripped = ""
         self._last_A = 0.0
         self._step_A = limits.current_rate_A_per_s * rig.period_s + _ROUNDING
@@ -43,7 +43,7 @@ class Guard:
         """Predicted hysteresis input now: kelvin above ambient, T₁ − T₂ for two wires."""
         return self.heating.input_K
 
-    def goal_K(self, current_A: float) -> float:
+    def steady_input_K(self, current_A: float) -> float:
         """Where the heating model comes to rest at a current, kelvin."""
         return self.heating.source(current_A)
 
@@ -54,17 +54,17 @@ class Guard:
         show it are still recorded; every later step is refused.
         """
         self.raise_if_tripped()
-        self._check(current_A)
+        self._check_command(current_A)
         self._last_A = current_A
         heat, limit = self.heating, self.limits.temperature_max_K
         answer = []
         for sample in self.rig.step(current_A, at_most):
-            flows_A = self._flows(sample)
+            heating_A = self._heating_current_A(sample)
             for _ in range(self._last_tick + 1, sample.tick):  # lost ones: the wire was heated all the same
-                heat.step(flows_A)
+                heat.step(heating_A)
             self._last_tick = sample.tick
-            answer.append((sample, heat.step(flows_A)))
-            self._judge(sample)
+            answer.append((sample, heat.step(heating_A)))
+            self._check_plausibility(sample)
             if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # NaN is no temperature to rely on
                 self.tripped = (
                     f"Predicted wire temperature {max(heat.wire_K):.1f} K above ambient exceeds the limit "
@@ -75,15 +75,15 @@ class Guard:
                 self.safe()
         return answer
 
-    def _flows(self, sample: Sample) -> float:
+    def _heating_current_A(self, sample: Sample) -> float:
         """The measured current; where there is none, what was set or measured last, whichever heats more."""
         if not sample.quality & _STALE:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 
-    def _judge(self, sample: Sample) -> None:
+    def _check_plausibility(self, sample: Sample) -> None:
         """Trip on readings that cannot be."""
-        for alarm in self._plausibility.looked(sample, self.heating.input_K) if self._plausibility else ():
+        for alarm in self._plausibility.check(sample, self.heating.input_K) if self._plausibility else ():
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
                 self.tripped = f"{alarm.text} The current is at zero."
@@ -99,7 +99,7 @@ class Guard:
         if self.tripped:
             raise LimitExceeded(self.tripped)
 
-    def _check(self, current_A: float) -> None:
+    def _check_command(self, current_A: float) -> None:
         limits = self.limits
         low, high = limits.current_min_A - _ROUNDING, limits.current_max_A + _ROUNDING
         if not low <= current_A <= high:

@@ -7,27 +7,27 @@ them. Knows samples; refuses to know devices, and what to do about it: that is t
 import math
 
 from smarig.config import RigFile
-from smarig.model.actuator import Actuator
-from smarig.preisach.gorbet_1997 import surface
+from smarig.core.sample import Quality, Sample
+from smarig.plant.actuator import Actuator
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.rig.rig import Alarm
-from smarig.sample import Quality, Sample
 
 REST_TAUS = 12.0  # until a wire is at rest, whatever it was before, and whatever its sensors lag behind
 IN_A_ROW = 3  # samples: one may be wrong by itself
-FLOWING_A = 0.05  # less says nothing of a resistance
-READ_BACK = 0.05  # of the largest current: set-point against read-back
-RESISTANCE = (0.5, 2.0)  # times the least and the largest of the wire: beyond is told
-JUMP = 0.25  # of the travel within one tick: no wire is so fast,
-JUMP_TAUS = 3.0  # unless the tick is long: times the share of its way that a temperature goes in it
-STILL = 0.03  # of the travel: no motion
-SLIPPED = 0.25  # of the travel, while the input stays
-STAYS = 0.05  # of the range
+MIN_CURRENT_A = 0.05  # less says nothing of a resistance
+READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
+RESISTANCE_FACTORS = (0.5, 2.0)  # times the least and the largest of the wire: beyond is told
+MAX_JUMP = 0.25  # of the travel within one tick: no wire is so fast,
+MAX_JUMP_TAUS = 3.0  # unless the tick is long: times the share of its way that a temperature goes in it
+MIN_TRAVEL = 0.03  # of the travel: no motion
+SLIP_LIMIT = 0.25  # of the travel, while the input stays
+STEADY_INPUT_BAND = 0.05  # of the range
 COLD, HOT = 0.2, 0.8  # of the range: heated through
 
-BLIND = 20  # samples without a current of their own: more than a late host ever sees
+MAX_STALE_SAMPLES = 20  # samples without a current of their own: more than a late host ever sees
 
 _STALE, _SATURATED = int(Quality.STALE), int(Quality.SATURATED)  # plain integers, as in every tick's way
-_TRUST = _STALE | int(Quality.TRIPPED)
+_UNRELIABLE = _STALE | int(Quality.TRIPPED)
 
 
 class Plausibility:
@@ -38,93 +38,96 @@ class Plausibility:
         self._largest_A = max(limits.current_max_A, -limits.current_min_A)
         self._saturation_A = rig.amplifier.saturation_A
         low, high = heating.resistance_austenite.value, heating.resistance_martensite.value
-        self._ohm = RESISTANCE[0] * min(low, high), RESISTANCE[1] * max(low, high)
+        self._ohm = RESISTANCE_FACTORS[0] * min(low, high), RESISTANCE_FACTORS[1] * max(low, high)
         h = surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
         travel = abs(h.y_upper - h.y_lower)
         self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
-        self._jump = max(JUMP, -JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
+        self._jump = max(MAX_JUMP, -MAX_JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
         self._last: int | None = None
-        self._rows = {"read_back": 0, "resistance": 0, "blind": 0}
-        self._blind = max(BLIND, round(rig.lease_s / rig.period_s))
-        self._from = ""  # where the wire was last: cold or hot; and the extent of its position since
+        self._ticks_in_a_row = {"read_back": 0, "resistance": 0, "blind": 0}
+        self._max_stale = max(MAX_STALE_SAMPLES, round(rig.lease_s / rig.period_s))
+        self._last_end = ""  # where the wire was last: cold or hot; and the extent of its position since
         self._extent = (0, 0)
-        self._rest = (0.0, 0)  # input and counts where the input came to rest
-        self._rests_after = self._coming = round(REST_TAUS * actuator.tau_s / rig.period_s)  # ticks
+        self._rest_point = (0.0, 0)  # input and counts where the input came to rest
+        self._settle_ticks = self._settling_ticks = round(REST_TAUS * actuator.tau_s / rig.period_s)  # ticks
 
     def zeroed(self) -> None:
         """The encoder counts from here on: what was before says nothing."""
-        self._last, self._from = None, ""
+        self._last, self._last_end = None, ""
 
     def rearmed(self) -> None:
         """A trip was cleared: what is still wrong must be able to trip again."""
-        self._rows = dict.fromkeys(self._rows, 0)
+        self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
         self.zeroed()
 
-    def looked(self, sample: Sample, input_K: float) -> list[Alarm]:
+    def check(self, sample: Sample, input_K: float) -> list[Alarm]:
         """Errors and warnings that this sample is the first to show."""
-        if self._row("blind", bool(sample.quality & _STALE), self._blind):
-            text = f"The amplifier gave no reading of the current for {self._blind} samples: look at its converter."
+        if self._persists("blind", bool(sample.quality & _STALE), self._max_stale):
+            text = f"The amplifier gave no reading of the current for {self._max_stale} samples: look at its converter."
             return [Alarm("error", "blind", text)]
-        if sample.quality & _TRUST or math.isnan(sample.current_A):
+        if sample.quality & _UNRELIABLE or math.isnan(sample.current_A):
             self._last = sample.counts
             return []
-        found = [*self._electrical(sample), *self._motion(sample.counts, input_K)]
+        found = [*self._check_electrical(sample), *self._check_motion(sample.counts, input_K)]
         self._last = sample.counts
         return found
 
-    def _electrical(self, s: Sample) -> list[Alarm]:
-        asked = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
-        off = abs(s.current_A - asked) > READ_BACK * self._largest_A and not s.quality & _SATURATED
-        ohm = s.voltage_V / s.current_A if abs(s.current_A) >= FLOWING_A else math.nan
+    def _check_electrical(self, s: Sample) -> list[Alarm]:
+        command_A = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
+        off = (
+            abs(s.current_A - command_A) > READ_BACK_TOLERANCE * self._largest_A
+            and not s.quality & _SATURATED
+        )
+        ohm = s.voltage_V / s.current_A if abs(s.current_A) >= MIN_CURRENT_A else math.nan
         found = []
-        if self._row("read_back", off):
-            text = f"{s.current_A:.3g} A flow where {asked:.3g} A are set: check amplifier and shunt."
+        if self._persists("read_back", off):
+            text = f"{s.current_A:.3g} A flow where {command_A:.3g} A are set: check amplifier and shunt."
             found.append(Alarm("error", "read_back", text))
-        if self._row("resistance", not (math.isnan(ohm) or self._ohm[0] <= ohm <= self._ohm[1])):
+        if self._persists("resistance", not (math.isnan(ohm) or self._ohm[0] <= ohm <= self._ohm[1])):
             low, high = self._ohm
             text = f"The wire has {ohm:.3g} ohm, outside {low:.3g}…{high:.3g}: look at clamps and wire."
             found.append(Alarm("error", "resistance", text))
         return found
 
-    def _row(self, name: str, wrong: bool, often: int = IN_A_ROW) -> bool:
+    def _persists(self, name: str, wrong: bool, often: int = IN_A_ROW) -> bool:
         """Whether it is wrong so often in a row just now."""
-        self._rows[name] = self._rows[name] + 1 if wrong else 0
-        return self._rows[name] == often
+        self._ticks_in_a_row[name] = self._ticks_in_a_row[name] + 1 if wrong else 0
+        return self._ticks_in_a_row[name] == often
 
-    def _motion(self, counts: int, input_K: float) -> list[Alarm]:
+    def _check_motion(self, counts: int, input_K: float) -> list[Alarm]:
         if self._last is not None and abs(counts - self._last) > self._jump:
             text = f"The encoder jumped by {counts - self._last} counts in one tick: check cable and disc."
-            self._rest = (input_K, counts)
+            self._rest_point = (input_K, counts)
             return [Alarm("error", "jump", text)]
-        found = self._crossed(counts, (input_K - self._lower_K) / self._range_K)
-        return found + self._slipped(counts, input_K)
+        found = self._check_travel(counts, (input_K - self._lower_K) / self._range_K)
+        return found + self._check_slip(counts, input_K)
 
-    def _slipped(self, counts: int, input_K: float) -> list[Alarm]:
+    def _check_slip(self, counts: int, input_K: float) -> list[Alarm]:
         """Once a wire and slow sensors have had time to come to rest, they stay there while the input does."""
-        if self._last is None or abs(input_K - self._rest[0]) > STAYS * self._range_K:
-            self._rest, self._coming = (input_K, counts), self._rests_after
-        if self._coming > 0:
-            self._coming -= 1
-            self._rest = (self._rest[0], counts)
-        moved = counts - self._rest[1]
-        if abs(moved) <= SLIPPED * self._travel:
+        if self._last is None or abs(input_K - self._rest_point[0]) > STEADY_INPUT_BAND * self._range_K:
+            self._rest_point, self._settling_ticks = (input_K, counts), self._settle_ticks
+        if self._settling_ticks > 0:
+            self._settling_ticks -= 1
+            self._rest_point = (self._rest_point[0], counts)
+        moved = counts - self._rest_point[1]
+        if abs(moved) <= SLIP_LIMIT * self._travel:
             return []
-        self._rest = (input_K, counts)
+        self._rest_point = (input_K, counts)
         text = f"The position moved by {moved} counts without heating: is the wire slipping?"
         return [Alarm("error", "slip", text)]
 
-    def _crossed(self, counts: int, share: float) -> list[Alarm]:
+    def _check_travel(self, counts: int, share: float) -> list[Alarm]:
         """From cold to hot the wire must move, and from hot to cold."""
         low, high = self._extent
         self._extent = low, high = min(low, counts), max(high, counts)
         end = "cold" if share < COLD else "hot" if share >= HOT else ""
         if not end:
             return []
-        crossed = self._from not in ("", end)
-        self._from, self._extent = end, (counts, counts)
-        if not crossed or high - low >= STILL * self._travel:
+        crossed = self._last_end not in ("", end)
+        self._last_end, self._extent = end, (counts, counts)
+        if not crossed or high - low >= MIN_TRAVEL * self._travel:
             return []
         how = "heated" if end == "hot" else "cooled"
         text = (

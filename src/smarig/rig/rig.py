@@ -5,7 +5,7 @@ Refuses to know protocols and files.
 
 from typing import NamedTuple, Protocol
 
-from smarig.sample import Sample
+from smarig.core.sample import Sample
 
 
 class Alarm(NamedTuple):
@@ -41,7 +41,7 @@ class Rig(Protocol):
         ...
 
     @property
-    def untold(self) -> str:
+    def shutdown_unconfirmed(self) -> str:
         """Why a device may not know that it is to be off, a sentence; "" where it does."""
         ...
 

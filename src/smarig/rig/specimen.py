@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from smarig.config import RigFile
-from smarig.errors import UsageError
-from smarig.model.actuator import Actuator
-from smarig.model.effect import Effect
-from smarig.model.plant import Plant
-from smarig.model.planted import mystery
+from smarig.core.errors import UsageError
+from smarig.device.wire.register import load_map
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect import SupportsHooks
+from smarig.plant.effect_catalogue import mystery
+from smarig.plant.plant import Plant
 from smarig.preisach.everett import Everett
-from smarig.preisach.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Initial
-from smarig.rig.noise import Noise
-from smarig.wire.register import load_map
+from smarig.rig.tick_noise import TickNoise
 
-_COUNTS, _CURRENT, _VOLTAGE, _DRAUGHT = range(4)
+_COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class TwinSettings:
     noise: bool = True
     hysteresis: Everett | None = None
     initial: Initial | None = None
-    effects: Sequence[Effect] = ()
+    effects: Sequence[SupportsHooks] = ()
 
 
-class Reading(NamedTuple):
+class RawReading(NamedTuple):
     """What the instruments of one tick read, as registers hold it; ``counts`` since power-up."""
 
     current: int
@@ -47,7 +47,7 @@ class Reading(NamedTuple):
     saturated: bool
 
 
-class Scales(NamedTuple):
+class RegisterScales(NamedTuple):
     """Words per unit of a reading."""
 
     per_A: float
@@ -56,12 +56,12 @@ class Scales(NamedTuple):
     no_temperature: int
 
 
-def scales() -> Scales:
+def register_scales() -> RegisterScales:
     """Of the registers that readings go into."""
     amplifier = {f.name: f for f in load_map("amplifier")["ring"].field}
     ambient = next(f for f in load_map("encoder_daq")["ring"].field if f.name == "ambient")
     none = amplifier["temperature"].none
-    return Scales(
+    return RegisterScales(
         amplifier["current"].per_unit,
         amplifier["voltage"].per_unit,
         ambient.per_unit,
@@ -87,52 +87,61 @@ class Specimen:
             (*hidden, *settings.effects),
         )
         self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
-        self._scales = scales()
-        self._noise = [Noise(settings.seed, channel) for channel in range(4)]
+        self._scales = register_scales()
+        self._noise = [TickNoise(settings.seed, channel) for channel in range(4)]
         scale = 1.0 if settings.noise else 0.0
         self._sd_counts = scale * rig.encoder.noise_counts
         self._sd_A = scale * rig.amplifier.current_noise_A
         self._sd_V = scale * rig.amplifier.voltage_noise_V
         self._sd_K = scale * rig.temperature_noise_K
-        self._draught_K, self._draught_decay = 0.0, math.exp(-rig.period_s / rig.temperature_noise_time_s)
-        self._power_up = math.floor(self._place() + 0.5)  # an incremental encoder begins at 0 where it stands
-        self._least_A = -rig.amplifier.saturation_A if actuator.two_wire else 0.0
+        self._ambient_fluctuation_K, self._ambient_fluctuation_decay = (
+            0.0,
+            math.exp(-rig.period_s / rig.temperature_noise_time_s),
+        )
+        self._power_up_counts = math.floor(
+            self._encoder_counts() + 0.5
+        )  # an incremental encoder begins at 0 where it stands
+        self._min_A = -rig.amplifier.saturation_A if actuator.two_wire else 0.0
 
-    def flowing(self, output_A: float) -> float:
+    def limited_A(self, output_A: float) -> float:
         """What the amplifier can drive of what is asked of it."""
-        return min(max(output_A, self._least_A), self.file.amplifier.saturation_A)
+        return min(max(output_A, self._min_A), self.file.amplifier.saturation_A)
 
-    def advance(self, output_A: float) -> Reading:
+    def advance(self, output_A: float) -> RawReading:
         """One tick with a current asked of the amplifier, and what was read in it."""
         self.tick = tick = self.tick + 1
-        flowing = self.flowing(output_A)
+        limited_A = self.limited_A(output_A)
         if self._sd_K:
-            kick = self._noise[_DRAUGHT].at(tick) * math.sqrt(1 - self._draught_decay**2)
-            self._draught_K = self._draught_K * self._draught_decay + self._sd_K * kick
-        self.plant.step(flowing, self._draught_K)
-        counts = self.plant.sensed(self._place())
+            innovation = self._noise[_AMBIENT_FLUCTUATION].at(tick) * math.sqrt(
+                1 - self._ambient_fluctuation_decay**2
+            )
+            self._ambient_fluctuation_K = (
+                self._ambient_fluctuation_K * self._ambient_fluctuation_decay + self._sd_K * innovation
+            )
+        self.plant.step(limited_A, self._ambient_fluctuation_K)
+        counts = self.plant.sensed(self._encoder_counts())
         if self._sd_counts:
             counts += self._sd_counts * self._noise[_COUNTS].at(tick)
-        current = self.plant.current(flowing)
+        current = self.plant.current(limited_A)
         measured = current + self._sd_A * self._noise[_CURRENT].at(tick) if self._sd_A else current
         voltage = current * self._resistance_ohm(current)
         if self._sd_V:
             voltage += self._sd_V * self._noise[_VOLTAGE].at(tick)
         s = self._scales
-        return Reading(
+        return RawReading(
             round(measured * s.per_A),
             round(voltage * s.per_V),
-            math.floor(counts + 0.5) - self._power_up,
+            math.floor(counts + 0.5) - self._power_up_counts,
             round((self.file.ambient_degC + self.plant.now.ambient_K) * s.per_degC),
             s.no_temperature,
-            flowing != output_A,
+            limited_A != output_A,
         )
 
     def counts_now(self) -> int:
         """Where the encoder stands since power-up, without noise."""
-        return math.floor(self._place() + 0.5) - self._power_up
+        return math.floor(self._encoder_counts() + 0.5) - self._power_up_counts
 
-    def _place(self) -> float:
+    def _encoder_counts(self) -> float:
         return self.plant.position / self.position_per_count
 
     def _resistance_ohm(self, current_A: float) -> float:

@@ -5,12 +5,12 @@ seconds. It has the lease of the real devices: left alone for longer, its output
 """
 
 from smarig.config import RigFile, load_rig
-from smarig.errors import LeaseExpired, UsageError
-from smarig.model.actuator import Actuator
+from smarig.core.errors import LeaseExpired, UsageError
+from smarig.core.sample import NAN, Quality, Sample
+from smarig.device.wire.register import load_map
+from smarig.plant.actuator import Actuator
 from smarig.rig.rig import Alarm
-from smarig.rig.specimen import Specimen, TwinSettings, scales
-from smarig.sample import NAN, Quality, Sample
-from smarig.wire.register import load_map
+from smarig.rig.specimen import Specimen, TwinSettings, register_scales
 
 
 class Twin:
@@ -24,12 +24,12 @@ class Twin:
 
     def __init__(self, rig: RigFile, actuator: Actuator, settings: TwinSettings | None = None) -> None:
         self.file, self.actuator, self.settings = rig, actuator, settings or TwinSettings()
-        self.output_A = self._command_A = self._on_wire_A = 0.0
+        self.output_A = self._command_A = self._quantised_A = 0.0
         self.tripped = ""
         self.specimen = Specimen(rig, actuator, self.settings)
         self.position_per_count = self.specimen.position_per_count
-        self._asked = load_map("amplifier")["current"].value
-        self._scales = scales()
+        self._current_register = load_map("amplifier")["current"].value
+        self._scales = register_scales()
         self._zero_counts = 0
 
     @classmethod
@@ -58,8 +58,8 @@ class Twin:
         if current_A != current_A:
             raise UsageError("The twin was given NaN as its current.")
         if current_A != self._command_A:
-            self._command_A, self._on_wire_A = current_A, self._asked.rounded(current_A)
-        self.output_A = self._on_wire_A
+            self._command_A, self._quantised_A = current_A, self._current_register.rounded(current_A)
+        self.output_A = self._quantised_A
         return (self._advance(current_A),)
 
     def idle(self, seconds: float) -> None:
@@ -85,7 +85,7 @@ class Twin:
         self.output_A = 0.0
 
     @property
-    def untold(self) -> str:
+    def shutdown_unconfirmed(self) -> str:
         """It always knows."""
         return ""
 

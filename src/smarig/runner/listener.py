@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from smarig.command import Hold, StepResult, Waveform
-from smarig.runner.settling import SettleWindow
-from smarig.sample import Sample
+from smarig.core.command import Hold, StepResult, Waveform
+from smarig.core.sample import Sample
+from smarig.runner.settling_detection import SettleWindow
 
 
 class Listener(Protocol):
@@ -26,7 +26,7 @@ class Listener(Protocol):
 
 
 @runtime_checkable
-class Beginnings(Protocol):
+class StepStartListener(Protocol):
     """What a listener may have besides: it is told what a step is to be, and its window fills before its eyes."""
 
     def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
@@ -39,7 +39,7 @@ def _ignore(*_: Any) -> None:
 
 
 @dataclass(frozen=True)
-class Watch:
+class CallbackListener:
     """A listener made of functions: on_sample(s, step, input_K), on_step(result), on_event(kind, t_s)."""
 
     on_sample: Callable[[Sample, int | None, float], None] = _ignore

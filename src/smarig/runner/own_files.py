@@ -7,24 +7,24 @@ ever loaded from it: the person gives the same file again. Knows catalogues and 
 from collections.abc import Iterable
 from typing import Any
 
-from smarig.catalogue import kind_of, own
 from smarig.config import RigFile, own_drivers
-from smarig.control.settings import TRACKING
-from smarig.errors import DataError, UsageError
-from smarig.model.planted import PACKAGE as EFFECTS
-from smarig.model.planted import Planted
+from smarig.control.controller_settings import TRACKING
+from smarig.core.catalogue import catalogue_kind, own
+from smarig.core.errors import DataError, UsageError
+from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
+from smarig.plant.effect_catalogue import Effect
 from smarig.protocols._settings import PACKAGE as PROTOCOLS
 from smarig.record import Run
-from smarig.rig.sound import DRIVERS
+from smarig.rig.consistency import DRIVERS
 
 OWN_FILES = "own_files"  # key of the run table
 
 
-def recorded(
+def used_own_files(
     protocol: str, effects: Iterable[Any], file: RigFile, controller: str = ""
 ) -> list[dict[str, str]]:
     """The own files of a run: kind, name, path, hash and text of each; none for what ships."""
-    planted = [e.kind.name for e in effects if isinstance(e, Planted)]
+    planted = [e.kind.name for e in effects if isinstance(e, Effect)]
     drivers = own_drivers(file)
     used = {
         PROTOCOLS: {protocol},
@@ -34,7 +34,7 @@ def recorded(
     }
     return [
         {
-            "kind": kind_of(package),
+            "kind": catalogue_kind(package),
             "name": name,
             "path": str(f.place),
             "sha256": f.sha256,
@@ -46,23 +46,23 @@ def recorded(
     ]
 
 
-def check_given(run: Run) -> None:
+def check_own_files(run: Run) -> None:
     """UsageError where an own protocol or effect of a run was not given again, or has changed since."""
-    for kind, name, path, sha256 in _listed(run):
+    for kind, name, path, sha256 in _entries(run):
         package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
         if (
             package is None
         ):  # drivers come with the rig file; a closed loop, whose controller it is, is not resumed
             continue
-        given = own(package).get(name)
-        if given is None:
+        loaded = own(package).get(name)
+        if loaded is None:
             raise UsageError(
                 f"{run.path.name} was made with its own {kind}, {path}. It is executed if you give it again: "
                 f"smarig resume {run.path.name} --{kind} {path}."
             )
-        if given.sha256 != sha256:
+        if loaded.sha256 != sha256:
             raise UsageError(
-                f"{given.path} is not what {run.path.name} was made with: its {kind} '{name}' has changed since. It "
+                f"{loaded.path} is not what {run.path.name} was made with: its {kind} '{name}' has changed since. It "
                 "cannot be gone on with; the text it was made with stands in its record, under own_files."
             )
 
@@ -75,7 +75,7 @@ def check_drivers(file: RigFile, where: str, remedy: str) -> None:
         )
 
 
-def _listed(run: Run) -> list[tuple[str, str, str, str]]:
+def _entries(run: Run) -> list[tuple[str, str, str, str]]:
     entries = run.meta.get(OWN_FILES) or []
     try:
         return [(str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in entries]

@@ -7,24 +7,24 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.command import Protocol, StepResult, Verdict
 from smarig.config import RigFile
-from smarig.errors import LimitExceeded, UsageError
-from smarig.model.actuator import Actuator
+from smarig.core.command import Protocol, StepResult, StepVerdict
+from smarig.core.errors import LimitExceeded, UsageError
+from smarig.core.sample import Sample
+from smarig.plant.actuator import Actuator
 from smarig.protocols._settings import build
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
-from smarig.runner.control import Control
-from smarig.runner.listener import Watch
+from smarig.runner.listener import CallbackListener
+from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
-from smarig.sample import Sample
 
-MOST_SAMPLES = 5_000_000  # almost six days at 10 Hz
+MAX_SAMPLES = 5_000_000  # almost six days at 10 Hz
 BYTES_PER_SAMPLE = 90  # measured on run files, with a margin
 
-Maker = Callable[[Setup], Protocol]
+ProtocolFactory = Callable[[Setup], Protocol]
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Preview:
 
     def sentence(self) -> str:
         """One line for a person."""
-        late = f", {self.timed_out} holds would time out" if self.timed_out else ""
+        timeout_text = f", {self.timed_out} holds would time out" if self.timed_out else ""
         return (
             f"{self.protocol}: {self.duration_s / 3600:.2f} h, {self.steps} steps, peak {self.peak_current_A:.3g} A, "
-            f"{self.peak_temperature_K:.1f} K above ambient{late}"
+            f"{self.peak_temperature_K:.1f} K above ambient{timeout_text}"
         )
 
 
@@ -57,37 +57,40 @@ class _Peaks:
 
     def sample(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.samples += 1
-        if self.samples > MOST_SAMPLES:
+        if self.samples > MAX_SAMPLES:
             raise UsageError(f"It would take more than {s.t_s / 86400:.1f} days; ask for less, or split it.")
         self.current_A = max(self.current_A, abs(s.current_A))
         self.temperature_K = max(self.temperature_K, abs(input_K))
 
     def step(self, result: StepResult) -> None:
-        self.timed_out += result.verdict is Verdict.TIMED_OUT
+        self.timed_out += result.verdict is StepVerdict.TIMED_OUT
 
 
 def preview(
     protocol: str,
     rig: RigFile,
     settings: Mapping[str, Any] | None = None,
-    control: Control | None = None,
+    control: RunControl | None = None,
     chooser: Chooser | None = None,
-    maker: Maker | None = None,
+    protocol_factory: ProtocolFactory | None = None,
 ) -> Preview:
     """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits.
 
-    ``chooser`` is for protocols that take one. ``maker`` makes a protocol that stands in no catalogue, a closed loop.
+    ``chooser`` is for protocols that take one. ``protocol_factory`` makes a protocol that stands in no catalogue, a closed loop.
     """
     actuator = Actuator.named(rig.actuator)
     nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not tell a secret
     twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
-        Guard(twin, rig.limits, actuator), twin.position_per_count, [Watch(peaks.sample, peaks.step)], control
+        Guard(twin, rig.limits, actuator),
+        twin.position_per_count,
+        [CallbackListener(peaks.sample, peaks.step)],
+        control,
     )
     try:
         setup = Setup(actuator, rig.limits, rig.period_s)
-        runner.run(maker(setup) if maker else build(protocol, setup, settings, chooser))
+        runner.run(protocol_factory(setup) if protocol_factory else build(protocol, setup, settings, chooser))
     except LimitExceeded as refused:
         raise UsageError(
             f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"

@@ -7,7 +7,7 @@ Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
 import math
 from collections.abc import Sequence
 
-from smarig.command import (
+from smarig.core.command import (
     Command,
     Drive,
     Elapsed,
@@ -16,17 +16,17 @@ from smarig.command import (
     Protocol,
     Settled,
     StepResult,
-    Verdict,
+    StepVerdict,
     Waveform,
     Zero,
 )
+from smarig.core.sample import Sample
 from smarig.rig.guard import Guard
-from smarig.runner.asking import Asking
-from smarig.runner.control import Control
-from smarig.runner.listener import Beginnings, Listener
-from smarig.runner.settling import Approach, SettleWindow
+from smarig.runner.checked_generator import CheckedGenerator
+from smarig.runner.listener import Listener, StepStartListener
+from smarig.runner.run_control import RunControl
+from smarig.runner.settling_detection import Approach, SettleWindow
 from smarig.runner.shift import Shift
-from smarig.sample import Sample
 
 BACKLOG = 2000  # samples of an earlier current that a ring may still hold
 
@@ -39,29 +39,29 @@ class Runner:
         rig: Guard,
         position_per_count: float,
         listeners: Sequence[Listener],
-        control: Control | None = None,
+        control: RunControl | None = None,
     ) -> None:
         self.rig, self.listeners = rig, listeners
-        self.control = control or Control()
+        self.control = control or RunControl()
         self.position_per_count = position_per_count
         self.steps_done = 0
         self.t_s = 0.0
         self.shift = Shift()
         self._step: int | None = None
         self._last: Sample | None = None
-        self._of_before = 0
+        self._stale_samples = 0
         self._was_paused = False
 
     def run(self, protocol: Protocol) -> None:
         """Carry out a protocol to its end; the rig is safe afterwards, whatever happened."""
-        asking = Asking(protocol, self.control)
+        checked_generator = CheckedGenerator(protocol, self.control)
         try:
             answer: StepResult | Sample | None = None
-            while (command := asking.next(answer)) is not None:
+            while (command := checked_generator.next(answer)) is not None:
                 answer = self._carry_out(command)
         finally:
             self.rig.safe()
-            asking.close()
+            checked_generator.close()
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:
         match command:
@@ -77,27 +77,27 @@ class Runner:
             case Zero():
                 self.rig.zero()
                 self.shift.counts = 0
-                self._tell("zero", "Encoder zeroed.")
+                self._notify("zero", "Encoder zeroed.")
             case Mark(label, data):
-                self._tell("mark", label, **data)
+                self._notify("mark", label, **data)
         return None
 
     def _hold(self, command: Hold) -> StepResult:
         window = SettleWindow(command.until, self.rig.period_s)
         match command.until:
             case Elapsed(seconds):
-                limit_s, approach_K, at_limit = seconds, math.inf, Verdict.ELAPSED
+                limit_s, approach_K, at_limit = seconds, math.inf, StepVerdict.ELAPSED
             case Settled(timeout_s=timeout_s, approach_K=approach_K):
-                limit_s, at_limit = timeout_s, Verdict.TIMED_OUT
+                limit_s, at_limit = timeout_s, StepVerdict.TIMED_OUT
         limit = max(1, round(limit_s / self.rig.period_s))
         start_s, ticks = self.t_s, 0
-        approach = Approach(self.rig.goal_K(command.current_A), approach_K, self.rig.input_K)
+        approach = Approach(self.rig.steady_input_K(command.current_A), approach_K, self.rig.input_K)
         self._begin(command, window)
         while (paused := self._paused()) or (ticks < limit and not window.settled):
-            at_most = 1 if paused else min(limit - ticks, window.soonest)
+            at_most = 1 if paused else min(limit - ticks, window.min_ticks_left)
             got = self._tick(command.current_A, window, approach, at_most)
             ticks += 0 if paused else got
-        verdict = Verdict.SETTLED if window.settled else at_limit
+        verdict = StepVerdict.SETTLED if window.settled else at_limit
         return self._finish(window, verdict, start_s, command.branch, command.target)
 
     def _waveform(self, command: Waveform) -> StepResult:
@@ -112,12 +112,12 @@ class Runner:
             self._tick(current_A, window)
             while self._paused():
                 self._tick(current_A, window)
-        return self._finish(window, Verdict.ELAPSED, start_s, command.branch, None)
+        return self._finish(window, StepVerdict.ELAPSED, start_s, command.branch, None)
 
     def _begin(self, command: Hold | Waveform, window: SettleWindow) -> None:
         self._step = self.steps_done
         for listener in self.listeners:
-            if isinstance(listener, Beginnings):
+            if isinstance(listener, StepStartListener):
                 listener.begin(self._step, command, window)
 
     def _paused(self) -> bool:
@@ -125,13 +125,13 @@ class Runner:
         if self.control.paused != self._was_paused:
             self._was_paused = self.control.paused
             if self._was_paused:
-                self._tell("paused", "Paused by the operator: the current stays, sampling goes on.")
+                self._notify("paused", "Paused by the operator: the current stays, sampling goes on.")
             else:
-                self._tell("unpaused", "The operator let it go on.")
+                self._notify("unpaused", "The operator let it go on.")
         return self._was_paused
 
     def _finish(
-        self, window: SettleWindow, verdict: Verdict, start_s: float, branch: str, target: float | None
+        self, window: SettleWindow, verdict: StepVerdict, start_s: float, branch: str, target: float | None
     ) -> StepResult:
         mean, sd, n = window.statistics()
         position = mean * self.position_per_count
@@ -153,21 +153,21 @@ class Runner:
         self.control.raise_if_stopped()
         counted = 0
         for measured, input_K in self.rig.step(current_A, at_most):
-            sample = self.shift.told(measured, self.rig.period_s, self.position_per_count)
+            sample = self.shift.apply(measured, self.rig.period_s, self.position_per_count)
             self.t_s, self._last = sample.t_s, sample
             heated = approach is None or approach.passed(input_K)
-            mine = sample.current_command_A == current_A or self._of_before >= BACKLOG
-            self._of_before = 0 if mine else self._of_before + 1
-            counted += mine
-            if window is not None and mine:
+            is_current = sample.current_command_A == current_A or self._stale_samples >= BACKLOG
+            self._stale_samples = 0 if is_current else self._stale_samples + 1
+            counted += is_current
+            if window is not None and is_current:
                 window.add(sample.counts, heated)
             for listener in self.listeners:
                 listener.sample(sample, self._step, input_K)
         for alarm in self.rig.alarms():
-            self._tell(alarm.kind, alarm.text, level=alarm.level)
+            self._notify(alarm.kind, alarm.text, level=alarm.level)
         self.rig.raise_if_tripped()
         return counted
 
-    def _tell(self, kind: str, text: str, **data) -> None:
+    def _notify(self, kind: str, text: str, **data) -> None:
         for listener in self.listeners:
             listener.event(self.t_s, kind, text, **data)

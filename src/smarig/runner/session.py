@@ -13,40 +13,40 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from smarig.catalogue import chosen
-from smarig.command import Protocol
 from smarig.config import LimitsFile, RigFile, load_rig, rig_text
-from smarig.errors import LimitExceeded, SmarigError, StorageError
-from smarig.model.actuator import Actuator
+from smarig.core.catalogue import resolve_name
+from smarig.core.command import Protocol
+from smarig.core.errors import LimitExceeded, SmarigError, StorageError
+from smarig.core.sample import Sample
+from smarig.plant.actuator import Actuator
 from smarig.protocols._settings import PACKAGE, build
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.record import CONTINUED, Recorder, Run, load_run
-from smarig.record.clock import ClockWatch
+from smarig.record.clock_watch import ClockWatch
 from smarig.record.wire_history import Wear, WireHistory, load_history
 from smarig.rig.guard import Guard
-from smarig.rig.opening import opened
+from smarig.rig.open_rig import open_rig
 from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Rig
 from smarig.rig.twin import TwinSettings
-from smarig.runner.control import Control
-from smarig.runner.description import (
-    BEGUN_WITH,
+from smarig.runner.listener import CallbackListener, Listener
+from smarig.runner.lock import wire_lock
+from smarig.runner.own_files import OWN_FILES, used_own_files
+from smarig.runner.preview import Preview, ProtocolFactory, preview
+from smarig.runner.run_control import RunControl
+from smarig.runner.run_metadata import (
     CLOSED_LOOP,
-    begun_with,
+    LAUNCH_ARGS,
     cause_of,
-    described,
-    lives_on,
+    experiment_metadata,
+    launch_args,
+    outlives_session,
     source_of,
 )
-from smarig.runner.endings import safe_endings
-from smarig.runner.listener import Listener, Watch
-from smarig.runner.lock import wire_lock
-from smarig.runner.own_files import OWN_FILES, recorded
-from smarig.runner.preview import Maker, Preview, preview
 from smarig.runner.runner import Runner
 from smarig.runner.shift import Shift
-from smarig.sample import Sample
+from smarig.runner.signal_handling import stop_on_signals
 
 
 class Session:
@@ -60,7 +60,7 @@ class Session:
         twin: TwinSettings | None = None,
         speed: float | None = None,
         wire: str = "",
-        control: Control | None = None,
+        control: RunControl | None = None,
     ) -> None:
         self.file: RigFile = load_rig(rig)
         self._name, self._config_text = rig, rig_text(rig)
@@ -68,19 +68,19 @@ class Session:
         self.wire = wire or self.file.wire
         self.settings = twin or TwinSettings(seed=seed)
         self._speed = speed
-        self.control = control or Control()
+        self.control = control or RunControl()
         self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
         self._zero = "power-up"
         self._epoch = time.time()
-        self.wear = self.fresh_wear()
+        self.wear = self.new_wear()
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
         self._open.enter_context(wire_lock(self.wire))
         try:
-            self._open.enter_context(safe_endings(self.control))
+            self._open.enter_context(stop_on_signals(self.control))
             self.rig: Rig = self._open.enter_context(
-                opened(
+                open_rig(
                     self._name,
                     self.file,
                     self.actuator,
@@ -111,22 +111,26 @@ class Session:
         notes: str = "",
         expected: Preview | None = None,
         chooser: Chooser | None = None,
-        maker: Maker | None = None,
+        protocol_factory: ProtocolFactory | None = None,
     ) -> Path:
         """Run one protocol, by name or the path of an own file, into one run file; returns its path.
 
         Raises what ended it, after closing it.
-        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one. ``maker``
+        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one. ``protocol_factory``
         makes a protocol that stands in no catalogue, a closed loop; ``protocol`` is its name in the record.
         """
-        out, protocol = Path(out), protocol if maker else chosen(PACKAGE, protocol)
-        generator = maker(self.setup) if maker else build(protocol, self.setup, settings, chooser)
-        cost = expected or preview(protocol, self.file, settings, self.control, chooser, maker)
+        out, protocol = Path(out), protocol if protocol_factory else resolve_name(PACKAGE, protocol)
+        generator = (
+            protocol_factory(self.setup)
+            if protocol_factory
+            else build(protocol, self.setup, settings, chooser)
+        )
+        cost = expected or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
         check_free_space(out, cost.bytes)
         before = self.history()
-        check_worn(before, self.file.limits)
+        check_cycle_limit(before, self.file.limits)
         meta = self._describe(protocol, settings, notes)
-        meta |= {CLOSED_LOOP: True} if maker else {}
+        meta |= {CLOSED_LOOP: True} if protocol_factory else {}
         if before is not None:
             meta["wire_history"] = before.sentence()
         recorder = Recorder(out, meta, force=force, clock=self.clock())
@@ -137,7 +141,7 @@ class Session:
 
     def runner(self, listeners: Sequence[Listener], shift: Shift | None = None) -> Runner:
         """Ready to go on from the device's last tick, as ``shift`` tells it."""
-        watch = Watch(on_event=self._note, on_sample=self._worn)
+        watch = CallbackListener(on_event=self._note_zero, on_sample=self._count_wear)
         runner = Runner(self.guard, self.rig.position_per_count, [*listeners, watch], self.control)
         runner.shift = shift or Shift()
         runner.t_s = (self.rig.tick + runner.shift.ticks) * self.file.period_s
@@ -154,7 +158,7 @@ class Session:
         finally:
             recorder.describe("encoder_zero", self._zero)
             recorder.describe("shift", asdict(runner.shift))
-            self._remember(recorder, runner.t_s, new_run)
+            self._save_history(recorder, runner.t_s, new_run)
             recorder.close(cause, t_s=runner.t_s)
 
     def clock(self) -> ClockWatch:
@@ -167,12 +171,12 @@ class Session:
             return None
         return load_history(self.wire, twin=self.source == "twin")
 
-    def _worn(self, s: Sample, _step: int | None, input_K: float) -> None:
+    def _count_wear(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.wear.add(s.tick, input_K)
 
-    def _remember(self, recorder: Recorder, t_s: float, new_run: bool) -> None:
+    def _save_history(self, recorder: Recorder, t_s: float, new_run: bool) -> None:
         """Add what was done to the wire's history; that it cannot be written is told, and ends nothing."""
-        wear, self.wear = self.wear, self.fresh_wear()
+        wear, self.wear = self.wear, self.new_wear()
         try:
             history = self.history()
             if history is not None:
@@ -182,18 +186,18 @@ class Session:
         except SmarigError as error:
             recorder.event(t_s, "history", f"The wire's history was not kept: {error}", level="warning")
 
-    def count_unkept(self, run: Run) -> None:
+    def count_unsaved_wear(self, run: Run) -> None:
         """Begin with what a process that was killed did not live to add to the wire's history."""
         kept = int(run.meta.get("history_until_tick", 0))
         for tick, input_K in zip(run["tick"].tolist(), run["input"].tolist()):
             if tick > kept:
                 self.wear.add(int(tick), input_K)
 
-    def fresh_wear(self) -> Wear:
+    def new_wear(self) -> Wear:
         """Nothing added up yet."""
         return Wear(max(self.setup.upper_K, -self.setup.lower_K), self.file.period_s)
 
-    def _note(self, kind: str, t_s: float) -> None:
+    def _note_zero(self, kind: str, t_s: float) -> None:
         if kind == "zero":
             self._zero = f"zeroed at {t_s:g} s"
 
@@ -206,8 +210,8 @@ class Session:
     def device(self) -> str:
         """What keeps ticks and the encoder's zero: the same text, the same device since the same boot."""
         sensor = getattr(self.rig, "sensor", None)
-        of_ours = "" if lives_on(self.file) else f"session of {self._epoch}"
-        return " ".join(part for part in (sensor.identity if sensor else "", of_ours) if part)
+        session_part = "" if outlives_session(self.file) else f"session of {self._epoch}"
+        return " ".join(part for part in (sensor.identity if sensor else "", session_part) if part)
 
     @property
     def initial(self) -> str:
@@ -216,7 +220,7 @@ class Session:
 
     def _describe(self, protocol: str, settings: Mapping[str, Any], notes: str) -> dict[str, Any]:
         per_count = self.rig.position_per_count
-        return described(self.actuator, self.settings, per_count, protocol, settings) | {
+        return experiment_metadata(self.actuator, self.settings, per_count, protocol, settings) | {
             "rig": self.file.name,
             "wire": self.wire,
             "source": self.source,
@@ -227,14 +231,14 @@ class Session:
             "config": self._config_text,
             "notes": notes,
             "device": self.device,
-            OWN_FILES: recorded(
+            OWN_FILES: used_own_files(
                 protocol, self.settings.effects, self.file, str(settings.get("controller", ""))
             ),
-            BEGUN_WITH: begun_with(self._name, self.file.wire, self._speed, self.settings, settings),
+            LAUNCH_ARGS: launch_args(self._name, self.file.wire, self._speed, self.settings, settings),
         }
 
 
-def check_worn(history: WireHistory | None, limits: LimitsFile) -> None:
+def check_cycle_limit(history: WireHistory | None, limits: LimitsFile) -> None:
     """LimitExceeded where a wire has had as many cycles as it may."""
     most = limits.cycles_max
     if history is not None and most is not None and history.cycles >= most:

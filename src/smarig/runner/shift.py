@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from smarig.sample import Sample
+from smarig.core.sample import Sample
 
 
 @dataclass
@@ -12,7 +12,7 @@ class Shift:
     ticks: int = 0
     counts: int = 0
 
-    def told(self, s: Sample, period_s: float, per_count: float) -> Sample:
+    def apply(self, s: Sample, period_s: float, per_count: float) -> Sample:
         """The sample as the record has it."""
         if not (self.ticks or self.counts):
             return s

@@ -7,7 +7,7 @@ It goes into a rig file, relative to it:
     framing = "lines"                # for drivers that use it; this one does not
     url = "/dev/serial/by-id/…"
 
-Then: smarig check ./my_rig.toml. What a current source must be able to do stands in smarig.drivers._roles as
+Then: smarig check ./my_rig.toml. What a current source must be able to do stands in smarig.device.drivers._roles as
 CurrentSource; a position sensor has since(), tick(), zero(), identity and close() instead.
 
 An instrument without a lease keeps its current on when the host dies: it may drive a wire only behind an independent
@@ -20,12 +20,12 @@ import math
 import serial
 
 from smarig.config import LinkFile, RigFile
-from smarig.drivers._roles import CurrentReading
-from smarig.errors import ConfigError
-from smarig.links.serial_line import GONE  # what pyserial raises when a port is lost
-from smarig.model.actuator import Actuator
-from smarig.sample import NAN, Quality
-from smarig.wire.blame import Garbled, Silent, WrongDevice  # a sentence each, with a remedy
+from smarig.core.errors import ConfigError
+from smarig.core.sample import NAN, Quality
+from smarig.device.drivers._roles import CurrentReading
+from smarig.device.links.serial_line import PORT_ERRORS  # what pyserial raises when a port is lost
+from smarig.device.wire.link_faults import Garbled, Silent, WrongDevice  # a sentence each, with a remedy
+from smarig.plant.actuator import Actuator
 
 HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
 
@@ -51,25 +51,25 @@ class Source:
             self._port = serial.serial_for_url(
                 where.url, where.baud, timeout=where.timeout_s, write_timeout=where.timeout_s
             )
-        except GONE as error:
+        except PORT_ERRORS as error:
             raise Silent(f"{where.url} cannot be opened: {error}. {Silent.remedy}") from None
-        self._say("OUTP OFF")  # before anything else: a host that was killed may have left it on
-        self.identity = self._ask("*IDN?")
+        self._write("OUTP OFF")  # before anything else: a host that was killed may have left it on
+        self.identity = self._query("*IDN?")
         if self.identity.count(",") < 2:
             raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
         self.arm()
 
     def arm(self) -> None:
         """Get ready at zero current; a latched trip is cleared."""
-        untold = self.off()
-        if untold:
-            raise Silent(untold)
-        self._say(f"VOLT {self._voltage_V:.3f}")
+        shutdown_unconfirmed = self.off()
+        if shutdown_unconfirmed:
+            raise Silent(shutdown_unconfirmed)
+        self._write(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> int | None:
         """A current from now on. Returns the last tick before it, None where the instrument counts none."""
-        self._say(f"CURR {current_A:.6f}")
-        self._say("OUTP ON")
+        self._write(f"CURR {current_A:.6f}")
+        self._write("OUTP ON")
         taken = self._number("CURR?")
         if not abs(taken - current_A) <= 2e-3:  # true for nan, too
             self.off()
@@ -89,36 +89,36 @@ class Source:
     def off(self) -> str:
         """Current to zero, and asked whether it is. Never raises; "", or a sentence where it could not be told."""
         with contextlib.suppress(Silent, Garbled):
-            self._say("CURR 0")
-            self._say("OUTP OFF")
+            self._write("CURR 0")
+            self._write("OUTP OFF")
             if self._number("OUTP?") == 0:
                 return ""
         return f"The source at {self.where} does not say that it is off: switch it off by hand, now."
 
     def close(self) -> None:
         """Let go of the port. Never raises."""
-        with contextlib.suppress(*GONE):
+        with contextlib.suppress(*PORT_ERRORS):
             self._port.close()
 
-    def _say(self, text: str) -> None:
+    def _write(self, text: str) -> None:
         try:
             self._port.write(f"{text}\n".encode())
-        except GONE as error:
+        except PORT_ERRORS as error:
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
 
-    def _ask(self, text: str) -> str:
+    def _query(self, text: str) -> str:
         try:
             self._port.reset_input_buffer()
-            self._say(text)
+            self._write(text)
             answer = self._port.read_until(b"\n", 256)
-        except GONE as error:
+        except PORT_ERRORS as error:
             raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
         if not answer.endswith(b"\n"):
             raise Silent(f"{self.where} gives no answer to {text}. {Silent.remedy}")
         return answer.decode("ascii", "replace").strip()
 
     def _number(self, question: str) -> float:
-        answer = self._ask(question)
+        answer = self._query(question)
         with contextlib.suppress(ValueError):
             if math.isfinite(number := float(answer)):
                 return number

@@ -11,10 +11,10 @@ Look for it:    smarig diagnose MODEL --train RUN… --effect ./my_effect.py
 from collections.abc import Mapping
 from math import exp
 
-from smarig.model.effect import Hook, Kind, Moment, Parameter, Setup, Stage, Values
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
 
-def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
+def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
     """What it changes, by stage: begins anew at every call, and keeps what it remembers in here.
 
     It is not called at strength 0: the plant is then untouched, bit for bit.
@@ -22,16 +22,16 @@ def _act(p: Values, _setup: Setup) -> Mapping[Stage, Hook]:
     share, time_constant_s = p["share_percent"] / 100, p["time_constant_s"]
     late: float | None = None
 
-    def output(y: float, now: Moment) -> float:
+    def output(y: float, now: PlantState) -> float:
         """The operator's output in the rig's unit, changed; ``now`` tells time, current, temperature, cycles."""
         nonlocal late
         late = y if late is None else y + (late - y) * exp(-now.dt_s / time_constant_s)  # right for any tick
         return y + share * (late - y)
 
-    return {Stage.OUTPUT: output}  # the stages, and what passes by each, stand in smarig.model.effect
+    return {Stage.OUTPUT: output}  # the stages, and what passes by each, stand in smarig.plant.effect
 
 
-my_effect = Kind(  # the file's name, here and below
+my_effect = EffectType(  # the file's name, here and below
     name="my_effect",
     summary="The mount is compliant: a share of every move arrives late.",  # what `smarig list effects` shows
     number="own",

@@ -7,8 +7,8 @@ The function has the file's name. It never touches a rig: it yields commands, an
 same generator is previewed on a twin, run on a twin, and run on hardware.
 """
 
-from smarig.command import Hold, Mark, Protocol, Settled, Verdict
-from smarig.protocols._moves import few, line, saturate
+from smarig.core.command import Hold, Mark, Protocol, Settled, StepVerdict
+from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate
 from smarig.protocols._setup import Setup
 
 
@@ -21,8 +21,8 @@ def my_protocol(
     settle: Settled | None = None,  # --set settle.window_s=10, settle.band_counts=2, …
 ) -> Protocol:
     """Heat to a share of the range and cool again, a few times: the first line is what `smarig list` shows."""
-    few("loops", loops, 1, 100)  # refuses with a sentence; better here than in the night
-    few("points", points, 1, 1000)
+    checked_count("loops", loops, 1, 100)  # refuses with a sentence; better here than in the night
+    checked_count("points", points, 1, 1000)
     settle = settle or Settled()
     low, high = setup.lower_K, setup.at(high_share)  # kelvin above ambient
     yield Mark("loops", {"low_K": low, "high_K": high})  # a remark in the record
@@ -30,11 +30,11 @@ def my_protocol(
         setup, settle
     )  # one known state to begin with: whatever the wire remembers is wiped out
     for k in range(loops):
-        for input_K in [*line(low, high, points), *line(high, low, points)]:
+        for input_K in [*evenly_spaced(low, high, points), *evenly_spaced(high, low, points)]:
             current_A = setup.current_for(input_K)
             # One step of the record: a constant current until the wire stands still. ``target`` is what identification
             # reads the step as; ``branch`` is a word of yours for its part of the experiment.
             result = yield Hold(current_A, settle, target=input_K, branch=f"loop {k}")
             # ``result`` is a StepResult: mean position, verdict, times. A protocol may decide by it what to do next.
-            if result.verdict is Verdict.TIMED_OUT:
+            if result.verdict is StepVerdict.TIMED_OUT:
                 yield Mark("late", {"input_K": input_K})

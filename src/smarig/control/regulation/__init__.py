@@ -5,9 +5,9 @@ that holds it, ``loop`` the protocol made of both, ``disturbance`` compares B_â„
 """
 
 from smarig.control.regulation.approach import ApproachPlan, plan
-from smarig.control.regulation.loop import regulate
-from smarig.control.regulation.pi import PI
-from smarig.control.regulation.plane import Plane
+from smarig.control.regulation.boundary_plane import BoundaryPlane
 from smarig.control.regulation.psi import Psi
+from smarig.control.regulation.regulation_protocol import regulate
+from smarig.control.regulation.setpoint_pi import SetpointPI
 
-__all__ = ["PI", "ApproachPlan", "Plane", "Psi", "plan", "regulate"]
+__all__ = ["ApproachPlan", "BoundaryPlane", "Psi", "SetpointPI", "plan", "regulate"]

@@ -17,21 +17,28 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.command import Waveform
-from smarig.control.checked import positive
-from smarig.control.regulation.plane import Plane, turning
-from smarig.errors import UsageError
-from smarig.model.heating import temperature_along
+from smarig.control.argument_checks import positive
+from smarig.control.regulation.boundary_plane import BoundaryPlane, turning_points
+from smarig.core.command import Waveform
+from smarig.core.errors import UsageError
+from smarig.plant.heating import temperature_along
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Preisach
-from smarig.preisach.state_space import Boundary
 from smarig.protocols._setup import Setup
+from smarig.theory.state_space import Boundary
 
 Array = NDArray[np.float64]
-QUICKNESS = (1.6, 1.1, 0.8, 0.6, 0.45, 0.3)  # ωτ: a quicker sinusoid asks for √(1 + ω²τ²) times the amplitude
-MOST_CYCLES = 400
-MOST_S = 6 * 3600.0
-_LEFT = 0.1  # share of what is allowed that may be left of the memory before
+RELATIVE_FREQUENCIES = (
+    1.6,
+    1.1,
+    0.8,
+    0.6,
+    0.45,
+    0.3,
+)  # ωτ: a quicker sinusoid asks for √(1 + ω²τ²) times the amplitude
+MAX_CYCLES = 400
+MAX_APPROACH_S = 6 * 3600.0
+_MEMORY_LEFT_SHARE = 0.1  # share of what is allowed that may be left of the memory before
 _GROWTH = 1.12
 
 
@@ -48,7 +55,7 @@ class ApproachPlan:
     """
 
     ell: float
-    plane: Plane
+    plane: BoundaryPlane
     currents_A: tuple[float, ...]
     period_s: float
     cycles: int
@@ -76,7 +83,7 @@ class ApproachPlan:
         """The predicted distance as a share of 2û²."""
         return self.predicted_distance / self.area
 
-    def near(self, allowed: tuple[float, float]) -> bool:
+    def is_near(self, allowed: tuple[float, float]) -> bool:
         """Whether it is near enough, in the plane and in the output (shares)."""
         return self.share <= allowed[0] and abs(self.output_error) <= allowed[1]
 
@@ -103,35 +110,37 @@ def plan(
     For each quickness ωτ of a short list the fewest cycles are found that are near enough. UsageError when ℓ is no
     input of the hysteresis, when the limits do not reach its saturation, or when no sinusoid is near enough.
     """
-    plane = Plane.of(hysteresis)
+    plane = BoundaryPlane.of(hysteresis)
     _check(setup, plane, ell, within)
     reach = _reach(setup, plane)
-    left = _memory_left(plane, reach)
-    if left > within * plane.area:
+    old_memory_area = _memory_left(plane, reach)
+    if old_memory_area > within * plane.area:
         raise UsageError(
             f"The rig's limits let the wire go from {reach[0]:.1f} to {reach[1]:.1f} K, the hysteresis reaches from "
             f"{plane.lower:.1f} to {plane.upper:.1f} K: what it remembers beyond cannot be wiped out, and may keep the "
-            f"wire {left / plane.area:.1%} of the plane away from B_ℓ. Widen the limits, or allow more than "
+            f"wire {old_memory_area / plane.area:.1%} of the plane away from B_ℓ. Widen the limits, or allow more than "
             f"{within:.1%}."
         )
-    tried: list[ApproachPlan] = []
-    at_most_s = MOST_S
-    for quickness in QUICKNESS:
-        tried.append(_fewest(setup, hysteresis, ell, (within, output_within), quickness, at_most_s))
-        if tried[-1].near((within, output_within)):
-            at_most_s = min(at_most_s, tried[-1].cycles * tried[-1].wave_s)
-    near_enough = [p for p in tried if p.near((within, output_within))]
-    if near_enough:
-        return min(near_enough, key=lambda p: p.duration_s)
-    nearest = min(tried, key=lambda p: p.share)
+    candidates: list[ApproachPlan] = []
+    at_most_s = MAX_APPROACH_S
+    for relative_frequency in RELATIVE_FREQUENCIES:
+        candidates.append(
+            _fewest_cycles(setup, hysteresis, ell, (within, output_within), relative_frequency, at_most_s)
+        )
+        if candidates[-1].is_near((within, output_within)):
+            at_most_s = min(at_most_s, candidates[-1].cycles * candidates[-1].wave_s)
+    acceptable = [p for p in candidates if p.is_near((within, output_within))]
+    if acceptable:
+        return min(acceptable, key=lambda p: p.duration_s)
+    closest = min(candidates, key=lambda p: p.share)
     raise UsageError(
         f"No sinusoid brings the wire within {100 * within:.3g} % of B_ℓ, ℓ = {ell:.1f} K: the best of at most "
-        f"{MOST_CYCLES} cycles and {MOST_S / 3600:.0f} h comes to {nearest.share:.2%}, its output to "
-        f"{nearest.output_error:.2%} of the range. Allow a larger distance."
+        f"{MAX_CYCLES} cycles and {MAX_APPROACH_S / 3600:.0f} h comes to {closest.share:.2%}, its output to "
+        f"{closest.output_error:.2%} of the range. Allow a larger distance."
     )
 
 
-def _check(setup: Setup, plane: Plane, ell: float, within: float) -> None:
+def _check(setup: Setup, plane: BoundaryPlane, ell: float, within: float) -> None:
     positive("The period of a tick", setup.period_s)
     if not 0 < within < 1:
         raise UsageError(f"The distance allowed is a share of the plane between 0 and 1, got {within:g}.")
@@ -142,54 +151,54 @@ def _check(setup: Setup, plane: Plane, ell: float, within: float) -> None:
         )
 
 
-def _reach(setup: Setup, plane: Plane) -> tuple[float, float]:
+def _reach(setup: Setup, plane: BoundaryPlane) -> tuple[float, float]:
     return max(setup.lower_K, plane.lower), min(setup.upper_K, plane.upper)
 
 
-def _memory_left(plane: Plane, reach: tuple[float, float]) -> float:
+def _memory_left(plane: BoundaryPlane, reach: tuple[float, float]) -> float:
     """The area of P_r that going from end to end of ``reach`` does not sweep."""
     return max(plane.area - 0.5 * (reach[1] - reach[0]) ** 2, 0.0)
 
 
-def _fewest(
+def _fewest_cycles(
     setup: Setup,
     hysteresis: Everett,
     ell: float,
     allowed: tuple[float, float],
-    quickness: float,
+    relative_frequency: float,
     at_most_s: float,
 ) -> ApproachPlan:
     """The approach with the fewest cycles that is near enough, or the nearest whose sinusoid is not too long."""
-    plane = Plane.of(hysteresis)
+    plane = BoundaryPlane.of(hysteresis)
     low, high = _reach(setup, plane)
     area = allowed[0] * plane.area
-    wave_s = 2 * math.pi * setup.tau_s / quickness
-    most = max(1, min(MOST_CYCLES, math.floor(at_most_s / wave_s)))
-    cycles = min(max(1, math.ceil(min(high - ell, ell - low) ** 2 / 4 / area)), most)
-    swing_s = setup.tau_s * math.log(2 * plane.bound * (high - low) / (_LEFT * area))
-    best = _approach(setup, hysteresis, ell, cycles, wave_s, swing_s)
-    while not best.near(allowed):
+    wave_s = 2 * math.pi * setup.tau_s / relative_frequency
+    max_cycles = max(1, min(MAX_CYCLES, math.floor(at_most_s / wave_s)))
+    cycles = min(max(1, math.ceil(min(high - ell, ell - low) ** 2 / 4 / area)), max_cycles)
+    sweep_s = setup.tau_s * math.log(2 * plane.bound * (high - low) / (_MEMORY_LEFT_SHARE * area))
+    best = _approach(setup, hysteresis, ell, cycles, wave_s, sweep_s)
+    while not best.is_near(allowed):
         cycles = max(cycles + 1, math.ceil(cycles * _GROWTH))
-        if cycles > most:
+        if cycles > max_cycles:
             break
-        longer = _approach(setup, hysteresis, ell, cycles, wave_s, swing_s)
-        if longer.share > 0.99 * best.share and best.share > allowed[0]:
+        more_cycles = _approach(setup, hysteresis, ell, cycles, wave_s, sweep_s)
+        if more_cycles.share > 0.99 * best.share and best.share > allowed[0]:
             break  # what is left is the limits', not the cycles'
-        best = longer
+        best = more_cycles
     return best
 
 
 def _approach(
-    setup: Setup, hysteresis: Everett, ell: float, cycles: int, wave_s: float, swing_s: float
+    setup: Setup, hysteresis: Everett, ell: float, cycles: int, wave_s: float, sweep_s: float
 ) -> ApproachPlan:
-    plane = Plane.of(hysteresis)
+    plane = BoundaryPlane.of(hysteresis)
     low, high = _reach(setup, plane)
     amplitude = max(min(high - ell, ell - low), 0.0)
     limits = (high, low) if ell - low <= high - ell else (low, high)
-    goals = _goals(setup, limits, ell, amplitude, cycles, wave_s, swing_s)
-    currents, wire_K = _followed(setup, goals)
-    boundary = plane.after(wire_K)
-    short = (high - low) * math.exp(-swing_s / setup.tau_s)  # of each limit, whatever the wire began with
+    targets_K = _target_temperatures(setup, limits, ell, amplitude, cycles, wave_s, sweep_s)
+    currents, wire_K = _following_currents(setup, targets_K)
+    boundary = plane.boundary_after(wire_K)
+    shortfall = (high - low) * math.exp(-sweep_s / setup.tau_s)  # of each limit, whatever the wire began with
     return ApproachPlan(
         ell,
         plane,
@@ -201,7 +210,7 @@ def _approach(
         plane.distance(boundary, ell),
         boundary,
         amplitude**2 / (4 * cycles),
-        _memory_left(plane, (low + short, high - short)),
+        _memory_left(plane, (low + shortfall, high - shortfall)),
         _output_error(hysteresis, wire_K, ell),
         wire_K,
     )
@@ -210,56 +219,56 @@ def _approach(
 def _output_error(hysteresis: Everett, wire_K: Array, ell: float) -> float:
     """r(B) − ψ(ℓ) as a share of the range, after what the wire did."""
     operator = Preisach(hysteresis, compiled=False)
-    operator.follow(turning(wire_K))
+    operator.follow(turning_points(wire_K))
     reached = operator.y
     span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
     return (reached - operator.go_to_diagonal(ell)) / span if span else 0.0
 
 
-def _goals(
+def _target_temperatures(
     setup: Setup,
     limits: tuple[float, float],
     ell: float,
     amplitude: float,
     cycles: int,
     wave_s: float,
-    swing_s: float,
+    sweep_s: float,
 ) -> Array:
     """Where the wire should be at the end of each tick: one limit, the other, and the sinusoid from there."""
-    swing = np.repeat(limits, round(swing_s / setup.period_s))
+    sweep = np.repeat(limits, round(sweep_s / setup.period_s))
     side = 1.0 if limits[1] > ell else -1.0
     end_s = cycles * wave_s
     t = setup.period_s * np.arange(1, round(end_s / setup.period_s) + 1)
-    size = side * amplitude * np.maximum(1 - t / end_s, 0.0)
-    return np.concatenate([swing, ell + size * np.cos(2 * math.pi * t / wave_s)])
+    envelope = side * amplitude * np.maximum(1 - t / end_s, 0.0)
+    return np.concatenate([sweep, ell + envelope * np.cos(2 * math.pi * t / wave_s)])
 
 
-def _followed(setup: Setup, goals: Array) -> tuple[Array, Array]:
+def _following_currents(setup: Setup, targets_K: Array) -> tuple[Array, Array]:
     """Currents whose source brings a cold wire to each goal within a tick, as far as limits let it, and the wire.
 
     T' = s + (T − s) e^(−dt/τ), solved for s; the differential rig's T₁ − T₂ obeys the same law with a signed s.
     """
     decay = math.exp(-setup.period_s / setup.tau_s)
     low, high, wire = setup.lower_K, setup.upper_K, 0.0
-    sources, wires = [], []
-    for goal in goals.tolist():
-        source = min(max((goal - wire * decay) / (1 - decay), low), high)
+    sources_K, wire_temperatures_K = [], []
+    for target_K in targets_K.tolist():
+        source = min(max((target_K - wire * decay) / (1 - decay), low), high)
         wire = source + (wire - source) * decay
-        sources.append(source)
-        wires.append(wire)
-    s = np.array(sources)
+        sources_K.append(source)
+        wire_temperatures_K.append(wire)
+    s = np.array(sources_K)
     currents = np.copysign(np.sqrt(np.abs(s) / setup.actuator.gain_K_per_A2), s)
     currents = np.clip(currents, setup.limits.current_min_A, setup.limits.current_max_A)
     rate_A = setup.limits.current_rate_A_per_s * setup.period_s
     if np.max(np.abs(np.diff(currents, prepend=0.0))) <= rate_A:
-        return currents, np.array(wires)
-    currents = _rated(
+        return currents, np.array(wire_temperatures_K)
+    currents = _rate_limited(
         currents, rate_A
     )  # the wire lags a little more than it was asked to: that is predicted, too
     return currents, temperature_along(setup.actuator, currents, setup.period_s)
 
 
-def _rated(currents_A: Array, rate_A: float) -> Array:
+def _rate_limited(currents_A: Array, rate_A: float) -> Array:
     """The same currents, none further than ``rate_A`` from the one before, the first from zero."""
     now, allowed = 0.0, []
     for wanted in currents_A.tolist():

@@ -16,19 +16,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from smarig.errors import UsageError
+from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.inverse import root
 
 Array = NDArray[np.float64]
-PLACES = 256
+GRID_POINTS = 256
 ROUNDING = 1e-12  # of the output range
 
 
 class Psi:
     """ψ of a hysteresis: call it with ℓ, scalar or array, in the input's unit; outputs in the output's.
 
-    >>> from smarig.preisach.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> psi = Psi(surface("two_c"))
     >>> round(psi(0.0), 2), round(psi.least(2.65), 2), psi.monotone
     (2.65, 0.01, True)
@@ -57,24 +57,24 @@ class Psi:
         values = np.array([self._at(centre) for centre in centres.ravel().tolist()])
         return values.reshape(centres.shape) if centres.ndim else float(values[0])
 
-    def least(self, y: ArrayLike) -> float | Array:
+    def right_inverse(self, y: ArrayLike) -> float | Array:
         """ψʳ(y), the least ℓ with ψ(ℓ) = y (or, where ψ jumps past y, that brings at least y).
 
         UsageError when a y lies outside [y₋, y₊]: no state of the hysteresis has that output for certain.
         """
-        wanted = np.asarray(y, dtype=float)
-        found = np.array([self._least(target) for target in wanted.ravel().tolist()])
-        return found.reshape(wanted.shape) if wanted.ndim else float(found[0])
+        outputs = np.asarray(y, dtype=float)
+        found = np.array([self._right_inverse(target) for target in outputs.ravel().tolist()])
+        return found.reshape(outputs.shape) if outputs.ndim else float(found[0])
 
     @property
     def monotone(self) -> bool:
         """Whether ψ never falls, as it is for μ, g ≥ 0; then it has one inverse but for level stretches."""
-        return bool(np.all(np.diff(self._known[1]) >= -self._slack))
+        return bool(np.all(np.diff(self._samples[1]) >= -self._slack))
 
     @cached_property
     def curve(self) -> tuple[Array, Array]:
         """ℓ and ψ(ℓ), both (n,), at all places looked at: for drawing."""
-        return self._known
+        return self._samples
 
     def _at(self, centre: float) -> float:
         return self.y_lower + self.hysteresis.fall_from_diagonal(centre, self.lower)
@@ -84,20 +84,20 @@ class Psi:
         return ROUNDING * abs(self.y_upper - self.y_lower)
 
     @cached_property
-    def _known(self) -> tuple[Array, Array]:
+    def _samples(self) -> tuple[Array, Array]:
         """Places between which ψ is monotone (or, for relays, constant), and ψ there."""
-        places = np.linspace(self.lower, self.upper, PLACES + 1)
+        grid = np.linspace(self.lower, self.upper, GRID_POINTS + 1)
         centres = self._jumps()
         if centres.size:  # a relay is up in B_ℓ only once ℓ is past its middle
             past = np.minimum(np.nextafter(centres, np.inf), self.upper)
-            places = np.unique(np.concatenate([places, centres, past]))
-            return places, self(places)  # type: ignore[return-value]
-        places = np.union1d(places, np.asarray(getattr(self.hysteresis, "kinks", ())))
-        values = np.asarray(self(places))
-        turns = self._turns(places, values)
+            grid = np.unique(np.concatenate([grid, centres, past]))
+            return grid, self(grid)  # type: ignore[return-value]
+        grid = np.union1d(grid, np.asarray(getattr(self.hysteresis, "kinks", ())))
+        values = np.asarray(self(grid))
+        turns = self._turns(grid, values)
         if not turns.size:
-            return places, values
-        both = np.concatenate([places, turns])
+            return grid, values
+        both = np.concatenate([grid, turns])
         order = np.argsort(both, kind="stable")
         return both[order], np.concatenate([values, np.asarray(self(turns))])[order]
 
@@ -108,7 +108,7 @@ class Psi:
             return np.empty(0)
         return np.unique((np.asarray(alpha) + np.asarray(beta)) / 2)
 
-    def _turns(self, places: Array, values: Array) -> Array:
+    def _turns(self, grid: Array, values: Array) -> Array:
         """Where ψ turns between or at the places: each turning seen in the samples, sharpened."""
         step = np.diff(values)
         step[np.abs(step) <= self._slack] = 0.0
@@ -117,24 +117,24 @@ class Psi:
         found = []
         for k in turning.tolist():
             sign = 1.0 if step[k - 1] < 0 else -1.0
-            ends = (places[k - 1], places[k + 1])
+            ends = (grid[k - 1], grid[k + 1])
             best = minimize_scalar(
                 lambda ell, s=sign: s * self._at(ell), bounds=ends, method="bounded", options={"xatol": width}
             )
             found.append(float(best.x))  # type: ignore[attr-defined]
         return np.array(found)
 
-    def _least(self, y: float) -> float:
+    def _right_inverse(self, y: float) -> float:
         if not self.y_lower - self._slack <= y <= self.y_upper + self._slack:
             raise UsageError(
                 f"The set-point {y:g} lies outside the outputs of this hysteresis, "
                 f"[{self.y_lower:g}, {self.y_upper:g}]; give one inside."
             )
-        places, values = self._known
+        grid, values = self._samples
         k = int(np.argmax(values >= min(y, float(values.max())) - self._slack))
         if k == 0:
             return self.lower
-        near, far = float(places[k - 1]), float(places[k])
+        near, far = float(grid[k - 1]), float(grid[k])
         if self.continuous:
             return root(lambda ell: self._at(ell) - y, near, far)
         return far if self._jumps().size else self._bisected(near, far, y)

@@ -1,7 +1,7 @@
 """Position tracking: references, controllers (one file each), the loop that drives them, and how well it went."""
 
-from smarig.control.tracking.known import Known
-from smarig.control.tracking.loop import track
+from smarig.control.tracking.controller_model import ControllerModel
 from smarig.control.tracking.reference import Reference, reference
+from smarig.control.tracking.tracking_protocol import track
 
-__all__ = ["Known", "Reference", "reference", "track"]
+__all__ = ["ControllerModel", "Reference", "reference", "track"]

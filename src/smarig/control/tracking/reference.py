@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.catalogue import suggestion
-from smarig.control.checked import finite
-from smarig.errors import UsageError
+from smarig.control.argument_checks import finite
+from smarig.core.catalogue import suggestion
+from smarig.core.errors import UsageError
 
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000

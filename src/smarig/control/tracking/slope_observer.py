@@ -9,8 +9,11 @@ the filter may be slow against the encoder's noise. Knows nothing of temperature
 
 from dataclasses import dataclass, replace
 
-START_SHARE, START_G = 0.02, 0.2  # standard deviations before anything was seen: of the range, of the slope
-LEAST_G, MOST_G = -0.7, 2.0  # a model whose slope is further off is not one to invert
+INITIAL_OFFSET_SHARE, INITIAL_SLOPE_SD = (
+    0.02,
+    0.2,
+)  # standard deviations before anything was seen: of the range, of the slope
+MIN_SLOPE_ERROR, MAX_SLOPE_ERROR = -0.7, 2.0  # a model whose slope is further off is not one to invert
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,15 +30,15 @@ class SlopeObserver:
     g: float = 0.0
     dd: float = 0.0
     dg: float = 0.0
-    gg: float = START_G**2
+    gg: float = INITIAL_SLOPE_SD**2
     model: float = 0.0
 
     @classmethod
     def at(cls, model: float, span: float, noise: float, walk: float, slope_walk: float) -> "SlopeObserver":
         """Before the first reading: the model's output now, and the range of outputs."""
-        return cls(noise, walk, slope_walk, dd=(START_SHARE * span) ** 2, model=model)
+        return cls(noise, walk, slope_walk, dd=(INITIAL_OFFSET_SHARE * span) ** 2, model=model)
 
-    def seen(self, measured: float, model: float, dt_s: float) -> "SlopeObserver":
+    def updated(self, measured: float, model: float, dt_s: float) -> "SlopeObserver":
         """After a tick: a reading and the model's output in it."""
         move = model - self.model
         d = self.d + self.g * move
@@ -44,17 +47,17 @@ class SlopeObserver:
         gg = min(self.gg + self.slope_walk**2 * abs(move), 1.0)
         total = dd + self.noise**2
         kd, kg = dd / total, dg / total
-        wrong = measured - model - d
+        innovation = measured - model - d
         return replace(
             self,
             model=model,
-            d=d + kd * wrong,
-            g=min(max(self.g + kg * wrong, LEAST_G), MOST_G),
+            d=d + kd * innovation,
+            g=min(max(self.g + kg * innovation, MIN_SLOPE_ERROR), MAX_SLOPE_ERROR),
             dd=dd - kd * dd,
             dg=dg - kd * dg,
             gg=gg - kg * dg,
         )
 
-    def model_for(self, wanted: float) -> float:
+    def model_for(self, target: float) -> float:
         """The model output at which the wire would be where it is wanted."""
-        return self.model + (wanted - self.model - self.d) / (1 + self.g)
+        return self.model + (target - self.model - self.d) / (1 + self.g)

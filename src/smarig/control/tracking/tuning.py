@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.optimize import minimize
 
-from smarig.catalogue import find
-from smarig.control.settings import TRACKING, numbers
-from smarig.control.tracking.known import ControllerMaker
+from smarig.control.controller_settings import TRACKING, default_numbers
+from smarig.control.tracking.controller_model import ControllerFactory
+from smarig.core.catalogue import find
 
 FIRST_STEP = 0.7  # of a logarithm: a factor of two
 
@@ -24,30 +24,30 @@ def ranges(name: str) -> Mapping[str, tuple[float, float]]:
 
 def defaults(name: str) -> dict[str, float]:
     """Its numbers as they are without tuning."""
-    every = numbers(TRACKING, name)
-    return {key: every[key] for key in ranges(name)}
+    all_numbers = default_numbers(TRACKING, name)
+    return {key: all_numbers[key] for key in ranges(name)}
 
 
-def made(name: str, chosen: Mapping[str, float]) -> ControllerMaker:
+def controller_factory(name: str, values: Mapping[str, float]) -> ControllerFactory:
     """A controller with its numbers, ready for a loop."""
     found = find(TRACKING, name)
-    return lambda known, wanted: found(known, wanted, **chosen)
+    return lambda controller_model, reference: found(controller_model, reference, **values)
 
 
-def tuned(
+def tuned_numbers(
     name: str,
     cost: Callable[[Mapping[str, float]], float],
     budget: int,
-    more: Mapping[str, tuple[float, float]] | None = None,
+    extra_ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> dict[str, float]:
     """The numbers of least cost found in ``budget`` evaluations, begun at the defaults.
 
-    ``more``: further numbers with their ranges, begun in the middle of these.
+    ``extra_ranges``: further numbers with their ranges, begun in the middle of these.
     """
-    allowed = {**ranges(name), **(more or {})}
-    start = {key: math.sqrt(low * high) for key, (low, high) in allowed.items()} | defaults(name)
-    keys = list(allowed)
-    low, high = (np.log([allowed[key][k] for key in keys]) for k in (0, 1))
+    search_ranges = {**ranges(name), **(extra_ranges or {})}
+    start = {key: math.sqrt(low * high) for key, (low, high) in search_ranges.items()} | defaults(name)
+    keys = list(search_ranges)
+    low, high = (np.log([search_ranges[key][k] for key in keys]) for k in (0, 1))
     centre = np.log([start[key] for key in keys])
 
     def at(logs: np.ndarray) -> dict[str, float]:

@@ -2,21 +2,21 @@
 
 from pathlib import Path
 
-from smarig.errors import UsageError
-from smarig.exchange.draft import Draft
-from smarig.exchange.heated import heated
+from smarig.core.errors import UsageError
+from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapped_csv import read_mapped_csv
 from smarig.exchange.mapping import load_mapping
 from smarig.exchange.own_csv import read_own_csv
-from smarig.exchange.rig_facts import RigFacts
+from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.with_heating_model import with_heating_model
 
 
-def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Draft:
+def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
     """Text table with a header row, or anything a mapping file describes."""
     if mapping is None:
-        return read_own_csv(path, RigFacts.named(rig) if rig else None)
+        return read_own_csv(path, RigConstants.named(rig) if rig else None)
     described = load_mapping(mapping)
     if described.mat is not None:
         raise UsageError(f"Mapping {described.name} describes MATLAB files; use --format mat.")
     draft = read_mapped_csv(path, described)
-    return heated(draft, RigFacts.named(rig)) if rig else draft
+    return with_heating_model(draft, RigConstants.named(rig)) if rig else draft

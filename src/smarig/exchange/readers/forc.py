@@ -4,13 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.errors import DataError, UsageError
-from smarig.exchange.draft import Draft
+from smarig.core.errors import DataError, UsageError
+from smarig.exchange.draft import RunDraft
 from smarig.exchange.drift import ForcCurves, correct_drift_if_it_helps
-from smarig.exchange.forc import ForcFile, read_forc
+from smarig.exchange.forc_file import ForcFile, read_forc
+from smarig.record import FORC_PROTOCOL
 
 
-def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Draft:
+def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
     """MicroMag-style first-order reversal curves: field is the input, moment the output.
 
     Samples stand in measured order, calibration points (step −1) included, so that positive saturation
@@ -32,13 +33,13 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> D
         "t_s": np.full(file.field.size, np.nan),
     }
     meta = {
-        "protocol": "first_order_reversal_curves",
+        "protocol": FORC_PROTOCOL,
         "input": {"quantity": "magnetic field", "unit": file.units[0]},
         "output": {"quantity": "magnetic moment", "unit": file.units[1], "per_count": None},
         "forc": described,
         "notes": "Moments are as measured; whether a drift correction helps is said among the warnings.",
     }
-    return Draft(columns, meta, (), tuple(warnings))
+    return RunDraft(columns, meta, (), tuple(warnings))
 
 
 def _drift(file: ForcFile) -> tuple[dict, str] | None:

@@ -4,16 +4,16 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-from smarig.errors import UsageError
-from smarig.exchange.draft import Draft
-from smarig.exchange.heated import heated
+from smarig.core.errors import UsageError
+from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapped_csv import mapped_draft
 from smarig.exchange.mapping import load_mapping
-from smarig.exchange.mat_table import belonging, read_mat_table
-from smarig.exchange.rig_facts import RigFacts
+from smarig.exchange.mat_table import file_set, read_mat_table
+from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.with_heating_model import with_heating_model
 
 
-def mat(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Draft:
+def mat(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
     """MATLAB 5 variables (save -v6, -v7), named and explained by a mapping file with a [mat] table."""
     if mapping is None:
         raise UsageError(
@@ -23,8 +23,8 @@ def mat(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Dr
     if described.mat is None:
         raise UsageError(f"Mapping {described.name} has no [mat] table: it describes text, use --format csv.")
     draft = mapped_draft(path, read_mat_table(path, described, described.mat), described)
-    others = [file for file in belonging(path, described.mat.files) if file != path]
+    others = [file for file in file_set(path, described.mat.files) if file != path]
     if others:
         sums = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in others}
         draft = replace(draft, meta=draft.meta | {"companions": sums})
-    return heated(draft, RigFacts.named(rig)) if rig else draft
+    return with_heating_model(draft, RigConstants.named(rig)) if rig else draft

@@ -11,7 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from smarig.exchange.channels import FLAGS, Channel, events, label, samples, steps, title
+from smarig.exchange.export_columns import (
+    FLAGS,
+    ExportColumn,
+    event_columns,
+    label,
+    sample_columns,
+    step_columns,
+    title,
+)
 from smarig.record import Run
 
 
@@ -19,7 +27,7 @@ def mat(run: Run, path: Path) -> None:
     """MATLAB 5 structures with units, steps and events; for MATLAB, Octave and scipy.io.loadmat."""
     from scipy.io import savemat
 
-    tables = {"samples": samples(run), "steps": steps(run), "events": events(run)}
+    tables = {"samples": sample_columns(run), "steps": step_columns(run), "events": event_columns(run)}
     content = {
         "about": _about(run),
         "samples": {c.name: _column(c) for c in tables["samples"]},
@@ -32,17 +40,17 @@ def mat(run: Run, path: Path) -> None:
         savemat(file, content, long_field_names=True, do_compression=True, oned_as="column")
 
 
-def _column(column: Channel) -> np.ndarray:
+def _column(column: ExportColumn) -> np.ndarray:
     """Doubles with NaN where unknown, MATLAB's own way; marks on samples as whole numbers, for bitand."""
     return column.integers(0).astype(np.int32) if column.name == "quality" else column.values
 
 
-def _units(columns: Sequence[Channel]) -> dict[str, str]:
+def _units(columns: Sequence[ExportColumn]) -> dict[str, str]:
     """Of the columns that hold numbers; "1" where a number has none."""
     return {c.name: c.unit or "1" for c in columns if c.values.dtype.kind != "U"}
 
 
-def _rows(columns: Sequence[Channel]) -> np.ndarray:
+def _rows(columns: Sequence[ExportColumn]) -> np.ndarray:
     """A structure array (k, 1); ``void`` is logical."""
     rows = np.empty((columns[0].values.size, 1), dtype=[(c.name, object) for c in columns])
     for column in columns:

@@ -15,10 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from smarig.errors import UsageError
-from smarig.exchange.channels import FLAGS, Channel, events, label, samples, steps, title
+from smarig.core.errors import UsageError
+from smarig.exchange.export_columns import (
+    FLAGS,
+    ExportColumn,
+    event_columns,
+    label,
+    sample_columns,
+    step_columns,
+    title,
+)
 from smarig.record import Run
-from smarig.record.description import is_moment
+from smarig.record.metadata import is_timestamp
 
 _MISSING = np.iinfo(np.int32).min
 _UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # as UDUNITS has them
@@ -35,19 +43,24 @@ def netcdf(run: Run, path: Path) -> None:
         from xarray.backends import H5NetCDFStore
     except ImportError:
         raise UsageError("NetCDF needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
-    columns = samples(run)
+    columns = sample_columns(run)
     along = "time" if _has_clock(run) else "tick"
     data = {c.name: _sampled(c, along) for c in columns if c.name != "tick" or along == "time"}
-    data |= {"smarig_run": _whole_description(run)}
+    data |= {"smarig_run": _full_description(run)}
     coordinate = (
         _time(run) if along == "time" else _sampled(next(c for c in columns if c.name == "tick"), along)
     )
     parts = [
         (None, xr.Dataset(data, {along: coordinate}, _characters(_description(run)))),
-        ("steps", xr.Dataset(_table(steps(run), "step"), attrs=_characters({"title": "Steps of the run"}))),
+        (
+            "steps",
+            xr.Dataset(_table(step_columns(run), "step"), attrs=_characters({"title": "Steps of the run"})),
+        ),
         (
             "events",
-            xr.Dataset(_table(events(run), "event"), attrs=_characters({"title": "Events of the run"})),
+            xr.Dataset(
+                _table(event_columns(run), "event"), attrs=_characters({"title": "Events of the run"})
+            ),
         ),
     ]
     made = io.BytesIO()
@@ -77,15 +90,15 @@ def _time(run: Run) -> tuple:
 
 def _zero_epoch(run: Run) -> float | None:
     """When the device's clock read zero, from the event that began the run."""
-    told = (e for e in run.events if e.kind == "start" and is_moment(e.data.get("epoch")))
-    began = next(told, None)
+    starts = (e for e in run.events if e.kind == "start" and is_timestamp(e.data.get("epoch")))
+    began = next(starts, None)
     if began is not None:
         return float(began.data["epoch"]) - began.t_s
-    given = run.meta.get("start_epoch")
-    return None if given is None else float(given)
+    options = run.meta.get("start_epoch")
+    return None if options is None else float(options)
 
 
-def _sampled(column: Channel, along: str) -> tuple:
+def _sampled(column: ExportColumn, along: str) -> tuple:
     texts = {"long_name": column.what, "standard_name": _STANDARD.get(column.name, "")}
     numbers = column.values.dtype.kind != "U"
     texts |= {"units": _UNITS.get(column.unit, column.unit)} if numbers else {"_Encoding": "utf-8"}
@@ -100,11 +113,11 @@ def _sampled(column: Channel, along: str) -> tuple:
     return (along, _values(column), attributes)
 
 
-def _table(columns: Iterable[Channel], dimension: str) -> dict[str, tuple]:
+def _table(columns: Iterable[ExportColumn], dimension: str) -> dict[str, tuple]:
     return {c.name: _sampled(c, dimension) for c in columns}
 
 
-def _values(column: Channel) -> np.ndarray:
+def _values(column: ExportColumn) -> np.ndarray:
     """Texts as bytes of one length; whole numbers as 32 bits where they fit."""
     if column.values.dtype.kind == "U":
         return np.char.encode(column.values, "utf-8") if column.values.size else np.array([], dtype="S1")
@@ -120,14 +133,14 @@ def _encoding(part: Any) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for name, variable in part.variables.items():
         kind = variable.dtype.kind
-        lacks = name not in part.coords and (
+        has_missing = name not in part.coords and (
             kind == "f" or (kind == "i" and bool((variable == _MISSING).any()))
         )
-        fill = (np.nan if kind == "f" else variable.dtype.type(_MISSING)) if lacks else None
-        given: dict[str, Any] = {"_FillValue": fill}
+        fill = (np.nan if kind == "f" else variable.dtype.type(_MISSING)) if has_missing else None
+        options: dict[str, Any] = {"_FillValue": fill}
         if kind in "fi" and variable.size:
-            given |= {"zlib": True, "complevel": _DEFLATE, "shuffle": True}
-        found[str(name)] = given
+            options |= {"zlib": True, "complevel": _DEFLATE, "shuffle": True}
+        found[str(name)] = options
     return found
 
 
@@ -145,7 +158,7 @@ def _description(run: Run) -> dict[str, Any]:
     }
 
 
-def _whole_description(run: Run) -> tuple:
+def _full_description(run: Run) -> tuple:
     """A variable, because attributes end at 64 kB."""
     text = json.dumps(run.meta, ensure_ascii=False).encode("utf-8")
     attributes = {"long_name": "whole description of the run, JSON", "_Encoding": "utf-8"}

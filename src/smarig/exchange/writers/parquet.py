@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.errors import UsageError
-from smarig.exchange.channels import label, samples, title
+from smarig.core.errors import UsageError
+from smarig.exchange.export_columns import label, sample_columns, title
 from smarig.record import Run
 
 
@@ -18,7 +18,7 @@ def parquet(run: Run, path: Path) -> None:
         import pyarrow.parquet as pq
     except ImportError:
         raise UsageError("Parquet needs pyarrow: pip install 'smarig[parquet]'.") from None
-    columns = samples(run)
+    columns = sample_columns(run)
     fields = [
         pa.field(
             c.name,

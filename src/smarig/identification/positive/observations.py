@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, hstack, vstack
 
-from smarig.errors import DataError
+from smarig.core.errors import DataError
 from smarig.identification.fod_data import FodData
-from smarig.identification.history import History, histories
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.operator import State
 from smarig.record import Run
+from smarig.replay.memory_history import MemoryHistory, memory_histories
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 COMMON = -1
-SWING = 0.01  # of the range: smaller reversals do not end a branch
+MIN_REVERSAL = 0.01  # of the range: smaller reversals do not end a branch
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
@@ -78,9 +78,9 @@ class Observations:
     @classmethod
     def of_runs(cls, runs: Sequence[Run]) -> "Observations":
         """Every point of runs of any protocol whose memory is known; a curve is an excursion, out and back."""
-        lower, upper, records = histories(runs)
+        lower, upper, records = memory_histories(runs)
         parts = [cls._of_history(record, (lower, upper), runs[0].unit) for record in records]
-        whole = joined(parts)
+        whole = joined_observations(parts)
         if not len(whole):
             raise DataError(
                 "No point of the runs has a known memory: begin a run in negative saturation, or let it "
@@ -89,9 +89,9 @@ class Observations:
         return whole
 
     @classmethod
-    def _of_history(cls, history: History, ends: tuple[float, float], unit: str) -> "Observations":
+    def _of_history(cls, history: MemoryHistory, ends: tuple[float, float], unit: str) -> "Observations":
         known = {k: state for k, state in enumerate(history.states) if state is not None}
-        curve = excursions(history.inputs, SWING * (ends[1] - ends[0]))
+        curve = excursions(history.inputs, MIN_REVERSAL * (ends[1] - ends[0]))
         rows = list(known)
         found = cls.of_states(list(known.values()), history.outputs[rows], curve[rows], ends, unit)
         return replace(found, passed=np.setdiff1d(history.turns, history.inputs))
@@ -189,7 +189,7 @@ class Observations:
         return csr_matrix(chosen @ vstack([_released_row(triangle, *move) for move in moves]))
 
 
-def excursions(u: Array, swing: float) -> Integers:
+def excursions(u: Array, min_reversal: float) -> Integers:
     """The number of the excursion each input (k,) lies on: out to a turning point and back again.
 
     They begin at the turning points that vary less: an excursion of first-order descending curves is a peak
@@ -201,7 +201,7 @@ def excursions(u: Array, swing: float) -> Integers:
     >>> excursions(np.array([9.0, 5.0, 9.0, 3.0, 5.0, 9.0, 0.0, 3.0]), 1.0).tolist()
     [0, 0, 0, 1, 1, 1, 2, 2]
     """
-    branch = branches(u, swing)
+    branch = branches(u, min_reversal)
     ends = np.flatnonzero(np.diff(branch))
     if ends.size < 2:
         return np.zeros_like(branch)
@@ -210,8 +210,8 @@ def excursions(u: Array, swing: float) -> Integers:
     return branch // 2 if first <= second else (branch + 1) // 2
 
 
-def branches(u: Array, swing: float) -> Integers:
-    """The number of the monotone branch each input (k,) lies on; reversals smaller than ``swing`` are noise.
+def branches(u: Array, min_reversal: float) -> Integers:
+    """The number of the monotone branch each input (k,) lies on; reversals smaller than ``min_reversal`` are noise.
 
     >>> branches(np.array([0.0, 5.0, 9.0, 8.9, 10.0, 4.0, 6.0]), 1.0).tolist()
     [0, 0, 0, 0, 0, 1, 2]
@@ -223,8 +223,8 @@ def branches(u: Array, swing: float) -> Integers:
         low, high = min(low, v), max(high, v)
         back = (high - v) if rising else (v - low)
         if rising is None:
-            rising = (v - low > high - v) if high - low >= swing else None
-        elif back >= swing:  # everything since the extremum belongs to the new branch
+            rising = (v - low > high - v) if high - low >= min_reversal else None
+        elif back >= min_reversal:  # everything since the extremum belongs to the new branch
             rising, count = not rising, count + 1
             number[turn + 1 : k] = count
             low = high = v
@@ -234,13 +234,13 @@ def branches(u: Array, swing: float) -> Integers:
     return number
 
 
-def joined(parts: Iterable[Observations]) -> Observations:
+def joined_observations(parts: Iterable[Observations]) -> Observations:
     """Several sets of one range as one; curves and offsets of different sets stay different."""
     parts = [part for part in parts if len(part)] or list(parts)[:1]
     row = curve = zero = 0
-    moved = []
+    shifted = []
     for part in parts:
-        moved.append(
+        shifted.append(
             replace(
                 part,
                 curve=part.curve + curve,
@@ -251,8 +251,8 @@ def joined(parts: Iterable[Observations]) -> Observations:
         )
         row, curve, zero = row + len(part), curve + int(part.curve.max(initial=-1)) + 1, zero + part.offsets
     names = ("y", "curve", "zero", "term", "sign", "alpha", "beta", "passed")
-    arrays = {name: np.concatenate([getattr(part, name) for part in moved]) for name in names}
-    return replace(parts[0], released=tuple(r for part in moved for r in part.released), **arrays)
+    arrays = {name: np.concatenate([getattr(part, name) for part in shifted]) for name in names}
+    return replace(parts[0], released=tuple(r for part in shifted for r in part.released), **arrays)
 
 
 def corners_of(

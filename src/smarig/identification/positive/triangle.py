@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix, vstack
 
-from smarig.errors import DataError
-from smarig.preisach.fod_table import FodTable
+from smarig.core.errors import DataError
+from smarig.preisach.hysteresis.fod_table import FodTable
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -68,13 +68,13 @@ class Triangle:
         return self.i.size + 1
 
     @property
-    def _along(self) -> Array:
+    def _scaled_nodes(self) -> Array:
         return self._x if self.place is None else self.place
 
     @property
     def areas(self) -> Array:
         """Measure of each cell in scaled inputs: area, or length on the diagonal, (cells,)."""
-        w = np.diff(self._along)
+        w = np.diff(self._scaled_nodes)
         return np.where(self.i == self.j, w[self.i], w[self.i] * w[self.j])
 
     def scaled(self, u: ArrayLike) -> Array:
@@ -88,7 +88,7 @@ class Triangle:
         """y(α, β), (m, unknowns)."""
         i, j, s, t = self._located(alpha, beta)
         on = i == j
-        rows = _Rows(self.unknowns, i.size)
+        rows = _SparseRows(self.unknowns, i.size)
         for di, dj, weight in (
             (0, 0, np.where(on, 1 - s, (1 - s) * (1 - t))),
             (1, 0, np.where(on, s - t, s * (1 - t))),
@@ -104,7 +104,7 @@ class Triangle:
         width = np.diff(self._x)[j]
         s = np.where(i == j, 1.0, s) / width
         rest = np.where(i == j, 0.0, 1 / width - s)
-        rows = _Rows(self.unknowns, i.size)
+        rows = _SparseRows(self.unknowns, i.size)
         for di, dj, weight in ((0, 0, -rest), (0, 1, rest), (1, 0, -s), (1, 1, s)):
             rows.add(self._unknown[i + di, np.minimum(j + dj, i + di)], weight)
         return rows.matrix()
@@ -114,7 +114,7 @@ class Triangle:
         i, j, _, t = self._located(alpha, beta)
         width, on = np.diff(self._x)[i], i == j
         near, far = np.where(on, 1.0, 1 - t) / width, np.where(on, 0.0, t) / width
-        rows = _Rows(self.unknowns, i.size)
+        rows = _SparseRows(self.unknowns, i.size)
         rows.add(self._unknown[i + 1, i + 1], 1 / width)
         rows.add(self._unknown[i, i], -1 / width)
         for di, dj, weight in ((1, 0, -near), (0, 0, near), (1, 1, -far), (0, 1, far)):
@@ -134,7 +134,7 @@ class Triangle:
     def _mass_matrix(self) -> csr_matrix:
         i, j = self.i, self.j
         inner = np.where(i == j, 0.0, 1.0)  # on the diagonal ν is F(u_i+1, u_i) alone
-        rows = _Rows(self.unknowns, i.size)
+        rows = _SparseRows(self.unknowns, i.size)
         for di, dj, sign in (
             (1, 1, 1.0 + 0 * inner),
             (1, 0, -1.0 + 0 * inner),
@@ -144,13 +144,13 @@ class Triangle:
             rows.add(self._unknown[i + di, np.minimum(j + dj, i + di)], sign)
         return rows.matrix()
 
-    def _bends(self) -> csr_matrix:
+    def _second_differences(self) -> csr_matrix:
         """Second differences of ρ = 2μ and of g over the cells, times the root of the area they stand for."""
         i, j, cell = self.i, self.j, self._cell
-        n, width = self._along.size - 1, np.diff(self._along)
-        middle = (self._along[1:] + self._along[:-1]) / 2
+        n, width = self._scaled_nodes.size - 1, np.diff(self._scaled_nodes)
+        middle = (self._scaled_nodes[1:] + self._scaled_nodes[:-1]) / 2
         root = np.sqrt(width[i] * width[j])
-        bends = []
+        differences = []
         for di, dj, at, allowed in (
             (1, 0, i, (i - 1 > j) & (i + 1 < n)),
             (0, 1, j, (j >= 1) & (j + 1 < i)),
@@ -159,23 +159,23 @@ class Triangle:
             p, q, k = i[allowed], j[allowed], at[allowed]
             before, after = middle[k] - middle[k - 1], middle[k + 1] - middle[k]
             weight = np.sqrt(width[k]) if di == dj else root[allowed]
-            rows = _Rows(self.cells, p.size)
+            rows = _SparseRows(self.cells, p.size)
             rows.add(cell[p - di, q - dj], 2 / (before * (before + after)) * weight)
             rows.add(cell[p, q], -2 / (before * after) * weight)
             rows.add(cell[p + di, q + dj], 2 / (after * (before + after)) * weight)
-            bends.append(rows.matrix())
+            differences.append(rows.matrix())
         allowed = (i + 1 < n) & (j + 1 < i)
         p, q = i[allowed], j[allowed]
         twist = np.sqrt(2 / ((middle[p + 1] - middle[p]) * (middle[q + 1] - middle[q])))
-        rows = _Rows(self.cells, p.size)
+        rows = _SparseRows(self.cells, p.size)
         for di, dj, sign in ((0, 0, 1), (1, 0, -1), (0, 1, -1), (1, 1, 1)):
             rows.add(cell[p + di, q + dj], sign * twist)
-        return csr_matrix(vstack([*bends, rows.matrix()]).multiply(1 / self.areas))
+        return csr_matrix(vstack([*differences, rows.matrix()]).multiply(1 / self.areas))
 
     @cached_property
     def roughness(self) -> csr_matrix:
         """∬ (ρ_αα² + 2ρ_αβ² + ρ_ββ²) + ∫ g″² as a quadratic form of the unknowns, scaled inputs."""
-        matrix = self._bends() @ self.masses
+        matrix = self._second_differences() @ self.masses
         return csr_matrix(matrix.T @ matrix)
 
     def table(self, masses: Array, y_lower: float, unit: str = "") -> FodTable:
@@ -187,7 +187,7 @@ class Triangle:
         return FodTable(self.nodes, np.where(np.tri(n + 1, dtype=bool), values, np.nan), unit)
 
 
-class _Rows:
+class _SparseRows:
     """Collects one column and one weight per row at a time; the same place twice adds up."""
 
     def __init__(self, columns: int, rows: int) -> None:

@@ -17,22 +17,22 @@ def misfit(name: str, found: Any) -> str:
     >>> misfit("push", lambda wanted: None)
     'push must be a function push(known, wanted, *, number=0.5, …); it takes no known and wanted'
     """
-    because = _misfit(found)
+    reason = _signature_fault(found)
     shape = f"{name} must be a function {name}(known, wanted, *, number=0.5, …)"
-    return f"{shape}; {because}" if because else ""
+    return f"{shape}; {reason}" if reason else ""
 
 
-def _misfit(found: Any) -> str:
+def _signature_fault(found: Any) -> str:
     if not inspect.isfunction(found):
         return f"it is of type {type(found).__name__}"
     parameters = list(inspect.signature(found).parameters.values())
-    placed = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    if len(parameters) < 2 or any(p.kind not in placed for p in parameters[:2]):
+    positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    if len(parameters) < 2 or any(p.kind not in positional for p in parameters[:2]):
         return "it takes no known and wanted"
-    return next((because for p in parameters[2:] if (because := _no_number(p))), "")
+    return next((reason for p in parameters[2:] if (reason := _parameter_fault(p))), "")
 
 
-def _no_number(p: inspect.Parameter) -> str:
+def _parameter_fault(p: inspect.Parameter) -> str:
     if p.kind is not p.KEYWORD_ONLY:
         return f"'{p.name}' stands before the *"
     if p.default is p.empty:

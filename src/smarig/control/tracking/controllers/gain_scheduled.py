@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from smarig.control.tracking.feedback import feedback
-from smarig.control.tracking.known import Controller, Known, Wanted
+from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
+from smarig.control.tracking.pi_feedback import pi_feedback
 from smarig.preisach.operator import Preisach
 
 RANGES = {
@@ -11,13 +11,13 @@ RANGES = {
     "integral_s": (0.1, 200.0),
     "cooling_share": (0.1, 10.0),
 }
-PLACES = 200
-STEEPEST = 10.0  # times the mean inverse slope: at the ends of the range branches are flat
+GRID_POINTS = 200
+LARGEST_SLOPE_RATIO = 10.0  # times the mean inverse slope: at the ends of the range branches are flat
 
 
 def gain_scheduled(
-    known: Known,
-    wanted: Wanted,
+    controller_model: ControllerModel,
+    reference: ReferenceFunction,
     *,
     gain_share: float = 55.0,
     integral_s: float = 0.75,
@@ -34,25 +34,25 @@ def gain_scheduled(
         cooling_share (1): gain when the wire must cool, as a multiple of that when it must heat
         lead_s (s): how far ahead what is wanted is looked at; 0 looks at now
     """
-    places, heating, cooling = _inverse_slopes(known)
+    positions, heating, cooling = _inverse_slopes(controller_model)
 
     def gain(error: float, position: float) -> float:
         slopes, share = (heating, 1.0) if error > 0 else (cooling, cooling_share)
-        return gain_share * share * float(np.interp(position, places, slopes))
+        return gain_share * share * float(np.interp(position, positions, slopes))
 
-    return feedback(known, wanted, gain, integral_s=integral_s, lead_s=lead_s)
+    return pi_feedback(controller_model, reference, gain, integral_s=integral_s, lead_s=lead_s)
 
 
-def _inverse_slopes(known: Known) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _inverse_slopes(controller_model: ControllerModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions (n,), and du/dy (n,) of the rising and of the falling branch there, K per unit."""
-    u = np.linspace(known.setup.lower_K, known.setup.upper_K, PLACES)
-    operator = Preisach(known.hysteresis, "negative")
+    u = np.linspace(controller_model.setup.lower_K, controller_model.setup.upper_K, GRID_POINTS)
+    operator = Preisach(controller_model.hysteresis, "negative")
     rising, falling = operator.simulate(u), operator.follow(u[::-1])[::-1]
-    low, high = known.reach
-    places = np.linspace(low, high, PLACES)[1:-1]
-    most = STEEPEST * (u[-1] - u[0]) / (high - low)
+    low, high = controller_model.reach
+    positions = np.linspace(low, high, GRID_POINTS)[1:-1]
+    largest_slope = LARGEST_SLOPE_RATIO * (u[-1] - u[0]) / (high - low)
     found = []
     for branch in (rising, falling):
-        back = np.interp(places + known.origin, np.maximum.accumulate(branch), u)
-        found.append(np.clip(np.gradient(back, places), 0.0, most))
-    return places, found[0], found[1]
+        input_at_position = np.interp(positions + controller_model.origin, np.maximum.accumulate(branch), u)
+        found.append(np.clip(np.gradient(input_at_position, positions), 0.0, largest_slope))
+    return positions, found[0], found[1]

@@ -1,9 +1,9 @@
 """Feed-forward by the inverse of the hysteresis and of the heating lag, with the model's error tracked on the way."""
 
-from smarig.control.tracking.known import Controller, Known, Wanted
-from smarig.control.tracking.lag import clipped, current_towards
+from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
+from smarig.control.tracking.heating_lag import clipped, current_towards
 from smarig.control.tracking.slope_observer import SlopeObserver
-from smarig.errors import DataError
+from smarig.core.errors import DataError
 
 RANGES = {
     "lead_s": (0.05, 3.0),
@@ -16,8 +16,8 @@ READING_COUNTS = 0.5  # noise of a reading: rounding to counts, and the encoder'
 
 
 def inverse(
-    known: Known,
-    wanted: Wanted,
+    controller_model: ControllerModel,
+    reference: ReferenceFunction,
     *,
     lead_s: float = 0.31,
     horizon_s: float = 0.32,
@@ -39,25 +39,25 @@ def inverse(
         slope_walk (1/√unit): how fast the model's error of slope may change along the way
         rest_counts (counts): nearer than this, the temperature goal stays
     """
-    setup, model = known.setup, known.plant()
-    count = setup.actuator.position_per_count(known.counts_per_rev)
-    low, high = known.reach
-    observer = SlopeObserver.at(known.origin, high - low, READING_COUNTS * count, walk, slope_walk)
-    goal_K = model.felt_K
+    setup, model = controller_model.setup, controller_model.plant()
+    count = setup.actuator.position_per_count(controller_model.counts_per_rev)
+    low, high = controller_model.reach
+    observer = SlopeObserver.at(controller_model.origin, high - low, READING_COUNTS * count, walk, slope_walk)
+    goal_K = model.hysteresis_input_K
     sample = yield setup.current_for(goal_K)
     while True:
-        position = model.step(sample.current_command_A if model.asks_for_commands else sample.current_A)
-        observer = observer.seen(sample.position + known.origin, position, setup.period_s)
-        target = observer.model_for(wanted(sample.t_s + lead_s) + known.origin)
+        position = model.step(sample.current_command_A if model.alters_current else sample.current_A)
+        observer = observer.updated(sample.position + controller_model.origin, position, setup.period_s)
+        target = observer.model_for(reference(sample.t_s + lead_s) + controller_model.origin)
         if abs(target - position) > rest_counts * count:
-            goal_K = _reaching(model.operator, model.operator.y + target - position, goal_K)
+            goal_K = _temperature_for_output(model.operator, model.operator.y + target - position, goal_K)
         # effects may shift what the hysteresis feels against what the wire has: asked of the wire is the same move
-        move_K = goal_K - model.felt_K
+        move_K = goal_K - model.hysteresis_input_K
         wire_K = model.heating.input_K
         sample = yield current_towards(setup, model, clipped(setup, wire_K + move_K), horizon_s)
 
 
-def _reaching(operator, output: float, otherwise_K: float) -> float:
+def _temperature_for_output(operator, output: float, fallback_K: float) -> float:
     """Temperature that brings the operator to an output, as far as it reaches; the goal before where none does."""
     hysteresis = operator.hysteresis
     low, high = (
@@ -71,4 +71,4 @@ def _reaching(operator, output: float, otherwise_K: float) -> float:
     try:
         return operator.inverse(output)
     except DataError:  # the branch turns back on the way: stay, the observer will tell more
-        return otherwise_K
+        return fallback_K

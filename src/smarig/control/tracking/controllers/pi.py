@@ -1,14 +1,14 @@
 """The baseline: proportional and integral action on the position error, in kelvin of steady temperature."""
 
-from smarig.control.tracking.feedback import feedback
-from smarig.control.tracking.known import Controller, Known, Wanted
+from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
+from smarig.control.tracking.pi_feedback import pi_feedback
 
 RANGES = {"gain_share": (0.05, 100.0), "integral_s": (0.1, 200.0)}
 
 
 def pi(
-    known: Known,
-    wanted: Wanted,
+    controller_model: ControllerModel,
+    reference: ReferenceFunction,
     *,
     gain_share: float = 20.0,
     integral_s: float = 1.3,
@@ -23,6 +23,6 @@ def pi(
         integral_s (s): integral time T_i: in it a steady error is answered once more
         lead_s (s): how far ahead what is wanted is looked at; 0 looks at now
     """
-    setup, (low, high) = known.setup, known.reach
+    setup, (low, high) = controller_model.setup, controller_model.reach
     gain = gain_share * (setup.upper_K - setup.lower_K) / (high - low)
-    return feedback(known, wanted, lambda *_: gain, integral_s=integral_s, lead_s=lead_s)
+    return pi_feedback(controller_model, reference, lambda *_: gain, integral_s=integral_s, lead_s=lead_s)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from smarig.control.velocity.controller import Memoryless, positive
+from smarig.control.velocity.velocity_controller import MemorylessController, positive
 
 
-def constant_gain(gain: float = 100.0) -> Memoryless:
+def constant_gain(gain: float = 100.0) -> MemorylessController:
     """ũ = k ė: δ = γ = k, the thesis's proportional controller (§8.2).
 
         gain (K·s/unit): k, input over velocity error
@@ -14,4 +14,4 @@ def constant_gain(gain: float = 100.0) -> Memoryless:
     (3.0, 3.0)
     """
     k = positive("gain", gain)
-    return Memoryless(lambda _, error: k * error, k, k, lambda: [np.array([1.0])])
+    return MemorylessController(lambda _, error: k * error, k, k, lambda: [np.array([1.0])])

@@ -1,9 +1,9 @@
 """Lead or lag."""
 
-from smarig.control.velocity.controller import FirstOrder, positive
+from smarig.control.velocity.velocity_controller import FirstOrderController, positive
 
 
-def lead_lag(gain: float = 100.0, zero_s: float = 4.0, pole_s: float = 1.0) -> FirstOrder:
+def lead_lag(gain: float = 100.0, zero_s: float = 4.0, pole_s: float = 1.0) -> FirstOrderController:
     """H(s) = k (1 + s zero_s)/(1 + s pole_s): a lead for zero_s > pole_s, else a lag.
 
     H₀ = k and H∞ = k zero_s/pole_s; δ is the smaller, γ the larger.
@@ -17,4 +17,4 @@ def lead_lag(gain: float = 100.0, zero_s: float = 4.0, pole_s: float = 1.0) -> F
     (2.0, 8.0)
     """
     k, zero, pole = (positive(n, v) for n, v in (("gain", gain), ("zero_s", zero_s), ("pole_s", pole_s)))
-    return FirstOrder(k, k * zero / pole, 1.0 / pole)
+    return FirstOrderController(k, k * zero / pole, 1.0 / pole)

@@ -1,9 +1,11 @@
 """Proportional and leaking integral."""
 
-from smarig.control.velocity.controller import FirstOrder, positive
+from smarig.control.velocity.velocity_controller import FirstOrderController, positive
 
 
-def leaky_pi(gain: float = 100.0, integral_per_s: float = 30.0, leak_per_s: float = 0.1) -> FirstOrder:
+def leaky_pi(
+    gain: float = 100.0, integral_per_s: float = 30.0, leak_per_s: float = 0.1
+) -> FirstOrderController:
     """H(s) = k_p + k_i/(s + a): an integral that forgets at the rate a, for without a leak there is no finite gain.
 
     δ = k_p, γ = k_p + k_i/a.
@@ -20,4 +22,4 @@ def leaky_pi(gain: float = 100.0, integral_per_s: float = 30.0, leak_per_s: floa
         positive(n, v)
         for n, v in (("gain", gain), ("integral_per_s", integral_per_s), ("leak_per_s", leak_per_s))
     )
-    return FirstOrder(k + i / a, k, a)
+    return FirstOrderController(k + i / a, k, a)

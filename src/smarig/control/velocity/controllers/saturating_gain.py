@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from smarig.control.velocity.controller import Memoryless, positive
-from smarig.errors import UsageError
+from smarig.control.velocity.velocity_controller import MemorylessController, positive
+from smarig.core.errors import UsageError
 
 
-def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1) -> Memoryless:
+def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1) -> MemorylessController:
     """ũ = k₁ ė + (k₂ − k₁) sat(ė), sat clipping at ± ``width`` (output unit per second); sector [k₁, k₂].
 
     k₂ is met by every |ė| ≤ width, k₁ only in the limit of large errors: δ = k₁, γ = k₂. A gain that saturated
@@ -27,4 +27,4 @@ def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1
     def law(_: int, error: float) -> float:
         return k1 * error + (k2 - k1) * min(max(error, -w), w)
 
-    return Memoryless(law, k1, k2, lambda: (np.array([w * 10.0**k]) for k in range(13)))
+    return MemorylessController(law, k1, k2, lambda: (np.array([w * 10.0**k]) for k in range(13)))

@@ -4,21 +4,21 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from smarig.control.velocity.controller import Memoryless, positive
-from smarig.errors import UsageError
+from smarig.control.velocity.velocity_controller import MemorylessController, positive
+from smarig.core.errors import UsageError
 
-_SEEN = 4096
-_TURN = 50
+_PROBED_SAMPLES = 4096
+_SWITCH_SAMPLES = 50
 
 
-def by_turns(sample: int) -> float:
+def alternating(sample: int) -> float:
     """The schedule where none is given: the least gain and the largest in turn, fifty samples each."""
-    return float("inf") if sample // _TURN % 2 else 0.0
+    return float("inf") if sample // _SWITCH_SAMPLES % 2 else 0.0
 
 
 def scheduled_gain(
-    least: float = 50.0, most: float = 200.0, schedule: Callable[[int], float] = by_turns
-) -> Memoryless:
+    least: float = 50.0, most: float = 200.0, schedule: Callable[[int], float] = alternating
+) -> MemorylessController:
     """ũ_k = k(σ_k) ė_k with k₁ ≤ k(σ) ≤ k₂, whatever σ depends on: ``schedule`` gives the gain of a sample.
 
     Without memory in ė, so ė ũ ≥ k₁ ė² and |ũ| ≤ k₂ |ė| at every sample: δ = k₁ and γ = k₂ for every schedule,
@@ -39,8 +39,8 @@ def scheduled_gain(
         return min(max(schedule(sample), k1), k2)
 
     def impulses() -> Iterator[np.ndarray]:
-        gains = np.array([gain(k) for k in range(_SEEN)])
+        gains = np.array([gain(k) for k in range(_PROBED_SAMPLES)])
         for where in (int(gains.argmin()), int(gains.argmax())):
             yield np.eye(1, where + 1, where)[0]
 
-    return Memoryless(lambda sample, error: gain(sample) * error, k1, k2, impulses)
+    return MemorylessController(lambda sample, error: gain(sample) * error, k1, k2, impulses)

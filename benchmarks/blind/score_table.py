@@ -1,0 +1,196 @@
+"""Scores of many opened boxes: false alarms, detection, names, sets, parameters, gain; counts with exact bounds.
+
+Bounds are Clopper and Pearson's, 95 % two-sided except for false alarms, whose upper one is one-sided 95 %.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.stats import beta
+
+from benchmarks.blind.confusability import confusable, is_correct_variable
+from benchmarks.boxes.box_effects import EFFECTS, INVISIBLE_WITHOUT
+
+Record = dict[str, Any]
+NO_ALARM = ("silent", "not_identifiable")
+DELTAS = (0.0, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, np.inf)
+
+
+def score_table(records: Sequence[Record]) -> dict[str, Any]:
+    """The table of all figures."""
+    good = [r for r in records if "error" not in r]
+    empty = [r for r in good if r["category"] in ("empty", "hard_null")]
+    single = [r for r in good if r["category"] == "one" and not r["left_out"]]
+    visible = [r for r in single if not _invisible(r)]
+    large = [r for r in visible if _alarm(r) and _delta(r) >= 1]
+    right = [r for r in visible if _named_right(r)]
+    left_out = [r for r in good if r["left_out"]]
+    two = [r for r in good if r["category"] == "two"]
+    return {
+        "boxes": len(records),
+        "failed": [[r["number"], r["error"]] for r in records if "error" in r],
+        "false_alarms": _rate(empty, _alarm) | {"upper95": _upper(empty, _alarm)},
+        "false_alarms_hard": _rate([r for r in empty if r["category"] == "hard_null"], _alarm),
+        "detection": {
+            "delta>=0.5": _rate([r for r in single if _delta(r) >= 0.5], _alarm),
+            "delta>=1": _rate([r for r in single if _delta(r) >= 1], _alarm),
+            "by_delta": _power(single),
+        },
+        "name": {
+            "strict": _rate(large, _first_right),
+            "group": _rate(large, _first_confusable),
+            "set_covers": _rate(large, lambda r: _hidden(r) in r["set"]),
+            "mean_set_size": _mean([len(r["set"]) for r in large if r["set"]]),
+        },
+        "named_though_unidentifiable": _rate([r for r in single if _invisible(r)], _named),
+        "left_out": {
+            "unknown_right": _rate([r for r in left_out if _alarm(r)], _unknown_right),
+            "or_group": _rate(
+                [r for r in left_out if _alarm(r)], lambda r: _unknown_right(r) or _set_confusable(r)
+            ),
+            "alarms": _rate(left_out, _alarm),
+        },
+        "parameter": _parameters(right),
+        "removable_share": _median([s for r in right if (s := _share(r)) is not None]),
+        "two": {
+            "both": _rate([r for r in two if _both_visible(r)], _both),
+            "both_of_all": _rate(two, _both),
+        },
+        "seconds": {
+            "mean": _mean([r["seconds"] for r in good]),
+            "most": max((r["seconds"] for r in good), default=None),
+        },
+        "by_effect": {name: _of_effect([r for r in single if _hidden(r) == name]) for name in EFFECTS},
+        "confusion": _confusion(good),
+    }
+
+
+def _hidden(r: Record) -> str:
+    return next(iter(r["hidden"]), "")
+
+
+def _delta(r: Record) -> float:
+    return max(r["delta"].values(), default=0.0)
+
+
+def _alarm(r: Record) -> bool:
+    return r["verdict"] not in NO_ALARM
+
+
+def _named(r: Record) -> bool:
+    return r["verdict"] == "named"
+
+
+def _invisible(r: Record) -> bool:
+    """Whether no record with these channels can show the hidden effect."""
+    needs = INVISIBLE_WITHOUT.get(_hidden(r))
+    return needs is not None and not set(needs) & set(r["channels"])
+
+
+def _first(r: Record) -> list[str]:
+    return r["explanations"][0][0] if r["explanations"] else []
+
+
+def _first_right(r: Record) -> bool:
+    return r["verdict"] in ("named", "ambiguous") and _first(r) == [_hidden(r)]
+
+
+def _first_confusable(r: Record) -> bool:
+    return r["verdict"] in ("named", "ambiguous") and any(confusable(_hidden(r), name) for name in _first(r))
+
+
+def _named_right(r: Record) -> bool:
+    return _first_right(r)
+
+
+def _unknown_right(r: Record) -> bool:
+    return r["verdict"] == "unknown" and is_correct_variable(r["left_out"], r["depends_on"])
+
+
+def _set_confusable(r: Record) -> bool:
+    return r["verdict"] == "ambiguous" and all(confusable(r["left_out"], name) for name in r["set"])
+
+
+def _both_visible(r: Record) -> bool:
+    return min(r["delta"].values()) >= 0.5
+
+
+def _both(r: Record) -> bool:
+    return set(_first(r)) == set(r["hidden"])
+
+
+def _share(r: Record) -> float | None:
+    return r["held_out"]["removable_share"] if r["held_out"] else None
+
+
+def _rate(records: Sequence[Record], condition: Callable[[Record], bool]) -> dict[str, Any]:
+    n, k = len(records), sum(map(condition, records))
+    low = float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0
+    high = float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0
+    return {"hits": k, "of": n, "rate": k / n if n else None, "ci95": [low, high] if n else None}
+
+
+def _upper(records: Sequence[Record], condition: Callable[[Record], bool]) -> float | None:
+    n, k = len(records), sum(map(condition, records))
+    return (float(beta.ppf(0.95, k + 1, n - k)) if k < n else 1.0) if n else None
+
+
+def _power(records: Sequence[Record]) -> list[dict[str, Any]]:
+    return [
+        {"from": low, "to": high if np.isfinite(high) else None}
+        | _rate([r for r in records if low <= _delta(r) < high], _alarm)
+        for low, high in zip(DELTAS, DELTAS[1:])
+    ]
+
+
+def _parameters(records: Sequence[Record]) -> dict[str, Any]:
+    """Of the primary parameter of rightly named effects: median relative error, coverage of 90 % intervals."""
+    errors, covered = [], []
+    for r in records:
+        name = _hidden(r)
+        key, true = next(iter(r["hidden"][name].items()))
+        found = next((e for e in r["effects"] if e["name"] == name), None)
+        if found is None:
+            continue
+        p = found["parameters"][key]
+        errors.append(abs(p["value"] - true) / abs(true))
+        if p["ci95"]:
+            half = (p["ci95"][1] - p["ci95"][0]) / 2 * 1.645 / 1.96
+            covered.append({"inside": abs(p["value"] - true) <= half})
+    return {"median_error": _median(errors), "coverage90": _rate(covered, lambda c: c["inside"])}
+
+
+def _of_effect(records: Sequence[Record]) -> dict[str, Any]:
+    detectable = [r for r in records if _delta(r) >= 1 and not _invisible(r)]
+    found = [r for r in detectable if _alarm(r)]
+    return {
+        "boxes": len(records),
+        "delta>=1": len(detectable),
+        "detected": len(found),
+        "named": sum(map(_first_right, found)),
+        "in_set": sum(_hidden(r) in r["set"] for r in found),
+    }
+
+
+def _confusion(records: Iterable[Record]) -> dict[str, dict[str, int]]:
+    """Answers by what was hidden; an answer is the first explanation, or the word."""
+    rows: dict[str, Counter[str]] = {}
+    for r in records:
+        hidden = (
+            (f"without {r['left_out']}" if r["left_out"] else "")
+            or " + ".join(sorted(r["hidden"]))
+            or "nothing"
+        )
+        answer = " + ".join(_first(r)) if r["verdict"] in ("named", "ambiguous") else r["verdict"]
+        rows.setdefault(hidden, Counter())[answer] += 1
+    return {name: dict(rows[name].most_common()) for name in sorted(rows)}
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return float(np.mean(values)) if values else None
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(np.median(values)) if values else None

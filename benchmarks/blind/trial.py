@@ -1,0 +1,106 @@
+"""One sealed box: drawn, written, diagnosed from its files alone; then its label is opened beside the answer.
+
+A box is the same whoever opens it and in whatever order, and so is its answer.
+"""
+
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from benchmarks.blind.range_rescaling import rescaled_to_range
+from benchmarks.boxes import Label, SealedBox, draw_box, write_box
+from benchmarks.boxes.relays import RelayHysteresis
+from smarig.core.errors import SmarigError
+from smarig.diagnosis.diagnose import Diagnosis, diagnose
+from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
+from smarig.identification.identify import identify
+from smarig.plant.effect import SupportsHooks
+from smarig.plant.effect_catalogue import from_json
+from smarig.record import load_run
+
+Record = dict[str, Any]
+SURFACE = "positive"
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def trial(seed: int, number: int, nulls: int = 400) -> Record:
+    """A box's answer and its truth, as plain values."""
+    started = time.process_time()
+    box = draw_box(seed, number)
+    with tempfile.TemporaryDirectory() as folder:
+        sealed = write_box(box, Path(folder))
+        without = (box.left_out,) if box.left_out else ()
+        try:
+            found = _answer(sealed, without, nulls, number)
+        except SmarigError as error:
+            return {"number": number, "error": str(error)} | _truth(sealed.label, sealed.label.effects)
+    seconds = time.process_time() - started
+    return (
+        {"number": number, "seconds": seconds, "commitment": sealed.commitment}
+        | _answer_record(found)
+        | _truth_with_delta(sealed.label, box.hysteresis, found)
+    )
+
+
+def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int) -> Diagnosis:
+    """From the files alone; what is left out is left out of the catalogue."""
+    train = [load_run(path) for path in sealed.train]
+    held_out = [load_run(path) for path in sealed.held_out]
+    model = identify(train, SURFACE).model
+    return diagnose(model, train, held_out, nulls=nulls, seed=number, without=without)
+
+
+def _answer_record(found: Diagnosis) -> Record:
+    keys = ("verdict", "effects", "set", "depends_on", "not_identifiable", "held_out", "p_value")
+    whole = found.to_json()
+    return {key: whole[key] for key in keys} | {
+        "explanations": [[list(names), p] for names, p in found.verdict.explanations],
+        "standard": found.first.largest.standard,
+        "threshold": found.first.threshold,
+    }
+
+
+def _truth(label: Label, effects: Mapping[str, Mapping[str, float]]) -> Record:
+    return {
+        "category": label.category,
+        "hidden": effects,
+        "left_out": label.left_out,
+        "arrangement": label.arrangement,
+        "channels": list(label.channels),
+        "noise_counts": label.noise_counts,
+    }
+
+
+def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -> Record:
+    """The truth, and δ of each hidden effect: √(2/N) of the nats by which the truth beats the truth without it.
+
+    Densities are identified anew beside either, so what a density takes up counts for nothing.
+    """
+    timeline = found.timeline
+    plant_model = replace(found.first.plant_model, effects=())
+    model_hysteresis = plant_model.hysteresis
+    effects = rescaled_to_range(
+        label.effects, (relays.lower, relays.upper), (model_hysteresis.lower, model_hysteresis.upper)
+    )
+    hidden = from_json([{"name": name, "parameters": values} for name, values in effects.items()])
+
+    def evidence_of(effects: tuple[SupportsHooks, ...]) -> float:
+        identified = found.first.plant_model.hysteresis
+        warm_start = found.first.refitted
+        return joint_density_from_best_start(
+            timeline, replace(plant_model, effects=effects), identified, warm_start
+        )[1].log_evidence
+
+    whole = evidence_of(hidden) if hidden else 0.0
+    n = sum(len(r) for r in timeline.all_readings)
+    deltas = {
+        name: float(np.sqrt(2 * max(whole - evidence_of(tuple(e for e in hidden if e is not one)), 0.0) / n))
+        for name, one in zip(effects, hidden)
+    }
+    return _truth(label, effects) | {"delta": deltas}

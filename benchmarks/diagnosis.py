@@ -1,0 +1,122 @@
+"""How often is a blind diagnosis right? Sealed boxes with nothing, one or two effects, or one it does not know.
+
+The boxes' generator shares no code with the diagnosis; a box's label is opened only after its answer is written.
+Answers are kept as they come, so a run that was stopped goes on where it was; the number of workers changes
+nothing but the time.
+"""
+
+import gc
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from benchmarks.blind.score_table import score_table
+from benchmarks.blind.trial import Record, trial
+from benchmarks.boxes import draw_box
+from smarig.core.errors import UsageError
+
+QUICK = 6
+CONNECT_TIMEOUT_S = 10
+KEYS = {"seed", "nulls", "number", "category", "hidden", "left_out", "channels"}  # of every answer
+
+
+def run(
+    quick: bool = False,
+    boxes: int = 100,
+    seed: int = 0,
+    workers: int = 1,
+    dask: str | None = None,
+    out: Path | None = None,
+    nulls: int = 400,
+    left_out: bool = False,
+) -> dict[str, Any]:
+    """The table of ``score_table`` over boxes 0 … ``boxes`` − 1 of a seed.
+
+    ``workers`` processes, or the scheduler at address ``dask``; ``out``: a file of answers, one JSON line a box,
+    that is gone on with when it exists. ``left_out``: only those boxes whose effect the diagnosis does not know.
+    """
+    if boxes < 1 or workers < 1:
+        raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
+    numbers = range(min(QUICK, boxes) if quick else boxes)
+    wanted = [k for k in numbers if draw_box(seed, k).left_out] if left_out else numbers
+    done = _stored_answers(out, seed, nulls)
+    missing = [k for k in wanted if k not in done]
+    for record in _answers(seed, missing, workers, dask, nulls):
+        done[record["number"]] = record
+        if out is not None:
+            _append(out, {"seed": seed, "nulls": nulls} | record)
+    return {"seed": seed} | score_table([done[k] for k in wanted])
+
+
+def _append(out: Path, record: Record) -> None:
+    """One line more, on a line of its own whatever was written before."""
+    whole = not out.exists() or not out.stat().st_size or out.read_bytes()[-1:] == b"\n"
+    with out.open("a", encoding="utf-8") as file:
+        file.write(("" if whole else "\n") + json.dumps(record) + "\n")
+
+
+def _stored_answers(out: Path | None, seed: int, nulls: int) -> dict[int, Record]:
+    """Answers of this seed, by so many nulls, in a file; a half-written last line is not one."""
+    found: dict[int, Record] = {}
+    if out is None or not out.exists():
+        return found
+    if not out.is_file():
+        raise UsageError(f"{out} is no file that answers could be kept in.")
+    lines = out.read_bytes().splitlines()
+    answers = [record for line in lines if (record := _answer_of(line)) is not None]
+    if lines and not answers:
+        raise UsageError(f"{out} holds something else than answers; give another name.")
+    for record in answers:
+        if (record["seed"], record["nulls"]) == (seed, nulls):
+            found[record["number"]] = record
+    return found
+
+
+def _answer_of(line: bytes) -> Record | None:
+    """An answer as it was written, None where the line is none."""
+    try:
+        record = json.loads(line)
+    except ValueError:
+        return None
+    whole = isinstance(record, dict) and record.keys() >= KEYS and ("verdict" in record or "error" in record)
+    return record if whole else None
+
+
+def _answers(
+    seed: int, numbers: Sequence[int], workers: int, dask: str | None, nulls: int
+) -> Iterator[Record]:
+    if dask is not None:
+        yield from _by_dask(seed, numbers, dask, nulls)
+    elif workers == 1:
+        yield from (trial(seed, k, nulls) for k in numbers)
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            for answer in as_completed([pool.submit(trial, seed, k, nulls) for k in numbers]):
+                yield answer.result()
+
+
+def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Iterator[Record]:
+    try:
+        from distributed import Client
+        from distributed import as_completed as as_done
+    except ImportError:
+        raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
+    client, reason_text = None, ""
+    try:
+        client = Client(address, timeout=CONNECT_TIMEOUT_S)
+    except (
+        OSError,
+        ValueError,
+        TypeError,
+        AssertionError,
+    ) as error:  # the last: its own loop did not start in time
+        reason_text = str(error) or "its client did not start"
+    if client is None:
+        gc.collect()  # what was begun is closed now: in the middle of another client's start that would wait for ever
+        raise UsageError(f"No Dask scheduler answers at '{address}': {reason_text}.")
+    with client:
+        for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
+            yield answer.result()

@@ -1,0 +1,176 @@
+"""``smarig benchmark forward``: the operator's speed, memory and exactness, as ratios measured in one run.
+
+The measure: 5050 relays on a 100 × 100 grid over [−1, 1] (α ≥ β at cell centres, masses uniform on [0, 1),
+seed 0). The random walk: steps uniform on ±3 grid cells, so that each crosses a few thresholds, reflected at
+±1 so that the whole range is visited some thirty times in 10⁵ samples (``random_walk``). The decaying sine:
+200 periods, the deepest memory there is. Baseline: the same relays as one NumPy array, the strongest simple
+version known to us (``relay_array``). Rates are samples per second of processor time (all here is one
+thread, and machines are shared), best of three; nothing is asserted here.
+"""
+
+import time
+import tracemalloc
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.batch import simulate_many
+from smarig.preisach.compiled import available
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.operator import Preisach
+
+Array = NDArray[np.float64]
+SIDE = 100
+CELL = 2.0 / SIDE
+
+
+def random_walk(n: int, seed: int = 0) -> Array:
+    """Inputs (n,) in [−1, 1]: a sum of steps uniform on ±3 cells, folded back at both ends.
+
+    >>> u = random_walk(100_000)
+    >>> bool(u.min() < -0.999 and u.max() > 0.999)
+    True
+    """
+    path = np.random.default_rng(seed).uniform(-3 * CELL, 3 * CELL, n).cumsum()
+    return np.abs((path + 1.0) % 4.0 - 2.0) - 1.0
+
+
+def decaying_sine(n: int) -> Array:
+    """Inputs (n,): 200 periods whose amplitude falls linearly from 1 to 0."""
+    part = np.arange(n) / n
+    return (1.0 - part) * np.sin(400 * np.pi * part)
+
+
+def relays() -> RelayMeasure:
+    """The 5050 relays of this benchmark."""
+    centres = -1.0 + CELL * (np.arange(SIDE) + 0.5)
+    i, j = np.tril_indices(SIDE)
+    return RelayMeasure.from_arrays(centres[i], centres[j], np.random.default_rng(0).random(i.size))
+
+
+def relay_array(measure: RelayMeasure, u: Array) -> Array:
+    """y = Σ mass γ with every relay kept and switched by a mask at each step; the baseline."""
+    alpha, beta, mass = measure.alpha, measure.beta, measure.mass
+    gamma, switched = np.full(alpha.size, -1.0), np.empty(alpha.size, dtype=bool)
+    y = np.empty(u.size)
+    for k, v in enumerate(u.tolist()):
+        np.less_equal(alpha, v, out=switched)
+        np.copyto(gamma, 1.0, where=switched)
+        np.greater_equal(beta, v, out=switched)
+        np.copyto(gamma, -1.0, where=switched)
+        y[k] = mass @ gamma
+    return y
+
+
+def run(quick: bool = False) -> dict[str, Any]:
+    """All figures; ``quick`` a tenth of the samples."""
+    n = 10_000 if quick else 100_000
+    measure = relays()
+    few = random_walk(n // 10)
+    baseline = few.size / _best(lambda: relay_array(measure, few))
+    exact = relay_array(measure, few)
+    here = Preisach(measure, compiled=False).simulate(few)
+    plain = {name: _rates(h, n) for name, h in example_hystereses(measure).items()}
+    return {
+        "samples": n,
+        "relays": int(measure.mass.size),
+        "plain_python": plain,
+        "relay_array_per_s": baseline,
+        "ratio_to_relay_array": plain["measure"]["random_walk_per_s"] / baseline,
+        "agreement_of_range": float(np.max(np.abs(here - exact)) / (2 * measure.mass.sum())),
+        "peak_memory_MB": _peak_MB(measure, n),
+        "batch": _batch(n),
+        "numba": _numba(measure, 1 if quick else 100) if available() else None,
+    }
+
+
+def example_hystereses(measure: RelayMeasure) -> dict[str, Everett]:
+    """The hystereses of these benchmarks, one of each kind, by name."""
+    nodes = np.array(PARTITIONS["two_wire"])
+    alpha, beta = np.meshgrid(nodes, nodes, indexing="ij")
+    values = np.where(beta <= alpha, surface("two_e").y(alpha, beta), np.nan)
+    table = FodTable.from_arrays(nodes, nodes, values)
+    return {"measure": measure, "table": table, **{f"surface_{n}": surface(n) for n in ("two_c", "two_e")}}
+
+
+def _rates(h: Everett, n: int) -> dict[str, float]:
+    operator, scale = Preisach(h, compiled=False), h.upper
+    walk, sine = random_walk(n) * scale, decaying_sine(n) * scale
+    inputs = walk[: n // 10].tolist()
+
+    def steps() -> None:
+        operator.reset()
+        for u in inputs:
+            operator.step(u)
+
+    walked = n / _best(lambda: operator.simulate(walk))
+    swung = n / _best(lambda: operator.simulate(sine))
+    return {
+        "random_walk_per_s": walked,
+        "decaying_sine_per_s": swung,
+        "sine_over_walk": swung / walked,
+        "step_per_s": len(inputs) / _best(steps),
+    }
+
+
+def _peak_MB(measure: RelayMeasure, n: int) -> float:
+    """Most memory at once during a run, its inputs and outputs included; in a pass of its own."""
+    tracemalloc.start()
+    try:
+        Preisach(measure, compiled=False).simulate(random_walk(n))
+        return tracemalloc.get_traced_memory()[1] / 1e6
+    finally:
+        tracemalloc.stop()
+
+
+def _batch(n: int) -> dict[str, float]:
+    """Twenty-one surfaces along one input, against one after the other."""
+    hystereses = [surface(name) for name in NAMES if name.startswith("two")] * 7
+    u = random_walk(n // 2) * 185.0
+    together = simulate_many(hystereses, u)
+    alone = np.array([Preisach(h, compiled=False).simulate(u) for h in hystereses])
+    ratio = _best(lambda: [Preisach(h, compiled=False).simulate(u) for h in hystereses], 1) / _best(
+        lambda: simulate_many(hystereses, u), 1
+    )
+    return {
+        "hystereses": len(hystereses),
+        "speed_up": ratio,
+        "agreement_of_range": float(np.max(np.abs(together - alone)) / np.ptp(alone)),
+    }
+
+
+def _numba(measure: RelayMeasure, scale: int) -> dict[str, Any]:
+    """The compiled loop at three sizes, each on inputs it has not seen; the first call compiles."""
+    operator = Preisach(measure, compiled=True)
+    begin = time.process_time()
+    operator.simulate(random_walk(1000))
+    compile_s = time.process_time() - begin
+    seconds = {}
+    for size in (1000 * scale, 10_000 * scale, 100_000 * scale):
+        inputs = [random_walk(size, seed) for seed in range(1, 4 if size < 10**7 else 3)]
+        seconds[size] = min(_best(lambda u=u: operator.simulate(u), 1) for u in inputs)
+    walk = random_walk(10_000, 9)
+    same = operator.simulate(walk) == Preisach(measure, compiled=False).simulate(walk)
+    rates = {str(size): size / s for size, s in seconds.items()}
+    sizes = sorted(seconds)
+    return {
+        "compile_s": compile_s,
+        "random_walk_per_s": rates,
+        "time_per_sample_last_over_first": (seconds[sizes[-1]] / sizes[-1]) / (seconds[sizes[0]] / sizes[0]),
+        "equal_to_plain_bit_for_bit": bool(same.all()),
+    }
+
+
+def _best(job: Callable[[], Any], times: int = 3) -> float:
+    """Least processor seconds of some runs (one thread): what others do on the machine only adds."""
+    least = float("inf")
+    for _ in range(times):
+        begin = time.process_time()
+        job()
+        least = min(least, time.process_time() - begin)
+    return least

@@ -1,0 +1,59 @@
+"""``smarig benchmark inverse``: speed and exactness of the inverse, against a root finder outside the operator.
+
+Targets are the outputs of another random walk (``forward.random_walk``), so each is reachable; every one is
+inverted from the state the one before left. The baseline does the same with scipy's brentq on ``peek``, the
+best one can do without knowing the stack. Errors are of the output range, after driving with the found inputs.
+"""
+
+import time
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from benchmarks.forward import Array, example_hystereses, random_walk, relays
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach
+
+
+def run(quick: bool = False) -> dict[str, Any]:
+    """Figures for the measure, a table and two surfaces; ``quick`` a tenth of the targets."""
+    n = 300 if quick else 3000
+    return {"targets": n, **{name: _measured(h, n) for name, h in example_hystereses(relays()).items()}}
+
+
+def _measured(h: Everett, n: int) -> dict[str, float]:
+    targets = Preisach(h).simulate(random_walk(n, seed=7) * h.upper)
+    operator = Preisach(h)
+    operator.inverse(targets[0].item())  # monotonicity is looked at once for each operator
+    begin = time.process_time()
+    u = operator.inverse_trajectory(targets)
+    smarig_s = time.process_time() - begin
+    begin = time.process_time()
+    by_peek = _by_peek(h, targets)
+    reference_s = time.process_time() - begin
+    error, error_by_peek = (
+        float(np.max(np.abs(Preisach(h).simulate(v) - targets)) / np.ptp(targets)) for v in (u, by_peek)
+    )
+    return {
+        "per_s": n / smarig_s,
+        "ratio_to_brentq_on_peek": reference_s / smarig_s,
+        "round_trip_error_of_range": error,
+        "round_trip_error_of_brentq_on_peek": error_by_peek,
+    }
+
+
+def _by_peek(h: Everett, targets: Array) -> Array:
+    operator = Preisach(h)
+    found = []
+    for target in targets.tolist():
+        up = target > operator.y
+        u = operator.u
+        if target != operator.y:
+            end = h.upper if up else h.lower
+            width = 1e-14 * h.upper
+            root: Any = brentq(lambda v, y=target: operator.peek(v) - y, operator.u, end, xtol=width)
+            u = float(root)
+        operator.step(u)
+        found.append(u)
+    return np.array(found)

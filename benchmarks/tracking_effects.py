@@ -1,0 +1,96 @@
+"""Tracking with an effect hidden in the wire: what it costs each controller, and what a diagnosis is worth in the loop.
+
+A twin of the nominal surface with one effect more is characterised (wiping-out, congruency, FOD, validation); a
+positive measure is identified, and diagnosed. The feed-forward then drives the same wire by that model as identified,
+and as the diagnosis extended it; beside them by the nominal surface with the effect as injected, which no lab knows.
+"""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.tracking import RIG, controller_model, references, simulate_loop
+from smarig.control.controller_settings import TRACKING
+from smarig.control.tracking.controller_model import ControllerModel
+from smarig.control.tracking.tuning import defaults
+from smarig.core.catalogue import names
+from smarig.diagnosis.diagnose import diagnose
+from smarig.identification.identify import identify
+from smarig.plant.effect import Effect
+from smarig.plant.effect_catalogue import from_json, from_pairs
+from smarig.record import load_run
+from smarig.replay.model_file import Model
+from smarig.rig.twin import TwinSettings
+from smarig.runner.session import Session
+
+EFFECTS = ("latent_heat", "ambient_drift", "stress_coupling", "backlash")
+TRAIN, HELD_OUT = ("wiping_out", "congruency", "first_order_descending"), "validation"
+NULLS, QUICK_NULLS = 100, 40
+
+
+def run(quick: bool = False) -> dict[str, Any]:
+    """``{"rms": {effect: {controller: counts, "verdict", "inverse, identified", "inverse, diagnosed", …}}}``."""
+    seeds = range(1, 3) if quick else range(1, 9)
+    nominal = controller_model()
+    found: dict[str, Any] = {"none": _row(nominal, (), seeds)}
+    for effect in EFFECTS[1:2] if quick else EFFECTS:
+        injected = from_pairs([effect])
+        row = _row(nominal, injected, seeds)
+        row["inverse, effect nominal_model"] = _rms(
+            "inverse", nominal.with_effects(injected), nominal, injected, seeds
+        )
+        found[effect] = row | _diagnosed(nominal, injected, seeds, QUICK_NULLS if quick else NULLS)
+    return {"rig": RIG, "unit": "counts", "seeds": list(seeds), "rms": found}
+
+
+def _row(nominal: ControllerModel, injected: Sequence[Effect], seeds: Sequence[int]) -> dict[str, Any]:
+    return {name: _rms(name, nominal, nominal, injected, seeds) for name in names(TRACKING)}
+
+
+def _rms(
+    name: str,
+    assumed_model: ControllerModel,
+    nominal: ControllerModel,
+    injected: Sequence[Effect],
+    seeds: Sequence[int],
+) -> float | None:
+    """Mean rms error of the wire's own position, counts; None when a loop tripped."""
+    count = nominal.setup.actuator.position_per_count(nominal.counts_per_rev)
+    loops = [
+        simulate_loop(assumed_model, name, defaults(name), nominal.hysteresis, target, seed, injected)
+        for seed in seeds
+        for target in references(seed)
+    ]
+    tripped = any(loop.fault for loop in loops)
+    return None if tripped else float(np.mean([loop.true.rms for loop in loops]) / count)
+
+
+def _diagnosed(
+    nominal: ControllerModel, injected: Sequence[Effect], seeds: Sequence[int], nulls: int
+) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory() as folder:
+        with Session(RIG, twin=TwinSettings(seed=11, effects=injected), wire="tracking-benchmark") as session:
+            paths = {
+                name: session.run(name, {}, Path(folder) / f"{name}.run.sqlite")
+                for name in (*TRAIN, HELD_OUT)
+            }
+        runs = {name: load_run(path) for name, path in paths.items()}
+        train = [runs[name] for name in TRAIN]
+        model = identify(train, "positive").model
+        found = diagnose(model, train, [runs[HELD_OUT]], nulls=nulls)
+    return {
+        "verdict": found.verdict.word,
+        "names": list(found.verdict.names),
+        "inverse, identified": _rms("inverse", identified_model(nominal, model), nominal, injected, seeds),
+        "inverse, diagnosed": _rms(
+            "inverse", identified_model(nominal, found.model), nominal, injected, seeds
+        ),
+    }
+
+
+def identified_model(nominal: ControllerModel, model: Model) -> ControllerModel:
+    """A controller's knowledge by a model file: its hysteresis and its effects."""
+    return ControllerModel(nominal.setup, model.hysteresis, nominal.counts_per_rev, from_json(model.effects))

@@ -1,0 +1,1 @@
+"""Applications that combine several packages: characterise, closed loops, proposals, simulation."""

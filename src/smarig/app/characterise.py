@@ -1,0 +1,267 @@
+"""The main job, end to end: run the campaign, test, identify, verify, diagnose, report.
+
+Puts the parts together in the order of the thesis's chapter 5. Refuses to compute anything itself.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
+from smarig.core.errors import DataError, StorageError, UsageError
+from smarig.diagnosis.diagnose import Diagnosis, diagnose
+from smarig.diagnosis.diagnosis_files import JSON, PAGE, write_diagnosis
+from smarig.diagnosis.diagnosis_files import MODEL as EXTENDED
+from smarig.identification.calibration.calibrate import calibrate
+from smarig.identification.identify import Identification, identify
+from smarig.identification.surface.choose_surface import SurfaceChoice
+from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
+from smarig.identification.verify import verify
+from smarig.plant.actuator import Actuator
+from smarig.protocols._settings import with_loaded_protocols
+from smarig.record import Run, load_run
+from smarig.replay.model_file import Model
+from smarig.report.characterisation_page import characterisation_page
+from smarig.report.diagnosis_page import diagnosis_page
+from smarig.report.evidence import Evidence
+from smarig.report.page import write_page
+from smarig.runner.initialisation_spread import initialisation_spread
+from smarig.runner.listener import Listener
+from smarig.runner.preview import Preview, preview
+from smarig.runner.resume.run_or_resume import run_or_resume
+from smarig.runner.session import Session
+
+SURFACES = ("constant", "parabolic", "exponential", "positive", "table")
+DIAGNOSIS = "diagnosis"  # its folder
+ListenerFactory = Callable[[Preview], AbstractContextManager[Listener | None]]
+
+
+@dataclass(frozen=True)
+class Characterisation:
+    """What `smarig characterise` found and where it put it."""
+
+    out: Path
+    evidence: Evidence
+
+    def to_json(self) -> dict[str, Any]:
+        """The CLI's JSON object."""
+        e = self.evidence
+        chosen = e.identifications[e.chosen]
+        return {
+            "out": str(self.out),
+            "report": str(self.out / "report.html"),
+            "model": str(self.out / "model.json"),
+            "runs": [str(run.path) for run in e.runs.values()],
+            "surface": e.chosen,
+            "identify": chosen.to_json(),
+            "verify": {name: v.to_json() for name, v in e.verifications.items()},
+            "representation": [r.to_json() for r in e.representation],
+            "diagnose": e.diagnosis.to_json() | {"out": str(self.out / DIAGNOSIS)} if e.diagnosis else None,
+            "discoveries": list(e.discoveries),
+            "warnings": list(e.warnings),
+            "seconds": e.seconds,
+        }
+
+
+def characterise(
+    rig: str,
+    out: Path,
+    *,
+    campaign: str = "characterise",
+    seed: int = 0,
+    wire: str = "",
+    force: bool = False,
+    go_on: bool = False,
+    listener_factory: ListenerFactory | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Characterisation:
+    """Characterise the wire of a rig into a folder: runs, model.json, report.html.
+
+    Nothing existing is overwritten without ``force``; with ``go_on``, runs that are there and done are taken as they
+    are, an interrupted one is resumed. Raises what the runs raise; a finished run stays.
+    """
+    started = time.monotonic()
+    plan = with_loaded_protocols(load_campaign(campaign))
+    if not any(step.purpose == "train" for step in plan.step):
+        raise UsageError(
+            f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."
+        )
+    if force and go_on:
+        raise UsageError("Runs can be replaced, or gone on with: give one of the two.")
+    _check_folder(out, plan, force, go_on)
+    runs = _run_all(rig, plan, out, seed, wire, force, listener_factory or (lambda _: nullcontext()))
+    evidence = _analyse(rig, out, seed, plan, runs, started, progress or (lambda _: None))
+    evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
+    if evidence.diagnosis is not None:
+        write_diagnosis(evidence.diagnosis, out / DIAGNOSIS, force=force)
+        write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / PAGE, force=force)
+    write_page(characterisation_page(evidence), out / "report.html", force=force)
+    return Characterisation(out, evidence)
+
+
+def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> None:
+    try:
+        (out / "runs").mkdir(parents=True, exist_ok=True)
+        probe = out / ".writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
+    targets = [
+        *([] if go_on else plan.run_files(out / "runs")),
+        out / "model.json",
+        out / "report.html",
+        *(out / DIAGNOSIS / name for name in (JSON, PAGE, EXTENDED)),
+    ]
+    existing = [t for t in targets if t.exists()]
+    if existing and not force:
+        raise UsageError(
+            f"{existing[0]} exists; give another folder, --continue to go on with its runs, or --force to replace it."
+        )
+
+
+def _run_all(
+    rig: str,
+    plan: CampaignFile,
+    out: Path,
+    seed: int,
+    wire: str,
+    force: bool,
+    listener_factory: ListenerFactory,
+) -> dict[str, Run]:
+    file = load_rig(rig)
+    costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before the first ampere
+    runs = {}
+    with Session(rig, seed=seed, wire=wire) as session:
+        for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
+            with listener_factory(cost) as listener:
+                run_or_resume(
+                    session,
+                    step.protocol,
+                    step.set,
+                    target,
+                    listeners=[listener] if listener else [],
+                    force=force,
+                    expected=cost,
+                )
+            runs[step.label] = load_run(target)
+    return runs
+
+
+def _analyse(
+    rig: str,
+    out: Path,
+    seed: int,
+    plan: CampaignFile,
+    runs: Mapping[str, Run],
+    started: float,
+    progress: Callable[[str], None],
+) -> Evidence:
+    train, held_out = _runs_for(plan, runs, "train"), _runs_for(plan, runs, "held_out")
+    results, identification_warnings = _identify_all(train)
+    verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}
+    chosen, choice = _choose_surface(train, results)
+    actuator = Actuator.named(load_rig(rig).actuator)
+    diagnosis, diagnosis_warnings = _try_diagnosis(results[chosen].model, plan, runs, progress)
+    return Evidence(
+        title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
+        runs=runs,
+        representation=_representation(runs),
+        identifications=results,
+        chosen=chosen,
+        verifications=verified,
+        calibration=calibrate(list(runs.values()), actuator, results[chosen].model.hysteresis),
+        discoveries=_discoveries(rig, actuator),
+        warnings=tuple(
+            dict.fromkeys(
+                [
+                    *_twin_warnings(runs, hidden=load_rig(rig).hidden_effect),
+                    *identification_warnings,
+                    *diagnosis_warnings,
+                    *results[chosen].warnings,
+                    *_unsettled_warnings(runs),
+                ]
+            )
+        ),
+        command=f"smarig characterise --rig {rig} --out {out} --seed {seed}",
+        seconds=time.monotonic() - started,
+        choice=choice,
+        diagnosis=diagnosis,
+    )
+
+
+def _try_diagnosis(
+    model: Model, plan: CampaignFile, runs: Mapping[str, Run], progress: Callable[[str], None]
+) -> tuple[Diagnosis | None, list[str]]:
+    """What the model gets wrong: every run teaches but those kept to judge; and why not, where it cannot be said."""
+    held_out_runs = _runs_for(plan, runs, "held_out")
+    train_runs = [run for run in runs.values() if run not in held_out_runs and run.settled]
+    try:
+        return diagnose(model, train_runs, held_out_runs, progress=progress), []
+    except DataError as error:
+        return None, [f"No diagnosis: {error}"]
+
+
+def _runs_for(plan: CampaignFile, runs: Mapping[str, Run], purpose: str) -> list[Run]:
+    return [runs[s.label] for s in plan.step if s.purpose == purpose]
+
+
+def _identify_all(train: list[Run]) -> tuple[dict[str, Identification], list[str]]:
+    results: dict[str, Identification] = {}
+    identification_warnings: list[str] = []
+    for name in SURFACES:
+        try:
+            results[name] = identify(train, surface=name)
+        except DataError as error:
+            identification_warnings.append(f"No {name} model: {error}")
+    if not results:
+        raise DataError("No model could be identified. " + " ".join(identification_warnings))
+    return results, identification_warnings
+
+
+def _choose_surface(
+    train: list[Run], results: Mapping[str, Identification]
+) -> tuple[str, SurfaceChoice | None]:
+    """The best surface by held-out curves of the training data itself: the validation run only judges."""
+    try:
+        best = identify(train, surface="best")
+    except DataError:  # too few curves to hold any out
+        return min(results, key=lambda name: results[name].model.fit["rms"]), None
+    return best.surface, best.choice
+
+
+def _representation(runs: Mapping[str, Run]) -> tuple[Representation, ...]:
+    tests = {"wiping_out": wiping_out, "congruency": congruency}
+    return tuple(tests[name](run) for name, run in runs.items() if name in tests)
+
+
+def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
+    """Fig. 5.4 on the rig's own twin: only the differential rig has remnant hysteresis when cold."""
+    if not actuator.two_wire:
+        return ()
+    return tuple(initialisation_spread(rig, method).sentence() for method in ("none", "thesis", "planned"))
+
+
+def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
+    """What a twin cannot prove: it is itself the kind of model that is fitted to it."""
+    names = {load_actuator(run.meta["actuator"]).hysteresis.surface for run in runs.values() if run.twin}
+    if hidden:
+        return [
+            "An effect may be hidden in this twin: which surface fits best says little before it is found."
+        ]
+    return [
+        f"This twin's hysteresis is the surface {name} of Table 5.1: that a Preisach model fits, and which surface "
+        "fits best, is so by construction. It shows that the software works, not that a wire is a Preisach system."
+        for name in sorted(names)
+    ]
+
+
+def _unsettled_warnings(runs: Mapping[str, Run]) -> list[str]:
+    return [
+        f"{name}: {late} of {len(run.steps)} steps did not settle in time; they are marked."
+        for name, run in runs.items()
+        if (late := sum(s.verdict == "timed_out" for s in run.steps))
+    ]

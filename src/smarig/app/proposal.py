@@ -1,0 +1,211 @@
+"""The run that would separate what is left: each explanation imagines each run, and all explain what it imagines.
+
+    T(run) = min over truths i, rivals j of  log p(record + imagined by i | i) − log p(record + imagined by i | j)
+
+Both densities and both strengths are fitted again to the record with the imagined run (the T-criterion of Atkinson
+and Fedorov 1975, with everything else free), so T is what the next diagnosis may expect to be ahead by. The quickest
+run that settles it is proposed, else the one that gains most per hour. Knows no rig but through previews and twins.
+"""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import exp
+from pathlib import Path
+from typing import Any
+
+from smarig.app.simulated_run import simulate_protocol
+from smarig.config import load_rig
+from smarig.core.atomic_file import atomic_file
+from smarig.core.errors import SmarigError, UsageError
+from smarig.diagnosis.critique.refit import Refit
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
+from smarig.diagnosis.explain.explanation import Explanation
+from smarig.diagnosis.explain.joint_density import joint_density
+from smarig.diagnosis.explain.parameter_fit import fit_parameters
+from smarig.record import load_run
+from smarig.replay.timeline import Timeline, build_timeline
+from smarig.runner.preview import preview
+
+DECISIVE_NATS = 12.0  # nats ahead: the odds of being wrong are then a twentieth, even tempered
+NEGLIGIBLE_NATS = 1.0  # nats: a run that tells less is not worth its hours
+MAX_RIVALS = 3  # explanations that compete
+MIN_PROBABILITY = 1e-3  # probability: what is less likely is told apart already
+PROTOCOL_OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("wiping_out", {}),
+    ("congruency", {}),
+    ("step_currents", {"profile": "decaying"}),
+    ("step_currents", {"profile": "staircase", "settle.window_s": 250.0, "points": 16}),
+    ("first_order_descending", {}),
+)
+
+
+@dataclass(frozen=True)
+class RunOption:
+    """A run that could be done: its cost, and by how many nats it would tell the likeliest explanations apart."""
+
+    protocol: str
+    settings: dict[str, Any]
+    hours: float
+    nats: float
+
+    def sentence(self) -> str:
+        """For a person."""
+        evidences = (
+            f"would name the right one with probability {self.odds:.2f}"
+            if self.nats >= NEGLIGIBLE_NATS
+            else "would tell nothing"
+        )
+        return f"{self.protocol}{_settings_text(self.settings)}, {self.hours:.1f} h on the rig: {evidences}"
+
+    @property
+    def odds(self) -> float:
+        """Probability that the right one is named after it."""
+        return 1 / (1 + exp(-self.nats / LEAD_SCALE_NATS))
+
+    def to_json(self) -> dict[str, Any]:
+        """For the CLI."""
+        return {
+            "protocol": self.protocol,
+            "settings": self.settings,
+            "rig_hours": self.hours,
+            "expected_nats": self.nats,
+        }
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """The option to do next, all options, and the explanations it would separate."""
+
+    best: RunOption
+    options: tuple[RunOption, ...]
+    rivals: tuple[tuple[str, ...], ...]
+
+    def sentence(self) -> str:
+        """For a person."""
+        names = " or ".join(" + ".join(names) for names in self.rivals)
+        b = self.best
+        return (
+            f"To tell {names}: {b.protocol}{_settings_text(b.settings)}, {b.hours:.1f} h on the rig; "
+            f"the right one should then be {b.nats:.0f} nats ahead (odds {b.odds:.2f})."
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """For the CLI."""
+        return self.best.to_json() | {
+            "odds": self.best.odds,
+            "rivals": [list(names) for names in self.rivals],
+            "options": [o.to_json() for o in self.options],
+            "why": self.sentence(),
+        }
+
+    def campaign(self) -> str:
+        """A campaign file of the best option."""
+        b = self.best
+        settings = ", ".join(f'"{k}" = {_toml(v)}' for k, v in b.settings.items())
+        return (
+            f"# {self.sentence()}\n"
+            'name = "separating"\n'
+            f'summary = "Tells {" or ".join(" + ".join(n) for n in self.rivals)} apart."\n\n'
+            "[[step]]\n"
+            f'protocol = "{b.protocol}"\n'
+            'purpose = "train"\n' + (f"set = {{ {settings} }}\n" if settings else "")
+        )
+
+
+def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None) -> Proposal | None:
+    """The next run for a diagnosis, on its model's rig; None where nothing is left to be told apart, or no run would.
+
+    Raises UsageError when the model names no rig that runs could be imagined on.
+    """
+    if not result.model.rig:
+        raise UsageError(f"Model '{result.model.name}' names no rig, so no run can be imagined on it.")
+    rivals, report_progress = _rivals(result), progress or (lambda _: None)
+    if len(rivals) < 2:
+        report_progress("Nothing is left to be told apart.")
+        return None
+    rig = load_rig(result.model.rig)
+    options = []
+    with tempfile.TemporaryDirectory() as folder:
+        for k, (protocol, settings) in enumerate(PROTOCOL_OPTIONS):
+            try:
+                cost = preview(protocol, rig, settings)
+                nats = _separation_nats(result, rivals, protocol, settings, Path(folder) / f"{k}")
+            except SmarigError:  # a rig that cannot do it
+                continue
+            options.append(RunOption(protocol, settings, cost.duration_s / 3600, nats))
+            report_progress(f"imagined {k + 1} of {len(PROTOCOL_OPTIONS)}: {options[-1].sentence()}")
+    if max((o.nats for o in options), default=0.0) < NEGLIGIBLE_NATS:
+        report_progress(
+            f"No run that this rig can do would tell {' or '.join(' + '.join(e.names) for e in rivals)} apart."
+        )
+        return None
+    return Proposal(_best(options), tuple(options), tuple(e.names for e in rivals))
+
+
+def write_campaign(proposal: Proposal, path: Path, *, force: bool = False) -> None:
+    """The campaign file. UsageError when it exists, without ``force``."""
+    with atomic_file(path, force=force) as part:
+        part.write_text(proposal.campaign(), encoding="utf-8")
+
+
+def _best(options: Sequence[RunOption]) -> RunOption:
+    settling = [o for o in options if o.nats >= DECISIVE_NATS]
+    if settling:
+        return min(settling, key=lambda o: o.hours)
+    return max(options, key=lambda o: o.nats / o.hours)
+
+
+def _rivals(result: Diagnosis) -> list[Explanation]:
+    """The likeliest explanations of different causes, of those that are likely at all."""
+    if not result.levels:
+        return []
+    probable_names = {names for names, p in result.verdict.explanations if p >= MIN_PROBABILITY}
+    distinct: dict[tuple[str, ...], Explanation] = {}
+    for explanation in result.levels[-1].explanations:
+        if explanation.names in probable_names:
+            distinct.setdefault(explanation.names, explanation)
+    return list(distinct.values())[:MAX_RIVALS]
+
+
+def _separation_nats(
+    result: Diagnosis,
+    rivals: Sequence[Explanation],
+    protocol: str,
+    settings: dict[str, Any],
+    folder: Path,
+) -> float:
+    """By how many nats the truth would be ahead, whichever of the first two it is."""
+    leads = []
+    for k, truth in enumerate(rivals[:2]):
+        model = replace(
+            result.model,
+            name=f"imagined {k}",
+            hysteresis=truth.plant_model.hysteresis,
+            effects=tuple(e.to_json() for e in truth.plant_model.planted),
+        )
+        folder.mkdir(exist_ok=True)
+        run = load_run(simulate_protocol(model, protocol, settings, folder / f"{k}.run.sqlite"))
+        timeline = build_timeline([*result.timeline.runs, run], truth.plant_model.actuator.tau_s)
+        warm_start = result.levels[-1].critique.refitted
+        evidences = [_evidence(timeline, explanation, warm_start) for explanation in rivals]
+        leads.append(min(evidences[k] - other for j, other in enumerate(evidences) if j != k))
+    return min(leads)
+
+
+def _evidence(timeline: Timeline, explanation: Explanation, warm_start: Refit) -> float:
+    """Log likelihood of the record with an imagined run, strengths and density fitted again."""
+    plant_model, refitted = joint_density(timeline, explanation.plant_model, warm_start)
+    parameter_fit = fit_parameters(
+        plant_model.planted, timeline, plant_model, refitted, plant_model.hysteresis
+    )
+    return joint_density(timeline, parameter_fit.extended, refitted)[1].log_evidence
+
+
+def _settings_text(settings: dict[str, Any]) -> str:
+    return f" ({', '.join(f'{k} = {v}' for k, v in settings.items())})" if settings else ""
+
+
+def _toml(value: Any) -> str:
+    return f'"{value}"' if isinstance(value, str) else str(value)

@@ -1,0 +1,64 @@
+"""What a model says, as a run of its own: along a measured run, or of a protocol on the model's twin.
+
+Puts model, twin and record together. A simulated run is labelled ``simulation`` wherever it goes.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.config import load_rig
+from smarig.core.errors import UsageError
+from smarig.plant.effect_catalogue import from_json
+from smarig.record import Run, Step
+from smarig.record.recorder import write_run
+from smarig.replay.model_file import Model
+from smarig.replay.simulate_runs import simulate, simulate_samples
+from smarig.rig.twin import TwinSettings
+from smarig.runner.own_files import check_drivers
+from smarig.runner.session import Session
+
+
+def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) -> Path:
+    """The model along a run's inputs: every sample's and every settled step's position, in the model's zero."""
+    predicted = dict(zip((s.index for s in along.settled), simulate(model, along).tolist()))
+    kept = ("tick", "t_s", "step", "current_command_A", "current_A", "input", "ambient_degC")
+    columns = {name: [None if v != v else v for v in along[name].tolist()] for name in kept}
+    columns |= {name: [None if v is None else int(v) for v in columns[name]] for name in ("tick", "step")}
+    columns["position"] = [None if v != v else v for v in simulate_samples(model, along).tolist()]
+    meta = {k: v for k, v in along.meta.items() if k not in ("schema_version", "end", "seed", "source")}
+    meta |= {"source": "simulation", "model": model.name, "along": along.path.name}
+    write_run(out, meta, columns, [_row(s, predicted.get(s.index)) for s in along.steps], force=force)
+    return out
+
+
+def simulate_protocol(
+    model: Model, protocol: str, settings: Mapping[str, Any], out: Path, *, rig: str = "", force: bool = False
+) -> Path:
+    """A protocol on the noise-free twin of the model's rig, with the model in place of its hysteresis."""
+    name = rig or model.rig
+    if not name:
+        raise UsageError("The model names no rig; give one with --rig to simulate a protocol.")
+    if not rig:
+        check_drivers(load_rig(name), f"Model {model.name}", f"to have it executed, say so with --rig {name}")
+    twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=from_json(model.effects))
+    with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
+        return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")
+
+
+def _row(step: Step, position: float | None) -> tuple:
+    value = None if position is None or np.isnan(position) else position
+    return (
+        step.index,
+        step.attempt,
+        int(step.void),
+        step.branch,
+        step.target,
+        step.t_start_s,
+        step.t_end_s,
+        step.verdict,
+        value,
+        step.n,
+    )

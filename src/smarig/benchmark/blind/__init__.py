@@ -1,4 +1,0 @@
-"""Blind diagnosis of sealed boxes: ``trial`` diagnoses one and then opens it, ``table`` scores many.
-
-The boxes come from ``smarig.benchmark.boxes``, which shares no code with the diagnosis.
-"""

@@ -1,0 +1,65 @@
+"""Units of what is certified: they follow from those of a hysteresis's output and input. Knows no model."""
+
+from dataclasses import dataclass
+
+from smarig.preisach.everett import Everett
+
+
+@dataclass(frozen=True)
+class Units:
+    """Of the output and the input; "" for one that is not known, and for all that would need it.
+
+    >>> units = Units("mm", "K")
+    >>> units.energy, units.gain, units.rate, units.density
+    ('mm·K', 'K·s/mm', 'mm/s', 'mm/K²')
+    """
+
+    output: str = ""
+    input: str = ""
+
+    @classmethod
+    def of(cls, hysteresis: Everett) -> "Units":
+        """As the hysteresis says itself; its input is in kelvin if it does."""
+        unit = getattr(hysteresis, "unit", "")
+        return cls(unit, "K") if unit else cls()
+
+    @property
+    def energy(self) -> str:
+        """Of ∫ u dy."""
+        return f"{self.output}·{self.input}" if self._both_known else ""
+
+    @property
+    def gain(self) -> str:
+        """Of δ and γ: input per output velocity."""
+        return f"{self.input}·s/{self.output}" if self._both_known else ""
+
+    @property
+    def rate(self) -> str:
+        """Of ṙ and ė."""
+        return f"{self.output}/s" if self.output else ""
+
+    @property
+    def density(self) -> str:
+        """Of μ."""
+        return f"{self.output}/{self.input}²" if self._both_known else ""
+
+    @property
+    def slope(self) -> str:
+        """Of g."""
+        return f"{self.output}/{self.input}" if self._both_known else ""
+
+    @property
+    def _both_known(self) -> bool:
+        return bool(self.output and self.input)
+
+
+UNKNOWN = Units()
+
+
+def with_unit(value: float, unit: str = "", digits: int = 4) -> str:
+    """A number with its unit, where that is known.
+
+    >>> said(-0.25, "mm·K"), said(1e6), said(2.0)
+    ('-0.25 mm·K', '1e+06', '2')
+    """
+    return f"{value:.{digits}g} {unit}".rstrip()

@@ -1,0 +1,69 @@
+"""A hysteresis and what chapter 8 asks of it, each looked for once, when it is first asked for. Concludes nothing."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from smarig.certify.certificate_units import Units
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.theory.energy import certify
+from smarig.theory.energy.dissipativity import DissipativityCertificate as Dissipativity
+from smarig.theory.energy.storage_function import recoverable_energy_is_storage
+from smarig.theory.properties.classes import MeasureClasses, classes
+from smarig.theory.properties.monotone import Monotonicity, monotone
+
+
+@dataclass(frozen=True, eq=False)
+class HysteresisAnalysis:
+    """A hysteresis with its units.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> found = Examined.of(surface("two_p"))
+    >>> found.classes.M_P, found.dissipativity.dissipative, found.monotone.holds
+    (False, False, False)
+    """
+
+    hysteresis: Everett
+    units: Units
+
+    @classmethod
+    def of(cls, hysteresis: Everett, units: Units | None = None) -> "HysteresisAnalysis":
+        """An operator stands for what it runs on; units are the hysteresis's own unless they are given."""
+        hysteresis = getattr(hysteresis, "hysteresis", hysteresis)
+        return cls(hysteresis, units or Units.of(hysteresis))
+
+    @cached_property
+    def classes(self) -> MeasureClasses:
+        """Classes of μ and g (Def. 4.1)."""
+        return classes(self.hysteresis)
+
+    @cached_property
+    def monotone(self) -> Monotonicity:
+        """Whether the output follows the input (Assumption 2.1)."""
+        return monotone(self.hysteresis)
+
+    @property
+    def dissipativity(self) -> Dissipativity | None:
+        """By its loop areas; None for a kind that cannot be decided, and then ``undecided`` says why."""
+        return self._decided[0]
+
+    @property
+    def undecided(self) -> str:
+        """Why dissipativity cannot be decided, "" where it can."""
+        return self._decided[1]
+
+    @cached_property
+    def recoverable_is_storage(self) -> bool:
+        """Whether Q_r (7.1) is proved a storage function; False where that cannot be decided."""
+        try:
+            return recoverable_energy_is_storage(self.hysteresis)
+        except UsageError:
+            return False
+
+    @cached_property
+    def _decided(self) -> tuple[Dissipativity | None, str]:
+        try:
+            found = certify(self.hysteresis)
+        except UsageError as error:
+            return None, str(error)
+        return replace(found, unit=self.units.energy, input_unit=self.units.input), ""

@@ -1,0 +1,320 @@
+"""What can be certified of a hysteresis before a loop is closed around it: chapter 8 asked of one model.
+
+Classes (Def. 4.1), dissipativity, the storage and its bias from u(0) = 0 (Thm 8.1), Thm 8.2 for every velocity
+controller asked for, and how far all that reaches (``scope``). A number that no theorem gives is None. Refuses to
+know where a model came from.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from smarig.certify.certificate_scope import (
+    FINDINGS,
+    CertificateLimit,
+    CertificateScope,
+    k_e_units,
+    limits,
+    position_controllers,
+    scheduling,
+)
+from smarig.certify.certificate_units import Units, with_unit
+from smarig.certify.hypothesis import Hypothesis, all_hold, coverage, failing
+from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certify.passivity import PassivityCounterexample, counterexample
+from smarig.certify.storage_bound import StorageBound, storage_bound
+from smarig.certify.velocity.stability import Stability, basis, controller_stability
+from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers
+from smarig.core.catalogue import find, names
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+from smarig.theory.energy.dissipativity import DissipativityCertificate as Dissipativity
+from smarig.theory.properties.classes import MeasureClasses
+
+_ROUNDING = 1e-9  # of the largest, as in the classes
+
+
+@dataclass(frozen=True)
+class ControllerResult:
+    """One velocity controller: its numbers, and what Thm 8.2 says of the loop with it."""
+
+    name: str
+    numbers: dict[str, float]
+    stability: Stability
+
+    @property
+    def k_e(self) -> float | None:
+        """The bound of Thm 8.2; None where it does not hold, or is not known to."""
+        return self.stability.k_e if self.stability.holds else None
+
+    @property
+    def coverage(self) -> str:
+        """Whether Thm 8.2 covers the loop, and which hypotheses are in the way."""
+        return coverage(self.stability.hypotheses)
+
+    @property
+    def text(self) -> str:
+        """One line: δ and γ with their unit, and k_e where it is proved."""
+        s, unit = self.stability, self.stability.units.gain
+        bound = f"k_e {self.coverage}" if self.k_e is None else f"k_e = {self.k_e:.4g}"
+        return f"{self.name}: δ = {with_unit(s.delta, unit)}, γ = {with_unit(s.gamma, unit)}, {bound}."
+
+
+@dataclass(frozen=True)
+class ModelCertificate:
+    """Of one hysteresis, from the state ``initial`` at u(0) = 0.
+
+    ``dissipativity`` is None where it cannot be decided for this kind, ``undecided`` says why; ``counterexample`` is an input
+    that takes energy out in every cycle, where there is one.
+    """
+
+    initial: Initial
+    classes: MeasureClasses
+    dissipativity: Dissipativity | None
+    undecided: str
+    storage_bound: StorageBound
+    counterexample: PassivityCounterexample | None
+    controllers: tuple[ControllerResult, ...]
+    scope: CertificateScope
+
+    @property
+    def units(self) -> Units:
+        """Of the hysteresis."""
+        return self.scope.units
+
+    @property
+    def limits(self) -> tuple[CertificateLimit, ...]:
+        """How far it reaches: the same list for text, page and JSON."""
+        return limits(self.scope)
+
+    @property
+    def passive(self) -> bool | None:
+        """Whether the supplied energy is bounded below by a theorem; None where nothing could be decided."""
+        if self.storage_bound.basis == "none":
+            return False
+        return True if self.storage_bound.proven else None
+
+    @property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """Those of Thm 8.1."""
+        return self.storage_bound.hypotheses
+
+    @property
+    def verdict(self) -> str:
+        """Passive or not, and by what bias, in a sentence."""
+        s = self.storage_bound
+        bias = with_unit(s.energy, s.unit)
+        if s.basis == "none":
+            return "Not passive: some input takes more energy out of this model than was ever put in."
+        if s.basis == "undecided":
+            return "Not decided: no bound of the supplied energy is known for this model."
+        basis = {
+            "positive": "neither μ nor g is negative, Thm 8.1",
+            "recoverable": "Q_r is proved a storage function, although μ or g is negative somewhere",
+            "dissipative": "no loop gives energy back, although μ or g is negative somewhere",
+        }[s.basis]
+        if not s.proven:
+            return f"Dissipative ({basis}), but its bias is known from below only: at least {bias}."
+        if s.energy == 0.0:
+            return f"Passive without bias: from u(0) = 0 the supplied energy is never negative ({basis})."
+        return f"Passive with a bias of {bias} from u(0) = 0 ({basis})."
+
+    @property
+    def scheduling(self) -> str:
+        """What is certified of gains on a schedule."""
+        return scheduling(self.scope)
+
+    @property
+    def position_controllers(self) -> str:
+        """What is certified of the position controllers of §9.2."""
+        return position_controllers(self.scope)
+
+    @property
+    def failing_model_hypotheses(self) -> tuple[Hypothesis, ...]:
+        """What Thm 8.2 asks of the model and does not get, whichever the controller."""
+        first = self.controllers[0].stability.hypotheses if self.controllers else ()
+        return tuple(h for h in failing(first) if not h.name.startswith("H₁"))
+
+    @property
+    def text(self) -> str:
+        """All of it, for a person."""
+        c = self.classes
+        lines = [
+            self.verdict,
+            f"Classes of the density μ: M_PC {_yes_no(c.M_PC)}, M_P {_yes_no(c.M_P)}; reversible part g ≥ 0: "
+            f"{_yes_no(self.g_not_negative)}.",
+            *(f"Of μ and g together, {h.text}" for h in self.hypotheses if h.name == "ν ≥ 0" and not h.holds),
+            self.dissipativity.text
+            if self.dissipativity
+            else f"Dissipativity is not decided. {self.undecided}",
+            *([self.counterexample_text] if self.counterexample else []),
+            self.velocity_text,
+            *(f"  {result.text}" for result in self.controllers),
+            self.scheduling,
+            self.position_controllers,
+            "Limits:",
+            *(f"  {limit.text}" for limit in self.limits),
+            f"  (see {FINDINGS})",
+        ]
+        return "\n".join(lines)
+
+    @property
+    def g_not_negative(self) -> bool:
+        """g ≥ 0, which no class asks for and the theorems need."""
+        least, largest = self.classes.g_min.value, self.classes.g_max.value
+        return not least < -_ROUNDING * max(abs(least), abs(largest))
+
+    @property
+    def velocity_text(self) -> str:
+        """What Thm 8.2 says of velocity feedback with this model, in a sentence or two."""
+        if not self.failing_model_hypotheses:
+            return "Velocity feedback without delay: ‖ė‖ ≤ k_e (‖ṙ‖ + ‖u_o‖) up to every T (Thm 8.2)."
+        lacking = "does not cover it" if self.scope.covered is False else "is not known to cover it"
+        return f"Velocity feedback: Thm 8.2 {lacking}. " + " ".join(
+            h.text for h in self.failing_model_hypotheses
+        )
+
+    @property
+    def counterexample_text(self) -> str:
+        """The input that breaks passivity."""
+        if self.counterexample is None:
+            return ""
+        v = self.counterexample.violation
+        _, low, high = v.turning_points.tolist()
+        unit = self.units.input
+        return (
+            f"Drive it from {with_unit(v.turning_points[0], unit)} to {with_unit(low, unit)}, then between {high:.4g} and "
+            f"{with_unit(low, unit)}: every cycle gives back {with_unit(-v.per_cycle, self.storage_bound.unit)}, and after "
+            f"{self.counterexample.cycles_below(0.0)} cycles more came out than went in."
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; infinite and undecided energies are None."""
+        c, s = self.classes, self.storage_bound
+        return {
+            "passive": self.passive,
+            "verdict": self.verdict,
+            "classes": {
+                "M_PC": c.M_PC,
+                "M_P": c.M_P,
+                "g_not_negative": self.g_not_negative,
+                "positive": c.positive,
+            },
+            "mu_min": {"value": c.mu_min.value, "at": c.mu_min.at},
+            "g_min": {"value": c.g_min.value, "at": c.g_min.at},
+            "dissipativity": asdict(self.dissipativity) | {"text": self.dissipativity.text}
+            if self.dissipativity
+            else {"dissipative": None, "text": self.undecided},
+            "units": {
+                "output": self.units.output,
+                "input": self.units.input,
+                "gain": self.units.gain,
+                "k_e": k_e_units(self.units),
+            },
+            "storage": {"ground": s.basis, "proved": s.proven, "bias": s.energy, "unit": s.unit},
+            "hypotheses": _as_dicts(self.hypotheses),
+            "initial": self.initial,
+            "controllers": [
+                {"name": j.name, "numbers": j.numbers, "holds": j.stability.holds, "coverage": j.coverage}
+                | {"delta": j.stability.delta, "gamma": j.stability.gamma, "k_e": j.k_e}
+                | {"stored": j.stability.stored, "hypotheses": _as_dicts(j.stability.hypotheses)}
+                for j in self.controllers
+            ],
+            "breaking": self.counterexample
+            and {
+                "way": self.counterexample.violation.turning_points.tolist(),
+                "per_cycle": self.counterexample.violation.per_cycle,
+                "cycles_until_negative": self.counterexample.cycles_below(0.0),
+            },
+            "gain_scheduling": self.scheduling,
+            "position_controllers": self.position_controllers,
+            "limits": [asdict(limit) for limit in self.limits],
+        }
+
+
+def certificate(
+    hysteresis: Everett,
+    controllers: Mapping[str, Mapping[str, Any]] | None = None,
+    units: Units | None = None,
+) -> ModelCertificate:
+    """Certify a hysteresis, with velocity controllers by name and the numbers that are not their defaults.
+
+    ``controllers``: the whole catalogue where it is None; UsageError for one that feeds back the position.
+    ``units``: the hysteresis's own where none are given.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> found = certificate(surface("one_e"), {"constant_gain": {"gain": 4.0}})
+    >>> found.passive, found.classes.M_P, found.controllers[0].k_e
+    (True, False, 2.0)
+    >>> certificate(surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
+    True
+    """
+    requested = {name: {} for name in names(VELOCITY)} if controllers is None else controllers
+    _check_names(requested)
+    numbers_by_controller = {
+        name: controller_numbers(VELOCITY, name, pairs) for name, pairs in requested.items()
+    }
+    built_controllers = {
+        name: find(VELOCITY, name)(**numbers) for name, numbers in numbers_by_controller.items()
+    }
+    hysteresis_analysis = HysteresisAnalysis.of(hysteresis, units)
+    initial = initial_of(hysteresis_analysis.hysteresis)
+    stored = storage_bound(hysteresis_analysis, Preisach(hysteresis_analysis.hysteresis, initial).state)
+    basis_of_model = basis(hysteresis_analysis, initial, stored)
+    return ModelCertificate(
+        initial,
+        hysteresis_analysis.classes,
+        hysteresis_analysis.dissipativity,
+        hysteresis_analysis.undecided,
+        stored,
+        _counterexample(hysteresis_analysis, initial),
+        tuple(
+            ControllerResult(
+                name,
+                numbers_by_controller[name],
+                controller_stability(basis_of_model, built_controllers[name]),
+            )
+            for name in built_controllers
+        ),
+        CertificateScope(
+            stored.basis,
+            hysteresis_analysis.monotone.holds,
+            all_hold(basis_of_model.hypotheses),
+            hysteresis_analysis.units,
+        ),
+    )
+
+
+def _check_names(requested: Iterable[str]) -> None:
+    """A position loop is no mistake of spelling."""
+    for name in requested:
+        if name in names(TRACKING):
+            raise UsageError(
+                f"'{name}' is a position loop (of smarig track and regulate), which Thm 8.2 does not cover: certify "
+                f"takes {', '.join(names(VELOCITY))}; what is known of position loops is in {FINDINGS}."
+            )
+
+
+def initial_of(hysteresis: Everett) -> Initial:
+    """The state at u(0) = 0: cold for a wire on one side of zero, B* for two."""
+    return "negative" if hysteresis.lower >= 0 else "anhysteretic"
+
+
+def _counterexample(
+    hysteresis_analysis: HysteresisAnalysis, initial: Initial
+) -> PassivityCounterexample | None:
+    try:
+        return counterexample(hysteresis_analysis, initial)
+    except (
+        UsageError
+    ):  # there is none, or its loop is too small to repay the approach in as many cycles as are tried
+        return None
+
+
+def _as_dicts(hypotheses: tuple[Hypothesis, ...]) -> list[dict[str, Any]]:
+    return [asdict(h) for h in hypotheses]
+
+
+def _yes_no(holds: bool) -> str:
+    return "yes" if holds else "no"

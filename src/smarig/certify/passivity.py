@@ -1,0 +1,178 @@
+"""Passivity along a run (thesis Thm 8.1): the supplied energy ⟨u, ẏ⟩_T, its lower bound, and what the bound rests on.
+
+    ⟨u, ẏ⟩_T = ∫ u dy ≥ −Q_r(B₀)        for μ ∈ M_P with g ≥ 0;   Q_r(B₀) = 0 when u(0) = 0
+
+Each move's ∫ u dy is exact (``preisach.energy.sweep``). The bound is attained by the monotone return to u = 0.
+Models outside M_P keep a bound where they are dissipative (``storage_bound``); for those that are not, ``counterexample``
+gives an input that goes below any bound. Refuses to conclude from a run that stayed above the bound that the
+model is passive: that is what the hypotheses say.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.certify.certificate_units import Units, with_unit
+from smarig.certify.hypothesis import Hypothesis, failing
+from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certify.storage_bound import BoundBasis, storage_bound
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+from smarig.preisach.state import State
+from smarig.theory.energy import Violation, confirm, energy_balance
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Passivity:
+    """The supplied energy at each sample, ``supplied`` (n,), and what it can never fall below, ``bound``.
+
+    ``bound`` is −inf for a model that is not dissipative, NaN where that is not decided; ``proven`` says whether it
+    is a theorem or a computed limit. ``rounding`` is what an energy may be wrong by. Output times input units.
+    """
+
+    supplied: Array
+    bound: float
+    proven: bool
+    basis: BoundBasis
+    hypotheses: tuple[Hypothesis, ...]
+    rounding: float
+    unit: str = ""
+
+    @property
+    def least_supplied(self) -> tuple[float, int]:
+        """The least supplied energy and the sample where it is."""
+        where = int(np.argmin(self.supplied))
+        return float(self.supplied[where]), where
+
+    @property
+    def passive(self) -> bool | None:
+        """Thm 8.1 as printed: no bias. None where the bound is undecided or not proved."""
+        if math.isnan(self.bound) or not self.proven:
+            return None
+        return self.bound >= 0.0
+
+    @property
+    def within(self) -> bool:
+        """Whether this run stayed above the bound, rounding apart; False for an undecided bound."""
+        return bool(self.least_supplied[0] >= self.bound - self.rounding)
+
+    @property
+    def failing(self) -> tuple[Hypothesis, ...]:
+        """The hypotheses of Thm 8.1 that do not hold."""
+        return failing(self.hypotheses)
+
+    @property
+    def text(self) -> str:
+        """A few sentences for a report: verdict, the hypotheses that fail, the run."""
+        least, where = self.least_supplied
+        run = f"Along this run it was never below {self._energy(least)} (sample {where})."
+        return " ".join([self._verdict(), *(h.text for h in self.failing), run])
+
+    def _verdict(self) -> str:
+        if self.basis == "undecided":
+            return "No bound of the supplied energy is known."
+        if self.basis == "none":
+            return "Not passive with any bias: some input makes the supplied energy fall below every bound."
+        how = {
+            "positive": "Thm 8.1",
+            "recoverable": "Q_r is a storage function, although μ or g is negative somewhere",
+            "dissipative": "dissipative by its loop areas",
+        }[self.basis]
+        if self.bound == 0.0 and self.proven:
+            return f"Passive: the supplied energy is never negative ({how})."
+        kind = "never" if self.proven else "as far as was looked, not"
+        return f"Passive with bias: the supplied energy is {kind} below {self._energy(self.bound)} ({how})."
+
+    def _energy(self, value: float) -> str:
+        return with_unit(0.0 if abs(value) <= self.rounding else value, self.unit)
+
+
+def passivity(
+    hysteresis: Everett | HysteresisAnalysis, u: ArrayLike, initial: Initial = "negative"
+) -> Passivity:
+    """⟨u, ẏ⟩_T along inputs u (n,), monotone between samples, from an initial state, with its lower bound.
+
+    Takes a hysteresis that has been examined as well, and does not look again.
+
+    Raises DataError for an input that is empty or not finite, UsageError for one of another shape.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> found = passivity(surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic")
+    >>> found.passive, found.within, found.bound
+    (True, True, 0.0)
+    >>> [h.name for h in passivity(surface("two_e"), [10.0], "positive").failing]
+    ['ν ≥ 0', 'u(0) = 0']
+    """
+    hysteresis_analysis = (
+        hysteresis if isinstance(hysteresis, HysteresisAnalysis) else HysteresisAnalysis.of(hysteresis)
+    )
+    start = Preisach(hysteresis_analysis.hysteresis, initial).state
+    balance = energy_balance(hysteresis_analysis.hysteresis, u, initial)
+    found = storage_bound(hysteresis_analysis, start)
+    return Passivity(
+        balance.supplied,
+        0.0 - found.energy,
+        found.proven,
+        found.basis,
+        (*found.hypotheses, _zero_start(start, hysteresis_analysis.units)),
+        balance.rounding,
+        found.unit,
+    )
+
+
+def _zero_start(start: State, units: Units) -> Hypothesis:
+    if start.u == 0.0:
+        return Hypothesis("u(0) = 0", True, "the input begins at zero")
+    where = with_unit(start.u, units.input)
+    return Hypothesis("u(0) = 0", False, f"the input begins at {where}, so energy may be stored")
+
+
+@dataclass(frozen=True)
+class PassivityCounterexample:
+    """An input that takes any amount of energy out of a model: a loop of negative area, driven again and again.
+
+    ``violation`` is what the forward model did until it had repaid its approach (``energy.confirm``).
+    """
+
+    violation: Violation
+
+    def supplied_after(self, cycles: int) -> float:
+        """⟨u, ẏ⟩ after a number of cycles: every cycle is the same, by wiping-out."""
+        return self.violation.approach + cycles * self.violation.per_cycle
+
+    def cycles_below(self, energy: float) -> int:
+        """The least number of cycles after which the supplied energy is below −``energy``."""
+        return max(0, math.floor((self.violation.approach + energy) / -self.violation.per_cycle) + 1)
+
+    def inputs(self, cycles: int) -> Array:
+        """The input by its turning points, shape (3 + 2·cycles,)."""
+        _, low, high = self.violation.turning_points
+        return np.concatenate([self.violation.turning_points, np.tile([low, high], cycles)])
+
+
+def counterexample(
+    hysteresis: Everett | HysteresisAnalysis, initial: Initial = "negative"
+) -> PassivityCounterexample:
+    """The loop that breaks passivity, from an initial state; UsageError for a model that has none.
+
+    Takes a hysteresis that has been examined as well, and does not look again.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> two_p = breaking(surface("two_p"), "anhysteretic")
+    >>> n = two_p.cycles_below(1000.0)
+    >>> two_p.supplied_after(n) < -1000.0 <= two_p.supplied_after(n - 1)
+    True
+    """
+    hysteresis_analysis = (
+        hysteresis if isinstance(hysteresis, HysteresisAnalysis) else HysteresisAnalysis.of(hysteresis)
+    )
+    found = hysteresis_analysis.dissipativity
+    if found is None or found.dissipative is not False:
+        why = found.text if found else hysteresis_analysis.undecided
+        raise UsageError(f"No input is known to break the passivity of this model. {why}")
+    return PassivityCounterexample(confirm(hysteresis_analysis.hysteresis, found.at, initial))

@@ -1,0 +1,73 @@
+"""What §9.2 assumes of the plant, asked of a Preisach model: the matched supply rate, and zero-state detectability.
+
+(The third assumption, reachability, is Thm 6.4's: approximate only, ``preisach.state_space.reach``.)
+"""
+
+from dataclasses import dataclass
+
+from smarig.control.argument_checks import finite, not_negative
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.inverse import root
+from smarig.preisach.operator import Initial, Preisach
+from smarig.preisach.state import State
+from smarig.theory.energy import work
+from smarig.theory.state_space.metric import distance
+from smarig.theory.state_space.operator_state import boundary_of
+
+
+def supply_while_held(
+    hysteresis: Everett, u: float, hold_s: float, b: float, initial: Initial = "anhysteretic"
+) -> float:
+    """∫(u ẏ − b² y²) dt of a quick move to u, then held for ``hold_s``: without a lower bound for b > 0 and y ≠ 0.
+
+    A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 at most
+    (``certify`` says whether it is for that). UsageError for a time that runs backwards and for what is no number.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> held_supply(surface("two_c"), 60.0, 1e6, b=0.1) < -1e5 < 0 < held_supply(surface("two_c"), 60.0, 1e6, b=0.0)
+    True
+    """
+    finite("u", u)
+    finite("b", b)
+    not_negative("hold_s", hold_s)
+    operator = Preisach(hysteresis, initial)
+    supplied = work(hysteresis, operator.state, u)
+    return finite("The supply", supplied - b * b * operator.step(u) ** 2 * hold_s)
+
+
+@dataclass(frozen=True)
+class IndistinguishableStates:
+    """Two states at u = 0 with one output: under zero input they cannot be told apart, for ever.
+
+    ``distance`` is the area between their boundaries, input units squared; ``most`` the largest there is, 2û².
+    """
+
+    first: State
+    second: State
+    distance: float
+    most: float
+
+
+def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
+    """B* and a state reached by +u₊ → −x → 0 with the output of B*: a counter-example to zero-state detectability.
+
+    UsageError for a hysteresis on one side of zero, whose only state at u = 0 is saturation.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> silent_pair(surface("two_c")).distance > 1000.0
+    True
+    """
+    if not hysteresis.lower < 0.0 < hysteresis.upper:
+        raise UsageError("All memory lies on one side of u = 0, so zero input leaves one state only.")
+    operator = Preisach(hysteresis, "anhysteretic")
+    first, target = operator.state, operator.y
+
+    def output_difference(x: float) -> float:
+        operator.simulate([hysteresis.upper, -x, 0.0])
+        return target - operator.y
+
+    output_difference(root(output_difference, 0.0, -hysteresis.lower))
+    second, bound = operator.state, max(-hysteresis.lower, hysteresis.upper)
+    separation = distance(boundary_of(first, hysteresis), boundary_of(second, hysteresis))
+    return IndistinguishableStates(first, second, separation, 2 * bound**2)

@@ -1,0 +1,135 @@
+"""Position controllers dissipative to the supply rate of thesis §9.2: which linear ones are, in closed form.
+
+The thesis names w_c(u, y) = −a²⟨y, y⟩ + (b² − c²)⟨u, u⟩ − ⟨u̇, y⟩, u and y the controller's own input and output. It
+matches the plant's ⟨u, ẏ⟩ when the loop adds: u_c = y_p − r, y_c = u_p. Then ⟨u_p, ẏ_p⟩ = ⟨y_c, u̇_c⟩ cancels the last
+term, and a plant with the rate ⟨u, ẏ⟩ − b²⟨y, y⟩ leaves −a²⟨u_p, u_p⟩ − c²⟨y_p, y_p⟩ of the two. A controller K of the
+usual kind, u_p = K(r − y_p), is −K here: −⟨u̇, −Ku⟩ has the density Re (jω)^* K = ω Im K, and
+
+    w_c ↔ Π(ω) = −a²|K(jω)|² + (b² − c²) + ω Im K(jω) ≥ 0 for all ω                              (*)
+
+|D|²Π is a polynomial in ω²: its sign is decided where it turns, not sampled. For b = c (*) is exact from rest, up
+to every T: with a = 0 and K(0) ≥ 0 it says that K(s)/s is positive real; with a > 0 it asks for K(0) = 0, and what
+comes after T only costs. For b ≠ c it is necessary. At ω = 0 it reads |K(0)| ≤ √(b² − c²)/a: what that means for a
+hysteresis, which has b = 0 if any, stands in docs/explanation/control_findings.md. Refuses to conclude stability.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.control.argument_checks import not_negative
+from smarig.core.errors import UsageError
+
+Array = NDArray[np.float64]
+_ORDER = 2
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class SupplyRate:
+    """The constants of w_c, as they are squared in it; UsageError unless they are finite numbers from 0 on."""
+
+    a: float = 0.0
+    b: float = 0.0
+    c: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("a", "b", "c"):
+            not_negative(name, getattr(self, name))
+
+
+@dataclass(frozen=True)
+class PositionController:
+    """K(s) = numerator/denominator, coefficients of 1, s, s²; from position error to input.
+
+    >>> lead = PositionController.of([10.0, 20.0], [1.0, 0.5])          # 10 (1 + 2s)/(1 + s/2)
+    >>> lead.matches(Supply()), lead.matches(Supply(a=0.1))
+    (True, False)
+    """
+
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
+
+    @classmethod
+    def of(cls, numerator: Sequence[float], denominator: Sequence[float] = (1.0,)) -> "PositionController":
+        """Checked: finite, of second order at most, proper but for a PD."""
+        n, d = tuple(map(float, numerator)), tuple(map(float, denominator))
+        if not (n and d and np.isfinite([*n, *d]).all() and d[-1] != 0 and len(d) <= _ORDER + 1):
+            raise UsageError(
+                "A position controller needs finite coefficients, at most those of second order."
+            )
+        if len(np.trim_zeros(n, "b")) > len(d) + 1:
+            raise UsageError("A position controller may differentiate its error once, not more often.")
+        return cls(n, d)
+
+    @property
+    def static_gain(self) -> float:
+        """K(0), infinite for an integral."""
+        return self.numerator[0] / self.denominator[0] if self.denominator[0] else np.inf
+
+    @property
+    def stable(self) -> bool:
+        """All poles to the left."""
+        return bool(np.all(np.real(Polynomial(self.denominator).roots()) < 0))
+
+    def at(self, omega: ArrayLike) -> NDArray[np.complex128]:
+        """K(jω)."""
+        s = 1j * np.asarray(omega, dtype=float)
+        return Polynomial(self.numerator)(s) / Polynomial(self.denominator)(s)
+
+    def density(self, omega: ArrayLike, supply: SupplyRate) -> Array:
+        """Π(ω) of (*)."""
+        k, w = self.at(omega), np.asarray(omega, dtype=float)
+        return -(supply.a**2) * np.abs(k) ** 2 + supply.b**2 - supply.c**2 + w * np.imag(k)
+
+    def matches(self, supply: SupplyRate) -> bool:
+        """Whether Π ≥ 0 for all ω, the controller is stable, and K(0) ≥ 0."""
+        return self.stable and self.static_gain >= 0 and _never_negative(self._cleared_density(supply))
+
+    def largest_a(self, b: float = 0.0, c: float = 0.0) -> float:
+        """The largest a that ``matches`` for b and c, by halving; 0 if none does."""
+        if not self.matches(SupplyRate(0.0, b, c)):
+            return 0.0
+        low, high = 0.0, 1.0
+        while self.matches(SupplyRate(high, b, c)):
+            low, high = high, 2 * high
+            if high > 1e12:
+                return np.inf
+        for _ in range(80):
+            middle = (low + high) / 2
+            low, high = (middle, high) if self.matches(SupplyRate(middle, b, c)) else (low, middle)
+        return low
+
+    def _cleared_density(self, supply: SupplyRate) -> Polynomial:
+        """|D(jω)|² Π as a polynomial in ω²."""
+        (nr, ni), (dr, di) = _real_and_imaginary(self.numerator), _real_and_imaginary(self.denominator)
+        omega = Polynomial([0.0, 1.0])
+        cleared = (
+            -(supply.a**2) * (nr**2 + ni**2)
+            + (supply.b**2 - supply.c**2) * (dr**2 + di**2)
+            + omega * (ni * dr - nr * di)
+        )
+        return Polynomial(cleared.coef[::2])
+
+
+def _real_and_imaginary(coefficients: Sequence[float]) -> tuple[Polynomial, Polynomial]:
+    """Real and imaginary part of a polynomial at jω, in ω."""
+    real = [c * (1, 0, -1, 0)[k % 4] for k, c in enumerate(coefficients)]
+    imaginary = [c * (0, 1, 0, -1)[k % 4] for k, c in enumerate(coefficients)]
+    return Polynomial(real), Polynomial(imaginary)
+
+
+def _never_negative(p: Polynomial) -> bool:
+    """p(x) ≥ 0 for all x ≥ 0: at 0, where it turns, and at infinity."""
+    largest = np.abs(p.coef).max()
+    if largest == 0:
+        return True
+    p = p.trim(_ROUNDING * largest)
+    turns = p.deriv().roots() if p.degree() > 0 else np.zeros(0)
+    x, off = np.real(turns), np.abs(np.imag(turns))
+    at = [0.0, *x[(off <= 1e-9 * (1 + np.abs(x))) & (x > 0)]]
+    sizes = Polynomial(np.abs(p.coef))
+    return bool(p.coef[-1] > 0 and all(p(x) >= -_ROUNDING * sizes(x) for x in at))

@@ -1,0 +1,153 @@
+"""The loop of Fig. 8.2 on the operator alone, sampled so that Thm 8.2 holds for the samples themselves.
+
+    ė_k = ṙ_k − (y_k − y_{k−1})/dt,   ũ = H₁ė,   u_k = ũ_k + u_o,k,   y_k = Γ[u]_k         without delay (``implicit``)
+
+With ⟨a, b⟩_T = dt Σ a_k b_k the thesis's algebra is that of sums, and what it needs of the plant holds:
+
+    Σ u_k (y_k − y_{k−1}) ≥ ∫ u dy ≥ −Q_r(B₀).
+
+Proof. Over one move, u_k Δy − ∫ u dy = ∫ (u_k − u) dy. On a rise u_k ≥ u all the way and dy ≥ 0; on a fall both
+signs turn. So dy need only follow du (Assumption 2.1), not μ ≥ 0. ∎  An input beyond saturation moves the output
+no further: u_k exceeds what the operator takes in, with the sign of Δy, which only adds to the sum: clipping at
+[u₋, u₊] keeps passivity. So does a heating lag: at a source s the wire moves towards s, (s − u) du ≥ 0, hence
+(s − u) dy ≥ 0 and ∫ s dy ≥ ∫ u dy; ``lag_s`` puts one in, and the bound stays the same.
+
+In continuous time the loop is an equation for u̇ whose factor is H∞ ∂y/∂u: it asks for regular ṙ, or g > 0
+(theory.md §8, erratum 11). The sampled one always has its solution. Knows no current, counts or noise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.certify.velocity.stability import k_e, sharp_bound
+from smarig.control.lagged_operator import LaggedOperator
+from smarig.control.velocity.velocity_controller import VelocityController
+from smarig.core.errors import DataError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial
+from smarig.theory.energy import recoverable_energy
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityLoop:
+    """Signals of a loop, (n,) each: ``rate`` ṙ, ``offset`` u_o, ``error`` ė, ``control`` ũ, ``u``, ``y``.
+
+    ``stored`` is Q_r(B₀), ``y_start`` the output it began at.
+    """
+
+    controller: VelocityController
+    dt_s: float
+    rate: Array
+    offset: Array
+    error: Array
+    control: Array
+    u: Array
+    y: Array
+    y_start: float
+    stored: float
+
+    def norm(self, signal: Array) -> Array:
+        """‖x‖_T up to every sample, (n,)."""
+        return np.sqrt(self.dt_s * np.cumsum(signal**2))
+
+    @property
+    def supplied(self) -> Array:
+        """Σ u_k (y_k − y_{k−1}) up to every sample."""
+        return np.cumsum(self.u * np.diff(self.y, prepend=self.y_start))
+
+    @property
+    def ratio(self) -> Array:
+        """‖ė‖_T / (‖ṙ‖_T + ‖u_o‖_T) up to every sample; 0 while nothing drives the loop and nothing moves."""
+        driven = self.norm(self.rate) + self.norm(self.offset)
+        error = self.norm(self.error)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(error > 0, error / driven, 0.0)
+
+    @property
+    def largest_ratio(self) -> float:
+        """The largest over all T, to be held against ``k_e``."""
+        return float(self.ratio.max())
+
+    @property
+    def final_ratio(self) -> float:
+        """That over the whole run."""
+        return float(self.ratio[-1])
+
+    @property
+    def k_e(self) -> float:
+        """max{γ + δ, 1}/δ."""
+        return k_e(self.controller)
+
+    @property
+    def sharp_bound(self) -> Array:
+        """What ‖ė‖_T cannot exceed, up to every sample, the energy stored at the start included."""
+        return sharp_bound(self.controller, self.norm(self.rate), self.norm(self.offset), self.stored)
+
+    @property
+    def residual(self) -> float:
+        """max |u − ũ − u_o|: how exactly the loop was closed."""
+        return float(np.abs(self.u - self.control - self.offset).max())
+
+    def __repr__(self) -> str:
+        return f"Loop({self.u.size} samples, largest ratio {self.largest_ratio:.4g}, k_e {self.k_e:.4g})"
+
+
+def velocity_loop(
+    hysteresis: Everett,
+    controller: VelocityController,
+    rate: ArrayLike,
+    offset: float | ArrayLike = 0.0,
+    *,
+    dt_s: float = 0.1,
+    initial: Initial = "negative",
+    lag_s: float = 0.0,
+) -> VelocityLoop:
+    """Close the loop for velocities ``rate`` (n,), output unit per second, with an input offset u_o (one or n).
+
+    From an initial state of the operator and a controller at rest. DataError for signals that are empty, not
+    finite or of different lengths; UsageError for a measure of relays.
+
+    >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> loop = velocity_loop(surface("one_c"), constant_gain(40.0), [0.1] * 300)
+    >>> loop.largest_ratio < loop.k_e
+    True
+    """
+    rates = np.asarray(rate, dtype=float)
+    offsets = np.broadcast_to(np.asarray(offset, dtype=float), rates.shape) if np.ndim(offset) == 0 else None
+    offsets = np.asarray(offset, dtype=float) if offsets is None else offsets
+    if rates.ndim != 1 or not rates.size or offsets.shape != rates.shape:
+        raise DataError(f"A loop needs rates (n,) and offsets to match, got {rates.shape}, {offsets.shape}.")
+    if not (np.isfinite(rates).all() and np.isfinite(offsets).all()):
+        raise DataError("A loop was given a rate or an offset that is not finite.")
+    plant = LaggedOperator(hysteresis, initial, dt_s, lag_s)
+    stored, y_start = recoverable_energy(hysteresis, plant.operator.state), plant.y
+    error, control, u, y = _run(plant, controller, rates.tolist(), offsets.tolist(), dt_s)
+    return VelocityLoop(controller, dt_s, rates, offsets, error, control, u, y, y_start, stored)
+
+
+def _run(
+    plant: LaggedOperator,
+    controller: VelocityController,
+    rates: list[float],
+    offsets: list[float],
+    dt_s: float,
+) -> Array:
+    """Errors, controls, inputs and outputs, shape (4, n)."""
+    running, signals = controller.start(dt_s), np.empty((4, len(rates)))
+    for k, (rate, offset) in enumerate(zip(rates, offsets, strict=True)):
+        before = plant.y
+
+        def command(y: float, rate: float = rate, offset: float = offset, before: float = before) -> float:
+            return running.output(rate - (y - before) / dt_s) + offset
+
+        u = plant.solve(command)
+        y = plant.step(u)
+        error = rate - (y - before) / dt_s
+        signals[:, k] = error, running.output(error), u, y
+        running.advance(error)
+    return signals

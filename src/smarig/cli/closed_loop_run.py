@@ -1,0 +1,55 @@
+"""What ``track`` and ``regulate`` share: a closed loop is previewed, run like any protocol, and told."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarig.cli.output import check_distinct, emit
+from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
+from smarig.core.errors import Interrupted, UsageError
+from smarig.record import load_run
+from smarig.runner.preview import preview
+
+if TYPE_CHECKING:
+    from smarig.app.closed_loop import ClosedLoop
+
+NOT_RESUMABLE = "A closed loop is not gone on with: close it anew."
+
+
+def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:
+    """Preview it, run it into ``out`` and say how it went."""
+    from smarig.report.closed_loop_text import result_text
+    from smarig.report.loop_result import closed_loop
+
+    session = options.session()
+    if out is None and not options.dry_run:
+        raise UsageError("Give a run file with -o, or --dry-run.")
+    if out is not None:
+        check_distinct(out, *inputs)
+        check_target(out, force=options.force or options.dry_run)
+    cost = preview(loop.protocol, session.file, protocol_factory=loop.make)
+    if options.dry_run or out is None:
+        emit({"preview": cost.__dict__}, cost.sentence())
+        return
+    try:
+        with options.open_session(session, {}, loop.protocol) as display, display(out, cost) as run_display:
+            session.run(
+                loop.protocol,
+                loop.settings,
+                out,
+                listeners=[run_display],
+                force=options.force,
+                notes=options.notes,
+                expected=cost,
+                protocol_factory=loop.make,
+            )
+    except Interrupted as stopped:
+        stopped.remedy = NOT_RESUMABLE
+        raise
+    run = load_run(out)
+    print_warnings(run)
+    found = closed_loop(run)
+    loop_json = {loop.protocol: found.to_json()} if found else {}
+    emit(
+        run_summary(run) | loop_json,
+        "\n".join([repr(run), *([result_text(found, run.unit)] if found else [])]),
+    )

@@ -1,0 +1,1 @@
+"""One file per command, found by its name; each holds ``command``."""

@@ -1,0 +1,59 @@
+"""``smarig benchmark``: measured ratios, by the names of the modules in ``benchmarks``."""
+
+import importlib
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from inspect import signature
+from typing import Any
+
+import click
+
+from smarig.cli.output import emit, json_option
+from smarig.cli.parameter_types import FILE
+from smarig.core.catalogue import names, suggestion
+from smarig.core.errors import UsageError
+from smarig.core.resources import make_importable
+
+EPILOG = """\b
+Examples:
+  smarig benchmark forward --json
+  smarig benchmark inverse --quick
+"""
+
+
+def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
+    return getattr(importlib.import_module(f"benchmarks.{name}"), "run", None)
+
+
+@click.command("benchmark", epilog=EPILOG)
+@click.argument("name")
+@click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
+@click.option("--boxes", type=int, help="diagnosis, mystery: how many.")
+@click.option("--seed", type=int, help="diagnosis, mystery, critic: seed.")
+@click.option("--workers", type=int, help="diagnosis, mystery: processes.")
+@click.option("--left-out", is_flag=True, default=None, help="diagnosis: only boxes with an unknown effect.")
+@click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
+@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, gone on with when it exists.")
+@json_option
+def command(name: str, quick: bool, **settings: Any) -> None:
+    """Measure speed, memory and exactness as ratios in one run, or how well diagnosis does on sealed boxes.
+
+    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, live, mystery, regulation, soak,
+    tracking, tracking_effects.
+    """
+    make_importable("benchmarks")
+    modules = names("benchmarks")
+    run = _run_of(name) if name in modules else None
+    if run is None:
+        benchmarks = [n for n in modules if _run_of(n) is not None]
+        raise UsageError(f"No benchmark '{name}'{suggestion(name, benchmarks)}.")
+    chosen_settings = {key: value for key, value in settings.items() if value is not None}
+    for key in chosen_settings:
+        if key not in signature(run).parameters:
+            raise UsageError(f"Benchmark '{name}' has no --{key.replace('_', '-')}.")
+    with tempfile.TemporaryDirectory() as wires:
+        os.environ.setdefault("SMARIG_HISTORY_DIR", wires)  # a benchmark's wires are nobody's
+        found = run(quick=quick, **chosen_settings)
+    emit(found, json.dumps(found, indent=2))

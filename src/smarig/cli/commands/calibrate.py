@@ -1,0 +1,48 @@
+"""``smarig calibrate``: the wire's own constants, with intervals."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import check_distinct, emit, json_option
+from smarig.cli.parameter_types import FILE, CatalogueName
+from smarig.core.errors import UsageError
+from smarig.plant.actuator import Actuator
+
+
+@click.command(
+    "calibrate", epilog="\b\nExample:\n  smarig calibrate validation.run.sqlite --actuator gorbet_one_wire"
+)
+@click.argument("runs", nargs=-1, required=True, type=FILE)
+@click.option(
+    "--actuator", type=CatalogueName("actuators"), help="Parameter set to start from (needed for -o)."
+)
+@click.option(
+    "--model", type=FILE, help="Model of this wire: lets position transients give the time constant."
+)
+@click.option("-o", "--out", type=FILE, help="Actuator file to write (*.toml).")
+@click.option("--force", is_flag=True, help="Replace an existing actuator file.")
+@json_option
+def command(
+    runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool
+) -> None:
+    """Estimate hA, time constant and resistances from what the runs measured; say what they cannot give."""
+    from smarig.identification.calibration.calibrate import calibrate
+    from smarig.record import load_run
+    from smarig.replay.model_file import load_model
+
+    base = Actuator.named(actuator) if actuator else None
+    hysteresis = load_model(model).hysteresis if model else None
+    check_distinct(out, model, *runs)
+    result = calibrate([load_run(r) for r in runs], base, hysteresis)
+    if out is not None and base is None:
+        raise UsageError("An actuator file needs a parameter set to start from: give --actuator.")
+    if out is not None and base is not None:
+        result.write_actuator(out, base, force=force)
+    found = result.to_json()
+    lines = [
+        f"{name} = {e.value:.4g} {e.unit}  (95 %: {e.ci95[0]:.4g} … {e.ci95[1]:.4g}, n = {e.n}; {e.source})"
+        for name, e in result.parameters.items()
+    ]
+    lines += [f"{name}: {why}" for name, why in result.not_available.items()]
+    emit(found, "\n".join(lines))

@@ -1,0 +1,57 @@
+"""``smarig certify``: what can be proved of a model before a loop is closed around it."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import check_distinct, emit, json_option
+from smarig.cli.parameter_types import FILE, VELOCITY
+from smarig.core.errors import UsageError
+from smarig.core.file_content import PAGE
+from smarig.protocols._settings import parse_pairs
+
+EPILOG = """\b
+Examples:
+  smarig certify wire.model.json
+  smarig certify wire.model.json --controller leaky_pi --set gain=50 -o certificate.html
+"""
+
+
+@click.command("certify", epilog=EPILOG)
+@click.argument("model", type=FILE)
+@click.option(
+    "--controller", type=VELOCITY, help="One velocity controller (default: all, at their defaults)."
+)
+@click.option(
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A number of --controller; repeatable."
+)
+@click.option("-o", "--out", type=FILE, help="HTML page to write.")
+@click.option("--force", is_flag=True, help="Replace an existing page.")
+@json_option
+def command(
+    model: Path, controller: str | None, pairs: tuple[str, ...], out: Path | None, force: bool
+) -> None:
+    """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ, γ and k_e
+    (Thm 8.2) with every hypothesis that fails. It speaks of the hysteresis alone, and says how far that reaches: the
+    loops of track and regulate are not covered. Where passivity fails, the input that breaks it is given."""
+    from smarig.app.closed_loop import ModelSource
+    from smarig.certify.model_certificate import certificate
+    from smarig.core.atomic_file import check_writable
+    from smarig.report.certificate_page import certificate_page, certified_model, units_of
+    from smarig.report.page import write_page
+
+    if pairs and not controller:
+        raise UsageError("--set belongs to one controller: name it with --controller.")
+    source = ModelSource.of(model)
+    if out is not None:
+        check_distinct(out, model)
+        check_writable(out, force=force, kind=PAGE)
+    numbers = {controller: parse_pairs(pairs)} if controller else None
+    found = certificate(source.model.hysteresis, numbers, units_of(source.model))
+    model_origin = certified_model(source.model, source.name, source.sha256)
+    page = {}
+    if out is not None:
+        write_page(certificate_page(source.model, found, model_origin), out, force=force)
+        page = {"report": str(out)}
+    sentences = [model_origin.summary_text(), found.text, *([f"Page: {out}"] if out else [])]
+    emit(model_origin.to_json() | found.to_json() | page, "\n".join(sentences))

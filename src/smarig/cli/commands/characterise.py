@@ -1,0 +1,99 @@
+"""``smarig characterise``: the main job."""
+
+from contextlib import AbstractContextManager
+from itertools import count
+from pathlib import Path
+
+import click
+
+from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
+from smarig.cli.notify import notified, notify_option
+from smarig.cli.output import emit, json_option, show_message
+from smarig.cli.panel.run_status import run_info
+from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
+from smarig.cli.progress import STREAMS, progress
+from smarig.config import load_campaign, load_rig
+from smarig.rig.twin import TwinSettings
+from smarig.runner.listener import Listener
+from smarig.runner.preview import Preview
+from smarig.runner.run_metadata import source_of
+
+
+@click.command(
+    "characterise",
+    epilog=f"{STREAMS}\n\n\b\nExample:\n  smarig characterise --rig one_wire_twin --out out/one_wire",
+)
+@click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
+@click.option("--out", type=FOLDER, required=True, help="Folder for runs, model.json and report.html.")
+@click.option(
+    "--campaign",
+    type=CatalogueName("campaigns"),
+    default="characterise",
+    show_default=True,
+    help="What is run: by name or path.",
+)
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise.")
+@click.option("--wire", default="", help="Identity of the wire, if not the rig file's.")
+@click.option("--force", is_flag=True, help="Replace what is in the folder.")
+@click.option(
+    "--continue",
+    "go_on",
+    is_flag=True,
+    help="Go on after an interruption: done runs are taken, others resumed.",
+)
+@live_options
+@notify_option
+@json_option
+def command(
+    rig: str,
+    out: Path,
+    campaign: str,
+    seed: int,
+    wire: str,
+    force: bool,
+    go_on: bool,
+    notify: str,
+    live: LiveOptions,
+) -> None:
+    """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
+    from smarig.app.characterise import characterise
+
+    run_number = count(1)
+
+    file = load_rig(rig)
+    source = source_of(file, TwinSettings(seed))
+
+    def listener_factory(cost: Preview) -> AbstractContextManager[Listener]:
+        place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
+        display = progress(run_info(file, cost, out, wire=wire or file.wire, source=source, place=place))
+        return with_watchers(display, watchers)
+
+    with live_view(live, file, source, {}, f"{campaign} on {file.name}") as watchers, notified(notify, out):
+        done = characterise(
+            rig,
+            out,
+            campaign=campaign,
+            seed=seed,
+            wire=wire,
+            force=force,
+            go_on=go_on,
+            listener_factory=listener_factory,
+            progress=show_message,
+        )
+    found = done.to_json()
+    diagnosis = done.evidence.diagnosis
+    emit(found, _text(found, diagnosis.text() if diagnosis else ""))
+
+
+def _text(found: dict, diagnosis: str) -> str:
+    lines = [*(r["verdict"] for r in found["representation"]), *found["discoveries"], *found["warnings"]]
+    best = found["identify"]
+    lines.append(
+        f"Best surface: {found['surface']}, {best['rms']:.3g} {best['unit']} rms over {best['points']} points."
+    )
+    for name, verified in found["verify"].items():
+        for run in verified["runs"]:
+            lines.append(f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms, n = {run['n']}.")
+    lines += [diagnosis] if diagnosis else []
+    lines += [f"Report: {found['report']}", f"Model:  {found['model']}"]
+    return "\n".join(lines)

@@ -1,0 +1,119 @@
+"""``smarig check``: is the rig fit to run, and what would a protocol cost?"""
+
+import time
+from typing import Any
+
+import click
+
+from smarig.cli.output import emit, json_option, show_message
+from smarig.cli.parameter_types import PROTOCOL, RIG
+from smarig.config import RigFile, load_rig
+from smarig.core.errors import ConfigError, LeaseExpired, RigFault, UsageError
+from smarig.plant.actuator import Actuator
+from smarig.protocols._settings import parse_pairs
+from smarig.protocols._setup import Setup
+from smarig.rig.bench import Bench
+from smarig.rig.bring_up import Check, bring_up
+from smarig.rig.consistency import inconsistencies
+from smarig.rig.open_rig import open_rig
+from smarig.rig.twin import Twin, TwinSettings
+from smarig.runner.lock import wire_lock
+from smarig.runner.preview import preview
+
+
+@click.command("check", epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending")
+@click.argument("rig", type=RIG)
+@click.option(
+    "--protocol", type=PROTOCOL, help="Preview it on the twin: duration, peak current, temperature."
+)
+@click.option(
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
+)
+@click.option("--no-current", "preview_only", is_flag=True, help="Bench: look at files only, move nothing.")
+@click.option("--yes", is_flag=True, help="Bench: the wire may be heated; do not ask.")
+@json_option
+def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
+    """Check a rig's file, constants and lease, bring a bench up; preview a protocol on its twin."""
+    file = load_rig(rig)
+    actuator = Actuator.named(file.actuator)
+    setup = Setup(actuator, file.limits, file.period_s)
+    found: dict[str, Any] = {
+        "rig": file.name,
+        "kind": file.kind,
+        "actuator": actuator.name,
+        "tau_s": actuator.tau_s,
+        "hA_W_per_K": actuator.hA_W_per_K,
+        "input_range_K": [setup.lower_K, setup.upper_K],
+        "position_per_count": actuator.position_per_count(file.encoder.counts_per_rev),
+        "unit": actuator.unit,
+    }
+    if file.kind == "twin":
+        found["lease_trips"] = _lease_trips(Twin.named(rig))
+    lines = [f"{key:>20}: {_short(value)}" for key, value in found.items()]
+    if protocol:
+        cost = preview(protocol, file, parse_pairs(pairs))
+        found["preview"] = cost.__dict__
+        lines.append(f"{'preview':>20}: {cost.sentence()}")
+    rig_is_fit = True
+    problems = inconsistencies(file)
+    if problems:
+        raise ConfigError("\n".join(f"{rig}: {problem}" for problem in problems))
+    if file.kind == "bench" and not preview_only:
+        _confirm_heating(file, yes)
+        checks = _bring_up_checks(rig, file, actuator)
+        rig_is_fit = all(c.passed for c in checks)
+        found["checks"] = [c._asdict() for c in checks]
+        lines += ["", *_checklist(file, checks)]
+    emit(found, "\n".join(lines))
+    if not rig_is_fit:
+        raise RigFault("The rig is not fit to run: see the list.")
+
+
+def _confirm_heating(file: RigFile, yes: bool) -> None:
+    """Hardware moves: somebody must have said that it may."""
+    if file.simulator is None and not yes:
+        words = f"The wire of {file.name} will be heated gently and its lease let run out. Go on?"
+        if not click.confirm(words, default=False, err=True):
+            raise UsageError(
+                "Nothing was done. Give --yes to be asked no more, --no-current to look at files only."
+            )
+
+
+def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]:
+    with wire_lock(file.wire), open_rig(rig, file, actuator, TwinSettings()) as bench:
+        assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
+        return bring_up(bench, file, show_message)
+
+
+def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
+    """To be printed and signed."""
+    now = time.strftime("%Y-%m-%d %H:%M")
+    rows = [f"[{'x' if c.passed else ' '}] {c.name}: {c.observed}" for c in checks]
+    manual_checks = [
+        "[ ] cut-out: pressed with current flowing, and the current was gone",
+        "[ ] guard and load: in place",
+    ]
+    return [
+        f"Bring-up of {file.name}, wire '{file.wire}', {now}",
+        *rows,
+        *manual_checks,
+        "",
+        "Signed: ____________________",
+    ]
+
+
+def _short(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    return " … ".join(map(_short, value)) if isinstance(value, list) else str(value)
+
+
+def _lease_trips(twin: Twin) -> bool:
+    """Whether silence longer than the lease switches the output off and latches."""
+    twin.step(0.1)
+    twin.idle(twin.file.lease_s + 10 * twin.period_s)
+    try:
+        twin.step(0.1)
+    except LeaseExpired:
+        return twin.output_A == 0.0
+    return False

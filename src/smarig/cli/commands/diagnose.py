@@ -1,0 +1,151 @@
+"""``smarig diagnose``: what the simulation gets wrong, why, and what it gains to know."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from smarig.cli.output import check_distinct, emit, json_option, show_message
+from smarig.cli.parameter_types import FILE, FOLDER, own_effects
+from smarig.core.errors import UsageError
+from smarig.core.file_content import TOML
+
+if TYPE_CHECKING:
+    from smarig.diagnosis.diagnose import Diagnosis
+
+EPILOG = """\b
+Example:
+  smarig diagnose wire.model.json --train fod.run.sqlite --train loops.run.sqlite \\
+      --held-out validation.run.sqlite -o diagnosis --propose next.toml
+  smarig run next.toml --rig one_wire_twin -o more
+  smarig diagnose --transient heating_step.run.sqlite
+"""
+
+
+class _MultiValueOption(click.Option):
+    """An option that takes all values up to the next option: --train A B C."""
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        super().add_to_parser(parser, ctx)
+        for name in self.opts:
+            option = parser._long_opt.get(name)
+            if option is not None:
+                option.process = _taking_all_values(option.process)
+
+
+def _taking_all_values(process: Any) -> Any:
+    def take_all(value: str, state: Any) -> None:
+        if value.startswith("--"):
+            raise UsageError(f"A file is missing before {value}.")
+        process(value, state)
+        while state.rargs and not state.rargs[0].startswith("-"):
+            process(state.rargs.pop(0), state)
+
+    return take_all
+
+
+@click.command("diagnose", epilog=EPILOG)
+@click.argument("model", type=FILE, required=False)
+@click.option("--train", type=FILE, cls=_MultiValueOption, multiple=True, help="Runs to learn from; several.")
+@click.option(
+    "--held-out",
+    type=FILE,
+    cls=_MultiValueOption,
+    multiple=True,
+    help="Runs that only judge the gain; several.",
+)
+@click.option(
+    "--transient", type=FILE, help="A run with the wire's temperature and its drive, instead of a model."
+)
+@click.option("-o", "--out", type=FOLDER, help="Folder for extended.model.json, diagnosis.json, report.html.")
+@click.option("--propose", type=FILE, help="Campaign file to write: the run that separates what is left.")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
+@own_effects
+@click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
+@click.option("--nulls", type=int, default=400, show_default=True, help="Empty stories to be judged by.")
+@click.option("--seed", type=int, default=0, help="Seed of the nulls.")
+@click.option("--force", is_flag=True, help="Replace existing files.")
+@json_option
+def command(
+    model: Path | None,
+    train: tuple[Path, ...],
+    held_out: tuple[Path, ...],
+    transient: Path | None,
+    out: Path | None,
+    propose: Path | None,
+    without: tuple[str, ...],
+    alpha: float,
+    nulls: int,
+    seed: int,
+    force: bool,
+) -> None:
+    """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
+    from smarig.core.atomic_file import check_writable
+    from smarig.diagnosis.diagnose import diagnose
+    from smarig.diagnosis.diagnosis_files import FILES, prepare_folder
+
+    if transient is not None:
+        if model or train or held_out or propose:
+            raise UsageError(
+                "--transient diagnoses one run's temperature: leave out MODEL, --train, --held-out and --propose."
+            )
+        _transient(transient, out, force, alpha=alpha, nulls=nulls, seed=seed, without=without)
+        return
+    if model is None or not train:
+        raise UsageError("A diagnosis needs MODEL and --train RUN…, or --transient RUN.")
+    if set(train) & set(held_out):
+        raise UsageError("A run cannot teach and judge: the same file is given to --train and --held-out.")
+    inputs = (model, *train, *held_out)
+    if out is not None:
+        for name in FILES:
+            check_distinct(out / name, *inputs, propose)
+        prepare_folder(out, force=force)
+    if propose is not None:
+        check_distinct(propose, *inputs)
+        check_writable(propose, force=force, kind=TOML)
+    found = diagnose(
+        model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=show_message
+    )
+    paths = _written(found, out, force=force)  # before hours of imagined runs
+    if propose is not None:
+        found = _with_proposal(found, propose, force=force)
+        paths = _written(found, out, force=True) if found.separating_run else paths
+    emit(found.to_json() | paths, found.text())
+
+
+def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> None:
+    """The thermal record of one run instead of a model."""
+    from smarig.diagnosis.diagnosis_files import prepare_folder, write_transient
+    from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient
+
+    if out is not None:
+        prepare_folder(out, force=force)
+    thermal = diagnose_transient(run, **settings, progress=show_message)
+    written = write_transient(thermal, out, force=force) if out is not None else {}
+    emit(thermal.to_json() | written, thermal.text())
+
+
+def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
+    """Write the folder of a diagnosis, where one is wanted; returns its paths."""
+    from smarig.diagnosis.diagnosis_files import PAGE, write_diagnosis
+    from smarig.report.diagnosis_page import diagnosis_page
+    from smarig.report.page import write_page
+
+    if out is None:
+        return {}
+    paths = write_diagnosis(found, out, force=force)
+    write_page(diagnosis_page(found), out / PAGE, force=force)
+    return paths | {"report": str(out / PAGE)}
+
+
+def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":
+    """The diagnosis with the run that would separate what is left, which is written as a campaign."""
+    from smarig.app.proposal import propose_run, write_campaign
+
+    proposal = propose_run(found, show_message)
+    if proposal is None:
+        show_message("No run is proposed, so no campaign is written.")
+        return found
+    write_campaign(proposal, path, force=force)
+    return replace(found, separating_run=proposal.to_json() | {"campaign": str(path)})

@@ -1,0 +1,55 @@
+"""``smarig identify``: FOD data to a model."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import check_distinct, emit, json_option, show_message
+from smarig.cli.parameter_types import FILE
+from smarig.core.atomic_file import check_writable
+from smarig.core.file_content import MODEL
+
+SURFACES = ("constant", "parabolic", "exponential", "positive", "table", "best")
+EPILOG = """\b
+Examples:
+  smarig identify fod.run.sqlite --surface exponential -o wire.model.json
+  smarig identify fod.run.sqlite loops.run.sqlite --surface positive -o wire.model.json
+  smarig identify forc.run.sqlite --surface table --select 'curve%2==0' -o half.model.json
+"""
+
+
+@click.command("identify", epilog=EPILOG)
+@click.argument("runs", nargs=-1, required=True, type=FILE)
+@click.option(
+    "--surface", type=click.Choice(SURFACES), default="best", show_default=True, help="Kind of density."
+)
+@click.option("--select", metavar="EXPR", help="Fit only where this holds, e.g. 'curve%2==0'.")
+@click.option(
+    "--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them)."
+)
+@click.option(
+    "--symmetric", is_flag=True, help="The positive surface is its own mirror image (u, y) → (−u, −y)."
+)
+@click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
+@click.option("--force", is_flag=True, help="Replace an existing model file.")
+@json_option
+def command(
+    runs: tuple[Path, ...],
+    surface: str,
+    select: str | None,
+    anchor: bool,
+    symmetric: bool,
+    out: Path,
+    force: bool,
+) -> None:
+    """Identify a Preisach model: from runs that hold first-order curves, or (positive) from any runs."""
+    from smarig.identification.identify import identify
+
+    check_distinct(out, *runs)
+    check_writable(out, force=force, kind=MODEL)
+    result = identify(runs, surface=surface, select=select, anchor=anchor, symmetric=symmetric)
+    result.model.save(out, force=force)
+    for warning in result.warnings:
+        show_message(f"Warning: {warning}")
+    found = {**result.to_json(), "model": str(out)}
+    emit(found, f"{result!r}\nModel: {out}")

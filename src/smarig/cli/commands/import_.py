@@ -1,0 +1,66 @@
+"""``smarig import``: other people's data into a run file."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import check_distinct, emit, json_option, show_message
+from smarig.cli.parameter_types import FILE, RIG, CatalogueName
+
+EPILOG = """\b
+Examples:
+  smarig import mine.csv --format csv --rig one_wire_twin -o mine.run.sqlite
+  smarig import test.csv --format csv --map sma_staircase -o staircase.run.sqlite
+  smarig import loops.dat --format csv --map ferroelectric_loops:4 -o loops.run.sqlite
+  smarig import reversal_curves --format forc -o forc.run.sqlite
+  smarig import H_MnZn_HP_ferrite.mat --format mat --map ferrite_nested -o ferrite.run.sqlite
+"""
+
+
+@click.command("import", epilog=EPILOG)
+@click.argument("file", type=FILE)
+@click.option(
+    "--format",
+    "format_",
+    required=True,
+    type=CatalogueName("readers"),
+    help="Format of the file: csv, forc, mat.",
+)
+@click.option(
+    "--map",
+    "mapping",
+    type=CatalogueName("imports"),
+    help="Mapping file for csv, needed for mat: a shipped name or a path.",
+)
+@click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
+@click.option("--t0", type=float, help="Where this file begins on a clock shared with other runs, s.")
+@click.option("--wire", help="Identity of the wire.")
+@click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
+@click.option("--force", is_flag=True, help="Replace an existing run file.")
+@json_option
+def command(
+    file: Path,
+    format_: str,
+    mapping: str | None,
+    rig: str | None,
+    t0: float | None,
+    wire: str | None,
+    out: Path,
+    force: bool,
+) -> None:
+    """Import measured data; what looks wrong in it is said."""
+    from smarig.exchange import import_file
+
+    check_distinct(out, file)
+    report = import_file(
+        file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, force=force
+    )
+    for warning in report.warnings:
+        show_message(f"Warning: {warning}")
+    found = {
+        "run": str(report.run),
+        "rows": report.rows,
+        "steps": report.steps,
+        "warnings": list(report.warnings),
+    }
+    emit(found, f"{report.run}: {report.rows} rows, {report.steps} steps.")

@@ -1,0 +1,150 @@
+"""``smarig list``: what there is, one line each."""
+
+import click
+
+from smarig.cli.output import emit, json_option
+from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
+from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
+from smarig.core.catalogue import find, is_path, names, resolve_name, summary
+from smarig.core.errors import UsageError
+from smarig.exchange.mapping import load_mapping
+from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
+from smarig.plant.effect_catalogue import effect_types
+from smarig.protocols._settings import PACKAGE as PROTOCOLS
+from smarig.protocols._settings import setting_texts
+from smarig.record.wire_history import histories
+
+
+def _protocols() -> dict[str, str]:
+    return {n: summary(PROTOCOLS, n) for n in names(PROTOCOLS)}
+
+
+def _rigs() -> dict[str, str]:
+    rigs = {n: load_rig(n) for n in shipped_names("rigs")}
+    return {n: f"{r.kind} of {r.actuator}, tick {r.period_s:g} s, wire {r.wire}" for n, r in rigs.items()}
+
+
+def _actuators() -> dict[str, str]:
+    return {
+        n: f"{load_actuator(n).arrangement}; {load_actuator(n).source}" for n in shipped_names("actuators")
+    }
+
+
+def _campaigns() -> dict[str, str]:
+    return {n: load_campaign(n).summary for n in shipped_names("campaigns")}
+
+
+def _imports() -> dict[str, str]:
+    return {n: load_mapping(n).summary for n in shipped_names("imports")}
+
+
+def _effects() -> dict[str, str]:
+    return {k.name: k.summary for k in effect_types()}
+
+
+def _controllers() -> dict[str, str]:
+    from smarig.control.regulation.setpoint_pi import SetpointPI
+
+    listed_ = {n: f"{use}: {summary(p, n)}" for use, p in _CONTROLLER_PACKAGES.items() for n in names(p)}
+    return listed_ | {_SETPOINT_PI_NAME: f"regulate: {(SetpointPI.__doc__ or '').splitlines()[0]}"}
+
+
+def _wires() -> dict[str, str]:
+    return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in histories()}
+
+
+EPILOG = """\b
+Examples:
+  smarig list protocols
+  smarig list protocols ./my_protocol.py --settings
+"""
+_CONTROLLER_PACKAGES = {"track": TRACKING, "certify": VELOCITY}  # the command that takes them
+_SETPOINT_PI_NAME = "pi (regulate)"  # there is another pi, which tracks
+_LISTINGS = {
+    "effects": _effects,
+    "rigs": _rigs,
+    "actuators": _actuators,
+    "protocols": _protocols,
+    "controllers": _controllers,
+    "campaigns": _campaigns,
+    "imports": _imports,
+    "wires": _wires,
+}
+
+
+def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
+    """Own protocols, controllers or effects, by name: only they are listed then."""
+    package = {"protocols": PROTOCOLS, "controllers": TRACKING, "effects": EFFECTS}.get(kind)
+    for file in files:
+        if package is None or not is_path(file):
+            raise UsageError(
+                f"'{file}': only own protocols, controllers and effects can be listed, ./NAME.py."
+            )
+    return {resolve_name(str(package), file) for file in files}
+
+
+def _settings(group: str, name: str) -> list[str]:
+    if group == "controllers":
+        return _numbers(name)
+    if group == "effects":
+        kind = next(k for k in effect_types() if k.name == name)
+        return [
+            f"{p.name} = {p.typical:g} {p.unit} ({p.lower:g} to {p.upper:g}; {p.source})"
+            for p in kind.parameters
+        ]
+    return [f"{key} = {default}" for key, default in setting_texts(name)] if group == "protocols" else []
+
+
+def _numbers(name: str) -> list[str]:
+    """The numbers of a controller with unit and meaning, as far as its docstring gives them."""
+    texts, defaults = _units_and_defaults(name)
+    return [_line(key, default, *texts.get(key, ("", ""))) for key, default in defaults.items()]
+
+
+def _line(key: str, default: float | None, unit: str, meaning: str) -> str:
+    value = "by the model," if default is None else f"{default:g}"
+    meaning_text = f" ({meaning})" if meaning else ""
+    return f"{key} = {value} {unit if unit != '1' else ''}".rstrip() + meaning_text
+
+
+def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str, float | None]]:
+    """Units and meanings of a controller's numbers, and their defaults; None for what the model sets."""
+    if name == _SETPOINT_PI_NAME:
+        from smarig.control.regulation.setpoint_pi import SetpointPI
+
+        return documented_numbers(SetpointPI), {"gain": None, "band": 0.0}
+    package = next(p for p in _CONTROLLER_PACKAGES.values() if name in names(p))
+    return documented_numbers(find(package, name)), dict(default_numbers(package, name))
+
+
+@click.command("list", epilog=EPILOG)
+@click.argument("kind", type=click.Choice([*_LISTINGS, "all"]), default="all")
+@click.argument("files", nargs=-1, metavar="[FILE.py]...")
+@click.option(
+    "--settings",
+    is_flag=True,
+    help="Also the settings of protocols and controllers, and the parameters of effects.",
+)
+@json_option
+def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
+    """What there is: rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and wires used.
+
+    With FILE.py, own protocols, controllers or effects only. "unit" is the rig's, mm or deg.
+    """
+    own_names = _chosen(kind, files)
+    found: dict[str, dict] = {k: read() for k, read in _LISTINGS.items() if kind in (k, "all")}
+    if own_names:
+        found[kind] = {name: text for name, text in found[kind].items() if name in own_names}
+    lines = []
+    for group, entries in found.items():
+        lines.append(f"{group}:")
+        width = max(map(len, entries), default=0)
+        for name, text in entries.items():
+            lines.append(f"  {name:<{width}}  {text}")
+            if settings:
+                lines += [f"  {'':<{width}}    {line}" for line in _settings(group, name)]
+    if settings:
+        found["settings"] = {n: dict(setting_texts(n)) for n in found.get("protocols", {})} | {
+            n: _units_and_defaults(n)[1] for n in found.get("controllers", {})
+        }
+    emit(found, "\n".join(lines))

@@ -1,0 +1,85 @@
+"""``smarig regulate``: a set-point, held from the state that stands disturbances best."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.closed_loop_run import run_closed_loop
+from smarig.cli.output import json_option, show_message
+from smarig.cli.parameter_types import FILE
+from smarig.cli.progress import STREAMS
+from smarig.cli.run_options import RunOptions, run_options
+from smarig.protocols._settings import parse_pairs
+
+EPILOG = f"""{STREAMS}
+
+\b
+Examples:
+  smarig regulate wire.model.json --setpoint 6 --rig one_wire_twin -o held.run.sqlite
+  smarig regulate wire.model.json --setpoint 6 --start ascending --disturbance-K 5 --rig one_wire_twin -o b.run.sqlite
+"""
+
+
+@click.command("regulate", epilog=EPILOG)
+@click.argument("model", type=FILE)
+@click.option("--setpoint", type=float, required=True, help="Output to hold, on the model's scale, rig unit.")
+@click.option("-o", "--out", type=FILE, help="Run file.")
+@click.option(
+    "--within", type=float, default=0.01, show_default=True, help="Distance from B_ℓ, share of the plane."
+)
+@click.option("--hold-s", type=float, default=600.0, show_default=True, help="How long the loop is closed.")
+@click.option(
+    "--start",
+    type=click.Choice(["diagonal", "ascending", "descending"]),
+    default="diagonal",
+    show_default=True,
+    help="The state to begin in: B_ℓ, or one on an outer branch.",
+)
+@click.option(
+    "--disturbance-K",
+    "push",
+    type=float,
+    default=0.0,
+    help="Pulse on the control input, after 60 s, for 4 τ.",
+)
+@click.option("--controller", default="pi", show_default=True, help="The loop that holds: pi.")
+@click.option(
+    "--controller-set", "numbers", multiple=True, metavar="KEY=VALUE", help="gain (K per unit), band (unit)."
+)
+@run_options
+@json_option
+def command(
+    model: Path,
+    setpoint: float,
+    out: Path | None,
+    within: float,
+    hold_s: float,
+    start: str,
+    push: float,
+    controller: str,
+    numbers: tuple[str, ...],
+    options: RunOptions,
+) -> None:
+    """Bring the wire to the state B_ℓ whose output is wanted (thesis §8.3), close a gentle loop, hold.
+
+    The encoder is relative: negative saturation is visited first, and what is measured there is the model's least
+    output. The way to B_ℓ is planned so that the wire's lag still reaches it.
+    """
+    from smarig.app.closed_loop import ModelSource, regulation
+    from smarig.config import load_rig
+
+    source = ModelSource.of(model)
+    if source.model.effects:
+        show_message(f"{model.name} has effects: the way to B_ℓ is planned by its hysteresis alone.")
+    loop = regulation(
+        source,
+        load_rig(options.rig),
+        setpoint,
+        within=within,
+        hold_s=hold_s,
+        start=start,
+        disturbance_K=push,
+        controller=controller,
+        numbers=parse_pairs(numbers),
+    )
+    run_closed_loop(loop, options, out, model)

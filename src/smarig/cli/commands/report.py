@@ -1,0 +1,126 @@
+"""``smarig report``: the page of a run, the index of a folder, runs over each other, models side by side."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import check_distinct, emit, json_option, show_message
+from smarig.cli.parameter_types import ANY_PATH, FILE, own_effects
+from smarig.core.errors import UsageError
+
+EPILOG = """\b
+Examples:
+  smarig report validation.run.sqlite -o validation.html
+  smarig report out/one_wire/runs
+  smarig report monday.run.sqlite tuesday.run.sqlite -o two_days.html
+  smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
+  smarig report --model wire.model.json held.run.sqlite
+"""
+
+
+@click.command("report", epilog=EPILOG)
+@click.argument("runs", nargs=-1, required=True, type=ANY_PATH, metavar="RUN|DIR...")
+@click.option(
+    "--model", "models", multiple=True, type=FILE, help="Judge this model on the runs; several are compared."
+)
+@click.option("-o", "--out", type=FILE, help="The HTML file; default: beside the (first) run.")
+@click.option("--force", is_flag=True, help="Replace existing pages.")
+@own_effects
+@json_option
+def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
+    """Write offline HTML pages: about a run (finished, interrupted or imported), about every run in a folder with an
+    index to search, about several runs over each other, or about models on the same runs. With one model, the page of a
+    closed loop has that model's certificate."""
+    from smarig.report.folder_report import run_files
+
+    if len(runs) == 1 and runs[0].is_dir() and not models:
+        _folder(runs[0], out, force)
+        return
+    found = [file for path in runs for file in (run_files(path) if path.is_dir() else [path])]
+    if len(models) == len(found) == 1 and _is_loop(found[0]):
+        _run(found[0], out, force, models[0])
+    elif models:
+        _models(models, found, out, force)
+    elif len(found) == 1:
+        _run(found[0], out, force)
+    else:
+        _compared(found, out, force)
+
+
+def _folder(folder: Path, out: Path | None, force: bool) -> None:
+    from smarig.report.folder_report import INDEX_FILE, report_folder
+
+    if out is not None:
+        raise UsageError(
+            f"-o names one page, but a folder gets one for each run and {INDEX_FILE}; leave it out."
+        )
+    made = report_folder(folder, force=force)
+    for sentence in made.unreadable:
+        show_message(f"Not read: {sentence}")
+    pages = [{"report": str(p.report), "complete": p.complete, "cause": p.cause} for p in made.pages]
+    words = f"Report: {made.index} ({len(pages)} runs, each with a page beside it)"
+    emit({"report": str(made.index), "reports": pages, "unread": list(made.unreadable)}, words)
+
+
+def _is_loop(file: Path) -> bool:
+    from smarig.record import load_run
+    from smarig.report.loop_result import is_closed_loop
+
+    return is_closed_loop(load_run(file))
+
+
+def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
+    from smarig.app.closed_loop import ModelSource
+    from smarig.record import load_run
+    from smarig.report.folder_report import page_path
+    from smarig.report.page import write_page
+    from smarig.report.run_page import run_page
+
+    target = out or page_path(file)
+    check_distinct(target, file, model)
+    run = load_run(file)
+    loaded = ModelSource.of(model) if model else None
+    certified = (loaded.model, loaded.name, loaded.sha256) if loaded else None
+    write_page(run_page(run, certified=certified), target, force=force)
+    page = {"report": str(target), "complete": run.complete, "cause": run.cause}
+    emit({**page, "reports": [page]}, f"Report: {target}")
+
+
+def _compared(files: list[Path], out: Path | None, force: bool) -> None:
+    from smarig.record import load_run
+    from smarig.report.comparison_labels import distinct_names
+    from smarig.report.page import write_page
+    from smarig.report.run_comparison_page import comparison_page
+
+    _check_no_repeats(files, "run")
+    target = out or files[0].with_name("comparison.html")
+    check_distinct(target, *files)
+    runs = {name: load_run(file) for name, file in zip(distinct_names(files, ".run.sqlite"), files)}
+    write_page(comparison_page(runs), target, force=force)
+    emit({"report": str(target), "runs": [str(file) for file in files]}, f"Report: {target}")
+
+
+def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force: bool) -> None:
+    from smarig.record import load_run
+    from smarig.replay.model_file import load_model
+    from smarig.report.comparison_labels import distinct_names
+    from smarig.report.model_comparison_page import models_page
+    from smarig.report.page import write_page
+
+    _check_no_repeats(models, "model")
+    _check_no_repeats(files, "run")
+    target = out or files[0].with_name("models.html")
+    check_distinct(target, *files, *models)
+    loaded = {name: load_model(file) for name, file in zip(distinct_names(models, ".model.json"), models)}
+    runs = {name: load_run(file) for name, file in zip(distinct_names(files, ".run.sqlite"), files)}
+    write_page(models_page(loaded, runs), target, force=force)
+    plain = {"models": [str(file) for file in models], "runs": [str(file) for file in files]}
+    emit({"report": str(target), **plain}, f"Report: {target}")
+
+
+def _check_no_repeats(files: list[Path] | tuple[Path, ...], kind: str) -> None:
+    """UsageError when a file is given twice: beside itself it shows nothing."""
+    resolved = [file.resolve() for file in files]
+    repeated = next((file for k, file in enumerate(files) if resolved[k] in resolved[:k]), None)
+    if repeated is not None:
+        raise UsageError(f"{repeated} is given twice; a {kind} beside itself shows nothing.")

@@ -1,0 +1,86 @@
+"""``smarig resume``: go on with a run that was interrupted, as hysteresis allows."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
+from smarig.cli.notify import notified, notify_option
+from smarig.cli.output import emit, json_option, show_message
+from smarig.cli.panel.keyboard import keys
+from smarig.cli.panel.run_status import run_info
+from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_effects
+from smarig.cli.progress import STREAMS, progress
+from smarig.cli.run_options import print_warnings, run_summary
+from smarig.core.errors import UsageError
+from smarig.record import load_run
+
+EPILOG = f"""{STREAMS}
+
+\b
+Examples:
+  smarig resume fod.run.sqlite
+  smarig resume mine.run.sqlite --protocol ./my_protocol.py
+  smarig resume fod.run.sqlite --rig my_rig.toml --notify 'mail -s "$SMARIG_CAUSE" me < /dev/null'
+"""
+
+
+@click.command("resume", epilog=EPILOG)
+@click.argument("run", type=FILE)
+@click.option("--rig", type=RIG, default="", help="The run's rig, if its file is elsewhere now.")
+@click.option("--protocol", type=PROTOCOL, default="", help="The run's own protocol, FILE.py, given again.")
+@own_effects
+@click.option("--wire", default="", help="Identity of the wire: must be the run's.")
+@click.option(
+    "--speed", type=FiniteNumber(0, min_open=True), help="Twin: real time × SPEED (default: as it began)."
+)
+@click.option("--quiet", is_flag=True, help="No panel, no lines.")
+@live_options
+@notify_option
+@json_option
+def command(
+    run: Path,
+    rig: str,
+    protocol: str,
+    wire: str,
+    speed: float | None,
+    quiet: bool,
+    notify: str,
+    live: LiveOptions,
+) -> None:
+    """Go on with a run that was killed, stopped or tripped, in the same file.
+
+    The wire is cooled and taken back to what it remembered after the last finished step; the interrupted step is made
+    again. Where that cannot be had, the protocol begins anew. Void steps stay in the record, marked.
+    """
+    from smarig.identification.adaptive import most_informative_holds
+    from smarig.runner.preview import preview
+    from smarig.runner.resume.resume_run import read_launch_args, resume_in, session_for
+
+    before = load_run(run)
+    if protocol not in ("", before.meta["protocol"]):
+        raise UsageError(f"{run.name} is of protocol '{before.meta['protocol']}', not of '{protocol}'.")
+    session = session_for(before, rig=rig, wire=wire, speed=speed)
+    show_message(f"{run.name} ended so: {before.cause.rstrip('.')}.")
+    settings = read_launch_args(before)["settings"]
+    cost = preview(str(before.meta["protocol"]), session.file, settings, chooser=most_informative_holds)
+    done = [s for s in before.steps if not s.void]
+    done_s = sum((s.t_end_s or s.t_start_s) - s.t_start_s for s in done)
+    live_context = live_view(
+        live, session.file, session.source, settings, f"{run.name}, resumed", resumed=True
+    )
+    with live_context as watchers, notified(notify, run), session, keys(session.control) as listening:
+        show_message("The rig is armed again.")
+        identity = {"wire": session.wire, "source": session.source}
+        what = run_info(session.file, cost, run, **identity, done_steps=len(done), done_s=done_s)
+        with with_watchers(
+            progress(what, session.control, quiet=quiet, keys=listening), watchers
+        ) as listener:
+            plan = resume_in(
+                session, before, listeners=[listener], expected=cost, chooser=most_informative_holds
+            )
+    after = load_run(run)
+    show_message(plan.sentence())
+    print_warnings(after)
+    found = run_summary(after)
+    emit(found | {"start_over": plan.start_over, "how": plan.sentence(), "before": before.cause}, repr(after))

@@ -1,0 +1,124 @@
+"""``smarig run``: a protocol into one run file, or a campaign into a folder of them."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import emit, json_option, show_message
+from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
+from smarig.cli.progress import STREAMS
+from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
+from smarig.config import CampaignFile, CampaignStep, load_campaign, load_rig, shipped_names
+from smarig.core.catalogue import names, suggestion
+from smarig.core.errors import UsageError
+from smarig.protocols._settings import parse_pairs, refuse_closed_loops, with_loaded_protocols
+from smarig.record import load_run
+from smarig.runner.listener import Listener
+from smarig.runner.preview import Preview, preview
+from smarig.runner.resume.run_or_resume import run_or_resume
+from smarig.runner.session import Session
+
+EPILOG = f"""{STREAMS}
+
+\b
+Examples:
+  smarig run first_order_descending --rig one_wire_twin -o fod.run.sqlite --seed 1
+  smarig run characterise --rig two_wire_twin -o runs/ --dry-run
+  smarig run congruency --rig one_wire_twin -o c.run.sqlite --effect settling=3 --effect creep
+  smarig run validation --rig one_wire_twin -o v.run.sqlite --set points=20 --set settle.band_counts=2
+  smarig run ./my_protocol.py --rig ./my_rig.toml -o mine.run.sqlite
+"""
+
+
+@click.command("run", epilog=EPILOG)
+@click.argument("experiment", type=EXPERIMENT, metavar="PROTOCOL|CAMPAIGN")
+@click.option("-o", "--out", type=ANY_PATH, help="Run file; for a campaign a folder.")
+@click.option(
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
+)
+@click.option(
+    "--continue",
+    "go_on",
+    is_flag=True,
+    help="Go on with what was interrupted: done runs are left, others resumed.",
+)
+@run_options
+@json_option
+def command(
+    experiment: str, out: Path | None, pairs: tuple[str, ...], go_on: bool, options: RunOptions
+) -> None:
+    """Run a protocol or a campaign on a rig and record it; by name, or your own by its path."""
+    from smarig.identification.adaptive import most_informative_holds
+
+    session = options.session()
+    plan = _plan(experiment, parse_pairs(pairs))
+    steps = plan.step
+    file = load_rig(options.rig)
+    costs = [preview(s.protocol, file, s.set, chooser=most_informative_holds) for s in steps]
+    if options.dry_run:
+        lines = [c.sentence() for c in costs] + [f"total: {sum(c.duration_s for c in costs) / 3600:.2f} h"]
+        emit({"preview": [c.__dict__ for c in costs]}, "\n".join(lines))
+        return
+    if out is None:
+        raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")
+    single = experiment in names("smarig.protocols")
+    targets = [out] if single else plan.run_files(out)
+    if options.force and go_on:
+        raise UsageError("--force replaces runs, --continue goes on with them: give one of the two.")
+    for target in targets:
+        check_target(target, force=options.force or go_on, remedy=" --continue to go on with it,")
+    with options.open_session(session, steps[0].set, experiment) as display:
+        for k, (step, target, cost) in enumerate(zip(steps, targets, costs, strict=True), start=1):
+            place = f"run {k} of {len(steps)}" if len(steps) > 1 else ""
+            run_display = display(target, cost, place)
+            _run_one(session, step, target, cost, run_display, force=options.force, notes=options.notes)
+    runs = [load_run(t) for t in targets]
+    for run in runs:
+        print_warnings(run)
+    emit({"runs": [run_summary(r) for r in runs]}, "\n".join(repr(r) for r in runs))
+
+
+def _run_one(
+    session: Session,
+    step: CampaignStep,
+    out: Path,
+    cost: Preview,
+    display: AbstractContextManager[Listener],
+    *,
+    force: bool,
+    notes: str,
+) -> None:
+    from smarig.identification.adaptive import most_informative_holds
+
+    with display as listener:
+        message = run_or_resume(
+            session,
+            step.protocol,
+            step.set,
+            out,
+            listeners=[listener],
+            force=force,
+            notes=notes,
+            expected=cost,
+            chooser=most_informative_holds,
+        )
+    if message:
+        show_message(message)
+
+
+def _plan(experiment: str, settings: dict) -> CampaignFile:
+    """A campaign; a protocol is one of a single step."""
+    protocols, campaigns = names("smarig.protocols"), shipped_names("campaigns")
+    if experiment in protocols:
+        return CampaignFile(
+            name=experiment, summary="", step=(CampaignStep(protocol=experiment, set=settings),)
+        )
+    refuse_closed_loops(experiment)
+    if experiment not in campaigns and not experiment.endswith(".toml"):
+        raise UsageError(
+            f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."
+        )
+    if settings:
+        raise UsageError("--set belongs to a single protocol; a campaign's settings stand in its file.")
+    return with_loaded_protocols(load_campaign(experiment))

@@ -1,0 +1,78 @@
+"""``smarig track``: a position follows a reference, by a model of the wire."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.closed_loop_run import run_closed_loop
+from smarig.cli.output import json_option
+from smarig.cli.parameter_types import CONTROLLER, FILE
+from smarig.cli.progress import STREAMS
+from smarig.cli.run_options import RunOptions, run_options
+from smarig.protocols._settings import parse_pairs
+
+EPILOG = f"""{STREAMS}
+
+\b
+Examples:
+  smarig track wire.model.json --reference steps --rig one_wire_twin -o steps.run.sqlite
+  smarig track wire.model.json --reference multisine --set low=2 --set high=8 --set seconds=240 \\
+      --controller pi --controller-set gain_share=10 --rig one_wire_twin -o pi.run.sqlite
+  smarig track wire.model.json --reference wanted.csv --rig one_wire_serial -o wanted.run.sqlite
+  smarig track wire.model.json --reference ramps --controller ./mine.py --rig one_wire_twin -o mine.run.sqlite
+"""
+
+
+@click.command("track", epilog=EPILOG)
+@click.argument("model", type=FILE)
+@click.option(
+    "--reference",
+    required=True,
+    metavar="SHAPE|FILE.csv",
+    help="steps, ramps, multisine, or a file with time_s and position_mm (position_deg).",
+)
+@click.option("-o", "--out", type=FILE, help="Run file.")
+@click.option(
+    "--set",
+    "pairs",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Of the reference: low, high, seconds, every_s, speed, seed; repeatable.",
+)
+@click.option(
+    "--controller",
+    type=CONTROLLER,
+    default="inverse",
+    show_default=True,
+    help="A name ('smarig list controllers'), or your own file, ./NAME.py.",
+)
+@click.option(
+    "--controller-set",
+    "numbers",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="A number of the controller ('smarig list controllers --settings'); repeatable.",
+)
+@run_options
+@json_option
+def command(
+    model: Path,
+    reference: str,
+    out: Path | None,
+    pairs: tuple[str, ...],
+    controller: str,
+    numbers: tuple[str, ...],
+    options: RunOptions,
+) -> None:
+    """Initialise the wire, close a loop, follow a reference, let go; record it, and say how well it went.
+
+    Positions are in the rig's unit from where initialisation zeroes the encoder. Limits, trips and lease hold as in any
+    run, and a loop that diverges ends at zero current with status 3. The model's effects are in the feed-forward.
+    """
+    from smarig.app.closed_loop import ModelSource, tracking
+    from smarig.config import load_rig
+
+    source = ModelSource.of(model)
+    chosen = (parse_pairs(pairs), controller, parse_pairs(numbers))
+    loop = tracking(source, load_rig(options.rig), reference, *chosen)
+    run_closed_loop(loop, options, out, model, Path(reference))

@@ -1,0 +1,39 @@
+"""``smarig verify``: how far a model is from measured runs."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.output import emit, json_option, show_message
+from smarig.cli.parameter_types import FILE, own_effects
+
+
+@click.command("verify", epilog="\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite")
+@click.argument("model", type=FILE)
+@click.argument("runs", nargs=-1, required=True, type=FILE)
+@click.option("--select", metavar="EXPR", help="Judge only where this holds, e.g. 'curve%2==1'.")
+@own_effects
+@json_option
+def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
+    """Judge a model on runs: settled points simulated along the whole history of each run."""
+    from smarig.identification.verify import verify
+    from smarig.record import load_run
+    from smarig.replay.model_file import load_model
+
+    found = verify(load_model(model), [load_run(r) for r in runs], select=select).to_json()
+    unit = found["unit"]
+    for run in found["runs"]:
+        for warning in run.get("warnings", ()):
+            show_message(f"Warning: {warning}")
+    lines = [
+        f"{run['run']}: {run['rms']:.4g} {unit} rms (NRMSE {run['nrmse']:.3g}), "
+        f"{run['max_abs']:.4g} {unit} at most, n = {run['n']}; noise floor {_floor(run, unit)}"
+        for run in found["runs"]
+    ]
+    emit(found, "\n".join(lines))
+
+
+def _floor(run: dict, unit: str) -> str:
+    return (
+        f"{run['noise_floor']:.2g} {unit}" if run["noise_floor"] is not None else "unknown (nothing repeats)"
+    )

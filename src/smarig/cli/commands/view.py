@@ -1,0 +1,79 @@
+"""``smarig view``: a recorded run in the viewer, with models beside it."""
+
+from pathlib import Path
+
+import click
+
+from smarig.cli.live_options import legend_name
+from smarig.cli.output import check_distinct, emit, json_option, show_message
+from smarig.cli.parameter_types import FILE, FiniteNumber, own_effects
+from smarig.core.errors import UsageError
+
+EPILOG = """\b
+Examples:
+  smarig view validation.run.sqlite
+  smarig view validation.run.sqlite --model base.model.json --model extended.model.json --web
+  smarig view validation.run.sqlite --speed 20
+  smarig view validation.run.sqlite --save validation.rrd
+"""
+
+
+@click.command("view", epilog=EPILOG)
+@click.argument("run", type=FILE)
+@click.option("--model", "models", multiple=True, type=FILE, help="Model that predicts; repeatable.")
+@click.option("--web", is_flag=True, help="In a browser, on this machine only.")
+@click.option(
+    "--speed", type=FiniteNumber(0), default=0.0, show_default=True, help="Real time × SPEED; 0: at once."
+)
+@click.option("--save", "out", type=FILE, help="Write the view into FILE.rrd instead of showing it.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@own_effects
+@json_option
+def command(
+    run: Path, models: tuple[Path, ...], web: bool, speed: float, out: Path | None, force: bool
+) -> None:
+    """Show a run, finished or still being recorded (as far as it has come): at once, or at a speed.
+
+    Needs the extra 'live'. The viewer ends with this command.
+    """
+    from smarig.core.atomic_file import atomic_file
+    from smarig.live.live_view import save, view
+    from smarig.live.sample_predictors import NamedPredictor, PrecomputedPredictor
+    from smarig.record import load_run
+    from smarig.replay.model_file import load_model
+    from smarig.replay.simulate_runs import check_output, simulate_samples
+
+    _check(out, web, speed)
+    recorded = load_run(run)
+    loaded = [(legend_name(path), load_model(path)) for path in models]
+    predictions = []
+    for name, model in loaded:
+        check_output(model, recorded)
+        predictions.append(NamedPredictor(name, PrecomputedPredictor(simulate_samples(model, recorded))))
+    hysteresis = loaded[0][1].hysteresis if loaded else None
+    if out is not None:
+        check_distinct(out, run, *models)
+        with atomic_file(out, force=force) as part:
+            save(recorded, part, predictions, hysteresis)
+    else:
+        view(recorded, predictions, hysteresis, web=web, speed=speed, show_message=show_message)
+    found = {
+        "run": str(run),
+        "samples": len(recorded),
+        "models": [n for n, _ in loaded],
+        "file": out and str(out),
+    }
+    emit(found, f"{out}: {len(recorded)} samples." if out else "")
+
+
+def _check(out: Path | None, web: bool, speed: float) -> None:
+    """UsageError where --save could not be meant as it stands."""
+    if out is None:
+        return
+    if web or speed:
+        ignored_option = "--web" if web else "--speed"
+        raise UsageError(
+            f"--save writes the view instead of showing it, so {ignored_option} has no meaning: leave one out."
+        )
+    if out.suffix.lower() != ".rrd":
+        raise UsageError(f"{out}: Rerun opens recordings that are called FILE.rrd; call it {out}.rrd.")

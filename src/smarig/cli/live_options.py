@@ -1,0 +1,146 @@
+"""``--live``: a run watched while it happens. Options shared by the commands that run something."""
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from smarig.cli.output import json_requested, show_message
+from smarig.cli.parameter_types import FILE
+from smarig.core.command import StepResult
+from smarig.core.errors import UsageError
+from smarig.core.sample import Sample
+from smarig.runner.listener import StepStartListener
+
+if TYPE_CHECKING:
+    from smarig.config import RigFile
+    from smarig.live.sample_predictors import NamedPredictor
+    from smarig.preisach.everett import Everett
+    from smarig.runner.listener import Listener
+
+
+class LiveOptions(NamedTuple):
+    """What was asked for."""
+
+    wanted: bool
+    web: bool
+    models: tuple[Path, ...]
+
+
+def live_options(command: Callable) -> Callable:
+    """``--live``, ``--web`` and ``--live-model``, gathered into one argument ``live``."""
+
+    def gathered(*args: Any, live: bool, web: bool, live_model: tuple[Path, ...], **rest: Any) -> Any:
+        return command(*args, live=LiveOptions(live or web or bool(live_model), web, live_model), **rest)
+
+    gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    for option in (
+        click.option(
+            "--live-model", multiple=True, type=FILE, help="Live view: a model that predicts; repeatable."
+        ),
+        click.option("--web", is_flag=True, help="Live view in a browser, on this machine only."),
+        click.option("--live", is_flag=True, help="Watch it live (extra 'live')."),
+    ):
+        gathered = option(gathered)
+    return gathered
+
+
+@contextmanager
+def live_view(
+    live: LiveOptions,
+    rig: "RigFile",
+    source: str,
+    settings: Mapping[str, Any],
+    title: str,
+    *,
+    resumed: bool = False,
+) -> "Iterator[list[Listener]]":
+    """The listeners to add: one, or none where nobody wants to watch. ``resumed``: the wire has a past."""
+    if not live.wanted:
+        yield []
+        return
+    from smarig.live.display_info import rig_display_info
+    from smarig.live.live_view import live_listener
+    from smarig.plant.actuator import Actuator
+
+    actuator = Actuator.named(rig.actuator)
+    display_info = rig_display_info(rig, actuator, source, settings, title, known=not resumed)
+    predictions, hysteresis = _live_predictions(live.models, rig, actuator)
+    wait_at_end = sys.stderr.isatty() and not json_requested()
+    with live_listener(
+        display_info,
+        predictions,
+        hysteresis,
+        web=live.web,
+        wait_at_end=wait_at_end,
+        show_message=show_message,
+    ) as watcher:
+        yield [watcher]
+
+
+def _live_predictions(
+    paths: Sequence[Path], rig: "RigFile", actuator: Any
+) -> "tuple[list[NamedPredictor], Everett | None]":
+    from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor, PlantPredictor
+    from smarig.plant.effect_catalogue import from_json
+    from smarig.replay.model_file import load_model
+
+    found, initial = [], actuator.file.hysteresis.initial
+    models = [(legend_name(path), load_model(path)) for path in paths]
+    for name, model in models:
+        if model.unit != actuator.unit:
+            raise UsageError(f"Model {name} speaks in {model.unit}, the rig measures in {actuator.unit}.")
+        effects = from_json(model.effects)
+        predictor = (
+            PlantPredictor(actuator, model.hysteresis, initial, rig.period_s, effects)
+            if effects
+            else HysteresisPredictor(model.hysteresis, initial)
+        )
+        found.append(NamedPredictor(name, predictor))
+    return found, models[0][1].hysteresis if models else None
+
+
+def legend_name(path: Path) -> str:
+    """A model file's name for a legend."""
+    return path.name.removesuffix(".json").removesuffix(".model")
+
+
+@contextmanager
+def with_watchers(
+    live_listener: "AbstractContextManager[Listener]", watchers: "Sequence[Listener]"
+) -> "Iterator[Listener]":
+    """A listener, and with it those who watch live."""
+    with live_listener as listener:
+        yield ListenerGroup([listener, *watchers]) if watchers else listener
+
+
+class ListenerGroup:
+    """Listeners as one."""
+
+    def __init__(self, listeners: "Sequence[Listener]") -> None:
+        self._listeners = listeners
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """To each."""
+        for listener in self._listeners:
+            listener.sample(s, step, input_value)
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """To each."""
+        for listener in self._listeners:
+            listener.step(result, branch=branch, target=target)
+
+    def begin(self, *what: Any) -> None:
+        """To each that asks for it."""
+        for listener in self._listeners:
+            if isinstance(listener, StepStartListener):
+                listener.begin(*what)
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """To each."""
+        for listener in self._listeners:
+            listener.event(t_s, kind, text, level=level, **data)

@@ -1,0 +1,89 @@
+"""Keys while an experiment runs at a terminal: p pauses, r resumes, s or q stops safely.
+
+The terminal is asked for single keys only while we are in its foreground, and given back as it was on every ending.
+Its suspend key is off meanwhile: a stopped host would let the lease of a heated wire run out. Without a terminal on
+stdin, or without termios, there are no keys.
+"""
+
+import contextlib
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from smarig.runner.run_control import RunControl
+
+KEYS_HELP = "Keys: p pauses (the current stays), r resumes, s stops safely."
+_POLL_INTERVAL_S = 0.1  # between looks whether it is over
+
+
+@contextmanager
+def keys(control: RunControl) -> Iterator[bool]:
+    """Within: keys of the terminal on stdin reach the control; yields whether there is one."""
+    with contextlib.ExitStack() as cleanup:
+        file = _terminal()
+        if file is not None:
+            cleanup.enter_context(_single_keys(file))
+            stop_event = threading.Event()
+            listener = threading.Thread(
+                target=_listen, args=(file, control, stop_event), name="keys", daemon=True
+            )
+            listener.start()
+            cleanup.callback(listener.join)
+            cleanup.callback(stop_event.set)
+        yield file is not None
+
+
+def press(control: RunControl, key: str) -> None:
+    """What a key means; others mean nothing."""
+    if key == "p":
+        control.paused = True
+    elif key == "r":
+        control.paused = False
+    elif key in ("s", "q"):
+        control.stop(f"stopped by the operator (key {key})")
+
+
+def _terminal() -> int | None:
+    """The descriptor of a terminal whose foreground we are in, or None."""
+    try:
+        file = sys.stdin.fileno()
+        in_foreground = os.isatty(file) and os.tcgetpgrp(file) == os.getpgrp()
+    except (OSError, ValueError, AttributeError):  # closed, no file, or no such system
+        return None
+    return file if in_foreground else None
+
+
+@contextmanager
+def _single_keys(file: int) -> Iterator[None]:
+    """Keys arrive one by one, are not echoed, and none suspends us; signals of other keys stay."""
+    import termios
+
+    old = termios.tcgetattr(file)
+    new = termios.tcgetattr(file)
+    new[3] &= ~(termios.ICANON | termios.ECHO)
+    new[6] = [*new[6]]
+    new[6][termios.VMIN], new[6][termios.VTIME] = 1, 0
+    new[6][termios.VSUSP] = os.fpathconf(file, "PC_VDISABLE").to_bytes(1, "little", signed=False)
+    termios.tcsetattr(file, termios.TCSANOW, new)
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError, termios.error):  # the terminal may be gone
+            termios.tcsetattr(file, termios.TCSANOW, old)
+
+
+def _listen(file: int, control: RunControl, stop_event: threading.Event) -> None:
+    import selectors
+
+    with selectors.DefaultSelector() as selector, contextlib.suppress(OSError):
+        selector.register(file, selectors.EVENT_READ)
+        while not stop_event.is_set():
+            if not selector.select(_POLL_INTERVAL_S):
+                continue
+            typed = os.read(file, 64)
+            if not typed:
+                return  # hung up
+            for key in typed.decode(errors="ignore").lower():
+                press(control, key)

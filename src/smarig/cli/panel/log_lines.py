@@ -1,0 +1,141 @@
+"""What happens in a run, line by line: for people who read a log, and one JSON object a line for programs.
+
+A log gets one line a step and one for each kind of event in a step; JSON lines leave out nothing.
+"""
+
+from dataclasses import asdict
+from types import TracebackType
+from typing import Any
+
+from smarig.cli.output import as_json
+from smarig.cli.panel.keyboard import KEYS_HELP
+from smarig.cli.panel.panel_layout import clock_text, summary
+from smarig.cli.panel.run_status import RunStatus
+from smarig.cli.panel.terminal import LineWriter, Terminal
+from smarig.core.command import Hold, StepResult, Waveform
+from smarig.core.sample import Sample
+from smarig.runner.settling_detection import SettleWindow
+
+
+class _StatusUpdates:
+    """What both kinds of lines only listen to: samples and beginnings."""
+
+    _status: RunStatus
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """Nothing to say: samples are in the run file."""
+        self._status.sample(s, step, input_value)
+
+    def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
+        """Nothing to say: a step is told at its end."""
+        self._status.begin(step, command, window)
+
+
+class LogLines(_StatusUpdates):
+    """``with Lines(situation, terminal) as listener``: plain lines."""
+
+    def __init__(self, status: RunStatus, terminal: Terminal) -> None:
+        self._status, self._plain = status, terminal.plain
+        self._writer = LineWriter(terminal, lambda n: f"{n} lines were dropped: nobody read them in time.")
+        self._event_counts: dict[str, int] = {}  # events of each kind since the last step
+
+    def __enter__(self) -> "LogLines":
+        run_info = self._status.run_info
+        place = f" ({run_info.place})" if run_info.place else ""
+        self._writer.put(
+            f"{run_info.protocol}{place} on {run_info.rig} ({run_info.label}), wire {run_info.wire}: {run_info.steps} steps, "
+            f"about {clock_text(self._status.left_s)}.{' ' + KEYS_HELP if self._status.keys else ''}"
+        )
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._status.end(error)
+        self._writer.put(summary(self._status, plain=self._plain).plain)
+        self._writer.close()
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """One line."""
+        number, run_info = self._status.step_number, self._status.run_info
+        self._status.step(result, branch=branch, target=target)
+        to = f" to {target:+.1f} K" if target is not None else ""
+        repeated = ", ".join(f"{n - 1} more '{kind}'" for kind, n in self._event_counts.items() if n > 1)
+        self._event_counts.clear()
+        self._writer.put(
+            f"{self._at(result.t_end_s)} step {number} of {run_info.steps} {branch}{to}: {result.verdict} at "
+            f"{result.position:+.3f} {run_info.unit}, about {clock_text(self._status.left_s)} left"
+            f"{f' ({repeated})' if repeated else ''}"
+        )
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """One line, the first time in a step."""
+        self._status.event(t_s, kind, text, level=level, **data)
+        self._event_counts[kind] = self._event_counts.get(kind, 0) + 1
+        if self._event_counts[kind] == 1:
+            word = f"{level.upper()} " if level != "info" else ""
+            self._writer.put(f"{self._at(t_s)} {word}{kind}: {text}")
+
+    def _at(self, t_s: float) -> str:
+        return clock_text(self._status.since_s(t_s))
+
+
+class JsonLogLines(_StatusUpdates):
+    """``with JsonLines(situation, terminal) as listener``: {"event": …} and {"step": …}, one a line."""
+
+    def __init__(self, status: RunStatus, terminal: Terminal) -> None:
+        self._status = status
+        self._writer = LineWriter(terminal, dropped_lines_json)
+
+    def __enter__(self) -> "JsonLogLines":
+        self._event(
+            self._t_s,
+            "start",
+            "info",
+            f"Run of {self._status.run_info.protocol} started.",
+            asdict(self._status.run_info),
+        )
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._status.end(error)
+        ending = self._status.ending
+        cause = (ending.text or ending.word) if ending else ""
+        level = "info" if error is None else "error" if ending and ending.kind == "fault" else "warning"
+        facts = {"out": self._status.run_info.out, "steps": self._status.finished}
+        self._event(self._t_s, "end", level, f"Run ended: {cause}", facts)
+        self._writer.close()
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """One object."""
+        number = self._status.step_number
+        self._status.step(result, branch=branch, target=target)
+        found = asdict(result) | {"verdict": str(result.verdict), "branch": branch, "target": target}
+        place = {"number": number, "of": self._status.run_info.steps, "unit": self._status.run_info.unit}
+        self._writer.put(as_json({"step": found | place | {"left_s": self._status.left_s}}))
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """One object."""
+        self._status.event(t_s, kind, text, level=level, **data)
+        self._event(t_s, kind, level, text, data)
+
+    @property
+    def _t_s(self) -> float:
+        s = self._status.last_sample
+        return s.t_s if s else 0.0
+
+    def _event(self, t_s: float, kind: str, level: str, text: str, data: dict[str, Any]) -> None:
+        self._writer.put(_event_line(t_s, kind, level, text, data))
+
+
+def _event_line(t_s: float, kind: str, level: str, text: str, data: dict[str, Any]) -> str:
+    return as_json({"event": {"t_s": t_s, "kind": kind, "level": level, "text": text, "data": data}})
+
+
+def dropped_lines_json(n: int) -> str:
+    """The JSON line that tells how many lines nobody read."""
+    return _event_line(
+        0.0, "lost", "warning", f"{n} lines were dropped: nobody read them in time.", {"lines": n}
+    )

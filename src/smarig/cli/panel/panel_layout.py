@@ -1,0 +1,189 @@
+"""The panel of a running experiment as text: a few rows in a frame, for any width and height.
+
+What must be seen has a sign and a word, not only a colour. Knows a situation; refuses to know terminals and threads.
+"""
+
+from rich import box
+from rich.console import RenderableType
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from smarig.cli.panel.run_status import RunStatus, SettlingProgress
+
+NARROW = 96  # columns: below, rows say the needful only
+_LABEL = 13  # columns of the labels
+_FRAME = 4  # columns and (half of it) rows around the rows
+_REAL_TIME_BAND = 0.1  # a pace that differs less is real time
+
+# sign in a Unicode terminal, sign in any terminal, style
+_SIGNS = {
+    "running": ("●", "*", "bold cyan"),
+    "paused": ("▮▮", "||", "bold yellow"),
+    "stopped": ("■", "#", "bold magenta"),
+    "fault": ("✖", "X", "bold red"),
+    "warning": ("▲", "!", "yellow"),
+    "done": ("✔", "+", "bold cyan"),
+}
+_DROP_ORDER = (
+    "event",
+    "settling",
+    "temperature",
+    "keys",
+    "position",
+    "time",
+    "current",
+    "step",
+)  # first to go first
+
+
+def clock_text(seconds: float) -> str:
+    """Hours, minutes, seconds.
+
+    >>> clock_text(3725.4)
+    '1:02:05'
+    """
+    whole = round(seconds)
+    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+
+
+def panel(status: RunStatus, width: int, height: int, *, plain: bool = False) -> RenderableType:
+    """The situation in a frame; ``plain`` keeps to ASCII. Where rows are few, the least important ones go."""
+    rows = _rows(status, wide=width >= NARROW, plain=plain)
+    inside = max(width - _FRAME - _LABEL, 10)
+    lines = dict.fromkeys(rows, 1) | {"state": -(-rows["state"].cell_len // inside)}
+    for label in _DROP_ORDER:
+        if sum(lines[name] for name in rows) + _FRAME // 2 >= height:
+            rows.pop(label, None)
+    grid = Table.grid(padding=(0, 1))
+    grid.add_column(width=_LABEL - 1, style="dim", no_wrap=True)
+    grid.add_column(ratio=1)
+    for label, value in rows.items():
+        value.no_wrap = label != "state"
+        value.overflow = "fold" if label == "state" else "ellipsis"
+        grid.add_row(label, value)
+    style = _SIGNS["fault"][2] if status.ending and status.ending.kind == "fault" else "none"
+    frame = box.ASCII if plain else box.ROUNDED
+    return Panel(grid, title=_title(status), title_align="left", box=frame, border_style=style, width=width)
+
+
+def summary(status: RunStatus, *, plain: bool = False) -> Text:
+    """The one line that stays: what was run, how far it came, where it is."""
+    run_info, ending = status.run_info, status.ending
+    kind = ending.kind if ending else "running"
+    steps = run_info.done_steps + status.finished
+    step_text = f"{steps} steps" if kind == "done" else f"{steps} of {run_info.steps} steps"
+    text = _with_sign(kind, "" if kind == "done" else (ending.word if ending else ""), plain)
+    text.append(
+        f"{run_info.protocol} ({run_info.label}): {step_text} in {clock_text(status.elapsed_s)}", style="none"
+    )
+    if ending and kind == "stopped":
+        text.append(f", {ending.text}", style="none")
+    text.append(f": {run_info.out}", style="none")
+    return text
+
+
+def _title(status: RunStatus) -> Text:
+    run_info = status.run_info
+    place = f" · {run_info.place}" if run_info.place else ""
+    title = Text(
+        f" {run_info.protocol}{place} · {run_info.rig} · wire {run_info.wire} ",
+        style="bold",
+        overflow="ellipsis",
+    )
+    return Text.assemble((f" {run_info.label} ", "bold reverse"), title)
+
+
+def _rows(status: RunStatus, *, wide: bool, plain: bool) -> dict[str, Text]:
+    s, run_info = status.last_sample, status.run_info
+    rows = {"state": _state(status, plain), "step": _step(status, wide, plain)}
+    if s is not None:
+        rows["current"] = Text(f"set {s.current_command_A:+.4f} A   measured {s.current_A:+.4f} A")
+        counts = f"   ({s.counts:+d} counts)" if wide else ""
+        rows["position"] = Text(f"{s.position:+.3f} {run_info.unit}{counts}")
+        what = "T1 - T2, estimated" if run_info.two_wire else "above ambient, estimated"
+        rows["temperature"] = Text(f"{status.input_K:+.1f} K   {what}")
+    settling = status.settling
+    if settling is not None:
+        rows["settling"] = _settling(settling, wide, plain)
+    rows["time"] = _time(status, wide, plain)
+    if status.last_event is not None:
+        rows["event"] = _event(status, plain)
+    if status.keys and status.ending is None:
+        rows["keys"] = Text("r goes on   s stops safely" if status.paused else "p pauses   s stops safely")
+    return rows
+
+
+def _state(status: RunStatus, plain: bool) -> Text:
+    if status.ending is not None and status.ending.kind != "done":
+        return _with_sign(status.ending.kind, f"{status.ending.word}:", plain).append(status.ending.text)
+    if status.error is not None:
+        return _with_sign("fault", "TRIP:", plain).append(status.error.text)
+    if status.stopping:
+        return _with_sign("stopped", "STOPPING:", plain).append("the current goes to zero")
+    if status.paused:
+        return _with_sign("paused", "PAUSED:", plain).append("the current stays, sampling goes on")
+    return _with_sign("running", "running" if status.last_sample else "starting", plain)
+
+
+def _with_sign(kind: str, word: str, plain: bool) -> Text:
+    unicode_sign, ascii_sign, style = _SIGNS[kind]
+    return Text(f"{ascii_sign if plain else unicode_sign} {word}{' ' if word else ''}", style=style)
+
+
+def _step(status: RunStatus, wide: bool, plain: bool) -> Text:
+    branch = f"   {status.branch}" if status.branch else ""
+    target = f"   to {status.target_K:+.1f} K" if status.target_K is not None else ""
+    text = Text(f"{status.step_number} of {status.run_info.steps}{branch}{target}")
+    if wide:
+        text.append(f"   {_bar(status.share, 20, plain)} {100 * status.share:.0f} %")
+    return text
+
+
+def _settling(at: SettlingProgress, wide: bool, plain: bool) -> Text:
+    if at.band_counts is None:
+        text = Text(f"holds {at.min_time_left_s:.0f} s more")
+    elif at.spread_counts is None:
+        text = Text(f"on its way, {at.min_time_left_s:.0f} s to go at least")
+    elif at.share < 1:
+        text = Text(
+            f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts, {at.min_time_left_s:.0f} s to go"
+        )
+    elif at.spread_counts <= at.band_counts:  # while paused, or in the tick before the next step
+        text = Text(f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts: stands still")
+    else:
+        left = f", gives up in {clock_text(at.timeout_s)}" if wide else ""
+        text = Text(f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts: moves still{left}")
+    if wide:
+        text.append(f"   {_bar(at.share, 12, plain)}")
+    return text
+
+
+def _time(status: RunStatus, wide: bool, plain: bool) -> Text:
+    if status.ending is not None:
+        return Text(f"{clock_text(status.elapsed_s)} gone")
+    left = f"about {clock_text(status.left_s)} left" if status.left_s > 0 else "longer than expected"
+    text = Text(f"{clock_text(status.elapsed_s)} gone   {left}")
+    if wide and status.left_s > 0 and abs(status.speed_factor - 1) > _REAL_TIME_BAND:
+        times = "x" if plain else "×"
+        text.append(
+            f"   ({clock_text(status.left_s / status.speed_factor)} to wait, at {status.speed_factor:.3g} {times} real time)"
+        )
+    return text
+
+
+def _event(status: RunStatus, plain: bool) -> Text:
+    entry = status.last_event
+    assert entry is not None  # noqa: S101 - asked before
+    text = Text(f"{clock_text(status.since_s(entry.t_s))} {entry.kind}: {entry.text}")
+    if entry.level not in ("warning", "error"):
+        return text
+    return _with_sign("fault" if entry.level == "error" else "warning", entry.level.upper(), plain).append(
+        text
+    )
+
+
+def _bar(share: float, width: int, plain: bool) -> str:
+    full, empty = "#-" if plain else "█░"
+    filled = round(min(max(share, 0.0), 1.0) * width)
+    return full * filled + empty * (width - filled)

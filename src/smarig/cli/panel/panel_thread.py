@@ -1,0 +1,63 @@
+"""Draws the panel a few times a second from a thread of its own: a terminal that is slow or stopped holds up nothing.
+
+Afterwards one line stays; the panel, too, where a fault ended the run: it shows what the rig was doing.
+"""
+
+import contextlib
+import threading
+from types import TracebackType
+
+from rich.console import Console, ConsoleDimensions, RenderableType
+from rich.live import Live
+
+from smarig.cli.panel.panel_layout import panel, summary
+from smarig.cli.panel.run_status import RunStatus
+from smarig.cli.panel.terminal import CLOSE_TIMEOUT_S, Terminal
+
+REDRAW_S = 0.25
+
+
+class PanelThread:
+    """``with Drawing(situation, terminal) as listener``."""
+
+    def __init__(self, status: RunStatus, terminal: Terminal) -> None:
+        self._status, self._terminal = status, terminal
+        self._finished = threading.Event()
+        self._thread = threading.Thread(target=self._draw, name="panel", daemon=True)
+
+    def __enter__(self) -> RunStatus:
+        self._thread.start()
+        return self._status
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._status.end(error)
+        self._finished.set()
+        self._thread.join(CLOSE_TIMEOUT_S)
+
+    def _draw(self) -> None:
+        plain = self._terminal.plain
+        console = Console(file=self._terminal, force_terminal=True, soft_wrap=False)  # type: ignore[arg-type]
+
+        def rendered() -> RenderableType:
+            console.size = ConsoleDimensions(*self._terminal.size())  # it may have been resized
+            return panel(self._status, console.width, console.height, plain=plain)
+
+        live = Live(
+            console=console,
+            auto_refresh=False,
+            transient=True,
+            redirect_stdout=False,
+            redirect_stderr=False,
+            get_renderable=rendered,
+        )
+        with contextlib.suppress(OSError):  # nobody is there any more
+            with live:
+                live.refresh()
+                while not self._finished.wait(REDRAW_S):
+                    live.refresh()
+                ending = self._status.ending
+                live.transient = not (ending and ending.kind == "fault")
+            console.print(summary(self._status, plain=plain), soft_wrap=True, highlight=False)
+        self._terminal.close()

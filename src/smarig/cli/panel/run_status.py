@@ -1,0 +1,247 @@
+"""Where an experiment stands, for whoever shows it: a listener that keeps what a person wants to know.
+
+In the tick it only remembers; every figure is worked out when somebody looks. Refuses to know how it is shown.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from smarig.config import RigFile
+from smarig.core.command import Hold, Settled, StepResult, Waveform
+from smarig.core.errors import Interrupted, RigFault
+from smarig.core.sample import Sample
+from smarig.device.wire.link_faults import LinkFault
+from smarig.plant.actuator import Actuator
+from smarig.runner.preview import Preview
+from smarig.runner.resume.resume_plan import RE_ESTABLISH
+from smarig.runner.run_control import RunControl
+from smarig.runner.settling_detection import SettleWindow
+
+_MIN_OBSERVED_S = 2.0  # of watching, before a pace is worth telling
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What is run on what, known from the beginning; ``done_…``: what a run that goes on had finished before."""
+
+    protocol: str
+    rig: str
+    wire: str
+    source: str
+    two_wire: bool
+    unit: str
+    period_s: float
+    steps: int
+    duration_s: float
+    out: Path
+    place: str = ""
+    done_steps: int = 0
+    done_s: float = 0.0
+
+    @property
+    def label(self) -> str:
+        """TWIN or BENCH: whose data these will be."""
+        return self.source.upper()
+
+
+class LogEntry(NamedTuple):
+    """An event as it was told."""
+
+    t_s: float
+    level: str
+    kind: str
+    text: str
+
+
+class SettlingProgress(NamedTuple):
+    """How far a hold is: share of its window, spread and band in counts (None: it just lasts), seconds to go at the
+    earliest, seconds until it is given up."""
+
+    share: float
+    spread_counts: float | None
+    band_counts: float | None
+    min_time_left_s: float
+    timeout_s: float
+
+
+class RunEnding(NamedTuple):
+    """How it ended: done, stopped or fault; a word and a sentence."""
+
+    kind: str
+    word: str
+    text: str
+
+
+def run_info(
+    file: RigFile,
+    expected: Preview,
+    out: Path,
+    *,
+    wire: str,
+    source: str,
+    place: str = "",
+    done_steps: int = 0,
+    done_s: float = 0.0,
+) -> RunInfo:
+    """An experiment on a rig, with what its preview expects."""
+    actuator = Actuator.named(file.actuator)
+    rig = (file.name, wire, source, actuator.two_wire, actuator.unit, file.period_s)
+    cost = (expected.steps, expected.duration_s)
+    return RunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s)
+
+
+class RunStatus:
+    """A listener; its figures may be read from another thread at any time."""
+
+    def __init__(
+        self,
+        run_info: RunInfo,
+        control: RunControl | None = None,
+        *,
+        keys: bool = False,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.run_info, self.keys = run_info, keys
+        self._control = control or RunControl()
+        self._clock, self._started_s = clock, clock()
+        self.last_sample: Sample | None = None
+        self.input_K = 0.0
+        self.command: Hold | Waveform | None = None
+        self.finished = 0
+        self.last_event: LogEntry | None = None
+        self.error: LogEntry | None = None
+        self.ending: RunEnding | None = None
+        self._window: SettleWindow | None = None
+        self._first_s: float | None = None
+        self._paused_ticks = self._step_ticks = 0
+
+    # --- told in the tick -------------------------------------------------------------------------
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """Remember the sample."""
+        del step
+        if self._first_s is None:
+            self._first_s = s.t_s - self.run_info.period_s
+        self.last_sample, self.input_K = s, input_value
+        if self._control.paused:
+            self._paused_ticks += 1
+        else:
+            self._step_ticks += 1
+
+    def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
+        """Remember what the step is to be."""
+        del step
+        self._window, self._step_ticks, self.command = window, 0, command
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """Count it, unless it was on the way back to where a run goes on."""
+        del result, target
+        self.finished += branch != RE_ESTABLISH
+        self.command = None
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """Remember the last one, and the last error."""
+        del data
+        self.last_event = entry = LogEntry(t_s, level, kind, text)
+        if level == "error":
+            self.error = entry
+
+    def end(self, error: BaseException | None) -> None:
+        """It is over, by itself or by an error."""
+        self.ending = _ending(error)
+
+    # --- for who looks ----------------------------------------------------------------------------
+
+    @property
+    def step_number(self) -> int:
+        """The step that is on, or the last one, from 1."""
+        done = self.run_info.done_steps + self.finished
+        return done + 1 if done < self.run_info.steps else max(done, 1)
+
+    @property
+    def branch(self) -> str:
+        """The name of the stretch of the protocol."""
+        command = self.command
+        return command.branch if command is not None else ""
+
+    @property
+    def target_K(self) -> float | None:
+        """The hysteresis input that the step goes to."""
+        return self.command.target if isinstance(self.command, Hold) else None
+
+    @property
+    def paused(self) -> bool:
+        """Whether a person holds it."""
+        return self._control.paused
+
+    @property
+    def stopping(self) -> bool:
+        """Whether it has been asked to end."""
+        return self._control.stopping
+
+    @property
+    def elapsed_s(self) -> float:
+        """Rig time since it began."""
+        return self.since_s(self.last_sample.t_s) if self.last_sample is not None else 0.0
+
+    def since_s(self, t_s: float) -> float:
+        """A time of the device's, from the beginning of this run."""
+        return max(t_s - self._first_s, 0.0) if self._first_s is not None else 0.0
+
+    @property
+    def left_s(self) -> float:
+        """Rig time still to come by the preview; not below zero, where the wire takes longer than the twin did."""
+        elapsed_in_step_s = (
+            self.run_info.done_s + self.elapsed_s - self._paused_ticks * self.run_info.period_s
+        )
+        return max(self.run_info.duration_s - elapsed_in_step_s, 0.0)
+
+    @property
+    def share(self) -> float:
+        """Of the expected duration, 0…1."""
+        return 1 - self.left_s / self.run_info.duration_s if self.run_info.duration_s > 0 else 1.0
+
+    @property
+    def speed_factor(self) -> float:
+        """Rig seconds in a second of ours; 1 until it is known."""
+        wall_time_s = self._clock() - self._started_s
+        return self.elapsed_s / wall_time_s if wall_time_s > _MIN_OBSERVED_S and self.elapsed_s > 0 else 1.0
+
+    @property
+    def settling(self) -> SettlingProgress | None:
+        """How far the hold is; None between steps, in closed loops and at the end."""
+        if self.ending is not None:
+            return None
+        command, window, elapsed_in_step_s = (
+            self.command,
+            self._window,
+            self._step_ticks * self.run_info.period_s,
+        )
+        if command is None or window is None:
+            return None
+        if isinstance(command, Waveform):
+            return _fixed_duration(len(command.currents_A) * command.period_s, elapsed_in_step_s)
+        if not isinstance(command.until, Settled):
+            return _fixed_duration(command.until.seconds, elapsed_in_step_s)
+        min_time_left_s = window.min_ticks_left * self.run_info.period_s
+        spread = window.spread_counts if window.progress > 0 else None
+        left_s = max(command.until.timeout_s - elapsed_in_step_s, 0.0)
+        return SettlingProgress(window.progress, spread, window.band_counts, min_time_left_s, left_s)
+
+
+def _fixed_duration(whole_s: float, elapsed_in_step_s: float) -> SettlingProgress:
+    left_s = max(whole_s - elapsed_in_step_s, 0.0)
+    return SettlingProgress(1 - left_s / whole_s if whole_s > 0 else 1.0, None, None, left_s, left_s)
+
+
+def _ending(error: BaseException | None) -> RunEnding:
+    if error is None:
+        return RunEnding("done", "done", "")
+    text = str(error) or type(error).__name__
+    if isinstance(error, Interrupted | KeyboardInterrupt):
+        return RunEnding("stopped", "STOPPED", text)
+    tripped = isinstance(error, RigFault) and not isinstance(error, LinkFault)
+    return RunEnding("fault", "TRIP" if tripped else "FAULT", text)

@@ -1,0 +1,95 @@
+"""Arguments with shell completion: rigs, protocols and campaigns by name, run files by path.
+
+A protocol, controller or effect may be a path, that of an own file: it joins its catalogue here, because a person typed
+it.
+"""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from smarig.config import shipped_names
+from smarig.core.catalogue import is_path, names, own, resolve_name
+from smarig.core.errors import UsageError
+from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
+
+_PACKAGES = {
+    "protocols": "smarig.protocols",
+    "readers": "smarig.exchange.readers",
+    "writers": "smarig.exchange.writers",
+    "tracking": "smarig.control.tracking.controllers",
+    "velocity": "smarig.control.velocity.controllers",
+}
+_MAY_BE_OWN_FILE = ("protocols", "tracking")  # what may be an own file
+
+
+class CatalogueName(click.ParamType):
+    """A name from one or more catalogues, or a path; checked where it is used."""
+
+    name = "name"
+
+    def __init__(self, *catalogues: str) -> None:
+        self._catalogues = catalogues
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """An own file by its name; anything else as it was typed."""
+        del param, ctx
+        own_kind = next((c for c in self._catalogues if c in _MAY_BE_OWN_FILE), None)
+        return resolve_name(_PACKAGES[own_kind], value) if own_kind else value
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Names that begin as typed."""
+        del ctx, param
+        candidates = [
+            n for c in self._catalogues for n in (names(_PACKAGES[c]) if c in _PACKAGES else shipped_names(c))
+        ]
+        return [CompletionItem(n) for n in candidates if n.startswith(incomplete)]
+
+
+class _OwnEffect(click.ParamType):
+    """The path of an own effect, which is known by its name from then on."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Its name."""
+        del param, ctx
+        if value not in own(EFFECTS) and not is_path(value):
+            raise UsageError(f"'{value}' is not the file of an own effect, ./NAME.py.")
+        return resolve_name(EFFECTS, value)
+
+
+class FiniteNumber(click.FloatRange):
+    """A number within a range; nan and inf, which are within every range, are none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """A float."""
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
+
+
+own_effects = click.option(
+    "--effect",
+    "own_effects",
+    multiple=True,
+    type=_OwnEffect(),
+    expose_value=False,
+    metavar="FILE.py",
+    help="An effect of your own, beside those of the catalogue; repeatable.",
+)
+RIG = CatalogueName("rigs")
+PROTOCOL = CatalogueName("protocols")
+CONTROLLER = CatalogueName("tracking")
+VELOCITY = CatalogueName("velocity")
+EXPERIMENT = CatalogueName("protocols", "campaigns")
+FILE = click.Path(path_type=Path, dir_okay=False)
+FOLDER = click.Path(path_type=Path, file_okay=False)
+ANY_PATH = click.Path(path_type=Path)
+SEED = click.IntRange(0, 2**63 - 1)  # what every generator and file takes

@@ -1,0 +1,150 @@
+"""What every command has that lets current flow: its options, the session, and the faces it shows meanwhile.
+
+Knows sessions and faces; refuses to know what is run.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+
+from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
+from smarig.cli.notify import notified, notify_option
+from smarig.cli.output import show_message
+from smarig.cli.panel.keyboard import keys
+from smarig.cli.panel.run_status import run_info
+from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
+from smarig.cli.progress import progress
+from smarig.core.atomic_file import check_replaceable
+from smarig.core.errors import UsageError
+from smarig.core.file_content import RUN
+from smarig.core.sample import Quality
+from smarig.plant.effect_catalogue import from_arguments
+from smarig.record import Run
+from smarig.rig.twin import TwinSettings
+from smarig.runner.listener import Listener
+from smarig.runner.preview import Preview
+from smarig.runner.session import Session
+
+DisplayFactory = Callable[..., AbstractContextManager[Listener]]
+
+
+class RunOptions(NamedTuple):
+    """What was asked for."""
+
+    rig: str
+    effects: tuple[str, ...]
+    seed: int
+    speed: float | None
+    wire: str
+    notes: str
+    dry_run: bool
+    force: bool
+    quiet: bool
+    notify: str
+    live: LiveOptions
+
+    def session(self) -> Session:
+        """The session asked for, not opened yet."""
+        twin = TwinSettings(seed=self.seed, effects=from_arguments(self.effects))
+        return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire)
+
+    @contextmanager
+    def open_session(
+        self, session: Session, settings: Mapping[str, Any], what: str
+    ) -> Iterator[DisplayFactory]:
+        """Within: the session is open, keys and the live view work. Yields what shows one run."""
+        title = f"{what} on {session.file.name}"
+        live_context = live_view(self.live, session.file, session.source, settings, title)
+        with (
+            live_context as watchers,
+            notified(self.notify) as notification,
+            session,
+            keys(session.control) as listening,
+        ):
+
+            def display(target: Path, cost: Preview, place: str = "") -> AbstractContextManager[Listener]:
+                notification.run = target
+                wire, source = session.wire, session.source
+                subject = run_info(session.file, cost, target, wire=wire, source=source, place=place)
+                run_display = progress(subject, session.control, quiet=self.quiet, keys=listening)
+                return with_watchers(run_display, watchers)
+
+            yield display
+
+
+def run_options(command: Callable) -> Callable:
+    """``--rig``, ``--seed`` and the others, gathered into one argument ``options``."""
+
+    def gathered(*args: Any, **arguments: Any) -> Any:
+        selected = {name: arguments.pop(name) for name in RunOptions._fields}
+        return command(*args, options=RunOptions(**selected), **arguments)
+
+    gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    gathered = live_options(notify_option(gathered))
+    for option in reversed(_OPTIONS):
+        gathered = option(gathered)
+    return gathered
+
+
+_OPTIONS = (
+    click.option("--rig", type=RIG, required=True, help="Rig by name or path."),
+    click.option(
+        "--effect",
+        "effects",
+        multiple=True,
+        metavar="NAME[.PARAMETER]=VALUE",
+        help="Twin: plant an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
+    ),
+    click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise."),
+    click.option(
+        "--speed", type=FiniteNumber(0, min_open=True), help="Twin: real time × SPEED (default: free)."
+    ),
+    click.option("--wire", default="", help="Identity of the wire, if not the rig file's."),
+    click.option("--notes", default="", help="A remark kept with the run."),
+    click.option("--dry-run", is_flag=True, help="Only say what it would cost."),
+    click.option("--force", is_flag=True, help="Replace existing run files."),
+    click.option("--quiet", is_flag=True, help="No panel, no lines."),
+)
+
+
+def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
+    """UsageError when a file exists and may not be replaced by a run."""
+    if target.exists() and not force:
+        raise UsageError(f"{target} exists; give another name,{remedy} or --force to replace it.")
+    check_replaceable(target, RUN)
+
+
+def run_warnings(run: Run) -> list[str]:
+    """Honest numbers: what a person must know although the run is done."""
+    unsettled = sum(s.verdict == "timed_out" for s in run.steps)
+    saturated = int(((run["quality"].astype(int) & Quality.SATURATED) > 0).sum())
+    found = (
+        [f"{run.path.name}: {unsettled} of {len(run.steps)} holds did not settle in time."]
+        if unsettled
+        else []
+    )
+    return found + ([f"{run.path.name}: {saturated} samples were saturated."] if saturated else [])
+
+
+def print_warnings(run: Run) -> None:
+    """Say them."""
+    for warning in run_warnings(run):
+        show_message(f"Warning: {warning}")
+
+
+def run_summary(run: Run) -> dict:
+    """A run for --json."""
+    return {
+        "run": str(run.path),
+        "protocol": run.meta["protocol"],
+        "samples": len(run),
+        "steps": len(run.steps),
+        "void": sum(s.void for s in run.steps),
+        "timed_out": sum(s.verdict == "timed_out" for s in run.steps),
+        "warnings": run_warnings(run),
+        "cause": run.cause,
+    }

@@ -1,0 +1,124 @@
+"""Configuration files by name or path: where they are, what they take from another, and which files they bring.
+
+Knows folders and paths; what stands in a file is the schema's business.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from smarig.config.file_schemas import ActuatorFile, CampaignFile, RigFile
+from smarig.core.catalogue import is_path, suggestion
+from smarig.core.errors import ConfigError, UsageError
+from smarig.core.resources import shipped
+from smarig.core.toml_file import check, load, read_toml
+
+
+def shipped_names(folder: str) -> list[str]:
+    """Names shipped in a folder of configs/.
+
+    >>> listed("actuators")
+    ['gorbet_one_wire', 'gorbet_two_wire']
+    """
+    return sorted(p.stem for p in (shipped("configs") / folder).glob("*.toml"))
+
+
+def locate(folder: str, name: str) -> Path:
+    """Path of a named or given configuration file; UsageError with the nearest name otherwise."""
+    path = Path(name)
+    if path.suffix == ".toml" or path.is_file():
+        if not path.is_file():
+            raise UsageError(f"There is no file {path}.")
+        return path
+    if name in shipped_names(folder):
+        return shipped("configs") / folder / f"{name}.toml"
+    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(name, shipped_names(folder))}.")
+
+
+def load_actuator(name: str) -> ActuatorFile:
+    """An actuator by name or path."""
+    return load(ActuatorFile, locate("actuators", name))
+
+
+def load_rig(name: str) -> RigFile:
+    """A rig by name or path."""
+    files = _rig_files(name)
+    raw: dict[str, Any] = {}
+    for path, table in files:
+        raw = _merge(_with_resolved_paths(table, path.parent), raw)
+    return check(RigFile, raw, str(files[0][0]))
+
+
+def _merge(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
+    """Tables key by key; anything else as a whole."""
+    both = {
+        key: _merge(base[key], mine[key])
+        for key in base.keys() & mine.keys()
+        if _all_tables(base[key], mine[key])
+    }
+    return base | mine | both
+
+
+def _with_resolved_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A rig's table with the files it names where they are: own drivers, and an actuator, beside the rig file."""
+    actuator, links = table.get("actuator"), table.get("links")
+    resolved = dict(table)
+    if isinstance(actuator, str):
+        resolved["actuator"] = _sibling_path(actuator, folder)
+    if isinstance(links, dict):
+        resolved["links"] = {
+            device: link | {"driver": str((folder / link["driver"]).resolve())}
+            if isinstance(link, dict) and is_path(str(link.get("driver", "")))
+            else link
+            for device, link in links.items()
+        }
+    return resolved
+
+
+def _sibling_path(name: str, folder: Path) -> str:
+    """A configuration by its path where it lies beside the file that names it; else as it was given."""
+    sibling = folder / name
+    return str(sibling.resolve()) if name.endswith(".toml") and sibling.is_file() else name
+
+
+def own_drivers(file: RigFile) -> list[str]:
+    """The drivers that a rig file brings itself, by path."""
+    links = [file.links.amplifier, file.links.encoder_daq] if file.links else []
+    return [link.driver for link in links if is_path(link.driver)]
+
+
+def _all_tables(*values: Any) -> bool:
+    return all(isinstance(value, dict) for value in values)
+
+
+def rig_text(name: str) -> str:
+    """The files that a rig is made of, as they are."""
+    return "\n".join(path.read_text(encoding="utf-8") for path, _ in _rig_files(name))
+
+
+def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
+    """A rig's file, that of its base, and so on."""
+    found: list[tuple[Path, dict[str, Any]]] = []
+    while name:
+        path = locate("rigs", name)
+        if path in (visited for visited, _ in found):
+            raise ConfigError(f"{path} is its own base.")
+        raw = read_toml(path)
+        found.append((path, raw))
+        name = raw.get("base", "")
+        if not isinstance(name, str):
+            raise ConfigError(f"{path}: base: name another rig file.")
+        name = _sibling_path(name, path.parent)
+    return found
+
+
+def load_campaign(name: str) -> CampaignFile:
+    """A campaign by name or path; own protocols by their paths, which stand in it from its own folder."""
+    path = locate("campaigns", name)
+    plan = load(CampaignFile, path)
+    steps = (
+        s.model_copy(update={"protocol": str((path.parent / s.protocol).resolve())})
+        if is_path(s.protocol)
+        else s
+        for s in plan.step
+    )
+    return plan.model_copy(update={"step": tuple(steps)})

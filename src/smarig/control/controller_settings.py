@@ -1,0 +1,74 @@
+"""Numbers of a controller from ``key=value``: checked against the function that makes it. Knows no controller.
+
+What a controller is asked for is what its function names with a number as default; everything else of it (what it
+knows, what is wanted, schedules) is not for a command line.
+"""
+
+import inspect
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from smarig.core.catalogue import find, suggestion
+from smarig.core.errors import UsageError
+
+TRACKING = "smarig.control.tracking.controllers"
+VELOCITY = "smarig.control.velocity.controllers"
+_LINE = re.compile(r"^\s+(\w+) \(([^()]*)\): (.+)$", flags=re.M)
+# What may be typed, zero apart: with squares and quotients of these can still be computed.
+SMALLEST, LARGEST = 1e-100, 1e12
+
+
+def default_numbers(package: str, name: str) -> dict[str, float]:
+    """The numbers of a controller of a catalogue, with their defaults.
+
+    >>> numbers(TRACKING, "pi")["lead_s"]
+    0.0
+    """
+    parameters = inspect.signature(find(package, name)).parameters.values()
+    return {p.name: p.default for p in parameters if isinstance(p.default, float)}
+
+
+def documented_numbers(documented: Any) -> dict[str, tuple[str, str]]:
+    """(unit, meaning) of numbers, from the lines ``name (unit): meaning`` of a controller's docstring.
+
+    >>> told(find(TRACKING, "pi"))["integral_s"]
+    ('s', 'integral time T_i: in it a steady error is answered once more')
+    """
+    return {name: (unit, text) for name, unit, text in _LINE.findall(documented.__doc__ or "")}
+
+
+def controller_numbers(package: str, name: str, pairs: Mapping[str, Any]) -> dict[str, float]:
+    """All numbers of a controller, those given in place of the defaults; UsageError where one is wrong.
+
+    >>> given(TRACKING, "pi", {"integral_s": "2"})["integral_s"]
+    2.0
+    """
+    defaults = default_numbers(package, name)
+    return defaults | {key: _checked(name, key, value, defaults) for key, value in pairs.items()}
+
+
+def _checked(name: str, key: str, value: Any, defaults: Mapping[str, float]) -> float:
+    if key not in defaults:
+        raise UsageError(f"Controller '{name}' has no number '{key}'{suggestion(key, list(defaults))}.")
+    found = finite_number(f"Controller '{name}', {key}", value)
+    if found < 0 or (found == 0 and defaults[key] != 0):
+        at_least = "must not be negative" if defaults[key] == 0 else "must be positive"
+        raise UsageError(f"Controller '{name}': {key} {at_least} (given: {value}).")
+    return found
+
+
+def finite_number(what: str, value: Any) -> float:
+    """A finite number as typed, or a sentence that says what is none, or what none of a rig is."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{what} is no number (given: {value}).") from None
+    except OverflowError:
+        found = LARGEST * 10
+    if not math.isfinite(found):
+        raise UsageError(f"{what} is not finite (given: {value}).")
+    if found and not SMALLEST <= abs(found) <= LARGEST:
+        raise UsageError(f"{what} is beyond what can be computed with (given: {value}).")
+    return found

@@ -1,0 +1,83 @@
+"""A sampled loop around the operator without delay: the input that agrees with the output it brings about.
+
+    u = command(y(u)),   y(u) = Γ at T + (1 − e^{−dt/τ})(u − T)
+
+The command does not increase with the output (a controller's gain, which is what feedback means) and the output
+does not decrease with the input (Assumption 2.1), so u − command(y(u)) increases: the root is unique, and lies
+between the present temperature and the command that no motion would bring. τ = 0 is the operator alone; with
+τ > 0 the input is the temperature the wire would settle at. Refuses operators that jump: they need not have a
+root. Knows no controller.
+"""
+
+import math
+from collections.abc import Callable
+
+from smarig.core.errors import DataError, UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.inverse import root
+from smarig.preisach.operator import Initial, Preisach
+
+_RESIDUAL_TOLERANCE = 1e-9  # of the input range
+
+
+class LaggedOperator:
+    """The operator behind a heating lag τ = ``lag_s`` (0: none), moved tick by tick of ``dt_s``.
+
+    Inputs are clipped to the operator's range, as a current would be by its limits.
+    """
+
+    def __init__(self, hysteresis: Everett, initial: Initial, dt_s: float, lag_s: float = 0.0) -> None:
+        if not (dt_s > 0 and lag_s >= 0 and math.isfinite(dt_s) and math.isfinite(lag_s)):
+            raise UsageError(f"A loop needs dt_s > 0 and lag_s ≥ 0, got {dt_s:g} and {lag_s:g}.")
+        if len(getattr(hysteresis, "steps", ())):
+            raise UsageError(
+                "A measure of relays jumps at its thresholds, so a loop around it need not have a solution "
+                "(Thm 8.2 asks for μ ∈ M_PC): give a surface or a table."
+            )
+        self.operator = Preisach(hysteresis, initial)
+        self.lower, self.upper = hysteresis.lower, hysteresis.upper
+        self._lag_fraction = 1.0 if lag_s == 0 else -math.expm1(-dt_s / lag_s)
+
+    @property
+    def y(self) -> float:
+        """Output."""
+        return self.operator.y
+
+    @property
+    def temperature(self) -> float:
+        """What the operator feels."""
+        return self.operator.u
+
+    def output_at(self, u: float) -> float:
+        """Output after a tick at input u; nothing moves."""
+        return self.operator.peek(self._input_after_tick(u))
+
+    def step(self, u: float) -> float:
+        """A tick at input u; returns the output."""
+        return self.operator.step(self._input_after_tick(u))
+
+    def _input_after_tick(self, u: float) -> float:
+        present = self.operator.u
+        return present + self._lag_fraction * (min(max(u, self.lower), self.upper) - present)
+
+    def solve(self, command: Callable[[float], float], *, jumps: bool = False) -> float:
+        """u = command(y(u)); DataError where the output goes against the input and no root was found.
+
+        Where a command ``jumps`` down with the output there may be no root but a sign change: the input that
+        keeps the output at the jump, between the commands on either side (sliding, Filippov).
+        """
+        present = self.temperature
+        command_at_rest = command(self.y)
+
+        def residual(u: float) -> float:
+            return u - command(self.output_at(u))
+
+        near, far = (present, command_at_rest) if command_at_rest > present else (command_at_rest, present)
+        u = root(residual, near, far)
+        if not jumps and abs(residual(u)) > _RESIDUAL_TOLERANCE * (
+            self.upper - self.lower + abs(command_at_rest)
+        ):
+            raise DataError(
+                f"The loop has no solution between {near:g} and {far:g}: the output goes against the input there."
+            )
+        return u

@@ -1,0 +1,204 @@
+"""Set-point regulation as a protocol (Fig. 8.4): go to a state of the wanted output, switch to the loop, hold.
+
+The state is B_ℓ with ℓ = ψʳ(y); to compare, it may be reached on an outer branch instead, rising from negative or
+falling from positive saturation, which is how a set-point is usually reached. The encoder is relative, so negative
+saturation is visited first: what is measured there is y₋. The loop may be disturbed: a pulse on the control input, in
+kelvin of source temperature. Ends at zero. Refuses to know which rig, and what the wire really did.
+"""
+
+from collections.abc import Callable, Generator
+from typing import Any, Literal
+
+from smarig.control.current_limits import limited_current, ramp_to_zero
+from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonitor
+from smarig.control.regulation.approach import ApproachPlan, plan
+from smarig.control.regulation.psi import Psi
+from smarig.control.regulation.sensor_plausibility import SensorPlausibility
+from smarig.control.regulation.setpoint_pi import SetpointController, SetpointPI
+from smarig.core.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
+from smarig.core.errors import UsageError
+from smarig.core.sample import Quality, Sample
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach
+from smarig.preisach.state import State
+from smarig.protocols._setup import Setup
+
+StartState = Literal["diagonal", "ascending", "descending"]
+START_STATES: tuple[StartState, ...] = ("diagonal", "ascending", "descending")
+MARK, CLOSED, DISTURBED, OPENED = "regulate", "loop closed", "disturbance", "loop opened"  # labels of marks
+PULSE_TAUS, QUIET_S = 4.0, 60.0
+LONGEST_S = 24 * 3600.0
+OUTPUT_WITHIN = 0.005  # of the output range: what the loop would have to correct, and spoil the state by it
+_COOL_TAUS = 8.0
+_PSI_POINTS = 128  # points of ψ that a record keeps, about
+
+
+def regulate(
+    setup: Setup,
+    *,
+    hysteresis: Everett,
+    setpoint: float,
+    within: float = 0.01,
+    hold_s: float = 600.0,
+    start: StartState = "diagonal",
+    loop: SetpointController | None = None,
+    settle: Settled | None = None,
+    disturbance_K: float = 0.0,
+    quiet_s: float = QUIET_S,
+    pulse_s: float | None = None,
+) -> Protocol:
+    """Bring the wire to a state whose output is ``setpoint`` and hold it there in closed loop (§8.3).
+
+    ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` the distance from B_ℓ the approach may
+    leave, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
+    source for ``pulse_s`` (default 4 τ). ``loop`` takes the place of the gentle PI. What cannot be reached is refused
+    with the first command, before any current flows; LimitExceeded when the loop diverges, or sees what cannot be.
+    """
+    settle = settle or Settled()
+    pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
+    check_times(setup, hold_s, disturbance_K, quiet_s, pulse_s)
+    check_saturation(setup, hysteresis, start)
+    approach_waveform, state, facts = _approach_to_state(setup, hysteresis, setpoint, within, start, settle)
+    rest_K = state.u
+    yield Mark(MARK, {"setpoint": setpoint, "start": start, "rest_K": rest_K} | facts)
+    result = yield Hold(setup.current_for(setup.lower_K), settle, target=setup.lower_K, branch="reference")
+    encoder_offset = hysteresis.y_lower - result.position if result is not None else 0.0
+    if approach_waveform is not None:
+        yield approach_waveform
+    yield Hold(setup.current_for(rest_K), settle, target=rest_K, branch="arrive")
+
+    def disturbance_at(t_s: float) -> float:
+        return disturbance_K if quiet_s <= t_s < quiet_s + pulse_s else 0.0
+
+    monitors = (
+        SensorPlausibility(setup, hysteresis, state),
+        DivergenceMonitor(DivergenceLimits(), _reach(setup, hysteresis)),
+    )
+    loop = loop or SetpointPI.for_model(setup, hysteresis)
+    last_A = yield from _closed_loop(
+        setup, loop, monitors, rest_K, setpoint - encoder_offset, hold_s, disturbance_at
+    )
+    yield from ramp_to_zero(setup, last_A)
+    yield Hold(0.0, Elapsed(_COOL_TAUS * setup.tau_s), branch="cool")
+
+
+def check_times(
+    setup: Setup, hold_s: float, disturbance_K: float, quiet_s: float = QUIET_S, pulse_s: float | None = None
+) -> None:
+    """UsageError for times that are negative, for a hold of no tick, and where the disturbance does not fit."""
+    pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
+    pulse_s = pulse_s if disturbance_K else 0.0
+    if hold_s > LONGEST_S:
+        raise UsageError(f"A hold of more than {LONGEST_S / 3600:g} h: hold it in parts.")
+    if not (hold_s >= 0 and quiet_s >= 0 and pulse_s >= 0):
+        raise UsageError(
+            f"Times must not be negative: hold {hold_s:g}, quiet {quiet_s:g}, pulse {pulse_s:g} s."
+        )
+    if hold_s < setup.period_s:
+        raise UsageError(f"A hold of {hold_s:g} s is shorter than a tick of this rig, {setup.period_s:g} s.")
+    if pulse_s and not quiet_s + pulse_s < hold_s:
+        raise UsageError(
+            f"The disturbance ends {quiet_s + pulse_s:g} s after the loop is closed, the hold after {hold_s:g} s: "
+            "give a longer hold_s."
+        )
+
+
+def check_saturation(setup: Setup, hysteresis: Everett, start: StartState) -> None:
+    """UsageError where a rig's limits do not reach the saturation that a way begins in: its output would be a guess."""
+    h, span = hysteresis, abs(hysteresis.everett(hysteresis.upper, hysteresis.lower))
+    low = abs(span - h.everett(h.upper, max(setup.lower_K, h.lower)))
+    high = abs(span - h.everett(min(setup.upper_K, h.upper), h.lower))
+    for name, output_missed, reached_K, required_K in (
+        ("negative", low, setup.lower_K, h.lower),
+        ("positive", high if start == "descending" else 0.0, setup.upper_K, h.upper),
+    ):
+        if output_missed > OUTPUT_WITHIN * span:
+            raise UsageError(
+                f"The way to the set-point begins in {name} saturation, at {required_K:.4g} K; this rig's limits reach "
+                f"{reached_K:.4g} K, and leave {output_missed / span:.1%} of the output unknown."
+            )
+
+
+def _reach(setup: Setup, hysteresis: Everett) -> tuple[float, float]:
+    high, low = Preisach(hysteresis, "negative").simulate([setup.upper_K, setup.lower_K])
+    return float(low), float(high)
+
+
+def _approach_to_state(
+    setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: StartState, settle: Settled
+) -> tuple[Waveform | Hold | None, State, dict[str, Any]]:
+    """What leads from negative saturation to where the last move begins, the state at rest after it, and what the
+    record keeps of it.
+    """
+    psi = Psi(hysteresis)
+    if start == "diagonal":
+        ell = float(psi.right_inverse(setpoint))
+        found = plan(setup, hysteresis, ell, within, OUTPUT_WITHIN)
+        y = float(psi(ell))
+        return found.waveform(), State((ell,), (y,), ell, y, True), _psi_facts(psi) | _planned_facts(found, y)
+    if start not in ("ascending", "descending"):
+        raise UsageError(f"start is diagonal, ascending or descending, not '{start}'.")
+    up = start == "ascending"
+    outer = Preisach(hysteresis, "negative" if up else "positive")
+    outer.step(outer.inverse(setpoint))
+    saturate = Hold(setup.current_for(setup.upper_K), settle, target=setup.upper_K, branch="saturate")
+    return None if up else saturate, outer.state, _psi_facts(psi)
+
+
+def _psi_facts(psi: Psi) -> dict[str, Any]:
+    """The plane and ψ along it: what a reader of the record needs to draw them without the model."""
+    ell, y = psi.curve
+    thin = slice(None, None, max(1, ell.size // _PSI_POINTS))
+    return {
+        "lower_K": psi.lower,
+        "upper_K": psi.upper,
+        "psi_ell_K": [*ell[thin].tolist(), float(ell[-1])],
+        "psi": [*y[thin].tolist(), float(y[-1])],
+    }
+
+
+def _planned_facts(plan_: ApproachPlan, output: float) -> dict[str, Any]:
+    """What was foretold of the way to B_ℓ; areas in K²."""
+    return {
+        "ell_K": plan_.ell,
+        "output": output,
+        "predicted_distance_K2": plan_.predicted_distance,
+        "area_K2": plan_.area,
+        "predicted_output_error_share": plan_.output_error,
+        "cycles": plan_.cycles,
+        "wave_s": plan_.wave_s,
+        "approach_s": plan_.duration_s,
+        "predicted_boundary": [list(point) for point in plan_.plane.points(plan_.predicted_boundary)],
+    }
+
+
+def _closed_loop(
+    setup: Setup,
+    loop: SetpointController,
+    monitors: tuple[SensorPlausibility, DivergenceMonitor],
+    rest_K: float,
+    wanted: float,
+    hold_s: float,
+    disturbance_at: Callable[[float], float],
+) -> Generator[Command, Any, float]:
+    """The loop, one tick at a time; what is added to its source is told in the record. Returns the last current."""
+    sensor_plausibility, divergence_monitor = monitors
+    loop.start(rest_K)
+    yield Mark(CLOSED, {"wanted_position": wanted})
+    source_K, pushed_K = rest_K, 0.0
+    current_A = setup.current_for(rest_K)
+    for k in range(round(hold_s / setup.period_s)):
+        pushed_before_K, pushed_K = pushed_K, disturbance_at(k * setup.period_s)
+        if pushed_K != pushed_before_K:
+            yield Mark(DISTURBED, {"source_K": pushed_K})
+        commanded_K = min(max(source_K + pushed_K, setup.lower_K), setup.upper_K)
+        current_A = limited_current(setup, setup.current_for(commanded_K), current_A)
+        sample: Sample | None = yield Drive(current_A)
+        if sample is not None and not sample.quality & Quality.STALE:
+            error = wanted - sample.position
+            sensor_plausibility.check(source_K, sample.position, error)
+            if not pushed_K:  # what is pushed away is no loop that diverges
+                divergence_monitor.check(sample.t_s, error)
+            source_K = loop.step(error)
+    yield Mark(OPENED)
+    return current_A

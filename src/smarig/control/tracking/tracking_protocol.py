@@ -1,0 +1,50 @@
+"""The closed loop as a protocol: the wire is initialised, a controller drives it along a reference, the end is 0 A.
+
+Whatever a controller asks for is clipped here, once for all: current range, current rate, and what the rig's
+temperature limit leaves. A loop that diverges ends the run with zero current. Knows commands; refuses to know rigs.
+"""
+
+from smarig.control.current_limits import limited_current, ramp_to_zero
+from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonitor
+from smarig.control.tracking.checked_controller import CheckedController
+from smarig.control.tracking.controller_model import ControllerFactory, ControllerModel
+from smarig.control.tracking.reference import Reference
+from smarig.core.command import Drive, Mark, Protocol
+from smarig.core.sample import Sample
+from smarig.protocols.initialise import initialise
+
+CLOSED, OPENED = "closed loop", "loop opened"  # labels of the marks that begin and end it
+
+
+def track(
+    controller_model: ControllerModel,
+    make: ControllerFactory,
+    reference: Reference,
+    *,
+    name: str = "",
+    prepare: bool = True,
+    divergence_limits: DivergenceLimits | None = None,
+) -> Protocol:
+    """Initialise (§5.2.2), close the loop, follow the reference to its end, and let go.
+
+    ``make(known, wanted)`` is a controller; ``name`` is written into the record. Without ``prepare`` it goes on from
+    where the wire is. Raises LimitExceeded when the loop diverges or a controller asks for NaN or infinity, UsageError
+    when it asks for what is no number, or for nothing any more.
+    """
+    setup = controller_model.setup
+    if prepare:
+        yield from initialise(setup)
+    first: Sample = yield Drive(0.0)
+    start_s = first.t_s
+    yield Mark(CLOSED, {"controller": name, "start_s": start_s, "reference": reference.as_data()})
+    divergence_monitor = DivergenceMonitor(divergence_limits or DivergenceLimits(), controller_model.reach)
+    controller = CheckedController(make, controller_model, lambda t_s: reference.at(t_s - start_s), name)
+    commanded_A, applied_A = controller.first(), first.current_command_A
+    for _ in range(max(1, round(reference.duration_s / setup.period_s))):
+        applied_A = limited_current(setup, commanded_A, applied_A)
+        sample: Sample = yield Drive(applied_A)
+        divergence_monitor.check(sample.t_s, sample.position - reference.at(sample.t_s - start_s))
+        commanded_A = controller.after(sample)
+    controller.close()
+    yield Mark(OPENED)
+    yield from ramp_to_zero(setup, applied_A)

@@ -1,0 +1,69 @@
+"""What a file holds, by how it begins, and by its name where that says nothing: so that --force replaces like by like.
+
+Refuses to know what any of it means.
+"""
+
+import re
+from pathlib import Path
+
+RUN, MODEL, PAGE = "a run", "a model", "a page"
+JSON, TOML, TABLE = "JSON", "TOML", "a table of numbers"
+
+_HEAD = 4096  # bytes
+_MAGIC = (
+    (b"SQLite format 3\x00", RUN),
+    (b"PAR1", "a Parquet file"),
+    (b"\x89HDF", "a NetCDF file"),
+    (b"MATLAB 5", "a MATLAB file"),
+    (b"RRF", "a Rerun recording"),
+)
+_NAMES = {
+    ".run.sqlite": RUN,
+    ".model.json": MODEL,
+    ".html": PAGE,
+    ".json": JSON,
+    ".toml": TOML,
+    ".csv": TABLE,
+    ".parquet": "a Parquet file",
+    ".nc": "a NetCDF file",
+    ".mat": "a MATLAB file",
+    ".rrd": "a Rerun recording",
+}
+_TOML_LINE = re.compile(r"""\[{1,2}["'\w. -]+\]{1,2}\s*(#.*)?|["'\w.-]+\s*=.*""")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|nan|[-+]?inf", re.IGNORECASE)
+
+
+def content_kind(path: Path, final_name: str = "") -> str:
+    """A word or two for what is in a file; "" for an empty one, "something else" where nothing tells.
+
+    ``final_name``: the name it is to have, if not its own.
+    """
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    if not head.strip():
+        return ""
+    binary = next((kind for magic, kind in _MAGIC if head.startswith(magic)), "")
+    return binary or _text(head.decode("utf-8", errors="replace")) or _kind_by_name(final_name or path.name)
+
+
+def _text(head: str) -> str:
+    words = head.lstrip("\ufeff \t\r\n")
+    if words[:9].lower() == "<!doctype" or words[:5].lower() == "<html":
+        return PAGE
+    if words.startswith("{"):
+        return MODEL if re.search(r'"format"\s*:\s*"smarig model"', words) else JSON
+    lines = [line.strip() for line in words.splitlines()]
+    content_lines = [line for line in lines if line and not line.startswith("#")]
+    if content_lines and _TOML_LINE.fullmatch(content_lines[0]):
+        return TOML
+    return TABLE if any(_is_number_row(line) for line in content_lines[1:3]) else ""
+
+
+def _is_number_row(line: str) -> bool:
+    """Whether a line is one of a table: nothing but numbers, some of which may be missing."""
+    cells = [cell for cell in re.split(r"[,;\s]+", line) if cell]
+    return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
+
+
+def _kind_by_name(name: str) -> str:
+    return next((kind for end, kind in _NAMES.items() if name.lower().endswith(end)), "something else")

@@ -1,0 +1,73 @@
+"""A TOML file read into a frozen, checked value; every mistake is one sentence with its key.
+
+Knows no schema: rigs, mappings, register maps and faults bring their own.
+"""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from smarig.core.catalogue import suggestion
+from smarig.core.errors import ConfigError, UsageError
+
+Number = Annotated[
+    float, Field(strict=True, allow_inf_nan=False)
+]  # "1.0", true and inf are mistakes, not numbers
+
+
+class TomlTable(BaseModel):
+    """A frozen table of a configuration file; unknown keys are errors."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+SchemaType = TypeVar("SchemaType", bound=BaseModel)
+
+
+def load(schema: type[SchemaType], path: Path) -> SchemaType:
+    """Read and check a TOML file against a schema; ConfigError names file, key and what was expected."""
+    return check(schema, read_toml(path), str(path))
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """A TOML file as a dictionary; ConfigError with the line on a syntax error."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path} is not valid TOML: {error}.") from None
+
+
+def check(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
+    """Validate data against a schema; every problem in one ConfigError."""
+    try:
+        return schema.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError("\n".join(f"{where}: {_sentence(e, schema)}" for e in error.errors())) from None
+
+
+def _sentence(error: Any, schema: type[BaseModel]) -> str:
+    key = ".".join(str(part) for part in error["loc"]) or "file"
+    if error["type"] == "extra_forbidden":
+        return f"unknown key '{key}'{suggestion(str(error['loc'][-1]), _keys(schema, error['loc'][:-1]))}"
+    if error["type"] == "missing":
+        return f"key '{key}' is missing."
+    message = error["msg"].removeprefix("Value error, ")
+    value_text = "" if isinstance(error["input"], dict) else f" (given: {error['input']!r})"
+    return f"{key}: {message}{value_text}."
+
+
+def _keys(schema: type[BaseModel], path: tuple) -> list[str]:
+    for part in path:
+        if isinstance(part, int):
+            continue
+        fields = schema.model_fields.get(str(part))
+        inner = fields.annotation if fields else None
+        inner = next((a for a in get_args(inner) if isinstance(a, type)), inner)
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return sorted(schema.model_fields)
+        schema = inner
+    return sorted(schema.model_fields)

@@ -1,0 +1,1 @@
+"""Instruments: what bytes mean, what moves them, one driver per instrument."""

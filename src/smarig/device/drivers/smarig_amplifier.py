@@ -1,0 +1,141 @@
+"""The current amplifier of firmware_protocol/amplifier.toml: lease, limits and trips are its own."""
+
+from collections.abc import Mapping
+
+from smarig.config import LinkFile, RigFile
+from smarig.core.errors import ConfigError, SmarigError
+from smarig.core.sample import Quality
+from smarig.device.drivers._conversation import Conversation, Status
+from smarig.device.drivers._roles import CurrentReading
+from smarig.device.links.link import Link, let_go_on_failure
+from smarig.device.links.opening import opened
+from smarig.device.wire.link_faults import Rebooted, Refused
+from smarig.device.wire.register import load_map
+
+TRIES_OFF = 3
+
+
+def smarig_amplifier(where: LinkFile, rig: RigFile) -> "SmarigAmplifier":
+    """The amplifier of a rig file, handshaken, off, its settings written."""
+    with let_go_on_failure(opened(where, load_map("amplifier").device.default_address)) as link:
+        return SmarigAmplifier(link, _settings(rig))
+
+
+def _settings(rig: RigFile) -> dict[str, float]:
+    """Values of the settings block, in units."""
+    p = rig.protection
+    if p is None:
+        raise ConfigError(f"Rig '{rig.name}' has no table [protection], which its amplifier needs.")
+    return {
+        "period": rig.period_s,
+        "lease": rig.lease_s,
+        "current_min": rig.limits.current_min_A,
+        "current_max": rig.limits.current_max_A,
+        "slew_max": p.slew_max_A_per_s,
+        "resistance_min": p.resistance_min_ohm,
+        "resistance_max": p.resistance_max_ohm,
+        "heat_max": p.heat_max_A2s,
+        "heat_settle": p.heat_settle_s,
+    }
+
+
+class SmarigAmplifier:
+    """Off until a current is set; ``settings``: values in units by register of the settings block."""
+
+    def __init__(self, link: Link, settings: dict[str, float]) -> None:
+        self.map = load_map("amplifier")
+        self.talk = Conversation(link, self.map)
+        self._settings = {name: self.map[name].value.encode(value) for name, value in settings.items()}
+        self._orders = {name: int(code) for code, name in self.map["order"].values.items()}
+        self._states = {name: int(code) for code, name in self.map["state"].values.items()}
+        self._current = self.map["current"].value
+        self._fields = self.map.fields("current", "voltage", "temperature", "marks")
+        self._marks = {name: 1 << int(bit) for bit, name in self._fields[-1].flags.items()}
+        self._raw, self._armed = 0, False
+        self.tripped = ""
+        self.has_lease = True
+        self.arm()
+
+    def arm(self) -> None:
+        """Ready for a current: the right device, off, a trip cleared, settings as they should be."""
+        self.talk.handshake()
+        self._raw = 0
+        self._look(self.talk.command({"order": self._orders["off"]}))
+        self.talk.settings(self._settings)
+
+    def set(self, current_A: float) -> int:
+        """From the next tick on; nothing where it has tripped, which ``tripped`` tells then."""
+        if self.tripped:
+            return self.tick()
+        raw = self._current.encode(current_A)
+        order = "none" if self._armed else "arm"
+        status = self._command_or_trip_status({"order": self._orders[order], "current": raw})
+        self._look(status)
+        self._raw = 0 if self.tripped else raw
+        return status.values["tick"]
+
+    @property
+    def identity(self) -> str:
+        """The device, its map and how often it has started."""
+        return self.talk.identity
+
+    def since(self, tick: int, at_most: int) -> list[CurrentReading]:
+        """Feeds the lease, too."""
+        status = self._command_or_trip_status({"current": self._raw, "ring_next": tick}, at_most)
+        self._look(status)
+        first = self.talk.first_tick(status, tick)
+        mark = Quality.RETRIED if status.retried else Quality.GOOD
+        return [self._reading(first + k, record, mark) for k, record in enumerate(status.records)]
+
+    def _reading(self, tick: int, record: tuple[int, ...], mark: Quality) -> CurrentReading:
+        current, voltage, temperature, marks = (f.decode(raw) for f, raw in zip(self._fields, record))
+        quality = int(mark)
+        quality |= Quality.SATURATED if int(marks) & self._marks["saturated"] else 0
+        quality |= Quality.TRIPPED if int(marks) & self._marks["tripped"] else 0
+        return CurrentReading(tick, current, voltage, temperature, Quality(quality))
+
+    def tick(self) -> int:
+        """The last tick it has."""
+        return self.talk.command({"current": self._raw}).values["tick"]
+
+    def _command_or_trip_status(self, values: Mapping[str, int], records: int = 0) -> Status:
+        """A command; if it is refused because of a trip, what there is to see of that, at no current."""
+        try:
+            return self.talk.command(values, records)
+        except Refused as refused:
+            status = self.talk.command({**values, "order": self._orders["none"], "current": 0}, records)
+            if not status.values["trip"]:
+                raise refused
+            return status
+
+    def _look(self, status: Status) -> None:
+        """Is it armed; has it tripped, and why? A tripped one is asked for no current any more."""
+        self._armed = status.values["state"] == self._states["armed"]
+        code = status.values["trip"]
+        if code:
+            fault = self.map.faults.get(code)
+            what = f"{fault.name}. {fault.cause} {fault.remedy}" if fault else f"cause {code}."
+            self._raw, self.tripped = 0, f"The {self.talk.name} has switched its output off: {what}"
+        else:
+            self.tripped = ""
+
+    def off(self) -> str:
+        """Output to zero and disarmed, as it says itself; else its lease does it, and a sentence says so."""
+        self._raw = 0
+        try:
+            for _ in range(TRIES_OFF):
+                status = self.talk.command({"order": self._orders["off"]})
+                self._look(status)
+                if not self._armed and not status.values["output"]:
+                    return ""
+            problem = "says that it still drives the wire: without a word it is to stop"
+        except Rebooted:  # off since it started
+            return ""
+        except SmarigError:
+            problem = "could not be told to switch off: without a word it does so"
+        lease_s = self.map["lease"].value.decode(self._settings["lease"])
+        return f"The {self.talk.name} {problem} within {lease_s:g} s, its lease."
+
+    def close(self) -> None:
+        """Let go of the line."""
+        self.talk.link.close()

@@ -1,0 +1,54 @@
+"""The encoder DAQ of firmware_protocol/encoder_daq.toml: it counts and keeps time by itself."""
+
+from smarig.config import LinkFile, RigFile
+from smarig.core.sample import Quality
+from smarig.device.drivers._conversation import Conversation
+from smarig.device.drivers._roles import PositionReading
+from smarig.device.links.link import Link, let_go_on_failure
+from smarig.device.links.opening import opened
+from smarig.device.wire.register import load_map
+
+
+def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":
+    """The encoder of a rig file, handshaken, its period written."""
+    with let_go_on_failure(opened(where, load_map("encoder_daq").device.default_address)) as link:
+        return SmarigEncoderDaq(link, rig.period_s)
+
+
+class SmarigEncoderDaq:
+    """Opened: its period is written."""
+
+    def __init__(self, link: Link, period_s: float) -> None:
+        self.map = load_map("encoder_daq")
+        self.talk = Conversation(link, self.map)
+        _, self._ambient, _ = self.map.fields("counts", "ambient", "marks")
+        self.talk.handshake()
+        self.talk.settings({"period": self.map["period"].value.encode(period_s)})
+
+    @property
+    def identity(self) -> str:
+        """The device, its map and how often it has started."""
+        return self.talk.identity
+
+    def since(self, tick: int, at_most: int) -> list[PositionReading]:
+        """Samples from its ring."""
+        status = self.talk.command({"ring_next": tick}, at_most)
+        first = self.talk.first_tick(status, tick)
+        mark = Quality.RETRIED if status.retried else Quality.GOOD
+        return [
+            PositionReading(first + k, counts, self._ambient.decode(ambient), mark)
+            for k, (counts, ambient, _) in enumerate(status.records)
+        ]
+
+    def tick(self) -> int:
+        """The last tick it has."""
+        return self.talk.command({}).values["tick"]
+
+    def zero(self) -> None:
+        """Where it stands is 0 from the next tick on."""
+        order = next(int(code) for code, name in self.map["order"].values.items() if name == "zero")
+        self.talk.command({"order": order})
+
+    def close(self) -> None:
+        """Let go of the line."""
+        self.talk.link.close()

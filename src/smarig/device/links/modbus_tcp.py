@@ -1,0 +1,90 @@
+"""Modbus TCP by pymodbus, whose minor version is pinned: its interface changes from one to the next.
+
+The only module that imports it.
+"""
+
+import contextlib
+import logging
+import time
+
+from pymodbus import ModbusException
+from pymodbus.client import ModbusTcpClient
+from pymodbus.pdu import ExceptionResponse
+
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.link_faults import Garbled, Silent
+from smarig.device.wire.rtu import function as _function
+
+logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it has to say is said once, by us
+
+
+class ModbusTcp:
+    """A device behind host and port, by its Modbus address; it retries nothing by itself."""
+
+    def __init__(self, host: str, port: int, address: int, timeout_s: float) -> None:
+        self.where = f"tcp://{host}:{port}"
+        self._host, self._port, self._address = host, port, address
+        self._timeout_s = timeout_s  # of a connection and of a reply alike
+        self._client: ModbusTcpClient | None = None
+        self.reopen()
+
+    def exchange(self, exchange: Exchange) -> list[int] | Refusal:
+        """Send and wait; late replies to older requests are dropped by their transaction number."""
+        client = self._client
+        if client is None:
+            raise Silent(f"{self.where} is not open. {Silent.remedy}")
+        started = time.monotonic()
+        try:
+            reply = self._send_request(client, exchange)
+        except (ModbusException, OSError):
+            if time.monotonic() - started >= 0.9 * self._timeout_s:
+                raise Silent(
+                    f"{self.where}: no answer within {self._timeout_s:g} s. {Silent.remedy}"
+                ) from None
+            raise Garbled(
+                f"{self.where}: no whole reply, or the connection was cut. {Garbled.remedy}"
+            ) from None
+        if reply.function_code & 0x7F != _function(exchange):
+            raise Garbled(f"{self.where}: a reply to function {reply.function_code & 0x7F}. {Garbled.remedy}")
+        if isinstance(reply, ExceptionResponse):
+            return Refusal(reply.exception_code)
+        words = list(reply.registers) if exchange.count else []
+        if len(words) != exchange.count:
+            raise Garbled(
+                f"{self.where}: {len(words)} words came where {exchange.count} were asked for. {Garbled.remedy}"
+            )
+        return words
+
+    def _send_request(self, client: ModbusTcpClient, e: Exchange):
+        if not e.words:
+            return client.read_holding_registers(e.read_at, count=e.count, device_id=self._address)
+        if not e.count:
+            return client.write_registers(e.write_at, list(e.words), device_id=self._address)
+        return client.readwrite_registers(
+            read_address=e.read_at,
+            read_count=e.count,
+            write_address=e.write_at,
+            values=list(e.words),
+            device_id=self._address,
+        )
+
+    def more(self, exchange: Exchange) -> list[int] | Refusal:
+        """Replies carry the number of their request, so a late one is never taken for the next: there is no more."""
+        del exchange
+        raise Silent(f"{self.where}: no other reply. {Silent.remedy}")
+
+    def reopen(self) -> None:
+        """Close and connect; Silent where nobody listens."""
+        self.close()
+        client = ModbusTcpClient(self._host, port=self._port, timeout=self._timeout_s, retries=0)
+        if not client.connect():
+            client.close()
+            raise Silent(f"{self.where}: nobody listens there. {Silent.remedy}")
+        self._client = client
+
+    def close(self) -> None:
+        """Hang up."""
+        client, self._client = self._client, None
+        if client is not None:
+            with contextlib.suppress(Exception):
+                client.close()

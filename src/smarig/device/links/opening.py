@@ -1,0 +1,56 @@
+"""Which link a rig file asks for, opened."""
+
+from urllib.parse import urlsplit
+
+from smarig.config import LinkFile
+from smarig.core.errors import ConfigError
+from smarig.device.links.link import Link
+from smarig.device.links.modbus_tcp import ModbusTcp
+from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
+
+PORT = 502
+NETWORK = ("socket", "rfc2217")  # pyserial's, with host and port
+
+
+def opened(where: LinkFile, default_address: int) -> Link:
+    """The line to one device. Raises Silent where there is none, ConfigError where the file does not say which."""
+    if not where.url:
+        raise ConfigError(
+            "The rig file does not say where its devices are: give links.DEVICE.url, or [simulator]."
+        )
+    address = where.address or default_address
+    match where.framing:
+        case "modbus_tcp":
+            host, port = _place(where.url)
+            return ModbusTcp(host, port, address, where.timeout_s)
+        case "modbus_rtu":
+            return SerialLine(_line(where.url), rtu_framing(address), where.timeout_s, where.baud)
+        case "lines":
+            return SerialLine(_line(where.url), TEXT, where.timeout_s, where.baud)
+
+
+def _place(url: str) -> tuple[str, int]:
+    try:
+        parts = urlsplit(url)
+        host, port = parts.hostname or "", PORT if parts.port is None else parts.port
+        host.encode("idna")
+    except ValueError:
+        parts, host, port = None, "", 0
+    if parts is None or parts.scheme != "tcp" or not host or not port:
+        raise ConfigError(f"'{url}' is no address of Modbus TCP; write tcp://HOST:PORT.")
+    return host, port
+
+
+def _line(url: str) -> str:
+    """A serial port's name, or a URL of a network port that says where it is."""
+    kind, network, rest = url.partition("://")
+    if not network:
+        return url
+    try:
+        parts = urlsplit(f"tcp://{rest}")
+        whole = bool(parts.hostname and parts.port)
+    except ValueError:
+        whole = False
+    if kind in NETWORK and not whole:
+        raise ConfigError(f"'{url}' is no address of a serial port on the network; write {kind}://HOST:PORT.")
+    return url

@@ -1,0 +1,128 @@
+"""A serial port, or anything pyserial takes for one (``socket://``, ``rfc2217://``), with either framing on it."""
+
+import contextlib
+import importlib
+import re
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import serial
+
+from smarig.device.wire import lines, rtu
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.link_faults import Garbled, Silent
+
+_TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
+PORT_ERRORS = (
+    serial.SerialException,
+    OSError,
+    ValueError,
+    re.error,
+    *_TERMIOS,
+)  # an unplugged port raises any of these
+LONGEST = 4096  # bytes of noise that are kept
+
+
+@dataclass(frozen=True)
+class Framing:
+    """How an exchange becomes bytes and is found in bytes again."""
+
+    request: Callable[[Exchange], bytes]
+    find: Callable[[Exchange, bytes], list[int] | Refusal | None]
+
+
+TEXT = Framing(lines.request, lines.find)
+
+
+def rtu_framing(address: int) -> Framing:
+    """Modbus RTU to one address."""
+    return Framing(lambda e: rtu.request(address, e), lambda e, data: rtu.find(address, e, data))
+
+
+class SerialLine:
+    """A port that is opened for itself alone, and at once read as far as a reply goes."""
+
+    def __init__(self, url: str, framing: Framing, timeout_s: float, baud: int = 115200) -> None:
+        self.where, self._framing, self._timeout_s, self._baud = url, framing, timeout_s, baud
+        self._port: serial.Serial | None = None
+        self._received = b""
+        self.reopen()
+
+    def exchange(self, exchange: Exchange) -> list[int] | Refusal:
+        """Send and wait; what was heard before is thrown away."""
+        try:
+            port = self._opened()
+            self._received = b""
+            port.reset_input_buffer()
+            port.write(self._framing.request(exchange))
+        except PORT_ERRORS as error:
+            raise self._port_closed(error) from None
+        return self.more(exchange)
+
+    def more(self, exchange: Exchange) -> list[int] | Refusal:
+        """Listen until a reply is whole or time is over."""
+        end = time.monotonic() + self._timeout_s
+        received_any = bool(self._received)
+        while True:
+            try:
+                left = end - time.monotonic()
+                data = self._read(left) if left > 0 else b""
+            except PORT_ERRORS as error:
+                raise self._port_closed(error) from None
+            if not data:
+                kind = Garbled if received_any else Silent
+                raise kind(
+                    f"{self.where}: {'no whole reply' if received_any else 'no answer'} within {self._timeout_s:g} s. "
+                    f"{kind.remedy}"
+                )
+            received_any = True
+            self._received = (self._received + data)[-LONGEST:]
+            found = self._framing.find(exchange, self._received)
+            if found is not None:
+                self._received = b""
+                return found
+
+    def _read(self, left_s: float) -> bytes:
+        """A first byte when it comes, then what is there: a reply may come in pieces."""
+        port = self._opened()
+        port.timeout = left_s
+        first = port.read(1)
+        if not first:
+            return b""
+        waiting = min(port.in_waiting, LONGEST)
+        return first + (port.read(waiting) if waiting else b"")
+
+    def reopen(self) -> None:
+        """Close and open; Silent where there is no such port."""
+        self.close()
+        try:
+            self._port = serial.serial_for_url(
+                self.where,
+                baudrate=self._baud,
+                timeout=0.1,
+                write_timeout=None if self.where.startswith("rfc2217:") else self._timeout_s,  # it knows none
+                do_not_open=True,
+            )
+            with contextlib.suppress(*PORT_ERRORS):
+                self._port.exclusive = True  # sockets have no such thing
+            self._port.open()
+        except PORT_ERRORS as error:
+            self.close()
+            raise self._port_closed(error) from None
+
+    def close(self) -> None:
+        """Let go of the port."""
+        port, self._port = self._port, None
+        if port is not None:
+            with contextlib.suppress(*PORT_ERRORS):
+                port.close()
+
+    def _opened(self) -> serial.Serial:
+        if self._port is None:
+            raise Silent(f"{self.where} is not open. {Silent.remedy}")
+        return self._port
+
+    def _port_closed(self, error: BaseException) -> Silent:
+        return Silent(f"{self.where} cannot be used: {error}. {Silent.remedy}")

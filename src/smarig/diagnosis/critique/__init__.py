@@ -1,0 +1,1 @@
+"""Is anything left beyond noise: residuals against null data."""

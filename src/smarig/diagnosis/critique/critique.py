@@ -1,0 +1,130 @@
+"""A model judged against a story: is anything wrong at all, and which candidates gain more than noise would give?
+
+Every candidate's gain is measured in the spread of its own gains on nulls, (g − q50)/(q95 − q50); the largest of
+them is compared with the largest in each null (Westfall and Young's max statistic), so that the chance of any false
+alarm is α, however many candidates compete. Knows no effect by name.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.critique.null_data import null_data
+from smarig.diagnosis.critique.refit import Refit, refit
+from smarig.diagnosis.explain.candidates import Candidate, generic, named, whitened
+from smarig.plant.effect import EffectType
+from smarig.preisach.sensitivity import sensitivities
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.prediction import Prediction, predict
+from smarig.replay.timeline import Timeline
+
+Array = NDArray[np.float64]
+NULLS = 400
+ALPHA = 0.03
+MIN_SPREAD_NATS = 1.5  # nats, about what one free strength gains by chance: none is told by a hair
+
+
+@dataclass(frozen=True, eq=False)
+class CandidateScore:
+    """A candidate's gain (nats), its null's median and 95 % point, and the gain in that spread."""
+
+    candidate: Candidate
+    gain: float
+    median: float
+    high: float
+
+    @property
+    def net(self) -> float:
+        """Gain beyond what nothing gains."""
+        return self.gain - self.median
+
+    @property
+    def standard(self) -> float:
+        """In spreads of its own null."""
+        return self.net / max(self.high - self.median, MIN_SPREAD_NATS)
+
+
+@dataclass(frozen=True, eq=False)
+class Critique:
+    """A subject (with the effects it already has) judged: scores, and the threshold of their largest."""
+
+    timeline: Timeline
+    plant_model: PlantModel
+    prediction: Prediction
+    refitted: Refit
+    scores: tuple[CandidateScore, ...]
+    threshold: float
+    p_value: float
+
+    @property
+    def silent(self) -> bool:
+        """Whether nothing stands out."""
+        return self.largest.standard <= self.threshold
+
+    @property
+    def largest(self) -> CandidateScore:
+        """What stands out most."""
+        return max(self.scores, key=lambda s: s.standard)
+
+    def best(self, count: int, *, generic: bool = False) -> list[CandidateScore]:
+        """The candidates, named or generic, that gain most, and after each that which stands out most."""
+        kind = [s for s in self.scores if s.candidate.generic is generic and s.net > 0]
+        by_gain = sorted(kind, key=lambda s: -s.net)
+        by_standard = sorted(kind, key=lambda s: -s.standard)
+        found = {id(s): s for pair in zip(by_gain, by_standard) for s in pair}
+        return list(found.values())[:count]
+
+
+def critique(
+    timeline: Timeline,
+    plant_model: PlantModel,
+    effect_types: Sequence[EffectType],
+    *,
+    count: int = NULLS,
+    alpha: float = ALPHA,
+    seed: int = 0,
+    warm_start: Critique | None = None,
+    all_nuisances: bool = False,
+    noise_of: Critique | None = None,
+) -> Critique:
+    """Judge a subject by a story against ``count`` nulls at the level α.
+
+    ``warm_start``: noise as in another, refined; ``noise_of``: noise as in another; ``all_nuisances``: as little noise as there is
+    when anything may be wrong.
+    """
+    prediction = predict(timeline, plant_model)
+    present = {effect.kind.name for effect in plant_model.planted}
+    effect_types = [kind for kind in effect_types if kind.name not in present]
+    slope = (
+        np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)])
+        * prediction.output_slope
+    )
+    raw_candidates = [
+        *named(timeline, plant_model, prediction, effect_types),
+        *generic(timeline, plant_model, prediction, slope),
+    ]
+    nuisance_terms = [traces for c in raw_candidates for traces in c.typical]
+    refitted = refit(
+        timeline,
+        prediction,
+        plant_model,
+        nuisance_terms,
+        warm_start and warm_start.refitted,
+        all_nuisances=all_nuisances,
+        noise_of=noise_of and noise_of.refitted,
+    )
+    null_readings = null_data(prediction, plant_model, refitted, count, seed)
+    scores, standard = [], []
+    for candidate in (whitened(c, refitted) for c in raw_candidates):
+        by_chance = candidate.gain(null_readings)
+        median, high = np.quantile(by_chance, [0.5, 0.95])
+        score = CandidateScore(candidate, float(candidate.gain(refitted.data)[0]), float(median), float(high))
+        scores.append(score)
+        standard.append((by_chance - median) / max(high - median, MIN_SPREAD_NATS))
+    largest = np.sort(np.max(standard, axis=0))
+    threshold = float(largest[min(int(np.ceil((count + 1) * (1 - alpha))), count) - 1])
+    observed_largest = max(s.standard for s in scores)
+    p = (1 + int(np.sum(largest >= observed_largest))) / (count + 1)
+    return Critique(timeline, plant_model, prediction, refitted, tuple(scores), threshold, p)

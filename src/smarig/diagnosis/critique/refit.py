@@ -1,0 +1,256 @@
+"""Everything refitted at once: what data leave unexplained whatever density the hysteresis has.
+
+    y = Γ[u] + e,    Γ of any smooth density (``density_prior``),    e ~ N(0, Σ)     ⇒     y ~ N(0, C)
+
+How smooth, and how large the noise, are those of largest likelihood. An effect's trace t then explains
+½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone could. Knows no effects.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from smarig.diagnosis import measured_input
+from smarig.diagnosis.critique.density_posterior import DensityPosterior
+from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.critique.nuisance_terms import likeliest_nuisance
+from smarig.diagnosis.critique.reading_noise import (
+    independent_block,
+    output_rate,
+    reading_scales,
+    session_means,
+)
+from smarig.diagnosis.critique.variance_components import (
+    LOG_FLUCTUATION_START,
+    START,
+    ReadingCovariance,
+    bounds_of,
+)
+from smarig.diagnosis.explain.density_prior import density_prior
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS, Prediction, predict
+from smarig.replay.timeline import Timeline
+
+Array = NDArray[np.float64]
+CORRELATIONS_S = (120.0, 30.0, 300.0)
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseEstimate:
+    """Standard deviations: ``white`` (n,) of each coupled reading by itself, temperature (K), settled positions.
+
+    ``moving`` is the usual one of positions on their way, 0 where none was read.
+    """
+
+    white: Array
+    temperature_K: float
+    correlation_s: float
+    settled: float
+    moving: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """The stacked readings of a story, whitened: ``factor`` (N, N) is the Cholesky factor of C.
+
+    ``scale`` (N,) divides each reading; ``data`` (N,) are the readings so divided, whitened; ``fitted`` (coupled,)
+    what the refitted density says there beyond what the subject's does, in their unit. ``log_components`` are the
+    log₁₀ of the density's parts' variances, s_m, s₀ and s_T; ``posterior`` the density that these readings speak for.
+    """
+
+    factor: Array
+    scale: Array
+    data: Array
+    noise: NoiseEstimate
+    fitted: Array
+    log_evidence: float
+    coupled: int
+    log_components: Array
+    posterior: DensityPosterior
+
+    def centred(self, rest: Array, timeline: Timeline) -> Array:
+        """Whitened (N,) readings minus predictions, the free constants of blocks apart taken out as in ``data``."""
+        at = 0
+        rest = rest.copy()
+        for r in timeline.all_readings:
+            if r.kind not in OUTPUT_DEPENDENT_KINDS and r.kind != "current":
+                rest[at : at + len(r)] -= session_means(rest[at : at + len(r)], r, timeline)
+            at += len(r)
+        return self.whitened(rest)
+
+    def whitened(self, traces: Array) -> Array:
+        """L⁻¹ of traces in the readings' units, (N,) or (N, m)."""
+        scaled = traces / (self.scale if traces.ndim == 1 else self.scale[:, None])
+        return solve_triangular(self.factor, scaled, lower=True, check_finite=False)
+
+
+def refit(
+    timeline: Timeline,
+    prediction: Prediction,
+    plant_model: PlantModel,
+    nuisance_terms: Sequence[Array] = (),
+    warm_start: "Refit | None" = None,
+    *,
+    all_nuisances: bool = False,
+    noise_of: "Refit | None" = None,
+) -> Refit:
+    """Likelihood-best smoothness and noise for a story as retold, and its readings whitened by them.
+
+    ``nuisance_terms``: sets of traces (N, k), of which any one may be in the readings with strengths ~ N(0, 1); the noise
+    is the likeliest with the likeliest of them, or with none, so no hidden effect passes for noise. ``all_nuisances``: all
+    may be in at once. ``warm_start``: begin where another refit ended; ``noise_of``: spreads as in another.
+    """
+    coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
+    y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
+    span, n, h = plant_model.stroke, y.size, plant_model.hysteresis
+    path = prediction.outputs_along(h, plant_model.initial, prediction.hysteresis_input_K)
+    effect_contribution = _effect_contribution(timeline, prediction, plant_model)
+    white, free, scale, output_slope = reading_scales(
+        timeline, prediction, plant_model, coupled, output_rate(prediction, path), effect_contribution
+    )
+    prior = density_prior(prediction, h, path, prediction.output)
+    full_output = y + prediction.output_slope * (
+        prediction.output - h.y_lower
+    )  # of any hysteresis, not only a change of this one
+    is_moving = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
+    reading_covariance = ReadingCovariance(
+        full_output / scale,
+        prior.covariances,
+        free,
+        white,
+        is_moving,
+        output_slope,
+        bounds_of(timeline, plant_model),
+    )
+    J, times = memory_slopes(h, prediction)
+    memories = [
+        (seconds, memory_covariance(J, times, seconds) / span**2)
+        for seconds in _correlations_s(timeline, noise_of or warm_start)
+    ]
+    if noise_of is not None:
+        found, (correlation, memory) = noise_of.log_components, memories[0]
+        cost = reading_covariance.cost(memory, found)
+    else:
+        start_components, sets = (
+            START if warm_start is None else warm_start.log_components,
+            [t[:n] / scale[:, None] for t in nuisance_terms],
+        )
+        cost, found, correlation, memory = _likeliest_components(
+            reading_covariance, memories, start_components, sets, all_nuisances
+        )
+    *variances, _, s0, s_T = 10.0**found
+    noise_part, density = (
+        reading_covariance.noise_covariance(memory, found),
+        reading_covariance.density(found),
+    )
+    C = output_slope[:, None] * density * output_slope + free + noise_part
+    others = [
+        independent_block(r, timeline, prediction)
+        for r in timeline.all_readings
+        if r.kind not in OUTPUT_DEPENDENT_KINDS
+    ]
+    factor, scales, data = _stacked([(C, scale, y), *others])
+    whitened = solve_triangular(factor, data / scales, lower=True, check_finite=False)
+    independent_cost = float(
+        0.5 * whitened[n:] @ whitened[n:] + np.log(np.diag(factor)[n:] * scales[n:]).sum()
+    )
+    dual_weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
+    sd = np.sqrt(np.diag(noise_part) - s_T**2 * output_slope**2 * np.diag(memory)) * scale
+    moving_sd = float(np.median(sd[is_moving > 0])) if is_moving.any() else 0.0
+    zero_scale = scale * ((white < 1.0) & (prediction.session == 0))
+    return Refit(
+        factor,
+        scales,
+        whitened,
+        NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd),
+        y - scale * (noise_part @ dual_weights),
+        -cost - float(np.log(scale).sum()) - independent_cost,  # of readings in their own units
+        n,
+        found,
+        DensityPosterior(
+            prior,
+            np.array(variances),
+            density,
+            output_slope,
+            factor[:n, :n],
+            free,
+            dual_weights,
+            zero_scale,
+            span,
+            h.y_lower,
+            timeline.unit,
+        ),
+    )
+
+
+def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[float, ...]:
+    """Correlation times of remembered noise worth trying."""
+    if warm_start is not None:
+        return (warm_start.noise.correlation_s,)
+    return measured_input.correlations_s(timeline) if timeline.measured_input else CORRELATIONS_S
+
+
+def _likeliest_components(
+    reading_covariance: ReadingCovariance,
+    memories: Sequence[tuple[float, Array]],
+    start_components: Array,
+    sets: Sequence[Array],
+    all_nuisances: bool,
+) -> tuple[float, Array, float, Array]:
+    """As ``_over_correlation_times``, with the likeliest suspect aside, or with all."""
+    found = _over_correlation_times(reading_covariance, memories, start_components)
+    if not sets:
+        return found
+    nuisance = (
+        np.column_stack(sets)
+        if all_nuisances
+        else likeliest_nuisance(reading_covariance, found[3], found[:2], sets)
+    )
+    return (
+        found
+        if nuisance is None
+        else _over_correlation_times(reading_covariance, memories, found[1], nuisance)
+    )
+
+
+def _over_correlation_times(
+    reading_covariance: ReadingCovariance,
+    memories: Sequence[tuple[float, Array]],
+    start_components: Array,
+    nuisance: Array | None = None,
+) -> tuple[float, Array, float, Array]:
+    """(cost, spreads, correlation time, remembered noise per K²) of the correlation time that is likeliest."""
+    best: tuple[float, Array, float, Array] | None = None
+    for seconds, memory in memories:
+        start = start_components if best is None else np.append(best[1][:-1], LOG_FLUCTUATION_START)
+        cost, found = reading_covariance.likeliest(memory, start, nuisance)
+        if best is None or cost < best[0]:
+            best = (cost, found, seconds, memory)
+    assert best is not None  # noqa: S101 - there is always one to try
+    return best
+
+
+def _effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
+    """What the subject's effects change in each coupled reading, (n,)."""
+    if not plant_model.effects:
+        return np.zeros(prediction.output.size)
+    plain = predict(timeline, replace(plant_model, effects=()))
+    return np.concatenate(
+        [
+            prediction.values[r.kind] - plain.values[r.kind]
+            for r in timeline.all_readings
+            if r.kind in OUTPUT_DEPENDENT_KINDS
+        ]
+    )
+
+
+def _stacked(blocks: list[tuple[Array, Array, Array]]) -> tuple[Array, Array, Array]:
+    size = sum(y.size for _, _, y in blocks)
+    factor, at = np.zeros((size, size)), 0
+    for C, _, y in blocks:
+        factor[at : at + y.size, at : at + y.size] = cholesky(C, lower=True, check_finite=False)
+        at += y.size
+    return factor, np.concatenate([s for _, s, _ in blocks]), np.concatenate([y for _, _, y in blocks])

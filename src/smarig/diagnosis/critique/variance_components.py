@@ -1,0 +1,164 @@
+"""Spreads of largest likelihood: how far the density may deviate, how noisy positions are, how draughty the air.
+
+    C(x) = Σ w_k S_k + F + N,    x = log₁₀ (w_k, s_m, s₀, s_T),    − log p(y | x) at its least, by its gradient
+
+Knows no story beyond the bounds it gives.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
+from scipy.optimize import OptimizeResult, minimize
+
+from smarig.diagnosis import measured_input
+from smarig.diagnosis.critique.reading_noise import raw_noise
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.timeline import Timeline
+
+Array = NDArray[np.float64]
+AT_BOUND, LOG_FLUCTUATION_STILL = 0.05, -2.0  # log₁₀: of a bound of s_T; and of s_T in still air
+LOG_FLUCTUATION_START = (
+    -0.8
+)  # log₁₀ of s_T where every search begins: from still air it would not find draughts
+START = np.array(
+    [-0.5, -1.5, -4.5, -4.0, -3.7, LOG_FLUCTUATION_START]
+)  # log₁₀ of spreads: density's parts; s_m, s₀ (ranges); s_T (K)
+MOVING_ERROR_BOUNDS = (
+    1e-5,
+    0.1,
+)  # ranges: what moving positions may miss besides; wrong heat must not bend the density
+MAX_FLUCTUATION_K = 0.4  # what is more is no draught
+MIN_COUNT_SD = 0.1  # counts: no encoder's marks lie better
+MAX_COUNT_SD = 0.6  # counts: no mean of settled samples is worse, unless they scatter
+
+
+def noise_covariance(memory: Array, own_variances: Array, s_T: float, slope: Array) -> Array:
+    """Σ, scaled, of each reading's own variance (n,) and of what the hysteresis remembers."""
+    C = slope[:, None] * (s_T**2 * memory) * slope
+    C[np.diag_indices_from(C)] += own_variances
+    return C
+
+
+def own_variances(white: Array, is_moving: Array, s_m: float, s0: float) -> Array:
+    """Variances (n,): s₀ is in every position, s_m in moving ones, a reading's own noise beside them."""
+    return white**2 + s_m**2 * is_moving + np.where(white < 1.0, s0**2, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ReadingCovariance:
+    """Scaled readings y (n,) and what they spread by: covariances (n, n) of the density's parts, of free constants.
+
+    ``white`` (n,) is each reading's own noise, ``is_moving`` 1 where a position was on its way, ``slope`` (n,) that of a
+    reading to the output in strokes; ``bounds`` those of the spreads.
+    """
+
+    y: Array
+    shapes: tuple[Array, ...]
+    free: Array
+    white: Array
+    is_moving: Array
+    slope: Array
+    bounds: tuple[Array, Array]
+
+    def density(self, log_components: Array) -> Array:
+        """Covariance (n, n) of the outputs, in strokes²."""
+        return np.sum([w * shape for w, shape in zip(10.0**log_components, self.shapes)], axis=0)
+
+    def noise_covariance(self, memory: Array, log_components: Array) -> Array:
+        """Σ (n, n)."""
+        s_m, s0, s_T = 10.0 ** log_components[-3:]
+        return noise_covariance(memory, own_variances(self.white, self.is_moving, s_m, s0), s_T, self.slope)
+
+    def covariance(self, memory: Array, log_components: Array) -> Array:
+        """C (n, n)."""
+        density = self.slope[:, None] * self.density(log_components) * self.slope
+        return density + self.free + self.noise_covariance(memory, log_components)
+
+    def cost(self, memory: Array, log_components: Array) -> float:
+        """− log likelihood at given spreads, with nothing aside."""
+        return self._cost(log_components, self._parts(memory), self.free)[0]
+
+    def likeliest(self, memory: Array, start: Array, nuisance: Array | None = None) -> tuple[float, Array]:
+        """(−log likelihood, log₁₀ of the spreads) at its least; columns ``nuisance`` (n, k) are in, strengths ~ N(0, 1).
+
+        Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each
+        other.
+        """
+        fixed = self.free if nuisance is None else self.free + nuisance @ nuisance.T
+        parts, bounds = self._parts(memory), self.bounds
+
+        def minimised(start: Array) -> OptimizeResult:
+            return minimize(
+                lambda x: self._cost(x, parts, fixed),
+                np.clip(start, *bounds),
+                jac=True,
+                method="L-BFGS-B",
+                bounds=list(zip(*bounds)),
+                options={"maxiter": 30, "ftol": 1e-5},
+            )
+
+        found = minimised(start)
+        if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < AT_BOUND:
+            fluctuating = found.x[-1] > LOG_FLUCTUATION_START
+            second = minimised(
+                np.append(START[:-1], LOG_FLUCTUATION_STILL if fluctuating else LOG_FLUCTUATION_START)
+            )
+            found = min(found, second, key=lambda f: float(f.fun))
+        return float(found.fun), found.x
+
+    def _parts(self, memory: Array) -> list[Array]:
+        return [self.slope[:, None] * shape * self.slope for shape in (*self.shapes, memory)]
+
+    def _cost(self, x: Array, parts: Sequence[Array], fixed: Array) -> tuple[float, Array]:
+        """− log p(y | x) and its gradient."""
+        *weights, s_m, s0, s_T = 10.0**x
+        weights.append(s_T**2)
+        C = fixed.copy()
+        for w, part in zip(weights, parts):
+            C += w * part
+        C[np.diag_indices_from(C)] += own_variances(self.white, self.is_moving, s_m, s0)
+        L, failed = dpotrf(C.T, lower=1, clean=1, overwrite_a=1)  # turned, C is in LAPACK's order: no copy
+        if failed:
+            return 1e12, np.zeros(x.size)
+        a = dpotrs(L, self.y, lower=1)[0]
+        value = 0.5 * float(self.y @ a) + float(np.log(np.diag(L)).sum())
+        inverse = dpotri(L, lower=1, overwrite_c=1)[0].T  # one half of it, in the order of the parts
+        diagonal = np.diag(inverse).copy()
+        by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
+        variance_gradient = diagonal - a * a
+        slopes = [w * b for w, b in zip(weights[:-1], by)]
+        slopes += [
+            2 * s_m**2 * float(variance_gradient @ self.is_moving),
+            2 * s0**2 * float(variance_gradient @ (self.white < 1.0)),
+            2 * s_T**2 * by[-1],
+        ]
+        return value, 0.5 * np.log(10.0) * np.array(slopes)
+
+
+def bounds_of(timeline: Timeline, plant_model: PlantModel) -> tuple[Array, Array]:
+    """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
+    if timeline.measured_input:
+        span = plant_model.hysteresis.upper - plant_model.hysteresis.lower
+        return _with_density(*measured_input.noise_bounds(timeline, span, plant_model.stroke))
+    samples = max(float(np.median([step.n for run in timeline.runs for step in run.settled])), 1.0)
+    sample_noise = raw_noise(timeline, plant_model)
+    minimised, most = (
+        max(sample_noise / np.sqrt(samples), MIN_COUNT_SD * plant_model.per_count) / plant_model.stroke,
+        max(MAX_COUNT_SD * plant_model.per_count, sample_noise) / plant_model.stroke,
+    )
+    return _with_density((minimised, most), (10**-2.5, MAX_FLUCTUATION_K))
+
+
+def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:
+    """Bounds of all spreads, log₁₀: those of the density's parts, then s₀ and s_T as given."""
+    return (
+        np.array(
+            [-6.0, -6.0, -9.0, np.log10(MOVING_ERROR_BOUNDS[0]), np.log10(position[0]), np.log10(kelvin[0])]
+        ),
+        np.array(
+            [2.0, 2.0, 0.0, np.log10(MOVING_ERROR_BOUNDS[1]), np.log10(position[1]), np.log10(kelvin[1])]
+        ),
+    )

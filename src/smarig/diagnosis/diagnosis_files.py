@@ -1,0 +1,43 @@
+"""A diagnosis as a folder: diagnosis.json, and the extended model where there is one. Knows no pages."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from smarig.core import file_content as file_kind
+from smarig.core.atomic_file import atomic_file, check_replaceable
+from smarig.core.errors import StorageError, UsageError
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.thermal.thermal_diagnosis import ThermalDiagnosis
+
+FILES = JSON, MODEL, PAGE = "diagnosis.json", "extended.model.json", "report.html"
+
+
+def prepare_folder(out: Path, *, force: bool) -> None:
+    """Make the folder before hours are spent; UsageError when something would be replaced."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StorageError(f"Folder {out} cannot be made: {error.strerror or error}.") from None
+    for name, kind in zip(FILES, (file_kind.JSON, file_kind.MODEL, file_kind.PAGE)):
+        if (out / name).exists() and not force:
+            raise UsageError(f"{out / name} exists; give another folder or --force to replace it.")
+        check_replaceable(out / name, kind)
+
+
+def write_diagnosis(result: Diagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:
+    """Write what was found; returns the paths, by key of the CLI's JSON object."""
+    paths: dict[str, Any] = {"out": str(out)}
+    if result.extended:
+        paths["model"] = str(result.model.save(out / MODEL, force=force))
+    with atomic_file(out / JSON, force=force) as part:
+        part.write_text(json.dumps(result.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
+    return paths
+
+
+def write_transient(result: ThermalDiagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:
+    """Write what was found on a thermal record; returns the paths, by key of the CLI's JSON object."""
+    paths = {"out": str(out)}
+    with atomic_file(out / JSON, force=force) as part:
+        part.write_text(json.dumps(result.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
+    return paths

@@ -1,0 +1,114 @@
+"""What may be said: silent, a name, a set of names, "unknown, it depends on …", or that these data cannot tell.
+
+    P(explanation) ∝ exp(−lead / T)        lead: nats behind the best;  T: a guess, to be tempered on boxes
+
+Takes decisions from what the search found, and computes nothing of physics.
+"""
+
+from dataclasses import dataclass
+from math import exp, inf
+from typing import Literal
+
+from smarig.diagnosis.critique.critique import CandidateScore, Critique
+from smarig.diagnosis.explain.search import SearchLevel
+
+VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
+LEAD_SCALE_NATS = 4.0  # nats
+SET_PROBABILITY = 0.9  # probability of the set
+GENERIC_ADVANTAGE = 1.5  # a variable that explains so much more than any name is no name's
+MIN_GENERIC_NATS = 30.0  # nats beyond chance for "it depends on"
+MIN_REMAINDER_NATS = (
+    50.0  # nats: the same for what is left beside a name, lest the critic's own time steps speak
+)
+
+
+@dataclass(frozen=True)
+class DiagnosisVerdict:
+    """The word; explanations (tuples of effect names) with probabilities, likeliest first; a variable if unknown.
+
+    ``names`` is the set: every effect of the explanations that together are likely enough.
+    """
+
+    word: VerdictWord
+    explanations: tuple[tuple[tuple[str, ...], float], ...] = ()
+    depends_on: str | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Effects of the likeliest explanations that cover ``SET_PROBABILITY``."""
+        found: dict[str, None] = {}
+        total = 0.0
+        for names, p in self.explanations:
+            if total >= SET_PROBABILITY:
+                break
+            found |= dict.fromkeys(names)
+            total += p
+        return tuple(found)
+
+    def probability(self, name: str) -> float:
+        """Of an effect: the sum over the explanations it is part of."""
+        return sum(p for names, p in self.explanations if name in names)
+
+
+def decide_verdict(first: Critique, levels: list[SearchLevel]) -> DiagnosisVerdict:
+    """The verdict on a first critique and the levels of explanations that passed the search's gate."""
+    variable = _variable(first)
+    if first.silent:
+        return DiagnosisVerdict("silent" if _anything_visible(first) else "not_identifiable")
+    if not levels:
+        return (
+            DiagnosisVerdict("unknown", depends_on=_name(variable))
+            if variable
+            else DiagnosisVerdict("silent")
+        )
+    explanations = _probabilities(levels[-1])
+    unexplained = _unexplained_variable(first, levels)
+    if unexplained:
+        return DiagnosisVerdict("unknown", explanations, _name(variable or unexplained))
+    verdict = DiagnosisVerdict("named", explanations)
+    return (
+        verdict
+        if set(verdict.names) == set(explanations[0][0])
+        else DiagnosisVerdict("ambiguous", explanations)
+    )
+
+
+def _anything_visible(critique: Critique) -> bool:
+    return any(s.candidate.traces.shape[1] for s in critique.scores if not s.candidate.generic)
+
+
+def _name(score: CandidateScore | None) -> str | None:
+    return score.candidate.depends_on if score else None
+
+
+def _variable(critique: Critique) -> CandidateScore | None:
+    """The variable that explains most beyond chance, if any explains enough."""
+    best = critique.best(1, generic=True)
+    return (
+        best[0]
+        if best and best[0].net >= MIN_GENERIC_NATS and best[0].standard > critique.threshold
+        else None
+    )
+
+
+def _unexplained_variable(first: Critique, levels: list[SearchLevel]) -> CandidateScore | None:
+    """A plain variable that explains much more than any name does: at first, or of what is left when all are in."""
+    data, variable = first.refitted.data, _variable(first)
+    if variable:
+        plain = (
+            0.5 * float(variable.candidate.explained_share(data)[0]) * float(data @ data) - variable.median
+        )
+        if plain > GENERIC_ADVANTAGE * max(levels[0].linear_gain, levels[0].gain):
+            return variable
+    remainder, best_effect = _variable(levels[-1].critique), levels[-1].critique.best(1)
+    required_nats = max(MIN_REMAINDER_NATS, GENERIC_ADVANTAGE * (best_effect[0].net if best_effect else 0.0))
+    return remainder if remainder and remainder.net > required_nats else None
+
+
+def _probabilities(level: SearchLevel) -> tuple[tuple[tuple[str, ...], float], ...]:
+    best: dict[tuple[str, ...], float] = {}
+    for k, found in enumerate(level.explanations):
+        best[found.names] = min(best.get(found.names, inf), level.lead(k))
+    weights = {names: exp(-lead / LEAD_SCALE_NATS) for names, lead in best.items()}
+    total = sum(weights.values())
+    return tuple(sorted(((n, w / total) for n, w in weights.items()), key=lambda item: -item[1]))

@@ -1,0 +1,178 @@
+"""Any density that resembles the believed one: the covariance of outputs when μ may deviate in proportion to itself.
+
+    μ = μ₀ Σ_s ε_s + grains,    ε_s: bilinear on a grid of s intervals, independent standard normal at its nodes
+                                grains: each cell for itself, variance g ν, as of a finite number of relays
+
+on a triangle of cells and on a scale on which the output moves evenly, so a steep transformation may be as structured
+as a flat tail. Knows no data but where the memories lie and where the output moves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.sparse import csr_matrix
+
+from smarig.identification.positive.adapted_partition import SAME, adapted_nodes
+from smarig.identification.positive.observations import Observations
+from smarig.identification.positive.triangle import Triangle
+from smarig.preisach.everett import Everett
+from smarig.replay.prediction import Prediction
+
+Array = NDArray[np.float64]
+MIN_INTERVALS, MAX_INTERVALS = (
+    96,
+    160,
+)  # intervals of the partition: enough for every measured level to be a node
+INPUT_SHARE = 0.5  # share of the scale that is plain input
+KNOTS = 11
+HAT_INTERVALS = (6, 20)  # hats across the range: how finely a density may deviate in proportion to itself
+MIN_PRIOR_SHARE = 0.05  # of the mean mass: grains where the model has nothing
+
+
+@dataclass(frozen=True, eq=False)
+class DensityPrior:
+    """Cells of a triangle with believed masses (cells,) in strokes, seen through rows X (n, cells) of its unknowns.
+
+    ``prior_scale`` (cells,): the scale of what may be there besides, as smooth as products of two ``hats`` (N, s + 1), one
+    array for each scale of smoothness; and grains of variance ``prior_scale`` after them.
+    """
+
+    triangle: Triangle
+    rows: csr_matrix
+    mass: Array
+    prior_scale: Array
+    hats: tuple[Array, ...]
+
+    @property
+    def covariances(self) -> tuple[Array, ...]:
+        """(n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then grains."""
+        shapes = [self._hat_responses(hats) for hats in self.hats]
+        return (*(shape @ shape.T for shape in shapes), self._grains())
+
+    def _hat_responses(self, hats: Array) -> Array:
+        """Outputs (n, products) of faint masses times each product of two hats.
+
+        A hat is narrow, so sums are taken over its own cells only; beyond them they change no more.
+        """
+        used = np.unique(self.rows.indices)
+        i, j = self.triangle.i[used], self.triangle.j[used]
+        across = _grid(self.triangle, self.prior_scale[:, None]) * hats  # (α, β, hat over β)
+        np.cumsum(across, axis=1, out=across)
+        sums = []
+        for a, hat in enumerate(hats.T):
+            own = np.flatnonzero(hat)
+            if not own.size:  # between two cells
+                sums.append(np.zeros((used.size, a + 1)))
+                continue
+            low, high = own[0], own[-1] + 1
+            up_to = np.cumsum(hat[low:high, None, None] * across[low:high, :, : a + 1], axis=0)
+            here = up_to[np.clip(i - low, 0, high - low - 1), j]
+            sums.append(np.where((i >= low)[:, None], here, 0.0))
+        return np.asarray(csr_matrix(self.rows[:, used]) @ np.concatenate(sums, axis=1))
+
+    def _grains(self) -> Array:
+        """Two outputs share the grains of the cells that lie below both."""
+        used = np.unique(self.rows.indices)
+        i, j = self.triangle.i[used], self.triangle.j[used]
+        total = np.cumsum(np.cumsum(_grid(self.triangle, self.prior_scale[:, None]), axis=0), axis=1)[:, :, 0]
+        shared = total[np.minimum(i[:, None], i), np.minimum(j[:, None], j)]
+        rows = csr_matrix(self.rows[:, used])
+        return np.asarray(rows @ (rows @ shared).T)
+
+    def outputs(self, mass: Array) -> Array:
+        """At the memories, in strokes, (n,), of masses (cells,)."""
+        return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
+
+    def posterior_masses(
+        self, variances: Array, dual_weights: Array, mass: Array | None = None, *, signed: bool = False
+    ) -> Array:
+        """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``dual_weights`` (n,) = C⁻¹y.
+
+        From the believed masses, or others; where those are negative they may stay so, and all may be if ``signed``.
+        """
+        start_mass = self.mass if mass is None else mass
+        adjoint = _grid(self.triangle, (self.rows.T @ dual_weights)[:, None])[::-1, ::-1]
+        i, j = self.triangle.i, self.triangle.j
+        cells = np.cumsum(np.cumsum(adjoint, axis=0), axis=1)[::-1, ::-1][i, j, 0]
+        weighted_cells = _grid(self.triangle, (self.prior_scale * cells)[:, None])[:, :, 0]
+        increments = [
+            w * self.prior_scale * (hats @ np.tril(hats.T @ weighted_cells @ hats) @ hats.T)[i, j]
+            for w, hats in zip(variances, self.hats)
+        ]
+        grains = variances[len(self.hats)] * self.prior_scale * cells
+        masses = start_mass + np.sum(increments, axis=0) + grains
+        return masses if signed else np.maximum(masses, np.minimum(self.mass, 0.0))
+
+
+def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: Array) -> DensityPrior:
+    """Of a hysteresis along a retelling.
+
+    ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
+    """
+    lower, upper = hysteresis.lower, hysteresis.upper
+    rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
+    nodes = adapted_nodes(rows, _interval_count(rows, upper - lower))
+    triangle = Triangle(nodes, _even_scale(nodes, prediction.hysteresis_input_K, path))
+    X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
+    mass = _model_masses(triangle, hysteresis)
+    prior_scale = np.abs(mass) / (np.abs(mass).sum() or 1.0)
+    prior_scale += MIN_PRIOR_SHARE * prior_scale.mean()
+    return DensityPrior(triangle, X, mass, prior_scale, tuple(_hats(triangle, n) for n in HAT_INTERVALS))
+
+
+def _grid(triangle: Triangle, columns: Array) -> Array:
+    """Values of cells, (cells, k), on the square of α and β, (N, N, k)."""
+    n = triangle.nodes.size - 1
+    grid = np.zeros((n, n, columns.shape[1]))
+    grid[triangle.i, triangle.j] = columns
+    return grid
+
+
+def _below(triangle: Triangle, columns: Array) -> Array:
+    """Sums over the cells with α and β up to those of each, (cells, k): the FOD surface of a mass."""
+    total = np.cumsum(np.cumsum(_grid(triangle, columns), axis=0), axis=1)
+    return total[triangle.i, triangle.j]
+
+
+def _hats(triangle: Triangle, n: int) -> Array:
+    """Hats on a grid of n intervals over the even scale, at the middles of cells: (N, n + 1)."""
+    place = _node_positions(triangle)
+    middle = (place[1:] + place[:-1]) / 2
+    return np.maximum(0.0, 1 - n * np.abs(middle[:, None] - np.linspace(0, 1, n + 1)))
+
+
+def _node_positions(triangle: Triangle) -> Array:
+    span = triangle.nodes[-1] - triangle.nodes[0]
+    return (triangle.nodes - triangle.nodes[0]) / span if triangle.place is None else triangle.place
+
+
+def _interval_count(rows: Observations, span: float) -> int:
+    """Intervals for which ``adapted_nodes`` keeps the levels of the data."""
+    levels = np.unique(np.round(np.concatenate([rows.alpha, rows.beta]) / (SAME * span)))
+    return int(np.clip(2 * levels.size + 6, MIN_INTERVALS, MAX_INTERVALS))
+
+
+def _model_masses(triangle: Triangle, hysteresis: Everett) -> Array:
+    """The mass of each cell as the model has it, in strokes (cells,)."""
+    a, b = np.meshgrid(triangle.nodes, triangle.nodes, indexing="ij")
+    E = np.asarray(hysteresis.swept(a, np.minimum(a, b)))
+    i, j = triangle.i, triangle.j
+    inner_corner = np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)])
+    mass = E[i + 1, j] - E[i, j] - inner_corner
+    return mass / (mass.sum() or 1.0)
+
+
+def _even_scale(nodes: Array, felt: Array, output: Array) -> Array:
+    """Nodes on a scale [0, 1]: half by input, half by how much of all motion lies below, smoothly."""
+    lower, upper = nodes[0], nodes[-1]
+    edges = np.linspace(lower, upper, 41)
+    middle, change = np.clip((felt[1:] + felt[:-1]) / 2, lower, upper), np.abs(np.diff(output))
+    below = np.concatenate([[0.0], np.cumsum(np.histogram(middle, edges, weights=change)[0])])
+    knots = np.linspace(lower, upper, KNOTS)
+    share = np.interp(knots, edges, below / below[-1]) if below[-1] else np.linspace(0, 1, KNOTS)
+    place = PchipInterpolator(knots, INPUT_SHARE * np.linspace(0, 1, KNOTS) + (1 - INPUT_SHARE) * share)(
+        nodes
+    )
+    return np.asarray(place, dtype=float)

@@ -1,0 +1,129 @@
+"""The density identified anew beside effects: what the hysteresis is once the effects are accounted for.
+
+    ν ← max(ν + E[δν | all positions], 0),     δν of the prior of ``free_density`` about ν, spreads the likeliest
+
+turn by turn, until their likelihood rises no more: a prior in proportion to the density is only as
+good as the density. A positive measure fitted to settled positions begins it. Knows no verdict.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from smarig.diagnosis import measured_input as given
+from smarig.diagnosis.critique.refit import Refit, refit
+from smarig.identification.positive.observations import Observations
+from smarig.identification.positive.positive_fit import fit_table
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.prediction import Prediction, predict
+from smarig.replay.timeline import Timeline
+
+START_SMOOTHING = 1e-14  # λ of the measure that begins it
+MAX_ROUNDS = 5
+MIN_ROUND_GAIN = 10.0  # nats: a turn that gains less is the last, for the next would gain a tenth of it
+
+
+def joint_density(
+    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None = None
+) -> tuple[PlantModel, Refit]:
+    """The subject with a new density, and its readings refitted; ``warm_start``: begin where another refit ended.
+
+    Positions alone make the density: what another channel says against it is the effects' business. Where the input
+    was measured it is a positive measure, as smooth as held-out excursions want it.
+    """
+    if timeline.measured_input:
+        plant_model = replace(
+            plant_model, hysteresis=_positive_fit(timeline, predict(timeline, plant_model), plant_model, None)
+        )
+        return plant_model, _refit_without_nuisances(
+            timeline, predict(timeline, plant_model), plant_model, warm_start
+        )
+    return _alternated(timeline, _start(timeline, plant_model, warm_start))
+
+
+def joint_density_from_best_start(
+    timeline: Timeline, plant_model: PlantModel, original: Everett, warm_start: Refit | None = None
+) -> tuple[PlantModel, Refit]:
+    """As ``joint_density``, begun from the given model's density or from a positive measure of settled positions.
+
+    Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
+    """
+    if timeline.measured_input:
+        return joint_density(timeline, plant_model, warm_start)
+    fitted = _positive_fit(timeline, predict(timeline, plant_model), plant_model, START_SMOOTHING)
+    starts = [_start(timeline, replace(plant_model, hysteresis=h), warm_start) for h in (original, fitted)]
+    return _alternated(timeline, max(starts, key=lambda start: start[2].log_evidence))
+
+
+def with_posterior_density(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> PlantModel:
+    """The subject with the density that its refitted readings speak for, or its own where that is nearer to them."""
+    if timeline.measured_input:
+        return plant_model
+    both = plant_model, replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
+    return min(both, key=lambda s: settled_rms(timeline, s))
+
+
+def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:
+    """What a subject misses settled positions by, their zeros aside."""
+    error = timeline.settled.value - predict(timeline, plant_model).values["settled"]
+    own = [error[timeline.zero == z] for z in np.unique(timeline.zero)] if timeline.zero.size else [error]
+    return float(np.std(np.concatenate([e - e.mean() for e in own])))
+
+
+def _start(
+    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None
+) -> tuple[PlantModel, Prediction, Refit]:
+    """A subject, how it retells the story, and its positions refitted."""
+    prediction = predict(timeline, plant_model)
+    return (
+        plant_model,
+        prediction,
+        _refit_without_nuisances(timeline.positions_only, prediction.positions_only, plant_model, warm_start),
+    )
+
+
+def _alternated(timeline: Timeline, start: tuple[PlantModel, Prediction, Refit]) -> tuple[PlantModel, Refit]:
+    """From a start, as many turns as gain something."""
+    plant_model, prediction, refitted = start
+    for _ in range(MAX_ROUNDS):
+        next_fit = _start(
+            timeline,
+            replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed)),
+            refitted,
+        )
+        gain_nats = next_fit[2].log_evidence - refitted.log_evidence
+        if gain_nats > 0:
+            plant_model, prediction, refitted = next_fit
+        if gain_nats < MIN_ROUND_GAIN:
+            break
+    positions_alone = len(timeline.positions_only.all_readings) == len(timeline.all_readings)
+    return plant_model, refitted if positions_alone else _refit_without_nuisances(
+        timeline, prediction, plant_model, refitted
+    )
+
+
+def _refit_without_nuisances(
+    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, warm_start: Refit | None
+) -> Refit:
+    return refit(timeline, prediction, plant_model, (), warm_start)
+
+
+def _positive_fit(
+    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, smoothing: float | None
+) -> FodTable:
+    n = len(timeline.settled)
+    y = timeline.settled.value - (prediction.values["settled"] - prediction.output[:n])
+    h = plant_model.hysteresis
+    rows = Observations.of_states(prediction.states[:n], y, timeline.block, (h.lower, h.upper), timeline.unit)
+    if timeline.zero.size:
+        rows = replace(rows, zero=timeline.zero - 1)
+    if timeline.measured_input:
+        rows = _weighted(rows, given.reading_weights(timeline, prediction, plant_model))
+    return fit_table(rows, smoothing)
+
+
+def _weighted(rows: Observations, weight: np.ndarray) -> Observations:
+    """Each equation times its weight."""
+    return replace(rows, y=rows.y * weight, sign=rows.sign * weight[rows.term])

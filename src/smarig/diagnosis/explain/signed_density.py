@@ -1,0 +1,132 @@
+"""What explains a story beside a positive density, or beside one that is negative somewhere (Prop. 4.6).
+
+A wire's density should be positive, so effects are looked for beside such a one first; a negative one is believed
+where it is likelier than all they explain. Takes no verdict.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from smarig.diagnosis.critique.critique import Critique
+from smarig.diagnosis.critique.refit import Refit
+from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
+from smarig.diagnosis.explain.search import (
+    MIN_GAIN_NATS,
+    MIN_GAIN_SILENT_NATS,
+    SINGLE_TRIED_IF_SILENT,
+    BelowRivalEvidence,
+    SearchLevel,
+    search_explanations,
+)
+from smarig.preisach.everett import Everett
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.timeline import Timeline
+
+CritiqueFunction = Callable[..., Critique]
+ProgressFunction = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class DensitySearchResult:
+    """A base without effects, its readings refitted, its critique, and levels of what explains more."""
+
+    base: PlantModel
+    plain: Refit
+    first: Critique
+    levels: list[SearchLevel]
+
+    @property
+    def evidence(self) -> float:
+        """The log likelihood that a density must beat which is negative somewhere."""
+        return (
+            self.levels[-1].explanations[0].evidence
+            if self.levels
+            else self.plain.log_evidence + MIN_GAIN_NATS
+        )
+
+
+def find_explanations(
+    timeline: Timeline,
+    plant_model: PlantModel,
+    criticise: CritiqueFunction,
+    report_progress: ProgressFunction,
+) -> DensitySearchResult:
+    """What explains a story told by a subject, beside the density that is to be believed."""
+    original = plant_model.hysteresis
+    base, plain = joint_density_from_best_start(timeline, plant_model, original)
+    positive_result = DensitySearchResult(base, plain, criticise(base), [])
+    if positive_result.first.silent or timeline.measured_input:
+        positive_result = _with_levels(positive_result, original, criticise, report_progress)
+        if positive_result.first.silent or timeline.measured_input:
+            return positive_result
+    signed = joint_density_from_best_start(timeline, replace(plant_model, signed=True), original)
+    return _choose_density(positive_result, signed, original, criticise, report_progress)
+
+
+def _choose_density(
+    positive_result: DensitySearchResult,
+    signed: tuple[PlantModel, Refit],
+    original: Everett,
+    criticise: CritiqueFunction,
+    report_progress: ProgressFunction,
+) -> DensitySearchResult:
+    """The positive density and what explains more, unless the signed one is likelier than that.
+
+    Where no single effect comes near the signed density, that is asked first: if nothing is found beside it,
+    no more is looked for beside the other.
+    """
+    signed_result: DensitySearchResult | None = None
+
+    def search_with_signed() -> DensitySearchResult:
+        report_progress("with a density that is negative somewhere")
+        return _with_levels(
+            DensitySearchResult(*signed, criticise(signed[0]), []), original, criticise, report_progress
+        )
+
+    try:
+        if not positive_result.levels:
+            positive_result = _with_levels(
+                positive_result, original, criticise, report_progress, signed[1].log_evidence
+            )
+    except BelowRivalEvidence:
+        signed_result = search_with_signed()
+        if not signed_result.levels:
+            return signed_result
+        positive_result = _with_levels(positive_result, original, criticise, report_progress)
+    if signed[1].log_evidence <= positive_result.evidence:
+        return positive_result
+    return signed_result or search_with_signed()
+
+
+def _with_levels(
+    base: DensitySearchResult,
+    original: Everett,
+    criticise: CritiqueFunction,
+    report_progress: ProgressFunction,
+    rival: float = float("-inf"),
+) -> DensitySearchResult:
+    """With levels of what the search finds beside a base; ``rival`` as in ``search_explanations``.
+
+    Where nothing stands out, a large effect may have passed for noise: with as little noise as there may be, an
+    explanation that is beyond doubt is looked for, and if there is one, the noise is what it leaves.
+    """
+    first, evidence = base.first, base.plain.log_evidence
+
+    def criticise_like_first(plant_model: PlantModel) -> Critique:
+        report_progress("with " + " and ".join(e.kind.name for e in plant_model.planted))
+        return criticise(plant_model, warm_start=first)
+
+    if not first.silent:
+        return replace(
+            base, levels=search_explanations(first, original, criticise_like_first, evidence, rival=rival)
+        )
+    levels = search_explanations(
+        criticise(base.base, all_nuisances=True),
+        original,
+        criticise_like_first,
+        evidence,
+        MIN_GAIN_SILENT_NATS,
+        SINGLE_TRIED_IF_SILENT,
+    )
+    repeated = criticise(base.base, noise_of=levels[0].critique) if levels else first
+    return base if repeated.silent else replace(base, first=repeated, levels=levels)

@@ -1,0 +1,191 @@
+"""What the extended model gains, on blocks that nothing has touched: runs held out, excursion by excursion.
+
+    R = (rms_base² − rms_extended²) / (rms_base² − floor²)        the removable share of the error's square
+
+Both models have densities identified anew from the same training runs, so R is the effects' share alone; the
+encoder's zero is met on the training runs too. A position counts by how well the training runs foretell it, 1/σ²:
+σ² is its noise and what they leave open of the density, the floor² its mean. Knows no search.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from smarig.diagnosis import measured_input as given
+from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.critique.reading_noise import FREE_ZERO_SD
+from smarig.diagnosis.critique.refit import NoiseEstimate
+from smarig.diagnosis.explain.density_prior import density_prior
+from smarig.record import Run
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.prediction import Prediction, predict
+from smarig.replay.timeline import Timeline, build_timeline
+
+Array = NDArray[np.float64]
+DRAWS = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOutGain:
+    """Errors (k,) of both models at held-out positions, blocks (k,) they come in, and the floor of any model's.
+
+    ``weight`` (k,), None for equal ones: a reading counts by how well it can be foretold (1/σ²), lest what the
+    training runs tell nothing of drown the rest. ``original_error`` (k,) is that of the model as it was given.
+    """
+
+    base_error: Array
+    extended_error: Array
+    block: NDArray[np.int64]
+    floor: float
+    weight: Array | None = None
+    original_error: Array | None = None
+
+    @property
+    def original(self) -> float | None:
+        """Rms of the model as it was given, where that was asked."""
+        return None if self.original_error is None else _rms(self.original_error, self.weight)
+
+    @property
+    def base(self) -> float:
+        """Rms of the base."""
+        return _rms(self.base_error, self.weight)
+
+    @property
+    def extended(self) -> float:
+        """Rms of the extended model."""
+        return _rms(self.extended_error, self.weight)
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return int(np.unique(self.block).size)
+
+    @property
+    def removable_share(self) -> float | None:
+        """R; None where the base is at the noise floor already."""
+        return _share(self.base, self.extended, self.floor)
+
+    def interval(self, seed: int = 0) -> tuple[float, float] | None:
+        """95 % of R when the blocks are drawn again with replacement."""
+        names, rng = np.unique(self.block), np.random.default_rng([seed, 0xB10C])
+        weight = np.ones(self.block.size) if self.weight is None else self.weight
+        squares = np.array(
+            [
+                [np.sum((weight * e**2)[self.block == b]) for b in names]
+                for e in (self.base_error, self.extended_error)
+            ]
+        )
+        sizes = np.array([np.sum(weight[self.block == b]) for b in names])
+        drawn = rng.integers(0, names.size, (DRAWS, names.size))
+        base, extended = np.sqrt(squares[:, drawn].sum(axis=2) / sizes[drawn].sum(axis=1))
+        shares = [_share(b, e, self.floor) for b, e in zip(base.tolist(), extended.tolist())]
+        is_known = [s for s in shares if s is not None]
+        if len(is_known) < DRAWS / 2:
+            return None
+        low, high = np.quantile(is_known, [0.025, 0.975])
+        return float(low), float(high)
+
+
+def held_out_gain(
+    train: Sequence[Run],
+    held_out: Sequence[Run],
+    base: PlantModel,
+    extended: PlantModel,
+    noise: NoiseEstimate,
+    variances: Array | None = None,
+    original: PlantModel | None = None,
+) -> HeldOutGain:
+    """Both subjects live through all runs; positions of the held-out ones are judged, settled and on their way.
+
+    ``variances`` (parts,) of the density about the extended subject's; None where none of it is left open; ``original``
+    is the model as it was given, for comparison.
+    """
+    timeline = build_timeline([*train, *held_out], base.actuator.tau_s).positions_only
+    if not noise.moving:  # how well a position on its way is known, nobody knows
+        timeline = replace(timeline, others=())
+    held_out_ids = {id(run) for run in held_out}
+    step = np.concatenate([r.step for r in timeline.all_readings])
+    is_held_out = np.isin(
+        timeline.run, [k for k, run in enumerate(timeline.runs) if id(run) in held_out_ids]
+    )[step]
+    value, session = np.concatenate([r.value for r in timeline.all_readings]), timeline.session[step]
+    weighted = bool(timeline.measured_input) or len(timeline.all_readings) > 1 or variances is not None
+    extended_prediction = predict(timeline, extended)
+    covariance = _noise(timeline, extended_prediction, extended, noise)
+    square = np.diag(covariance).copy()
+    if variances is not None and not timeline.measured_input:
+        square[is_held_out] = _predictive_variance(
+            extended_prediction, extended, covariance, variances, is_held_out
+        )
+    weight = 1 / square if weighted else np.ones(square.size)
+    errors = []
+    for prediction in (
+        predict(timeline, base),
+        extended_prediction,
+        *([predict(timeline, original)] if original else []),
+    ):
+        error = value - prediction.stacked(timeline)
+        errors.append((error - _zeros(error, weight, is_held_out, session))[is_held_out])
+    square, weight = square[is_held_out], weight[is_held_out]
+    floor = float(np.sqrt(np.average(square, weights=weight)))
+    weight = weight if weighted else None
+    return HeldOutGain(errors[0], errors[1], timeline.block[step][is_held_out], floor, weight, *errors[2:])
+
+
+def _zeros(error: Array, weight: Array, is_held_out: NDArray[np.bool_], session: NDArray[np.int64]) -> Array:
+    """The encoder's zero (k,) as the training runs of each sitting have it, or its own where it has none."""
+    zeros = np.empty(error.size)
+    for k in np.unique(session):
+        own_sd = session == k
+        zero_readings = own_sd & ~is_held_out if np.any(own_sd & ~is_held_out) else own_sd
+        zeros[own_sd] = np.average(error[zero_readings], weights=weight[zero_readings])
+    return zeros
+
+
+def _noise(
+    timeline: Timeline, extended_prediction: Prediction, plant_model: PlantModel, noise: NoiseEstimate
+) -> Array:
+    """Covariance (k, k) of the noise at positions: its own, and what the hysteresis remembers."""
+    J, times = memory_slopes(plant_model.hysteresis, extended_prediction)
+    own_sd = [
+        np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in timeline.all_readings
+    ]
+    square = np.concatenate(own_sd) ** 2
+    if timeline.measured_input:
+        square = square + given.input_scatter(timeline, extended_prediction, plant_model) ** 2
+    return noise.temperature_K**2 * memory_covariance(J, times, noise.correlation_s) + np.diag(square)
+
+
+def _predictive_variance(
+    extended_prediction: Prediction,
+    plant_model: PlantModel,
+    noise: Array,
+    variances: Array,
+    is_held_out: NDArray[np.bool_],
+) -> Array:
+    """Variance (k,) of judged positions when all others are known, but for whatever the density may be."""
+    path = extended_prediction.outputs_along(
+        plant_model.hysteresis, plant_model.initial, extended_prediction.hysteresis_input_K
+    )
+    shapes = density_prior(
+        extended_prediction, plant_model.hysteresis, path, extended_prediction.output
+    ).covariances
+    C = noise + plant_model.stroke**2 * np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
+    is_known = ~is_held_out
+    zero = (FREE_ZERO_SD * plant_model.stroke) ** 2  # is the same in all
+    factor = cholesky(C[np.ix_(is_known, is_known)] + zero, lower=True, check_finite=False)
+    shared = C[np.ix_(is_known, is_held_out)] + zero
+    explained = np.sum(solve_triangular(factor, shared, lower=True, check_finite=False) ** 2, axis=0)
+    return np.maximum(np.diag(C)[is_held_out] + zero - explained, np.diag(noise)[is_held_out])
+
+
+def _rms(error: Array, weight: Array | None) -> float:
+    return float(np.sqrt(np.average(error**2, weights=weight)))
+
+
+def _share(base: float, extended: float, floor: float) -> float | None:
+    removable = base**2 - floor**2
+    return (base**2 - extended**2) / removable if removable > 0 else None

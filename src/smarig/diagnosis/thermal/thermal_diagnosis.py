@@ -1,0 +1,325 @@
+"""What a plain heat balance gets wrong on a measured wire temperature, and why: the thermal critic.
+
+    base: one exponential;    against it: latent heat, convection h(T), a second thermal mass, a late sensor
+
+Each extension is fitted jointly with the base under first-order autoregressive noise, judged against nulls of the base
+(parametric bootstrap) by the largest gain in the spread of its own null, as everywhere in this folder; what no name
+explains is put to smooth functions of time and temperature. Knows no hysteresis and no rig.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import exp
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import UsageError
+from smarig.diagnosis.critique.critique import ALPHA, MIN_SPREAD_NATS
+from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS, DiagnosisVerdict
+from smarig.diagnosis.thermal.thermal_fit import (
+    WHITE,
+    HeatBalanceFit,
+    RedNoise,
+    extensions,
+    fit_balance,
+    red_noise_of,
+)
+from smarig.diagnosis.thermal.thermal_record import ThermalRecord, thermal_record_of
+from smarig.record import Run, load_run
+
+Array = NDArray[np.float64]
+NULLS = 200
+MAX_EXTENSIONS = 2  # extensions at once
+BLOCKS = 6  # held out in turn
+MIN_GAIN_NATS = 8.0  # nats: an extension that gains less is not worth its name
+NORMAL_95 = 1.96
+UNDETECTABLE = ("wire_lag",)  # τ itself, which the base fits anyway
+
+
+@dataclass(frozen=True)
+class ExtensionScore:
+    """An extension's gain (nats) beside what is already in, its null's median and 95 % point."""
+
+    name: str
+    gain: float
+    median: float
+    high: float
+
+    @property
+    def standard(self) -> float:
+        """In spreads of its own null."""
+        return (self.gain - self.median) / max(self.high - self.median, MIN_SPREAD_NATS)
+
+
+@dataclass(frozen=True, eq=False)
+class ExtensionLevel:
+    """All further extensions judged beside what is in: fits by name, scores, threshold of the largest, p."""
+
+    fits: dict[str, HeatBalanceFit]
+    scores: tuple[ExtensionScore, ...]
+    threshold: float
+    p_value: float
+
+    @property
+    def silent(self) -> bool:
+        """Whether nothing stands out."""
+        return max(s.standard for s in self.scores) <= self.threshold
+
+    @property
+    def best(self) -> ExtensionScore:
+        """The one that gains most."""
+        return max(self.scores, key=lambda s: s.gain)
+
+
+@dataclass(frozen=True, eq=False)
+class ThermalDiagnosis:
+    """What was found on one thermal record. ``base`` and ``extended`` are the fits of least squares, in kelvin.
+
+    ``held_out`` are rms of base and extended on blocks left out in turn, in kelvin.
+    """
+
+    verdict: DiagnosisVerdict
+    record: ThermalRecord
+    base: HeatBalanceFit
+    extended: HeatBalanceFit
+    whitened: HeatBalanceFit
+    levels: tuple[ExtensionLevel, ...]
+    noise: RedNoise
+    held_out: tuple[float, float]
+    undetectable: tuple[str, ...]
+    nulls: int
+    alpha: float
+    seconds: float
+
+    @property
+    def p_value(self) -> float:
+        """Of the first level."""
+        return self.levels[0].p_value
+
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Fitted values with 95 % intervals under the autoregressive noise; times in the record's unit."""
+        unit = {"gain": f"K/({self.record.unit} drive)", "tau": self.record.unit, "lag": self.record.unit}
+        unit |= {"dead": self.record.unit, "mass_tau": self.record.unit, "exponent": "1", "mass_share": "1"}
+        values = {q: getattr(self.whitened.balance, q) for q in self.whitened.spread}
+        return {
+            q: {
+                "value": v,
+                "ci95": [v - NORMAL_95 * self.whitened.spread[q], v + NORMAL_95 * self.whitened.spread[q]],
+                "unit": unit.get(q, "K"),
+            }
+            for q, v in values.items()
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        """The CLI's JSON object, in the vocabulary of ``Diagnosis``."""
+        return {
+            "verdict": self.verdict.word,
+            "effects": [{"name": n, "probability": self.verdict.probability(n)} for n in self.extended.names],
+            "set": list(self.verdict.names),
+            "depends_on": self.verdict.depends_on,
+            "not_identifiable": list(self.undetectable),
+            "parameters": self.parameters(),
+            "error": {
+                "unit": "K",
+                "noise_floor": self.noise.sigma,
+                "base": self.base.rms,
+                "extended": self.extended.rms,
+            },
+            "held_out": {"base": self.held_out[0], "extended": self.held_out[1], "blocks": BLOCKS},
+            "alpha": self.alpha,
+            "p_value": self.p_value,
+            "nulls": self.nulls,
+            "seconds": self.seconds,
+        }
+
+    def text(self) -> str:
+        """What was found, in plain sentences."""
+        word, effect_names = self.verdict.word, " and ".join(self.extended.names)
+        lines = [
+            {
+                "named": f"Found: {effect_names}",
+                "ambiguous": f"One of a set ({', '.join(self.verdict.names)}), best: {effect_names}",
+                "unknown": f"Something is wrong that depends on {self.verdict.depends_on}; no effect known explains it",
+            }.get(word, "Nothing stands out")
+            + f" (p = {self.p_value:.2g} by {self.nulls} nulls)."
+        ]
+        lines.append(
+            f"Temperature, rms: {self.base.rms:.3g} K by one exponential, {self.extended.rms:.3g} K extended."
+        )
+        lines.append(
+            f"Held out, {BLOCKS} blocks in turn: {self.held_out[0]:.3g} → {self.held_out[1]:.3g} K rms."
+        )
+        lines += [
+            f"  {q} = {v['value']:.4g} [{v['ci95'][0]:.3g}, {v['ci95'][1]:.3g}] {v['unit']}"
+            for q, v in self.parameters().items()
+        ]
+        return "\n".join([*lines, f"These data cannot show: {', '.join(self.undetectable)}."])
+
+
+def diagnose_transient(
+    run: Run | str | Path,
+    *,
+    alpha: float = ALPHA,
+    nulls: int = NULLS,
+    seed: int = 0,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> ThermalDiagnosis:
+    """What one exponential gets wrong on a run's wire temperature, and which extension explains it.
+
+    The run needs a wire temperature and what heated it (duty cycle, power, current). Raises DataError without them,
+    UsageError for settings that make no sense.
+    """
+    started, report_progress = time.monotonic(), progress or (lambda _: None)
+    if not 0 < alpha < 0.5 or nulls < 1 / alpha:
+        raise UsageError(f"{nulls} nulls cannot tell a chance of {alpha:g} between 0 and 0.5.")
+    x = thermal_record_of(run if isinstance(run, Run) else load_run(run))
+    available = [n for n in extensions(x) if n not in without]
+    noise = _noise(x, available)
+    rng = np.random.default_rng([seed, 0x7EA7])
+    levels: list[ExtensionLevel] = []
+    names: tuple[str, ...] = ()
+    current = fit_balance(x, (), noise)
+    while len(levels) <= MAX_EXTENSIONS:
+        remaining = [n for n in available if n not in names]
+        if not remaining:
+            break
+        report_progress("against " + (" and ".join(names) or "one exponential"))
+        level = _extension_level(x, current, remaining, noise, nulls, alpha, rng)
+        levels.append(level)
+        if level.silent or level.best.gain < MIN_GAIN_NATS or len(names) == MAX_EXTENSIONS:
+            break
+        current = level.fits[level.best.name]
+        names = current.names
+    base, extended = (
+        fit_balance(x, (), WHITE),
+        fit_balance(x, names, WHITE, current.balance) if names else None,
+    )
+    extended = extended or base
+    return ThermalDiagnosis(
+        _verdict(x, names, levels, current, noise, alpha, nulls, rng),
+        x,
+        base,
+        extended,
+        current,
+        tuple(levels),
+        noise,
+        _held_out(x, base, extended),
+        (*[n for n in ("latent_heat",) if n not in available and n not in without], *UNDETECTABLE),
+        nulls,
+        alpha,
+        time.monotonic() - started,
+    )
+
+
+def _noise(x: ThermalRecord, available: Sequence[str]) -> RedNoise:
+    """Of the richest balance: no hidden effect passes for noise."""
+    fit = fit_balance(x, tuple(available), WHITE) if available else fit_balance(x, (), WHITE)
+    single = [fit_balance(x, (n,), WHITE) for n in available]
+    return red_noise_of(min([fit, *single], key=lambda f: f.chi2).residual)
+
+
+def _extension_level(
+    x: ThermalRecord,
+    current: HeatBalanceFit,
+    remaining: Sequence[str],
+    noise: RedNoise,
+    nulls: int,
+    alpha: float,
+    rng: np.random.Generator,
+) -> ExtensionLevel:
+    fits = {n: fit_balance(x, (*current.names, n), noise, current.balance) for n in remaining}
+    gains = {n: (current.chi2 - fit.chi2) / 2 for n, fit in fits.items()}
+    undisturbed = current.balance.predicted_temperature(x)
+    by_chance = np.array(
+        [_null(x, undisturbed + noise.sampled(x.t.size, rng), current, fits, noise) for _ in range(nulls)]
+    )
+    scores = []
+    standard = np.empty_like(by_chance)
+    for k, n in enumerate(remaining):
+        median, high = np.quantile(by_chance[:, k], [0.5, 0.95])
+        scores.append(ExtensionScore(n, gains[n], float(median), float(high)))
+        standard[:, k] = (by_chance[:, k] - median) / max(high - median, MIN_SPREAD_NATS)
+    largest = np.sort(standard.max(axis=1))
+    threshold = float(largest[min(int(np.ceil((nulls + 1) * (1 - alpha))), nulls) - 1])
+    observed_largest = max(s.standard for s in scores)
+    return ExtensionLevel(
+        fits, tuple(scores), threshold, (1 + int(np.sum(largest >= observed_largest))) / (nulls + 1)
+    )
+
+
+def _null(
+    x: ThermalRecord,
+    simulated: Array,
+    current: HeatBalanceFit,
+    fits: dict[str, HeatBalanceFit],
+    noise: RedNoise,
+) -> list[float]:
+    """What each extension gains on a record made without it, (extensions,)."""
+    null_record = ThermalRecord(x.t, simulated, x.drive, x.room, x.share, x.unit)
+    base = fit_balance(null_record, current.names, noise, current.balance, quick=True)
+    return [
+        max((base.chi2 - fit_balance(null_record, f.names, noise, base.balance, quick=True).chi2) / 2, 0.0)
+        for f in fits.values()
+    ]
+
+
+def _verdict(
+    x: ThermalRecord,
+    names: tuple[str, ...],
+    levels: list[ExtensionLevel],
+    current: HeatBalanceFit,
+    noise: RedNoise,
+    alpha: float,
+    nulls: int,
+    rng: np.random.Generator,
+) -> DiagnosisVerdict:
+    """Names by their lead over rivals of the same size; a plain variable where no name gains."""
+    if not names:
+        variable = _variable(x, current, noise, alpha, nulls, rng)
+        return DiagnosisVerdict("unknown", depends_on=variable) if variable else DiagnosisVerdict("silent")
+    last = levels[len(names) - 1]
+    rivals = {fit.names: exp(-(fit.chi2 - current.chi2) / 2 / LEAD_SCALE_NATS) for fit in last.fits.values()}
+    total = sum(rivals.values())
+    ranked = tuple(sorted(((n, w / total) for n, w in rivals.items()), key=lambda item: -item[1]))
+    verdict = DiagnosisVerdict("named", ranked)
+    return verdict if set(verdict.names) == set(names) else DiagnosisVerdict("ambiguous", ranked)
+
+
+def _variable(
+    x: ThermalRecord,
+    current: HeatBalanceFit,
+    noise: RedNoise,
+    alpha: float,
+    nulls: int,
+    rng: np.random.Generator,
+) -> str | None:
+    """Time or temperature, where smooth functions of it explain more than they do on nulls; else None."""
+    data = noise.whitened(current.residual)
+    simulated = np.column_stack([noise.whitened(noise.sampled(x.t.size, rng)) for _ in range(nulls)])
+    found = {}
+    for name, z in (("temperature", current.balance.predicted_temperature(x)), ("time", x.t)):
+        place = (np.argsort(np.argsort(z)) + 0.5) / z.size
+        waves = np.cos(np.pi * place[:, None] * np.arange(1, 6))
+        q = np.linalg.qr(np.column_stack([noise.whitened(w) for w in waves.T]))[0]
+        gain, chance = float(np.sum((q.T @ data) ** 2)) / 2, np.sum((q.T @ simulated) ** 2, axis=0) / 2
+        if gain > max(float(np.quantile(chance, 1 - alpha / 2)), MIN_GAIN_NATS):
+            found[name] = gain
+    return max(found, key=lambda n: found[n]) if found else None
+
+
+def _held_out(x: ThermalRecord, base: HeatBalanceFit, extended: HeatBalanceFit) -> tuple[float, float]:
+    """Rms of both on blocks of the record that were left out in turn, kelvin."""
+    block = np.minimum(np.arange(x.t.size) * BLOCKS // x.t.size, BLOCKS - 1)
+    rms_values = []
+    for fit in (base, extended):
+        errors = [
+            fit_balance(x, fit.names, WHITE, fit.balance, used=block != b, quick=True).residual[block == b]
+            for b in range(BLOCKS)
+        ]
+        rms_values.append(float(np.sqrt(np.mean(np.concatenate(errors) ** 2))))
+    return rms_values[0], rms_values[1]

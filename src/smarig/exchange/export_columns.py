@@ -1,0 +1,117 @@
+"""What an exported run is made of, in words that other programs' files can carry: columns with units and names.
+
+Knows a run; refuses to know formats.
+"""
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.sample import Quality
+from smarig.record import Event, Run, Step
+from smarig.record.schema import SAMPLE_COLUMNS
+
+FLAGS = {int(q): str(q.name).lower() for q in Quality if q}  # bit: word
+_WHOLE = ("tick", "step", "counts", "quality")
+
+# name: (unit, what it is)
+_SAMPLES = {
+    "tick": ("", "the device's tick"),
+    "t_s": ("s", "device time: tick times period"),
+    "step": ("", "number of the step that was on"),
+    "current_command_A": ("A", "current as commanded"),
+    "current_A": ("A", "current as measured"),
+    "voltage_V": ("V", "voltage across the wire"),
+    "temperature_degC": ("degC", "temperature of the wire as measured"),
+    "counts": ("count", "encoder counts since the last zero"),
+    "ambient_degC": ("degC", "temperature of the air"),
+    "quality": ("", "marks on a sample; 0 is good"),
+}
+_STEPS = {
+    "index": ("", "number of the step"),
+    "attempt": ("", "how often it had been tried before"),
+    "void": ("", "whether the step does not count"),
+    "branch": ("", "stretch of the protocol"),
+    "target": ("", "hysteresis input that the step went to"),
+    "t_start_s": ("s", "its beginning, device time"),
+    "t_end_s": ("s", "its end, device time"),
+    "verdict": ("", "how it ended: settled, timed_out, elapsed, interrupted"),
+    "position": ("", "mean position over its settle window"),
+    "n": ("", "samples in that window"),
+}
+_EVENTS = {
+    "t_s": ("s", "device time"),
+    "level": ("", "info, warning or error"),
+    "kind": ("", "what kind of event"),
+    "text": ("", "what happened"),
+    "data": ("", "figures that belong to it, JSON"),
+}
+
+
+@dataclass(frozen=True)
+class ExportColumn:
+    """A column: ``values`` (n,), NaN or "" where unknown; ``unit`` is "" where it has none."""
+
+    name: str
+    unit: str
+    what: str
+    values: NDArray[Any]
+    whole: bool = False
+
+    def integers(self, missing: int) -> NDArray[np.int64]:
+        """The values of a whole column, ``missing`` where unknown."""
+        return np.where(np.isnan(self.values), missing, np.nan_to_num(self.values)).astype(np.int64)
+
+
+def sample_columns(run: Run) -> list[ExportColumn]:
+    """The columns that were measured at all, and always tick and quality."""
+    output, input_ = run.meta.get("output", {}), run.meta.get("input", {})
+    names = _SAMPLES | {
+        "input": (run.input_unit, str(input_.get("quantity") or "hysteresis input")),
+        "position": (run.unit, str(output.get("quantity") or "position")),
+    }
+    return [
+        ExportColumn(name, *names[name], run[name], name in _WHOLE)
+        for name in SAMPLE_COLUMNS
+        if name in ("tick", "quality") or run.has(name)
+    ]
+
+
+def step_columns(run: Run) -> list[ExportColumn]:
+    """The table of steps, column by column."""
+    units = {"target": run.input_unit, "position": run.unit}
+    return [_column(name, units.get(name, unit), what, run.steps) for name, (unit, what) in _STEPS.items()]
+
+
+def event_columns(run: Run) -> list[ExportColumn]:
+    """The table of events, column by column."""
+    return [_column(name, unit, what, run.events) for name, (unit, what) in _EVENTS.items()]
+
+
+def label(run: Run) -> str:
+    """Whose data these are: TWIN, BENCH, SIMULATION, IMPORT; UNKNOWN where nobody said."""
+    return str(run.meta.get("source") or "unknown").upper()
+
+
+def title(run: Run) -> str:
+    """One line: what was run on what, and whose data these are."""
+    what, rig, wire = (str(run.meta.get(key) or "?") for key in ("protocol", "rig", "wire"))
+    return f"{what} on {rig}, wire {wire} ({label(run)})"
+
+
+def _column(name: str, unit: str, what: str, rows: Iterable[Step | Event]) -> ExportColumn:
+    values = [getattr(row, name) for row in rows]
+    if name == "data":
+        return ExportColumn(
+            name, unit, what, np.array([json.dumps(v, ensure_ascii=False) for v in values], dtype=np.str_)
+        )
+    if name in ("branch", "verdict", "level", "kind", "text"):
+        return ExportColumn(name, unit, what, np.array(values, dtype=np.str_))
+    whole = name in ("index", "attempt", "void", "n")
+    return ExportColumn(
+        name, unit, what, np.array([np.nan if v is None else v for v in values], dtype=float), whole
+    )

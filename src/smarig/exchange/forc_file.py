@@ -1,0 +1,195 @@
+"""MicroMag-style text files of first-order reversal curves: header, curves, calibration points.
+
+Knows the text format (series 0015 ``key = value`` and 0016 ``key   value``), its units and its order.
+Refuses to correct anything: a truncated or contradictory file is read and said to be so.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+from smarig.exchange.text_table import read_text
+
+Array = NDArray[np.float64]
+_UNITS = {"hybrid si": ("T", "A m^2"), "si": ("A/m", "A m^2"), "cgs": ("Oe", "emu")}
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_DATA = re.compile(rf"\s*({_NUMBER})\s*[,;\s]\s*({_NUMBER})(?:\s*[,;\s]\s*({_NUMBER}))*\s*")
+_KEY = re.compile(r"\s*(\S.*?)\s*(?:[:=]\s+|[:=]$|\s{2,})(.*\S)?\s*")
+_DATE = re.compile(r"\s*\d+[/.-]\d+[/.-]\d+")
+_NEAR = 0.05  # a calibration point lies within this share of HCal
+
+
+@dataclass(frozen=True)
+class ForcFile:
+    """Curves and calibration points in measured order.
+
+    ``field`` and ``moment`` (n,) in the file's units; ``curve`` (n,) counts curves from 0, −1 at
+    calibration points; ``line`` (n,); ``header`` every key; ``warnings`` one sentence each.
+    """
+
+    field: Array
+    moment: Array
+    curve: NDArray[np.int64]
+    line: NDArray[np.int64]
+    units: tuple[str, str]
+    header: dict[str, str]
+    warnings: tuple[str, ...]
+
+    @property
+    def curves(self) -> int:
+        """Number of curves."""
+        return int(self.curve.max(initial=-1)) + 1
+
+    @property
+    def calibration(self) -> NDArray[np.bool_]:
+        """Which samples are calibration points (n,)."""
+        return self.curve < 0
+
+
+def read_forc(path: Path) -> ForcFile:
+    """Read a MicroMag-style file; DataError if it is not one, holds no curve, or does not say its units."""
+    text, notes = read_text(path)
+    lines = text.splitlines()
+    header, blocks, where = _parse(path, lines)
+    units = _units(path, header)
+    h_cal = _number(header, "HCal", "Field (HCal)", "Calibration field")
+    calibration = [_is_calibration(blocks, k, h_cal) for k in range(len(blocks))]
+    if all(calibration):
+        raise DataError(f"{path} holds no reversal curve, only {len(blocks)} calibration points.")
+    numbers = np.cumsum([not c for c in calibration]) - 1
+    curve = np.concatenate(
+        [np.full(len(b), -1 if c else n) for b, c, n in zip(blocks, calibration, numbers, strict=True)]
+    )
+    field, moment = np.concatenate(blocks).T
+    forc = ForcFile(field, moment, curve, np.array(where), units, header, ())
+    warnings = (*notes, *_header_findings(forc, lines), *_data_findings(forc))
+    return ForcFile(field, moment, curve, forc.line, units, header, warnings)
+
+
+def _parse(path: Path, lines: list[str]) -> tuple[dict[str, str], list[Array], list[int]]:
+    header: dict[str, str] = {}
+    blocks: list[list[tuple[float, float]]] = [[]]
+    where: list[int] = []
+    for k, line in enumerate(lines):
+        data = _DATA.fullmatch(line)
+        if data:
+            blocks[-1].append((float(data[1]), float(data[2])))
+            where.append(k + 1)
+        elif not line.strip():
+            blocks.append([])
+        elif not where:
+            _header_line(header, k, line)
+        elif not _is_footer(line):
+            raise DataError(f"{path}, line {k + 1}: '{line.strip()[:40]}' is not a field and a moment.")
+    found = [np.array(block) for block in blocks if block]
+    if not found:
+        raise DataError(f"{path} holds no line 'field, moment'; is it a first-order reversal curve file?")
+    return header, found, where
+
+
+def _header_line(header: dict[str, str], index: int, line: str) -> None:
+    match = _KEY.fullmatch(line)
+    if _DATE.match(line):
+        header["Date"] = line.strip()
+    elif match:
+        header[match[1].strip()] = (match[2] or "").strip()
+    elif line.strip():
+        header[f"line {index + 1}"] = line.strip()
+
+
+def _is_footer(line: str) -> bool:
+    return "data file ends" in line.lower()
+
+
+def _units(path: Path, header: dict[str, str]) -> tuple[str, str]:
+    unit_name = next((v for k, v in header.items() if k.lower().startswith("units of measure")), None)
+    if unit_name is None:
+        raise DataError(f"{path}: the header has no 'Units of measure' (Hybrid SI, SI or cgs).")
+    if unit_name.lower() not in _UNITS:
+        raise DataError(f"{path}: units of measure '{unit_name}' are unknown; expected Hybrid SI, SI or cgs.")
+    return _UNITS[unit_name.lower()]
+
+
+def _number(header: dict[str, str], *names: str) -> float | None:
+    for name in names:
+        try:
+            return float(header[name])
+        except (KeyError, ValueError):
+            continue
+    return None
+
+
+def _is_calibration(blocks: list[Array], k: int, h_cal: float | None) -> bool:
+    """A lone point at HCal; where the header is silent, a lone point above everything in the next block."""
+    if len(blocks[k]) != 1:
+        return False
+    if h_cal is not None:
+        return abs(blocks[k][0, 0] - h_cal) < _NEAR * abs(h_cal)
+    return k + 1 < len(blocks) and blocks[k][0, 0] > blocks[k + 1][:, 0].max()
+
+
+def _header_findings(forc: ForcFile, lines: list[str]) -> list[str]:
+    """Does the file hold what its header promises?"""
+    out = []
+    if not any(_is_footer(line) for line in lines[-5:]):
+        out.append("The closing line is missing: the file was cut off.")
+    declared_points = _number(forc.header, "NData", "Number of data")
+    if declared_points is not None and declared_points != forc.field.size:
+        out.append(
+            f"The header promises {declared_points:.0f} points (NData), the file holds {forc.field.size}."
+        )
+    curves = _number(forc.header, "NCrv", "Number of curves", "Number of FORCs")
+    if curves is not None and curves != forc.curves:
+        out.append(f"The header promises {curves:.0f} curves (NCrv), the file holds {forc.curves}.")
+    return out
+
+
+def _data_findings(forc: ForcFile) -> list[str]:
+    out = []
+    back = (np.diff(forc.field) <= 0) & (np.diff(forc.curve) == 0) & (forc.curve[1:] >= 0)
+    if back.any():
+        line = forc.line[1:][back][0]
+        out.append(
+            f"The field does not rise within a curve in {int(back.sum())} place(s), first in line {line}."
+        )
+    first = np.flatnonzero(np.diff(forc.curve, prepend=-1) * (forc.curve >= 0))
+    rising = np.flatnonzero(np.diff(forc.field[first]) >= 0)
+    if rising.size:
+        line = forc.line[first[rising[0] + 1]]
+        out.append(f"Reversal fields do not descend in {rising.size} place(s), first in line {line}.")
+    limit = _number(forc.header, "Moment range")
+    if limit is not None and (np.abs(forc.moment) >= limit).any():
+        out.append(
+            f"{int((np.abs(forc.moment) >= limit).sum())} moments reach the instrument's range of {limit:g}."
+        )
+    return out + _calibration_findings(forc)
+
+
+def _calibration_findings(forc: ForcFile) -> list[str]:
+    at = forc.calibration
+    if not at.any():
+        return ["There are no calibration points: drift cannot be judged."]
+    out = []
+    if at.sum() != forc.curves:
+        out.append(f"There are {int(at.sum())} calibration points for {forc.curves} curves.")
+    m = forc.moment[at]
+    out.append(
+        f"The moment at the {m.size} calibration points goes from {m[0]:.5g} to {m[-1]:.5g} {forc.units[1]} "
+        f"(spread {100 * np.ptp(m) / abs(m.mean()):.2f} %)."
+    )
+    h_cal, h_sat = _number(forc.header, "HCal"), _number(forc.header, "HSat")
+    if h_cal is not None and abs(np.median(forc.field[at]) / h_cal - 1) > 5e-4:
+        out.append(
+            f"Calibration points lie at {np.median(forc.field[at]):.5g} {forc.units[0]}, "
+            f"the header says {h_cal:.5g}."
+        )
+    if h_cal is not None and h_sat is not None and h_sat > h_cal:
+        out.append(
+            f"The sample was saturated at {h_sat:g} {forc.units[0]} before each calibration point; "
+            f"the file does not list it."
+        )
+    return out

@@ -1,0 +1,45 @@
+"""What an import needs to know of a rig: its wire's constants and what one encoder count means.
+
+Knows configuration files. Refuses to know the rig itself: nothing here talks to hardware.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.config import RigFile, load_rig
+from smarig.plant.actuator import Actuator
+from smarig.plant.heating import JouleHeating
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RigConstants:
+    """A rig's file and its actuator."""
+
+    file: RigFile
+    actuator: Actuator
+
+    @classmethod
+    def named(cls, name: str) -> "RigConstants":
+        """From configs/rigs by name, or from a path."""
+        file = load_rig(name)
+        return cls(file, Actuator.named(file.actuator))
+
+    @property
+    def per_count(self) -> float:
+        """Rig units per encoder count."""
+        return self.actuator.position_per_count(self.file.encoder.counts_per_rev)
+
+    def input_along(self, t_s: Array, current_A: Array) -> Array:
+        """Hysteresis input (n,), kelvin above ambient: (5.1) at any spacing, from a cold wire."""
+        dt_s = np.diff(t_s, prepend=t_s[0] - np.median(np.diff(t_s)))
+        decay = np.exp(-dt_s / self.actuator.tau_s).tolist()
+        heating = JouleHeating(self.actuator, dt_s=1.0)
+        out = np.empty(t_s.size)
+        for k, current in enumerate(current_A.tolist()):
+            heating.decay = decay[k]
+            out[k] = heating.step(current)
+        return out

@@ -1,0 +1,244 @@
+"""A text table as named columns of numbers: delimiter, header, encoding, broken lines.
+
+Knows text. Refuses to know what a column means, and never guesses a number: a cell is a number, empty
+(NaN), or an error naming its line and column.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError, UsageError
+
+MAX_BYTES = 500_000_000
+HEADER_WITHIN = 200  # lines searched for the header
+DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
+_MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--"}
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class TableLayout:
+    """How the text is laid out: ``known`` columns mark the header row, ``names`` say there is none."""
+
+    known: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    delimiter: str = ""
+    decimal: str = "."
+    header_starts: str = ""
+    table: int = 1
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns by name, each (n,) float64; ``line`` (n,) says where each row stood; ``notes`` what was odd.
+
+    ``loop`` (n,): number of the loop each row belongs to, where the file tells its loops apart.
+    """
+
+    columns: dict[str, NDArray[np.float64]]
+    line: NDArray[np.int64]
+    header: dict[str, str]
+    notes: tuple[str, ...]
+    loop: NDArray[np.int64] | None = None
+
+    def __len__(self) -> int:
+        return self.line.size
+
+
+def read_table(path: Path, layout: TableLayout) -> Table:
+    """Read a text table; UsageError if there is no such file, DataError naming the line if it is not one."""
+    text, notes = read_text(path)
+    lines = text.splitlines()
+    start, names, delimiter = _header(path, lines, layout)
+    # The preamble of one table of many begins at the blank line before it.
+    begin = (
+        max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
+    )
+    preamble = [line for line in lines[begin:start] if line.strip()]
+    first = start + 1 - bool(layout.names)
+    if preamble and not layout.header_starts:
+        notes.append(f"{len(preamble)} line(s) before the table were skipped.")
+    if not text.endswith("\n") and len(split(lines[-1], delimiter)) < len(names):
+        notes.append(f"The last line ({len(lines)}) is cut short and was dropped.")
+        lines.pop()
+    cells, where = _cells(path, lines, first, names, delimiter, bool(layout.header_starts))
+    columns = {
+        name: _numbers(path, name, [row[k] for row in cells], where, layout.decimal)
+        for k, name in enumerate(names)
+    }
+    notes += [
+        f"Column '{name}': {int(np.isnan(c).sum())} of {c.size} cells are empty or NaN."
+        for name, c in columns.items()
+        if np.isnan(c).any()
+    ]
+    keys = dict(_key(line) for line in preamble if ":" in line or "=" in line)
+    return Table(columns, np.array(where, dtype=np.int64), keys, tuple(notes))
+
+
+def read_text(path: Path) -> tuple[str, list[str]]:
+    """Text of a file and what was odd about it; DataError for empty, binary and huge files."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise DataError(f"{path} is larger than {MAX_BYTES / 1e6:.0f} MB; cut it into pieces.")
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise UsageError(f"There is no file {path}.") from None
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
+    if not data.removeprefix(b"\xef\xbb\xbf").strip(b" \t\r\n\xff\xfe"):
+        raise DataError(f"{path} is empty.")
+    if data.startswith((b"MATLAB 5.0", b"MATLAB 7.3")):
+        raise DataError(f"{path} is a MATLAB file; import it with --format mat and a mapping (--map).")
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace"), ["The file is UTF-16 text."]
+    if any(byte < 9 for byte in set(data)):
+        raise DataError(f"{path} is a binary file; a text table was expected.")
+    try:
+        return data.decode("utf-8-sig"), []
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        return data.decode("latin-1"), [f"The file is not UTF-8 (line {line}); it was read as Latin-1."]
+
+
+def split(line: str, delimiter: str | None) -> list[str]:
+    """Cells of a line, stripped of blanks and quotes; trailing empty cells dropped."""
+    if delimiter is None:
+        cells = line.split()
+    elif '"' in line:
+        cells = next(csv.reader(io.StringIO(line), delimiter=delimiter, skipinitialspace=True), [])
+    else:
+        cells = line.split(delimiter)
+    cells = [cell.strip() for cell in cells]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def _header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, list[str], str | None]:
+    choices = [DELIMITERS[layout.delimiter]] if layout.delimiter else list(DELIMITERS.values())
+    if layout.header_starts:
+        found = [k for k, line in enumerate(lines) if line.startswith(layout.header_starts)]
+        if len(found) < layout.table:
+            raise DataError(
+                f"{path} has {len(found)} table(s) whose header starts with '{layout.header_starts}'; "
+                f"table {layout.table} was asked for."
+            )
+        start = found[layout.table - 1]
+    elif layout.names:
+        return _first_numbers(path, lines, layout, choices)
+    else:
+        start = _best_header(path, lines, layout.known, choices)
+    delimiter = max(choices, key=lambda d: _recognised(lines[start], d, layout.known))
+    names = [name or f"column {k + 1}" for k, name in enumerate(split(lines[start], delimiter))]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise DataError(f"{path}, line {start + 1}: column '{twice[0]}' appears more than once.")
+    return start, names, delimiter
+
+
+def _recognised(line: str, delimiter: str | None, known: Sequence[str]) -> tuple[int, int]:
+    cells = split(line, delimiter)
+    return len(set(cells) & set(known)), 0 if delimiter is None else len(cells)
+
+
+def _best_header(path: Path, lines: Sequence[str], known: Sequence[str], choices: Sequence) -> int:
+    scores = [
+        max(_recognised(line, d, known)[0] for d in choices) if not line.startswith("#") else 0
+        for line in lines[:HEADER_WITHIN]
+    ]
+    best = int(np.argmax(scores))
+    if not scores[best]:
+        shown = ", ".join(known[:6])
+        raise DataError(
+            f"{path} has no header row: none of the expected columns ({shown}, …) was found "
+            f"in its first {len(scores)} lines; name the file's columns with a mapping file (--map)."
+        )
+    return best
+
+
+def _first_numbers(
+    path: Path, lines: Sequence[str], layout: TableLayout, choices: Sequence
+) -> tuple[int, list[str], str | None]:
+    for k, line in enumerate(lines[:HEADER_WITHIN]):
+        rows = {d: split(line, d) for d in choices}
+        numeric = {d: c for d, c in rows.items() if c and all(_is_number(x, layout.decimal) for x in c)}
+        for d, cells in numeric.items():
+            if len(cells) == len(layout.names):
+                return k, list(layout.names), d
+        if numeric:
+            widest = max(len(c) for c in numeric.values())
+            raise DataError(
+                f"{path}, line {k + 1} has {widest} columns; the mapping names {len(layout.names)} "
+                f"({', '.join(layout.names)})."
+            )
+    raise DataError(f"{path} has no line of {len(layout.names)} numbers in its first {HEADER_WITHIN} lines.")
+
+
+def _cells(
+    path: Path,
+    lines: Sequence[str],
+    first: int,
+    names: Sequence[str],
+    delimiter: str | None,
+    ends_blank: bool,
+) -> tuple[list[list[str]], list[int]]:
+    rows: list[list[str]] = []
+    where: list[int] = []
+    for k in range(first, len(lines)):
+        line = lines[k]
+        if not line.strip():
+            if ends_blank:
+                break
+            continue
+        if line.startswith("#"):
+            continue
+        cells = split(line, delimiter)
+        missing = len(names) - len(cells)
+        if missing < 0 or (delimiter is None and missing > 0):
+            raise DataError(
+                f"{path}, line {k + 1} has {len(cells)} cells; the header names {len(names)} columns."
+            )
+        rows.append(cells + [""] * missing)
+        where.append(k + 1)
+    if len(rows) < 2:
+        raise DataError(f"{path} holds {len(rows)} sample(s); at least two are needed.")
+    return rows, where
+
+
+def _numbers(
+    path: Path, name: str, cells: Sequence[str], where: Sequence[int], decimal: str
+) -> NDArray[np.float64]:
+    out = np.empty(len(cells))
+    for k, cell in enumerate(cells):
+        try:
+            out[k] = float(cell.replace(",", ".") if decimal == "," else cell)
+        except ValueError:
+            if cell.lower() not in _MISSING:
+                hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
+                raise DataError(
+                    f"{path}, line {where[k]}, column '{name}': '{cell[:40]}' is not a number{hint}."
+                ) from None
+            out[k] = np.nan
+    if np.isinf(out).any():
+        raise DataError(f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column '{name}' is infinite.")
+    return out
+
+
+def _is_number(cell: str, decimal: str) -> bool:
+    try:
+        float(cell.replace(",", ".") if decimal == "," else cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _key(line: str) -> tuple[str, str]:
+    key, _, value = line.partition(":" if ":" in line else "=")
+    return key.strip(), value.strip()

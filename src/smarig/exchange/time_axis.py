@@ -1,0 +1,71 @@
+"""The time axis of a file: order, repeats, gaps. Refuses to repair time unless the mapping says how."""
+
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+
+Array = NDArray[np.float64]
+Repeats = Literal["refuse", "mean", "keep_order"]
+
+
+def check_time(path: Path, name: str, t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> None:
+    """DataError naming the line where time is missing, runs backwards, or repeats without leave."""
+    bad = np.flatnonzero(~np.isfinite(t_s))
+    if bad.size:
+        raise DataError(f"{path}, line {line[bad[0]]}: '{name}' is empty or NaN; every row needs a time.")
+    step = np.diff(t_s)
+    back = np.flatnonzero(step < 0)
+    if back.size:
+        k = int(back[0]) + 1
+        raise DataError(
+            f"{path}, line {line[k]}: '{name}' goes back from {t_s[k - 1]:g} s to {t_s[k]:g} s; "
+            f"sort the file by time, or cut it where the clock was reset."
+        )
+    same = np.flatnonzero(step == 0)
+    if same.size and repeated == "refuse":
+        k = int(same[0]) + 1
+        raise DataError(
+            f"{path}, line {line[k]}: '{name}' repeats {t_s[k]:g} s ({same.size} repeats in all); a mapping "
+            f'file may say [time] repeated = "mean" or "keep_order".'
+        )
+
+
+def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> list[str]:
+    """Sentences on repeats and gaps."""
+    step = np.diff(t_s)
+    out = []
+    same = int((step == 0).sum())
+    if same:
+        what = "each group became its mean" if repeated == "mean" else "kept in the order of the file"
+        out.append(f"{same} rows repeat the time of the row before; {what}.")
+    moving = step[step > 0]
+    if moving.size < 3:
+        return out
+    usual = float(np.median(moving))
+    gaps = step > 10 * usual
+    if gaps.any():
+        k = int(np.argmax(step))
+        out.append(
+            f"{int(gaps.sum())} time gaps of more than ten times the usual {usual:.3g} s, "
+            f"the longest {step[k]:.3g} s after line {line[k]}."
+        )
+    return out
+
+
+def merge_repeats(t_s: Array, columns: dict[str, Array]) -> tuple[NDArray[np.int64], dict[str, Array]]:
+    """Rows of one time become their mean: index of each group's first row, and the columns (k,).
+
+    A mean ignores NaN cells and is NaN where all are.
+    """
+    _, first, group = np.unique(t_s, return_index=True, return_inverse=True)
+    out = {}
+    for name, x in columns.items():
+        known = np.isfinite(x)
+        n = np.bincount(group, weights=known, minlength=first.size)
+        total = np.bincount(group, weights=np.where(known, x, 0.0), minlength=first.size)
+        out[name] = np.divide(total, n, out=np.full(first.size, np.nan), where=n > 0)
+    return first.astype(np.int64), out

@@ -1,0 +1,57 @@
+"""Somebody's currents, seen through a rig's heating model: the hysteresis input becomes a temperature.
+
+For data that a mapping describes and a rig's constants belong to. Recordings in time get the transient
+temperature (5.1) and steps from the current; settled readings get the steady one (5.3). Knows no file format.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import UsageError
+from smarig.exchange.draft import RunDraft
+from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
+from smarig.exchange.rig_constants import RigConstants
+
+Array = NDArray[np.float64]
+
+
+def with_heating_model(draft: RunDraft, rig: RigConstants) -> RunDraft:
+    """The draft with input in kelvin above ambient; UsageError when it has no current, or another unit."""
+    input_meta, unit = draft.meta.get("input", {}), draft.meta.get("output", {}).get("unit")
+    if input_meta.get("unit") != "A":
+        raise UsageError(
+            f"The mapping's input is {input_meta.get('quantity', 'not named')} in {input_meta.get('unit') or 'no unit'}; "
+            "--rig turns a current into a temperature, so leave it out."
+        )
+    if unit != rig.actuator.unit:
+        raise UsageError(
+            f"The mapping gives positions in {unit}, rig {rig.file.name} measures {rig.actuator.unit}."
+        )
+    drive, t_s = draft.columns["input"], draft.columns.get("t_s", np.full(len(draft), np.nan))
+    steady = np.array([rig.actuator.input_for(i) for i in drive.tolist()])
+    timed = bool(np.isfinite(t_s).all())
+    columns = {**draft.columns, "input": rig.input_along(t_s, drive) if timed else steady}
+    steps = [
+        (*row[:4], None if row[4] is None else rig.actuator.input_for(row[4]), *row[5:])
+        for row in draft.steps
+    ]
+    remarks: list[str] = []
+    if timed and not steps:
+        ranges = holds(drive, tolerance(drive))
+        recording = Recording(t_s, draft.columns["position"], rig.per_count)
+        steps, columns["step"], remarks = found_steps(
+            recording, ranges, lambda a, b: rig.actuator.input_for(float(np.mean(drive[a:b])))
+        )
+    meta = draft.meta | {"input": input_description(rig, "heating model along the current, from a cold wire")}
+    return replace(
+        draft, columns=columns, meta=meta, steps=tuple(steps), warnings=(*draft.warnings, *remarks)
+    )
+
+
+def input_description(rig: RigConstants, source: str) -> dict[str, str]:
+    """What the input of a rig's run is: quantity, unit, and where it comes from."""
+    two = rig.actuator.two_wire
+    quantity = "wire temperature difference T₁ − T₂" if two else "wire temperature above ambient"
+    return {"quantity": quantity, "unit": "K", "from": source}

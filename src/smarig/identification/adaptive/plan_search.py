@@ -1,0 +1,130 @@
+"""The plan that teaches most per second of rig time, a few holds deep.
+
+Greedy choice of single points fails: a peak teaches little, the fall it opens teaches much. So all moves are
+tried, the best continued, and the sequence with the best ratio of information to time is taken. A Gaussian
+belief shrinks by what is asked, not by what is answered, so a plan can be judged before it is run.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.adaptive.memory_path import MemoryPath, path_after, rows
+from smarig.identification.adaptive.surface_posterior import SurfacePosterior
+
+Array = NDArray[np.float64]
+MAX_HOLDS, BEAM_WIDTH = 4, 24  # holds of a plan; plans continued after each hold but the first
+HoldCost = Callable[[float, float], float]
+
+
+@dataclass(frozen=True, eq=False)
+class HoldPlan:
+    """A hold at the end of a plan: where it leaves the memory, and gain and time of the whole plan.
+
+    ``covariance_x`` and ``reduction_x`` (n,) are C x and C W C x of its observation x, with C as the holds before leave it;
+    ``predictive_variance`` and ``variance_reduction`` are x·C·x + noise² and x·C·W·C·x. ``gain`` is Σ worth/size, counts².
+    """
+
+    path: MemoryPath
+    before: "HoldPlan | None" = None
+    gain: float = 0.0
+    cost_s: float = 0.0
+    covariance_x: Array = field(default_factory=lambda: np.empty(0))
+    reduction_x: Array = field(default_factory=lambda: np.empty(0))
+    predictive_variance: float = 1.0
+    variance_reduction: float = 0.0
+
+    @property
+    def rate(self) -> float:
+        """Variance taken off the mean, per second."""
+        return self.gain / self.cost_s if self.cost_s else 0.0
+
+    @property
+    def inputs(self) -> tuple[float, ...]:
+        """What to hold, in order."""
+        return () if self.before is None else (*self.before.inputs, self.path[-1])
+
+    def chain(self) -> "Iterator[HoldPlan]":
+        """The holds of the plan, in order."""
+        if self.before is not None:
+            yield from self.before.chain()
+            yield self
+
+
+def best_plan(posterior: SurfacePosterior, path: MemoryPath, levels: Array, cost: HoldCost) -> HoldPlan:
+    """The sequence of up to ``MAX_HOLDS`` moves between ``levels`` with the greatest gain per second."""
+    plans = [HoldPlan(path)]
+    best = plans[0]
+    for depth in range(MAX_HOLDS):
+        candidates = _extended_plans(plans, posterior, levels.tolist(), cost)
+        candidates.sort(key=lambda plan: -plan.rate)
+        if not candidates:
+            break
+        best = candidates[0] if candidates[0].rate > best.rate else best
+        plans = _distinct(candidates, BEAM_WIDTH if depth else len(candidates))
+    return best
+
+
+def _distinct(plans: list[HoldPlan], most: int) -> list[HoldPlan]:
+    """The first ``most`` plans that leave different memories."""
+    kept: dict[MemoryPath, HoldPlan] = {}
+    for plan in plans:
+        if len(kept) < most:
+            kept.setdefault(plan.path, plan)
+    return list(kept.values())
+
+
+def _extended_plans(
+    plans: list[HoldPlan], posterior: SurfacePosterior, levels: list[float], cost: HoldCost
+) -> list[HoldPlan]:
+    """All plans with one more hold, at each level."""
+    paths = [[path_after(plan.path, u) for u in levels if u != plan.path[-1]] for plan in plans]
+    x = rows(posterior.triangle, [path for some in paths for path in some])
+    dense, covariance_x, reduction_x = x.toarray(), x @ posterior.covariance, x @ posterior.shared_reduction
+    found, at = [], 0
+    for plan, some in zip(plans, paths):
+        one = slice(at, at := at + len(some))
+        found += _extend_plan(
+            plan, some, dense[one], covariance_x[one], reduction_x[one], posterior.noise, cost
+        )
+    return found
+
+
+def _extend_plan(
+    before: HoldPlan,
+    paths: list[MemoryPath],
+    x: Array,
+    covariance_x: Array,
+    reduction_x: Array,
+    noise: float,
+    cost: HoldCost,
+) -> list[HoldPlan]:
+    """A plan continued to each path: rows x (k, n) and their C x, C W C x before anything of the plan is held."""
+    for hold in before.chain():  # rank-one downdates of C and C W C, applied to these rows only
+        by, also = (x @ hold.covariance_x)[:, None], (x @ hold.reduction_x)[:, None]
+        reduction_x = (
+            reduction_x
+            - by
+            * (hold.reduction_x - hold.covariance_x * (hold.variance_reduction / hold.predictive_variance))
+            / hold.predictive_variance
+        )
+        reduction_x -= also * hold.covariance_x / hold.predictive_variance
+        covariance_x = covariance_x - by * hold.covariance_x / hold.predictive_variance
+    predictive_variance = np.einsum("ij,ij->i", x, covariance_x) + noise**2
+    variance_reduction = np.einsum("ij,ij->i", x, reduction_x)
+    gain, here = before.gain + variance_reduction / predictive_variance, before.path[-1]
+    return [
+        HoldPlan(
+            path,
+            before,
+            float(gain[k]),
+            before.cost_s + cost(here, path[-1]),
+            covariance_x[k],
+            reduction_x[k],
+            float(predictive_variance[k]),
+            float(variance_reduction[k]),
+        )
+        for k, path in enumerate(paths)
+    ]

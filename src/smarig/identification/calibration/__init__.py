@@ -1,0 +1,1 @@
+"""The wire's own constants: heat loss, time constant, resistances."""

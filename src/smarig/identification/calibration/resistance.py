@@ -1,0 +1,87 @@
+"""R_M and R_A from voltage, current and position: V = i (R_M + ξ (R_A − R_M)), by least squares in volts.
+
+ξ is the austenite fraction taken from the position, 0 at one end of the sitting's travel and 1 at the other
+(the median there, since the extreme of a noisy position is no end); in the differential rig wire 2 (i < 0)
+has 1 − ξ. Fitting volts weighs each reading by its current, as a constant voltage noise asks. Refuses to
+know temperature.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.calibration.holds import valid_rows
+from smarig.identification.interval_estimate import Estimate, linear_fit
+from smarig.record.run import Run
+
+Array = NDArray[np.float64]
+_MIN_TRAVEL_SHARE = 0.8  # of the widest run's travel: a run with less does not show both phases
+_NAMES = {"R_M": "The martensite resistance R_M", "R_A": "The austenite resistance R_A"}
+
+
+def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
+    """``R_M`` and ``R_A``, each an Estimate or the sentence why the data cannot give it."""
+    electrical = [run for run in runs if run.has("voltage_V") and run.has("current_A")]
+    if not electrical:
+        return _unavailable("no run has both a measured voltage and a measured current")
+    moved = [(run, _travel(run)) for run in electrical if run.has("position")]
+    widest = max((travel for _, travel in moved), default=0.0)
+    if widest == 0:
+        return _unavailable(
+            "no run with voltage and current has a position that moves, so the phase is not known"
+        )
+    used = [run for run, travel in moved if travel >= _MIN_TRAVEL_SHARE * widest]
+    ends = _pooled(used, [_ends(run["position"]) for run in used])
+    fit = linear_fit([_rows(run, low, high) for run, (low, high, _) in zip(used, ends)])
+    if fit is None:
+        return _unavailable("the readings with current do not cover both ends of the travel")
+    # An end of the travel is known as well as the position: that scales ξ, and so the difference R_A − R_M.
+    end = 2 * max(noise / (high - low) for low, high, noise in ends) * float(abs(fit.x[1] - fit.x[0]))
+    text = (
+        f"voltage against current and position in {', '.join(run.path.name for run in used)}, phase fraction "
+        f"0 and 1 at the ends of the travel, residual rms {fit.rms:.2g} V, widened for correlated residuals"
+    )
+    found: dict[str, Estimate | str] = {}
+    for name, value, half in zip(_NAMES, fit.x.tolist(), np.hypot(fit.half, end).tolist()):
+        found[name] = Estimate(value, (value - half, value + half), "ohm", text, fit.n)
+    return found
+
+
+def _unavailable(why: str) -> dict[str, Estimate | str]:
+    return {name: f"{text} cannot be given: {why}." for name, text in _NAMES.items()}
+
+
+def _travel(run: Run) -> float:
+    return float(np.nanmax(run["position"]) - np.nanmin(run["position"]))
+
+
+def _ends(y: Array) -> tuple[float, float, float]:
+    """Lower and upper end of the travel, each the median of what lies within noise of it, and that noise.
+
+    The noise is that of neighbouring readings, at least the smallest step between them (a count).
+    """
+    y = y[np.isfinite(y)]
+    change = np.abs(np.diff(y))
+    noise = max(float(np.median(change)) / 0.954, float(change[change > 0].min()))
+    band = 6 * noise
+    return float(np.median(y[y <= y.min() + band])), float(np.median(y[y >= y.max() - band])), noise
+
+
+def _pooled(runs: Sequence[Run], ends: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+    """The same ends for runs of one sitting and encoder zero: the farthest any of them went."""
+    sessions = [(run.meta.get("start_epoch") or id(run), run.meta.get("encoder_zero")) for run in runs]
+    pooled = []
+    for mine in sessions:
+        same = [end for end, session in zip(ends, sessions) if session == mine]
+        pooled.append((min(e[0] for e in same), max(e[1] for e in same), max(e[2] for e in same)))
+    return pooled
+
+
+def _rows(run: Run, low: float, high: float) -> tuple[Array, Array]:
+    """Columns i (1 − ξ) and i ξ, whose coefficients are R_M and R_A, and the voltage."""
+    i, v, y = run["current_A"], run["voltage_V"], run["position"]
+    austenite = (y - low) / (high - low)
+    austenite = np.where(i < 0, 1 - austenite, austenite)
+    keep = np.isfinite(i) & np.isfinite(v) & np.isfinite(austenite) & valid_rows(run)
+    return np.column_stack([i * (1 - austenite), i * austenite])[keep], v[keep]

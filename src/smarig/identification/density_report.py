@@ -1,0 +1,109 @@
+"""The density μ = ½ ∂²y/∂α∂β of a model: its extremes, its class (Ch. 4), and its reversible share.
+
+M_PC: bounded and piecewise continuous on P_r. M_P: besides, μ ≥ 0. For analytic surfaces the extremes
+are those of ``preisach.properties``. For tables μ is judged by the mass of cells, never by differentiation.
+Computed, never stored. Knows no data.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.theory.properties.classes import classes
+
+Array = NDArray[np.float64]
+Place = tuple[float, float]
+_NAN = float("nan")
+_CELLS = 40
+
+
+@dataclass(frozen=True)
+class DensityReport:
+    """μ over P_r: minimum and maximum (output per K²) with their places (α, β), classes, reversible part.
+
+    ``g_min`` is the least density of reversible relays on the diagonal (output per K), ``reversible_share``
+    their part of the whole output range. A ``FodTable`` is reversible on its diagonal cells, so it has a
+    ``g_min``; which part of a wire's output is, cells cannot tell, so the share is NaN for tables.
+    ``negative_cells`` of ``cells`` have negative mass (0 of 0 for surfaces).
+    """
+
+    mu_min: float
+    mu_min_at: Place
+    mu_max: float
+    mu_max_at: Place
+    M_PC: bool
+    M_P: bool
+    g_min: float
+    reversible_share: float
+    negative_cells: int = 0
+    cells: int = 0
+
+    def __repr__(self) -> str:
+        classes = f"M_PC {'yes' if self.M_PC else 'no'}, M_P {'yes' if self.M_P else 'no'}"
+        return f"DensityReport(μ from {self.mu_min:.3g} to {self.mu_max:.3g}, {classes})"
+
+
+def density_report(hysteresis: Everett) -> DensityReport:
+    """Extremes and classes of a surface, a table, or the mirror image of one (whose μ(α, β) is μ̃(−β, −α))."""
+    if isinstance(hysteresis, Mirrored):
+        return _mirrored_report(density_report(hysteresis.image))
+    if isinstance(hysteresis, FodSurface):
+        return _of_surface(hysteresis)
+    return _of_cells(hysteresis)
+
+
+def _mirrored_report(r: DensityReport) -> DensityReport:
+    low, high = ((-b, -a) for a, b in (r.mu_min_at, r.mu_max_at))
+    return DensityReport(
+        r.mu_min, low, r.mu_max, high, r.M_PC, r.M_P, r.g_min, r.reversible_share, r.negative_cells, r.cells
+    )
+
+
+def _of_surface(surface: FodSurface) -> DensityReport:
+    c = classes(surface)
+    low, high = c.mu_min, c.mu_max
+    return DensityReport(
+        low.value, low.at, high.value, high.at, c.M_PC, c.M_P, c.g_min.value, c.reversible_share
+    )
+
+
+def _of_cells(table: Everett) -> DensityReport:
+    """Mass of rectangles [α₁, α₂] × [β₁, β₂]: F(α₂, β₁) − F(α₁, β₁) − F(α₂, β₂) + F(α₁, β₂) = 2∬μ."""
+    nodes = table.nodes if isinstance(table, FodTable) else np.linspace(table.lower, table.upper, _CELLS + 1)
+    n = nodes.size
+    inputs = nodes.tolist()
+    F = np.array([[table.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
+    mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
+    y_lower = abs(
+        float(getattr(table, "y_lower", 0.0))
+    )  # a table keeps outputs: a large zero rounds its masses
+    rounding = 1e-12 * float(np.nanmax(np.abs(F))) + 8 * float(np.finfo(float).eps) * y_lower
+    mass = np.where(np.abs(mass) <= rounding, 0.0, mass)
+    off_diagonal = np.tri(n - 1, k=-1, dtype=bool)
+    width = np.diff(nodes)
+    mu = np.where(off_diagonal, mass / (2 * width[:, None] * width), np.nan)
+    if not off_diagonal.any():
+        return DensityReport(_NAN, (_NAN, _NAN), _NAN, (_NAN, _NAN), True, True, _NAN, _NAN)
+    middle = (nodes[1:] + nodes[:-1]) / 2
+    i, j = np.unravel_index(int(np.nanargmin(mu)), mu.shape)
+    k, m = np.unravel_index(int(np.nanargmax(mu)), mu.shape)
+    negative = int(np.sum(mass[off_diagonal] < 0))
+    return DensityReport(
+        mu_min=float(mu[i, j]),
+        mu_min_at=(float(middle[i]), float(middle[j])),
+        mu_max=float(mu[k, m]),
+        mu_max_at=(float(middle[k]), float(middle[m])),
+        # Interpolated finite tables are piecewise smooth; ForcTable's seams are kinks, not jumps.
+        M_PC=isinstance(table, FodTable | ForcTable),
+        M_P=negative == 0,
+        g_min=float(np.min(np.diag(F, -1) / width)) if isinstance(table, FodTable) else _NAN,
+        reversible_share=_NAN,
+        negative_cells=negative,
+        cells=int(off_diagonal.sum()),
+    )

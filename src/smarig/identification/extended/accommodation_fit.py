@@ -1,0 +1,114 @@
+"""How much and how fast minor loops drift: amount κ and path l of the accommodation model, from repeated states.
+
+Only what differs between repeats of one classical memory state is used: there Preisach says nothing happens,
+so an error of the hysteresis itself drops out. For each l the model is linear in κ,
+
+    y − ȳ(state) = κ [D_l − D̄_l(state)] + noise,        D_l = what κ = 1 adds to the classical output
+
+and l follows from the profile of the squares (thesis §3.5; Vajda & Della Torre, IEEE Trans. Magn. 30:4371, 1994,
+fit a rate and an amount to repeated loops too). Knows no physics.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+from scipy.stats import f as fisher
+
+from smarig.core.errors import DataError
+from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
+from smarig.identification.interval_estimate import Estimate
+from smarig.preisach.everett import Everett
+from smarig.record import Run
+from smarig.theory.extended.accommodating_operator import AccommodatingPreisach
+
+Array = NDArray[np.float64]
+_SHORTEST, _LONGEST, _SCAN = 0.02, 200.0, 17  # strokes
+
+
+@dataclass(frozen=True)
+class AccommodationFit:
+    """κ and l with profile intervals, the p-value of "no drift", rms of the repeats without and with the drift.
+
+    An interval of l that reaches 0.02 or 200 strokes is not bounded by the record on that side.
+    """
+
+    amount: Estimate
+    path: Estimate
+    p_value: float
+    rms_without: float
+    rms: float
+
+
+def identify_accommodation(runs: Sequence[Run], hysteresis: Everett) -> AccommodationFit:
+    """κ and l (strokes) from settled points of runs that begin in negative saturation and repeat states.
+
+    ``hysteresis`` is the classical one, identified before. DataError with fewer than 6 degrees of freedom.
+    """
+    record = extremum_chains(runs)
+    y = _within(record.y, record.state)
+    freedom = record.y.size - np.unique(record.state).size - 2
+    if freedom < 4:
+        raise DataError(
+            f"The record repeats too few memory states ({max(freedom + 2, 0)} degrees of freedom); accommodation needs "
+            "a minor loop driven several times between the same inputs."
+        )
+    classical = _outputs(record, hysteresis, 0.0, 1.0)
+
+    def drift(log_path: float) -> Array:
+        return _within(_outputs(record, hysteresis, 1.0, float(np.exp(log_path))) - classical, record.state)
+
+    def squares(log_path: float) -> float:
+        d = drift(log_path)
+        return float(y @ y - (d @ y) ** 2 / max(float(d @ d), 1e-300))
+
+    ends = float(np.log(_SHORTEST)), float(np.log(_LONGEST))
+    best = _least(squares, *ends)
+    least = squares(best)
+    noise = least / freedom
+    d = drift(best)
+    gradient = (drift(best + 1e-3) - drift(best - 1e-3)) / 2e-3
+    amount = float(d @ y) / float(d @ d)
+    # The amount's error includes that of l: the part of D outside ∂D/∂log l.
+    aside = d - gradient * float(gradient @ d) / max(float(gradient @ gradient), 1e-300)
+    half = float(fisher.ppf(0.95, 1, freedom) * noise / max(float(aside @ aside), 1e-300)) ** 0.5
+    bound = noise * float(fisher.ppf(0.95, 1, freedom))
+    low, high = (np.exp(_crossing(lambda p: squares(p) - least - bound, best, end)) for end in ends)
+    gain = (float(y @ y) - least) / 2 / noise
+    n = record.y.size
+    return AccommodationFit(
+        Estimate(amount, (amount - half, amount + half), "1", "repeated memory states", n),
+        Estimate(float(np.exp(best)), (float(low), float(high)), "strokes", "repeated memory states", n),
+        float(fisher.sf(gain, 2, freedom)),
+        float(np.sqrt(y @ y / (freedom + 2))),
+        float(np.sqrt(noise)),
+    )
+
+
+def _outputs(record: ExtremumChains, hysteresis: Everett, amount: float, path: float) -> Array:
+    model = AccommodatingPreisach(hysteresis, amount, path)
+    return np.concatenate([model.simulate(record.u[record.run == r]) for r in np.unique(record.run)])
+
+
+def _within(values: Array, state: NDArray[np.intp]) -> Array:
+    """Deviations from the mean over the repeats of each memory state."""
+    return values - (np.bincount(state, values) / np.bincount(state))[state]
+
+
+def _least(squares, low: float, high: float) -> float:
+    grid = np.linspace(low, high, _SCAN)
+    at = int(np.argmin([squares(p) for p in grid]))
+    bracket = float(grid[max(at - 1, 0)]), float(grid[min(at + 1, _SCAN - 1)])
+    found: Any = minimize_scalar(squares, bounds=bracket, method="bounded", options={"xatol": 1e-4})
+    return float(found.x)
+
+
+def _crossing(above, best: float, end: float) -> float:
+    """Where ``above`` turns positive between best and end; the end when it does not."""
+    if above(end) <= 0:
+        return end
+    root: Any = brentq(above, best, end, xtol=1e-3)
+    return float(root)

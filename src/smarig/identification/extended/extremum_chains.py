@@ -1,0 +1,79 @@
+"""Which earlier points a point's output hangs on: the remembered extrema, as points of the record.
+
+The output of a Preisach memory is a chain of moves: u₋ → M₁ → m₁ → … → u. Here each settled point of a
+record is told which point turned last before it (its origin), so that models can be linear in the data. Knows no model.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+from smarig.record import Run
+from smarig.replay.memory_history import MemoryHistory, memory_histories
+
+Array = NDArray[np.float64]
+Places = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class ExtremumChains:
+    """Inputs u (n,), outputs y (n,), origins (n,): index of the last remembered extremum, −1 for u₋.
+
+    ``state`` (n,): points with one number are repeats of one classical memory state; ``run`` (n,): of which record.
+    """
+
+    u: Array
+    y: Array
+    origin: Places
+    state: Places
+    run: Places
+    lower: float
+    upper: float
+    unit: str
+
+
+def extremum_chains(runs: Sequence[Run]) -> ExtremumChains:
+    """Settled points of runs that begin in negative saturation; DataError names a run that does not."""
+    lower, upper, records = memory_histories(runs)
+    origins: list[int] = []
+    names: list[int] = []
+    which: list[int] = []
+    seen: dict[tuple, int] = {}
+    for number, (run, record) in enumerate(zip(runs, records, strict=True)):
+        if any(s is None or s.diagonal or s.extrema[0] != lower for s in record.states):
+            raise DataError(
+                f"{run.path} has points whose memory does not go back to negative saturation; "
+                "begin the run there (or choose points after its first saturation)."
+            )
+        start = len(origins)
+        origins += [k + start if k >= 0 else -1 for k in _origins(record)]
+        names += [seen.setdefault((s.extrema, s.u), len(seen)) for s in record.states if s]
+        which += [number] * len(record.states)
+    return ExtremumChains(
+        np.concatenate([r.inputs for r in records]),
+        np.concatenate([r.outputs for r in records]),
+        np.array(origins, dtype=np.intp),
+        np.array(names, dtype=np.intp),
+        np.array(which, dtype=np.intp),
+        lower,
+        upper,
+        runs[0].unit,
+    )
+
+
+def _origins(record: MemoryHistory) -> list[int]:
+    """Index of the point at which the last remembered extremum was set, −1 for the start."""
+    stack: list[int] = [-1]
+    found = []
+    depth = 1
+    for k, state in enumerate(record.states):
+        now = len(state.extrema) if state else 1
+        if now > depth:  # a turn: the point before this one is the new extremum
+            stack.append(k - 1)
+        del stack[now:]
+        depth = now
+        found.append(stack[-1])
+    return found

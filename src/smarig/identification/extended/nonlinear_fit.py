@@ -1,0 +1,116 @@
+"""The non-linear model from first- and second-order curves: its base table and its excess, with their noise.
+
+    Q(α, β, u) = y(α, β) + y(u, u) − y(u, β) − y_αβ(u)
+
+is measured node by node on one partition: the first-order surface by falling from α, y_αβ(u) by rising again
+from β (Mayergoyz, ch. 2; thesis §3.5). Repeats are averaged. Knows no interpolation and no operator.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+
+from smarig.core.errors import DataError
+from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.record import Run
+from smarig.theory.extended.nonlinear_operator import NonlinearPreisach, SecondOrderExcess, second_order_mask
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NonlinearFit:
+    """First-order table, excess Q, standard error of each Q (n, n, n; NaN where it is zero by definition).
+
+    ``p_value``: of Q ≡ 0, the classical model, from the second-order curves against ``noise`` (one settled point).
+    """
+
+    hysteresis: FodTable
+    excess: SecondOrderExcess
+    error: Array
+    noise: float
+    p_value: float
+
+    def model(self) -> NonlinearPreisach:
+        """The identified operator."""
+        return NonlinearPreisach(self.hysteresis, self.excess)
+
+    def interval(self) -> tuple[Array, Array]:
+        """95 % interval of every Q."""
+        half = float(norm.ppf(0.975)) * self.error
+        return self.excess.values - half, self.excess.values + half
+
+
+def identify_nonlinear(runs: Sequence[Run], noise: float) -> NonlinearFit:
+    """From runs whose settled points cover all first- and second-order curves of one partition.
+
+    ``noise``: standard deviation of one settled output (see ``noise_floor``). DataError names what is missing.
+    """
+    record = extremum_chains(runs)
+    nodes, sums, counts = _first_order(record)
+    table = FodTable(
+        nodes, np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0), record.unit
+    )
+    second, repeats = _second_order(record, nodes)
+    i, j, k = np.nonzero(second_order_mask(nodes.size) & (repeats > 0))
+    missing = second_order_mask(nodes.size) & (repeats == 0)
+    if missing.any():
+        a, b, at = nodes[np.argwhere(missing)[0]]
+        raise DataError(f"No second-order point at α = {a:g}, β = {b:g}, u = {at:g}: measure that curve too.")
+    y = table.values
+    q, error = np.zeros(missing.shape), np.full(missing.shape, np.nan)
+    q[i, j, k] = y[i, j] + y[k, k] - y[k, j] - second[i, j, k]
+    # Each Q is one linear form of means: their inverse counts add, and shared first-order points correlate the Qs.
+    forms = _forms(i, j, k, nodes.size)
+    variance = noise**2 / np.concatenate([counts[np.tril_indices(nodes.size)], repeats[i, j, k]])
+    covariance = (forms * variance) @ forms.T
+    error[i, j, k] = np.sqrt(np.diag(covariance))
+    statistic = float(q[i, j, k] @ np.linalg.solve(covariance, q[i, j, k]))
+    return NonlinearFit(
+        table, SecondOrderExcess.from_nodes(nodes, q), error, noise, float(chi2.sf(statistic, i.size))
+    )
+
+
+def _first_order(record: ExtremumChains) -> tuple[Array, Array, Array]:
+    """Partition (n,), sums and counts (n, n) of y(α, β), the ascending branch on the diagonal."""
+    up = record.origin < 0
+    down = ~up & (np.append(record.origin, -1)[record.origin] < 0)
+    nodes = np.unique(record.u[up | down])
+    alpha = np.where(up, record.u, record.u[record.origin])
+    i, j = np.searchsorted(nodes, alpha[up | down]), np.searchsorted(nodes, record.u[up | down])
+    sums, counts = np.zeros((nodes.size,) * 2), np.zeros((nodes.size,) * 2)
+    np.add.at(sums, (i, j), record.y[up | down])
+    np.add.at(counts, (i, j), 1)
+    # Negative saturation is one state, however it was reached.
+    sums[:, 0], counts[:, 0] = sums[:, 0].sum(), counts[:, 0].sum()
+    return nodes, sums, counts
+
+
+def _second_order(record: ExtremumChains, nodes: Array) -> tuple[Array, Array]:
+    """Means and counts (n, n, n) of y_αβ(u): points whose origin β has an origin α on the ascending branch."""
+    beyond = np.append(record.origin, -1)
+    peak = beyond[record.origin]
+    found = np.flatnonzero((record.origin >= 0) & (peak >= 0) & (beyond[peak] < 0))
+    places = [record.u[peak[found]], record.u[record.origin[found]], record.u[found]]
+    known = np.all([np.isin(p, nodes) for p in places], axis=0)
+    index = tuple(np.searchsorted(nodes, p[known]) for p in places)
+    sums, counts = np.zeros((nodes.size,) * 3), np.zeros((nodes.size,) * 3)
+    np.add.at(sums, index, record.y[found[known]])
+    np.add.at(counts, index, 1)
+    return np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0), counts
+
+
+def _forms(i: NDArray[np.intp], j: NDArray[np.intp], k: NDArray[np.intp], n: int) -> Array:
+    """Q = y(α, β) + y(u, u) − y(u, β) − y_αβ(u) as rows over the first-order means, then the second-order ones."""
+    place = np.zeros((n, n), dtype=int)
+    place[np.tril_indices(n)] = np.arange(n * (n + 1) // 2)
+    first = np.zeros((i.size, n * (n + 1) // 2))
+    row = np.arange(i.size)
+    first[row, place[i, j]] += 1
+    first[row, place[k, k]] += 1
+    first[row, place[k, j]] -= 1
+    return np.hstack([first, -np.eye(i.size)])

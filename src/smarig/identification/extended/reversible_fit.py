@@ -1,0 +1,86 @@
+"""The reversible part from the mean of the ascending and descending major branches.
+
+    r(u) = ½ [y⁺(u) − Γ⁺(u)] + ½ [y⁻(u) − Γ⁻(u)]
+
+is what both branches have beyond the hysteresis Γ (Mayergoyz, ch. 2: with no Γ it is the fully reversible
+component itself); half their difference is what r cannot explain. Knows no physics.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+
+from smarig.core.errors import DataError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach
+from smarig.record import Run
+from smarig.replay.memory_history import memory_histories
+from smarig.theory.extended.reversible_operator import ReversiblePart, ReversiblePreisach
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ReversibleFit:
+    """r at the inputs both branches visit, its standard error (n,), and two p-values.
+
+    ``p_none``: of r ≡ constant; ``p_enough``: of the branches differing by noise only once r is taken away.
+    """
+
+    hysteresis: Everett
+    part: ReversiblePart
+    error: Array
+    p_none: float
+    p_enough: float
+
+    def model(self) -> ReversiblePreisach:
+        """The identified operator."""
+        return ReversiblePreisach(self.hysteresis, self.part)
+
+    def interval(self) -> tuple[Array, Array]:
+        """95 % interval of r at each input."""
+        half = float(norm.ppf(0.975)) * self.error
+        return self.part.values - half, self.part.values + half
+
+
+def identify_reversible(runs: Sequence[Run], hysteresis: Everett, noise: float) -> ReversibleFit:
+    """r beyond a hysteresis that has none of its own there; ``noise``: of one settled output.
+
+    DataError unless the runs hold both major branches, saturation to saturation, at two common inputs at least.
+    """
+    lower, upper, records = memory_histories(runs)
+    branches: dict[str, dict[float, list[float]]] = {"up": {}, "down": {}}
+    for record in records:
+        for u, y, state in zip(record.inputs.tolist(), record.outputs.tolist(), record.states, strict=True):
+            if state is None or state.diagonal or state.extrema[0] != lower or not lower < u < upper:
+                continue
+            if len(state.extrema) == 1:
+                branches["up"].setdefault(u, []).append(y)
+            elif state.extrema[1:] == (upper,):
+                branches["down"].setdefault(u, []).append(y)
+    common = sorted(branches["up"].keys() & branches["down"].keys())
+    if len(common) < 2:
+        raise DataError(
+            f"The ascending and the descending major branch share {len(common)} inputs; the reversible part needs "
+            "2 at least: run both branches through one partition, from saturation to saturation."
+        )
+    model = Preisach(hysteresis)
+    up = np.array([np.mean(branches["up"][u]) for u in common]) - model.simulate(common)
+    down = (
+        np.array([np.mean(branches["down"][u]) for u in common])
+        - model.simulate(common[::-1], "positive")[::-1]
+    )
+    r = (up + down) / 2
+    variance = sum(1 / np.array([len(branches[b][u]) for u in common]) for b in ("up", "down")) * noise**2 / 4
+    weights = 1 / np.asarray(variance)
+    level = float(r @ weights / weights.sum())
+    return ReversibleFit(
+        hysteresis,
+        ReversiblePart(np.array(common), r),
+        np.sqrt(np.asarray(variance)),
+        float(chi2.sf(float((r - level) ** 2 @ weights), len(common) - 1)),
+        float(chi2.sf(float(((up - down) / 2) ** 2 @ weights), len(common))),
+    )

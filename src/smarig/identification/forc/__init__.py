@@ -1,0 +1,1 @@
+"""The density of scattered first-order reversal curves."""

@@ -1,0 +1,61 @@
+"""First-order reversal curves out of a run, as the mirrored FOD curves that ``ForcTable`` takes.
+
+A FORC starts on the descending branch at a reversal field and rises: mirrored, (u, y) → (−u, −y), it is a
+FOD curve whose peak is the reversal. Knows runs with numbered curves; does not read files, does not fit.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+from smarig.preisach.hysteresis.forc_curve import ForcCurve
+from smarig.record import FORC_PROTOCOL
+from smarig.record.run import Run
+
+CALIBRATION = -1
+_MAX_REVERSED_SHARE = 0.1
+
+
+def curves_from_run(run: Run) -> tuple[ForcCurve, ...]:
+    """The curves of a FORC run in measuring order, mirrored: α = −reversal field, β = −field, y = −moment.
+
+    Column ``step`` numbers the curves from 0, −1 marks calibration points in saturation; the last
+    calibration point before a curve becomes its ``saturation``. A curve begins at its lowest field, and
+    readings that do not move the field on are left out (they would be reversals of noise). Raises
+    DataError when the run is of another protocol, or a curve's field goes back at over 10 % of its points.
+    """
+    if run.meta.get("protocol") != FORC_PROTOCOL:
+        raise DataError(
+            f"{run.path} is of protocol '{run.meta.get('protocol', 'unknown')}'; curves can be had from "
+            f"'{FORC_PROTOCOL}' (import a FORC file with --format forc)."
+        )
+    known = np.isfinite(run["input"]) & np.isfinite(run["position"]) & np.isfinite(run["step"])
+    step, u, y = (run[name][known] for name in ("step", "input", "position"))
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(step) != 0])) if step.size else np.array([], int)
+    curves: list[ForcCurve] = []
+    saturation: tuple[float, float] | None = None
+    for begin, end in zip(starts, [*starts[1:], step.size]):
+        if step[begin] == CALIBRATION:
+            saturation = (-float(u[end - 1]), -float(y[end - 1]))
+        else:
+            curve = _curve(run, int(step[begin]), -u[begin:end], -y[begin:end])
+            curves.append(replace(curve, saturation=saturation))
+    if not curves:
+        raise DataError(f"{run.path} has no curves: every reading is a calibration point or not a number.")
+    return tuple(curves)
+
+
+def _curve(run: Run, number: int, beta: NDArray[np.float64], y: NDArray[np.float64]) -> ForcCurve:
+    begin = int(np.argmax(beta))
+    beta, y = beta[begin:], y[begin:]
+    least_before = np.concatenate([[np.inf], np.minimum.accumulate(beta)[:-1]])
+    onward = beta < least_before
+    back = int(np.sum(~onward))
+    if back > _MAX_REVERSED_SHARE * beta.size:
+        raise DataError(
+            f"{run.path}, curve {number}: the field turns back at {back} of {beta.size} points after the "
+            "reversal; a first-order curve rises from its reversal field."
+        )
+    return ForcCurve(float(beta[0]), beta[onward], y[onward])

@@ -1,0 +1,177 @@
+"""Weighted local polynomials at many places at once: value, mixed derivative, and what noise does to both.
+
+Around each place (α₀, β₀) the polynomial minimising Σ w_i (y_i − p(α_i, β_i))² is found from its normal
+equations. Places and points are sorted into square cells at least as wide as the window reaches, so one
+matrix product per cell, (weights) × (monomials), gives the moments of every place in it. Knows scaled
+coordinates and weights; no units, no smoothing rule, no density.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.forc.forc_density_windows import RegressionWindow
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+_CELL = 9.0  # steps, where places are as dense as points: some eighty places share arithmetic
+_BLOCK = 96  # places at a time: their weights stay in the cache
+_COLLINEAR = 1e-9  # 1 − R² of a monomial on those before it
+
+
+@dataclass(frozen=True, eq=False)
+class LocalFits:
+    """Per place (t,): what the local polynomials say; NaN where ``singular``.
+
+    ``value`` p(α₀, β₀) and ``mixed`` ∂²p/∂α∂β there, per square step. ``value_gain``, ``mixed_gain``: standard
+    deviation of each for noise of deviation 1. ``leverage``: ∂value/∂y of a point at the place.
+    """
+
+    value: Array
+    mixed: Array
+    value_gain: Array
+    mixed_gain: Array
+    leverage: Array
+
+    @property
+    def singular(self) -> NDArray[np.bool_]:
+        """Where the neighbourhood does not determine the polynomial."""
+        return np.isnan(self.mixed)
+
+
+def local_fits(
+    places: Array,
+    points: Array,
+    y: Array,
+    s: Array,
+    window: RegressionWindow,
+    degree: int = 2,
+    without: tuple[Array, Array] | None = None,
+) -> LocalFits:
+    """Fit at ``places`` (t, 2) to ``points`` (n, 2) with values ``y`` (n,), factors ``s`` (t,), in steps.
+
+    ``without`` = labels of places (t,) and of points (n,): a place is fitted to points of other labels only.
+    """
+    basis = _Basis.of(degree)
+    unit = float(s.max())
+    products = basis.orders.shape[1]
+    moments = np.empty((products + basis.terms, len(places)))
+    squares = np.empty((products, len(places)))
+    offsets = np.empty((len(places), 2))
+    for mine, theirs in neighbourhoods(places @ window.frame, points @ window.frame, s):
+        middle = places[mine].mean(axis=0)
+        near = (points[theirs] - middle) / unit
+        columns = basis.monomials(near)
+        columns = np.concatenate([columns, columns[: basis.terms] * y[theirs]]).T.copy()
+        for start in range(0, mine.size, _BLOCK):
+            block = mine[start : start + _BLOCK]
+            offsets[block] = local = (places[block] - middle) / unit
+            weights = window.weights(local * unit, near * unit, s[block])
+            if without is not None:
+                weights[without[0][block][:, None] == without[1][theirs]] = 0.0
+            moments[:, block] = (weights @ columns).T
+            weights *= weights
+            squares[:, block] = (weights @ columns[:, :products]).T
+    return _solved(basis, moments, squares, offsets, unit)
+
+
+@dataclass(frozen=True, eq=False)
+class _Basis:
+    """Monomials u^p v^q by rising order; the first ``terms`` span the polynomial, all of them its products."""
+
+    degree: int
+    orders: NDArray[np.int64]  # (2, m): p and q
+    terms: int
+    products: NDArray[np.int64]  # (terms, terms): index of the product of two terms
+
+    @classmethod
+    def of(cls, degree: int) -> "_Basis":
+        orders = [(n - q, q) for n in range(2 * degree + 1) for q in range(n + 1)]
+        terms = (degree + 1) * (degree + 2) // 2
+        index = {pair: k for k, pair in enumerate(orders)}
+        products = [[index[p + r, q + t] for r, t in orders[:terms]] for p, q in orders[:terms]]
+        return cls(degree, np.array(orders).T, terms, np.array(products))
+
+    def monomials(self, at: Array) -> Array:
+        """(m, n) values at places (n, 2)."""
+        u, v = (np.vander(x, 2 * self.degree + 1, increasing=True).T for x in at.T)
+        return u[self.orders[0]] * v[self.orders[1]]
+
+    def value_and_mixed(self, at: Array) -> tuple[Array, Array]:
+        """The terms (terms, t) and their ∂²/∂u∂v at places (t, 2)."""
+        u, v = (np.vander(x, self.degree + 1, increasing=True).T for x in at.T)
+        p, q = self.orders[:, : self.terms]
+        slopes = (p * q)[:, None] * u[np.maximum(p - 1, 0)] * v[np.maximum(q - 1, 0)]
+        return u[p] * v[q], slopes
+
+
+def neighbourhoods(places: Array, points: Array, s: Array) -> Iterator[tuple[Indices, Indices]]:
+    """Per occupied square cell: indices of its places, and of all points within reach ``s`` (t,) of any."""
+    side = _CELL * np.sqrt(max(1.0, len(points) / len(places)))
+    origin = points.min(axis=0)
+    cell, wanted = (np.floor((x - origin) / side).astype(np.int64) for x in (points, places))
+    rings = int(np.ceil(s.max() / side))
+    width = max(int(cell[:, 1].max()), int(wanted[:, 1].max())) + 2 * rings + 1
+    keys, wanted_keys = (x[:, 0] * width + x[:, 1] for x in (cell, wanted))
+    order = np.argsort(keys, kind="stable")
+    keys, sorted_points = keys[order], points[order]
+    by_cell = np.argsort(wanted_keys, kind="stable")
+    for mine in np.split(by_cell, np.flatnonzero(np.diff(wanted_keys[by_cell])) + 1):
+        rows = wanted_keys[mine[0]] + width * np.arange(-rings, rings + 1)
+        begins, ends = np.searchsorted(keys, rows - rings), np.searchsorted(keys, rows + rings, side="right")
+        near = np.concatenate([np.arange(b, e) for b, e in zip(begins, ends)])
+        reach = s[mine].max()
+        low, high = places[mine].min(axis=0) - reach, places[mine].max(axis=0) + reach
+        within = sorted_points[near]
+        yield mine, order[near[np.all((low < within) & (within < high), axis=1)]]
+
+
+def _solved(basis: _Basis, moments: Array, squares: Array, offsets: Array, unit: float) -> LocalFits:
+    normal, spread = moments[basis.products], squares[basis.products]
+    right = moments[len(squares) :]
+    value, mixed = basis.value_and_mixed(offsets)
+    factor, sound = _cholesky(normal)
+    coefficients, to_value, to_mixed = (_solve(factor, b) for b in (right, value, mixed))
+
+    def gain(functional: Array) -> Array:
+        return np.sqrt(np.maximum(np.einsum("pt,pqt,qt->t", functional, spread, functional), 0.0))
+
+    def where(x: Array) -> Array:
+        return np.where(sound, x, np.nan)
+
+    return LocalFits(
+        value=where(np.einsum("pt,pt->t", value, coefficients)),
+        mixed=where(np.einsum("pt,pt->t", mixed, coefficients)) / unit**2,
+        value_gain=where(gain(to_value)),
+        mixed_gain=where(gain(to_mixed)) / unit**2,
+        leverage=where(np.einsum("pt,pt->t", value, to_value)),
+    )
+
+
+def _cholesky(normal: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Lower factors (p, p, t) of the matrices, and where no column depends on those before it."""
+    factor = np.zeros_like(normal)
+    sound = np.ones(normal.shape[2], dtype=bool)
+    for k in range(normal.shape[0]):
+        column = normal[k:, k] - np.einsum("pjt,jt->pt", factor[k:, :k], factor[k, :k])
+        good = column[0] > _COLLINEAR * normal[k, k]
+        sound &= good
+        factor[k:, k] = column / np.sqrt(np.where(good, column[0], 1.0))
+    return factor, sound
+
+
+def _solve(factor: Array, right: Array) -> Array:
+    """Solutions (p, t) of L Lᵀ x = right."""
+    x = right.copy()
+    n = len(x)
+    for k in range(n):
+        x[k] = (x[k] - np.einsum("jt,jt->t", factor[k, :k], x[:k])) / _nonzero(factor[k, k])
+    for k in reversed(range(n)):
+        x[k] = (x[k] - np.einsum("jt,jt->t", factor[k + 1 :, k], x[k + 1 :])) / _nonzero(factor[k, k])
+    return x
+
+
+def _nonzero(x: Array) -> Array:
+    return np.where(x == 0, 1.0, x)

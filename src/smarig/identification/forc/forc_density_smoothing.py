@@ -1,0 +1,92 @@
+"""How wide a local regression should look, told by the data alone: cross-validation by whole curves.
+
+The score is the mean square error of predicting measured points from the other curves only, so noise that the
+points of a curve share (drift, the encoder's zero) is not taken for signal, as it would be by leaving out
+single points or by generalised cross-validation (Chu & Marron 1991). Points that share no α are left out
+singly. Neighbourhoods hold the k nearest points, so they widen towards the edges. Polynomials of degree 2 and
+4 compete. Knows scaled coordinates and outputs; refuses to know the true density, though that is what it is
+judged by (``benchmark.density``).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from smarig.core.errors import DataError
+from smarig.identification.forc.forc_density_local import local_fits, neighbourhoods
+from smarig.identification.forc.forc_density_windows import WINDOWS
+
+Array = NDArray[np.float64]
+DEGREES = (2, 4)
+_PLACES = 1500  # judged at as many places at most, evenly through the data
+_ALLOWED_RISES = 2  # of the error end the search for k
+_REFINEMENT_FACTORS = (0.63, 0.79, 1.26, 1.59)  # between powers of two: widths 12 % apart
+_SOUND = 0.9  # share of places where a fit must be possible
+_TINY = np.finfo(float).tiny
+_WIDER = 1.0 + 1e-9  # the k-th nearest point itself keeps a hair of weight
+
+
+@dataclass(frozen=True)
+class SmoothingChoice:
+    """The chosen neighbourhood: ``nearest`` points, polynomial ``degree``, mean square ``error`` in output²."""
+
+    nearest: int
+    degree: int
+    error: float
+
+
+def nearest_widths(places: Array, points: Array, nearest: int) -> Array:
+    """Distance (t,) from every place (t, 2) to its k-th nearest of the points (n, 2), k ≤ n, in grid steps."""
+    widths = np.full(len(places), np.nan)
+    reach = 1.2 * np.sqrt(nearest)  # with one point per square step enough, but in corners
+    while (open_ := np.flatnonzero(np.isnan(widths))).size:
+        for mine, theirs in neighbourhoods(places[open_], points, np.full(open_.size, reach)):
+            if theirs.size >= nearest:
+                distance = cdist(places[open_[mine]], points[theirs])
+                distance.partition(nearest - 1, axis=1)
+                kth = distance[:, nearest - 1]
+                widths[open_[mine]] = np.where(kth <= reach, kth, np.nan)
+        reach *= 2
+    return np.maximum(widths, _TINY) * _WIDER
+
+
+def choose_smoothing(points: Array, y: Array, degrees: tuple[int, ...] = DEGREES) -> SmoothingChoice:
+    """The k and degree of least error for ``points`` (n, 2) in grid steps, ``y`` (n,); DataError if there is none."""
+    found = [_best_smoothing(points, y, degree) for degree in degrees]
+    best = min(found, key=lambda f: f.error)
+    if best.error == np.inf:
+        raise DataError(
+            f"No smoothing of these {len(points)} points determines a density: measure more curves, or more "
+            "points on each."
+        )
+    return best
+
+
+def _best_smoothing(points: Array, y: Array, degree: int) -> SmoothingChoice:
+    """Doubling k until the error has risen twice, then between the neighbours of the least."""
+    stride = -(-len(points) // _PLACES)
+    places, outputs = points[stride // 2 :: stride], y[stride // 2 :: stride]
+
+    def scored(nearest: int) -> SmoothingChoice:
+        widths = nearest_widths(places, points, nearest)
+        curves = places[:, 0], points[:, 0]
+        fits = local_fits(places, points, y, widths, WINDOWS["loess"], degree, without=curves)
+        sound = ~fits.singular
+        if sound.mean() < _SOUND:
+            return SmoothingChoice(nearest, degree, np.inf)
+        return SmoothingChoice(nearest, degree, float(np.mean((outputs - fits.value)[sound] ** 2)))
+
+    def best_index(tried: list[SmoothingChoice]) -> int:
+        return int(np.argmin([t.error for t in tried]))
+
+    fewest = (degree + 1) * (degree + 2)
+    tried = [scored(min(fewest, len(points)))]
+    while 2 * tried[-1].nearest <= len(points) and len(tried) - best_index(tried) <= _ALLOWED_RISES:
+        tried.append(scored(2 * tried[-1].nearest))
+    centre = tried[best_index(tried)].nearest
+    for factor in _REFINEMENT_FACTORS:
+        if fewest <= (nearest := round(centre * factor)) <= len(points):
+            tried.append(scored(nearest))
+    return tried[best_index(tried)]

@@ -1,0 +1,63 @@
+"""Where the triangle is cut: nodes close together where the output moves, and on the measured levels.
+
+The widest interval is halved again and again. Width is measured half by input and half by how much of the
+output change along the data falls into it, so flat stretches stay coarse. Knows no fit.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.positive.observations import Observations
+
+Array = NDArray[np.float64]
+SAME = 1e-4  # levels closer than this part of the range are one node
+
+
+def adapted_nodes(observations: Observations, intervals: int) -> Array:
+    """Nodes (about ``intervals`` + 1,) from u₋ to u₊: the measured levels if they are few, and refinements."""
+    lower, upper = observations.lower, observations.upper
+    span = upper - lower
+    used = np.concatenate([observations.alpha, observations.beta])
+    levels = np.setdiff1d(np.clip(used, lower, upper), observations.passed)
+    few = _thinned(np.concatenate([[lower], levels, [upper]]), SAME * span)
+    if few.size > intervals / 2:  # a dense scan, not a partition: only where it begins and ends is special
+        few = _thinned(
+            np.array([lower, used.min(), observations.alpha.min(), used.max(), upper]), SAME * span
+        )
+    place, share = _activity(observations, span)
+    nodes = few.tolist()
+    while len(nodes) <= intervals:
+        at = np.array(nodes)
+        width = np.diff(at) / span + np.diff(np.interp(at, place, share))
+        k = int(np.argmax(width))
+        nodes.insert(k + 1, 0.5 * (nodes[k] + nodes[k + 1]))
+    return np.array(nodes)
+
+
+def _thinned(levels: Array, least: float) -> Array:
+    """Increasing levels at least this far apart, the ends kept."""
+    kept = [float(np.min(levels))]
+    top = float(np.max(levels))
+    for u in np.unique(levels):
+        if u - kept[-1] > least and top - u > least:
+            kept.append(float(u))
+    return np.array([*kept, top])
+
+
+def _activity(observations: Observations, span: float) -> tuple[Array, Array]:
+    """Cumulative share of the output change along the curves, over the input."""
+    at = _last_terms(observations)
+    order = np.lexsort((observations.beta[at], observations.curve))
+    u, y, curve = observations.beta[at][order], observations.y[order], observations.curve[order]
+    used = (curve[1:] == curve[:-1]) & (np.diff(u) > 1e-9 * span)
+    low, high, change = u[:-1][used], u[1:][used], np.abs(np.diff(y))[used]
+    edges = np.linspace(observations.lower, observations.upper, 65)
+    share = np.array([np.sum(change * np.clip((e - low) / (high - low), 0.0, 1.0)) for e in edges])
+    return edges, share / share[-1] if share.size and share[-1] > 0 else (edges - edges[0]) / span
+
+
+def _last_terms(observations: Observations) -> NDArray[np.int64]:
+    """The last term of each observation: its β is the present input, or the last extremum."""
+    last = np.zeros(len(observations), dtype=np.int64)
+    last[observations.term] = np.arange(observations.term.size)
+    return last

@@ -1,0 +1,292 @@
+"""The ``positive`` identification: a non-negative measure, smooth where the data is silent (§5.6, §9.2).
+
+    minimise  Σ (Xθ − y)²/m  +  λ ∬ (ρ_αα² + 2 ρ_αβ² + ρ_ββ²) + λ ∫ g″²     over masses ≥ 0
+
+in the spirit of Banks, Kurdila and Webb: measures on finer and finer triangles converge, the programme is
+strictly convex, so its solution is unique, and M_P holds by construction, reversible part included. λ is the
+one under which held-out curves are predicted best. What the data leaves open is counted, and predictions
+carry intervals. Refuses to know where observations come from.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import structural_rank
+from scipy.special import ndtri
+
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.positive.adapted_partition import adapted_nodes
+from smarig.identification.positive.held_out_error import HeldOut, held_out_test
+from smarig.identification.positive.interior_point import Solution
+from smarig.identification.positive.observations import Observations, joined_observations
+from smarig.identification.positive.quadratic_programme import MeasureProblem, dense_columns, quadratic_forms
+from smarig.identification.positive.smoothing_choice import (
+    curve_folds,
+    largest_smoothing_within_one_error,
+    segment_folds,
+    smoothing_by_held_out,
+)
+from smarig.identification.positive.triangle import Triangle
+from smarig.preisach.hysteresis.fod_table import FodTable
+
+Array = NDArray[np.float64]
+INTERVALS, COARSE = 40, 25  # of the triangle that is fitted, of the one that chooses λ
+MANY_POINTS, REFINEMENT = 2000, 1.5  # thousands of points pay for finer ones
+FEWEST_CURVES = 4
+DEFAULT_SMOOTHING = 1e-12
+_ZERO = 1e-8  # a mass below this part of the output range is zero
+
+
+@dataclass(frozen=True, eq=False)
+class PositiveFit:
+    """A non-negative measure and what the data says of it. Outputs in ``unit``.
+
+    ``table`` is the hysteresis, ``masses`` (cells,) ≥ 0 its measure ν. ``smoothing`` is λ; ``by_smoothing``
+    the typical held-out error of a curve by λ (empty when λ was given), ``held_out`` what the held-out
+    curves say of the fit. ``sigma`` is the residual standard deviation, ``freedom`` the effective number
+    of parameters; ``null_space`` counts the directions of the measure that no point of the data sees,
+    and that smoothness alone decides.
+    """
+
+    table: FodTable
+    triangle: Triangle
+    masses: Array
+    smoothing: float
+    by_smoothing: dict[float, float]
+    held_out: HeldOut
+    sigma: float
+    rms: float
+    freedom: float
+    null_space: int
+    points: int
+    curves: int
+    symmetric: bool
+    unit: str
+    _solution: Solution
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of the triangle, those on the diagonal included."""
+        return self.masses.size
+
+    @property
+    def at_zero(self) -> int:
+        """Number of cells the constraint holds at zero."""
+        return int(np.sum(self.masses == 0))
+
+    @property
+    def rank(self) -> int:
+        """Number of directions that the data fixes, the zero of the output included."""
+        return self._solution.x.size - self.null_space
+
+    @property
+    def reversible_share(self) -> float:
+        """Part of the output range that the cells on the diagonal carry."""
+        return float(self.masses[self.triangle.i == self.triangle.j].sum() / self.masses.sum())
+
+    def y(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """y(α, β), vectorised."""
+        return self.table.y(alpha, beta)
+
+    def covariance(self, rows: csr_matrix, second_rows: csr_matrix | None = None) -> Array:
+        """Posterior covariance, unit² (k, l), of linear functions (k, n) and (l, n) of the triangle's unknowns.
+
+        Gaussian, on the constraints that hold; ``held_out.spread_factor`` is included.
+        """
+        n = self._solution.x.size
+        left, right = dense_columns(rows, n), dense_columns(rows if second_rows is None else second_rows, n)
+        return self._variance * (left.T @ self._solution.inverse(right))
+
+    @property
+    def _variance(self) -> float:
+        return (self.held_out.spread_factor * self.sigma) ** 2 / self.points
+
+    def sd(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """Standard deviation of the predicted y(α, β), broadcast, stretched as ``held_out`` says."""
+        a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
+        rows = self.triangle.values(a.ravel(), b.ravel())
+        spread = quadratic_forms(self._solution.inverse, rows, self._solution.x.size)
+        return np.sqrt(self._variance * spread).reshape(a.shape)
+
+    def interval(self, alpha: ArrayLike, beta: ArrayLike, level: float = 0.9) -> tuple[Array, Array]:
+        """(low, high) in which a new reading of y(α, β) lies with probability ``level``."""
+        if not 0 < level < 1:
+            raise UsageError(f"An interval's level lies between 0 and 1, not at {level:g}.")
+        half = ndtri(0.5 + level / 2) * np.hypot(
+            self.sd(alpha, beta), self.held_out.spread_factor * self.sigma
+        )
+        y = self.y(alpha, beta)
+        return y - half, y + half
+
+    def __repr__(self) -> str:
+        return (
+            f"PositiveFit({self.points} points, {self.curves} curves; {self.cells} cells, {self.at_zero} at "
+            f"zero; rms {self.rms:.4g} {self.unit}, λ {self.smoothing:.1g}, {self.freedom:.0f} effective "
+            f"parameters, {self.null_space} directions left to smoothness)"
+        )
+
+
+def fit_positive(
+    observations: Observations,
+    *,
+    intervals: int | None = None,
+    nodes: ArrayLike | None = None,
+    smoothing: float | None = None,
+    symmetric: bool = False,
+) -> PositiveFit:
+    """Fit a non-negative measure to observations of any history.
+
+    ``intervals`` of the partition (default 40, or 60 for thousands of points), or its ``nodes``;
+    ``smoothing`` λ, chosen by held-out curves when None, by held-out stretches where symmetric curves are too
+    few; ``symmetric`` asks for the symmetry of (u, y) → (−u, −y). Raises DataError when nothing moves, or there
+    are fewer than three points.
+
+    >>> u = np.linspace(0.0, 1.0, 9)
+    >>> alpha, beta = (u[k] for k in np.tril_indices(9))
+    >>> exact = Observations.of_points(alpha, beta, alpha * beta, np.tril_indices(9)[0], (0.0, 1.0))
+    >>> fit = fit_positive(exact, intervals=16)
+    >>> bool(abs(fit.y(0.55, 0.3) - 0.55 * 0.3) < 2e-3), bool((fit.masses >= 0).all())
+    (True, True)
+    """
+    return _positive_fit(
+        _posed_problem(observations, intervals, nodes, smoothing, symmetric), observations.unit
+    )
+
+
+def fit_table(observations: Observations, smoothing: float | None = None) -> FodTable:
+    """The hysteresis of ``fit_positive`` and nothing said about it; as coarse as can be where λ is known."""
+    posed_problem = _posed_problem(
+        observations, INTERVALS if smoothing else None, None, smoothing, symmetric=False
+    )
+    solution = posed_problem.problem.solved(posed_problem.smoothing)
+    return posed_problem.table(solution, _masses(solution, posed_problem.scale), observations.unit)
+
+
+@dataclass(frozen=True, eq=False)
+class _PosedProblem:
+    """A problem with its λ, before anything is said of its solution."""
+
+    problem: MeasureProblem
+    all_observations: Observations
+    masks: list[NDArray[np.bool_]]
+    smoothing: float
+    by_smoothing: dict[float, float]
+    scale: float
+    zero: float
+    symmetric: bool
+
+    def y_lower(self, solution: Solution) -> float:
+        """The output of negative saturation."""
+        return self.zero + self.scale * float(solution.x[self.problem.triangle.unknowns - 1])
+
+    def table(self, solution: Solution, masses: Array, unit: str) -> FodTable:
+        """The hysteresis of a solution."""
+        return self.problem.triangle.table(masses, self.y_lower(solution), unit)
+
+
+def _posed_problem(
+    observations: Observations,
+    intervals: int | None,
+    nodes: ArrayLike | None,
+    smoothing: float | None,
+    symmetric: bool,
+) -> _PosedProblem:
+    scale, zero = _scales(observations, smoothing)
+    all_observations = (
+        joined_observations([observations, observations.mirrored()]) if symmetric else observations
+    )
+    masks = _folds(observations, copies=2 if symmetric else 1)
+    more = REFINEMENT if len(observations) > MANY_POINTS else 1.0
+    fine = intervals or int(INTERVALS * more)
+    triangle = Triangle(adapted_nodes(observations, fine) if nodes is None else np.array(nodes, dtype=float))
+    problem = MeasureProblem.of(triangle, all_observations, scale, zero)
+    by_smoothing: dict[float, float] = {}
+    if smoothing is None and (masks or symmetric):
+        coarse = adapted_nodes(observations, min(int(COARSE * more), fine))
+        same = np.array_equal(coarse, triangle.nodes)
+        rough = problem if same else MeasureProblem.of(Triangle(coarse), all_observations, scale, zero)
+        smoothing, errors = _chosen_smoothing(rough, masks, all_observations, observations)
+        by_smoothing = {k: scale * v for k, v in errors.items()}
+    smoothing = smoothing or DEFAULT_SMOOTHING
+    return _PosedProblem(problem, all_observations, masks, smoothing, by_smoothing, scale, zero, symmetric)
+
+
+def _masses(solution: Solution, scale: float) -> Array:
+    return scale * np.where(solution.s > _ZERO, solution.s, 0.0)
+
+
+def _chosen_smoothing(
+    problem: MeasureProblem,
+    masks: list[NDArray[np.bool_]],
+    all_observations: Observations,
+    observations: Observations,
+) -> tuple[float, dict[float, float]]:
+    """λ by whole curves held out, or by stretches of symmetric loops too few for that."""
+    if masks:
+        return smoothing_by_held_out(problem, masks, all_observations.curve)
+    segment_masks = [np.tile(mask, 2) for mask in segment_folds(observations.curve)]
+    return largest_smoothing_within_one_error(problem, segment_masks, all_observations.curve)
+
+
+def _scales(observations: Observations, smoothing: float | None) -> tuple[float, float]:
+    if smoothing is not None and not (np.isfinite(smoothing) and smoothing > 0):
+        raise UsageError(f"The smoothing is a positive number, not {smoothing:g}.")
+    if len(observations) < 3:
+        raise DataError(f"A measure cannot be fitted to {len(observations)} points; three are the least.")
+    spread = float(np.ptp(observations.y))
+    if not np.isfinite(spread) or spread == 0:
+        raise DataError("The output is the same at every point: nothing moves, nothing to identify.")
+    return spread, float(observations.y.min())
+
+
+def _folds(observations: Observations, copies: int) -> list[NDArray[np.bool_]]:
+    if np.unique(observations.curve).size < FEWEST_CURVES:
+        return []
+    return [np.tile(mask, copies) for mask in curve_folds(observations.curve)]
+
+
+def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
+    problem, all_observations, scale, smoothing = (
+        posed_problem.problem,
+        posed_problem.all_observations,
+        posed_problem.scale,
+        posed_problem.smoothing,
+    )
+    solution = problem.solved(smoothing)
+    masses = _masses(solution, scale)
+    residual = problem.rows @ solution.x - problem.y
+    freedom = min(_freedom(problem, solution), 0.9 * problem.y.size)
+    sigma = float(np.sqrt(residual @ residual / (problem.y.size - freedom)))
+    held_out_error = held_out_test(problem, posed_problem.masks, all_observations.curve, smoothing, sigma)
+    return PositiveFit(
+        table=posed_problem.table(solution, masses, unit),
+        triangle=problem.triangle,
+        masses=masses,
+        smoothing=smoothing,
+        by_smoothing=posed_problem.by_smoothing,
+        held_out=HeldOut(
+            scale * held_out_error.rms,
+            scale * held_out_error.signed_rms,
+            held_out_error.spread_factor,
+            held_out_error.curves,
+        ),
+        sigma=scale * sigma,
+        rms=scale * float(np.sqrt(np.mean(residual**2))),
+        freedom=freedom,
+        null_space=problem.rows.get_shape()[1] - int(structural_rank(problem.rows)),
+        points=problem.y.size,
+        curves=int(np.unique(all_observations.curve).size),
+        symmetric=posed_problem.symmetric,
+        unit=unit,
+        _solution=solution,
+    )
+
+
+def _freedom(problem: MeasureProblem, solution: Solution) -> float:
+    """tr(X M⁻¹ Xᵀ)/m, the trace of the smoother on the constraints that hold."""
+    m, n = problem.rows.get_shape()
+    if m < n:
+        return float(quadratic_forms(solution.inverse, problem.rows, n).sum() / m)
+    return float(np.trace(solution.inverse((problem.rows.T @ problem.rows).toarray()))) / m

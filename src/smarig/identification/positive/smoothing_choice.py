@@ -1,0 +1,109 @@
+"""How smooth? The λ under which whole curves that were held out are predicted best.
+
+Curves are dealt into folds by their order; the first and the last stay in every training set, because
+nothing could interpolate to them. Each curve counts by the logarithm of its mean square error, so that one
+difficult curve does not choose for all. λ walks downhill by decades and ends at the vertex of a parabola. It
+is chosen on a coarser triangle than the fit's: roughness is an integral, so λ means the same on both.
+
+One or two loops leave no whole curve to hold out. Then stretches of them are, and because these lie close to
+what stays, they favour too little smoothing for the gap between loops: the smoothest λ within one standard
+error of the least error is taken (Breiman et al. 1984, §3.4.3).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.positive.quadratic_programme import MeasureProblem
+
+Mask = NDArray[np.bool_]
+FOLDS = 5
+FIRST_LOG10, LEAST_LOG10, MOST_LOG10 = -12.0, -17.0, -5.0  # log₁₀ λ
+LOG10_RESOLUTION = 0.1  # of log₁₀ λ, where one standard error ends
+COMPARISON_ACCURACY = 1e-4  # accuracy that is enough to compare
+
+
+def curve_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mask]:
+    """Masks of held-out points, whole curves dealt in turn; none where there are fewer than three curves."""
+    inner = np.unique(curve)[1:-1]
+    return [np.isin(curve, inner[k::fold_count]) for k in range(min(fold_count, inner.size))]
+
+
+def smoothing_by_held_out(
+    problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64]
+) -> tuple[float, dict[float, float]]:
+    """(λ, typical held-out error of a curve by λ, scaled): the geometric mean over the curves."""
+    errors_by_exponent: dict[float, float] = {}
+
+    def error(exponent: float) -> float:
+        if exponent not in errors_by_exponent:
+            errors_by_exponent[exponent] = _held_out_error(problem, masks, curve, 10.0**exponent)
+        return errors_by_exponent[exponent]
+
+    best = FIRST_LOG10
+    while True:
+        step = min((e for e in (best - 1, best + 1) if LEAST_LOG10 <= e <= MOST_LOG10), key=error)
+        if error(step) >= error(best):
+            break
+        best = step
+    vertex = _vertex(best, errors_by_exponent)
+    best = vertex if error(vertex) < error(best) else best
+    return 10.0**best, {10.0**e: value for e, value in sorted(errors_by_exponent.items())}
+
+
+def segment_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mask]:
+    """Masks of held-out points: every curve cut into 2 · ``fold_count`` runs of its points, dealt in turn.
+
+    A loop given as its rising and its falling branch, each from its own tip, loses a stretch together with its
+    mirror image, which would else give it away.
+    """
+    dealt = np.empty(curve.size, dtype=np.int64)
+    for number in np.unique(curve):
+        at = np.flatnonzero(curve == number)
+        dealt[at] = np.arange(at.size) * 2 * fold_count // at.size % fold_count
+    return [dealt == k for k in np.unique(dealt)]
+
+
+def largest_smoothing_within_one_error(
+    problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64]
+) -> tuple[float, dict[float, float]]:
+    """As ``smoothing_by_held_out``, but the largest λ whose error is within one standard error of the least."""
+    best, errors_by_exponent = smoothing_by_held_out(problem, masks, curve)
+    logs = [float(np.mean(np.log(part))) / 2 for part in _squares(problem, masks, curve, best)]
+    limit = np.mean(logs) + np.std(logs, ddof=1) / np.sqrt(len(logs))
+    low, high = np.log10(best), MOST_LOG10
+    while high - low > LOG10_RESOLUTION:
+        middle = (low + high) / 2 if high < MOST_LOG10 else low + 1
+        if middle >= MOST_LOG10:
+            break
+        errors_by_exponent[10.0**middle] = _held_out_error(problem, masks, curve, 10.0**middle)
+        low, high = (middle, high) if np.log(errors_by_exponent[10.0**middle]) <= limit else (low, middle)
+    return float(10.0**low), dict(sorted(errors_by_exponent.items()))
+
+
+def _held_out_error(
+    problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64], smoothing: float
+) -> float:
+    squares = np.concatenate(_squares(problem, masks, curve, smoothing))
+    return float(np.exp(0.5 * np.mean(np.log(squares))))
+
+
+def _squares(
+    problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64], smoothing: float
+) -> list[NDArray[np.float64]]:
+    """Mean square error of each held-out curve, for each fold."""
+    squares = []
+    for mask in masks:
+        x = problem.solved(smoothing, ~mask, accuracy=COMPARISON_ACCURACY).x
+        error = problem.rows[mask] @ x - problem.y[mask]
+        place = np.unique(curve[mask], return_inverse=True)[1]
+        squares.append(np.maximum(np.bincount(place, error**2) / np.bincount(place), 1e-32))
+    return squares
+
+
+def _vertex(best: float, errors_by_exponent: dict[float, float]) -> float:
+    """Where a parabola through the log error at ``best`` and its neighbours has its least value."""
+    if best - 1 not in errors_by_exponent or best + 1 not in errors_by_exponent:
+        return best
+    low, middle, high = (np.log(errors_by_exponent[e]) for e in (best - 1, best, best + 1))
+    bend = low - 2 * middle + high
+    return best if bend <= 0 else best + float(np.clip(0.5 * (low - high) / bend, -0.5, 0.5))

@@ -1,0 +1,1 @@
+"""FOD surfaces and tables from settled points (thesis §5.4)."""

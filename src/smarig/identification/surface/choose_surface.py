@@ -1,0 +1,198 @@
+"""Which kind of surface predicts curves it has not seen? The "best" of ``identify``.
+
+Whole curves are held out, in up to five groups; the highest and the lowest stay, because nothing could
+interpolate to them. A simpler kind is chosen when it predicts within 10 % of the best. How smooth the
+positive measure is was chosen once, on all curves, and is kept for every group.
+Knows no validation run: those only judge.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+from smarig.identification.fod_data import FodData
+from smarig.identification.positive.observations import Observations
+from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
+from smarig.identification.positive.quadratic_programme import MeasureProblem
+from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
+from smarig.identification.surface.measured_table import curve_table, table
+from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit, fit_surface
+from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+FittedImage = FodSurface | FodTable | ForcTable
+POSITIVE = "positive"
+KINDS_BY_FREEDOM = (("constant",), ("parabolic", "exponential"), (POSITIVE,), ("table",))  # by rising freedom
+SURFACE_KINDS = tuple(kind for level in KINDS_BY_FREEDOM for kind in level)
+# Over 25 seeds of the one-wire constant surface a freer kind was never luckier than 7 %.
+SIMPLER_TOLERANCE = 1.1
+GROUPS = 5
+FEWEST_CURVES = 4
+MOST_POINTS = 1500  # surfaces are compared on at most about this many points: magnetic data has thousands
+MOST_OBSERVATIONS = 4000  # of a positive measure, which many points pay for with finer cells
+RESAMPLES = 2000
+INTERVAL_LEVEL = 0.9
+_CELLS = 120  # of the grid on which negative mass is added up
+
+
+@dataclass(frozen=True)
+class SurfaceChoice:
+    """The chosen kind, and how every kind predicts the ``curves`` held-out ones, in the data's unit.
+
+    ``held_out_rms`` is the rms over curves of a curve's rms error; ``held_out_interval`` its 90 % interval
+    by resampling the curves; ``negative_share`` is ∬μ⁻/∬|μ| of the kind fitted to all curves. ``fit`` is the
+    chosen surface's fit to all the points compared, None for other kinds.
+    """
+
+    kind: str
+    held_out_rms: dict[str, float]
+    curves: int
+    held_out_interval: dict[str, tuple[float, float]] = field(default_factory=dict)
+    negative_share: dict[str, float] = field(default_factory=dict)
+    fit: SurfaceFit | None = field(default=None, repr=False, compare=False)
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """One kind: fitted to all curves, and the way to fit it to the points of a mask of ``data``."""
+
+    whole: FittedImage
+    data: FodData
+    fitted: Callable[[Mask], FittedImage]
+    fit: SurfaceFit | None = None
+
+
+def choose_surface(
+    data: FodData, *, anchor: bool = False, weights: MajorLoopWeighting = "residual"
+) -> SurfaceChoice:
+    """Compare constant, parabolic, exponential, positive and table by held-out curves.
+
+    Raises DataError when there are fewer than four curves, or no kind can be fitted.
+    """
+    alphas = np.unique([d.alpha for d in data.descending_curves()])
+    if alphas.size < FEWEST_CURVES:
+        raise DataError(
+            f"Choosing the best surface holds out curves and needs at least {FEWEST_CURVES}; there are "
+            f"{alphas.size}: name a surface instead (positive needs no curves)."
+        )
+    held = alphas[1:-1]
+    errors: dict[str, Array] = {}
+    shares: dict[str, float] = {}
+    fits: dict[str, SurfaceFit | None] = {}
+    for kind in SURFACE_KINDS:
+        try:
+            candidate = _candidate(data, kind, anchor, weights)
+            errors[kind] = _held_out_errors(candidate, held, data)
+        except DataError:
+            continue
+        shares[kind] = 0.0 if kind == POSITIVE else negative_share(candidate.whole)
+        fits[kind] = candidate.fit
+    if not errors:
+        raise DataError("No kind of surface could be fitted with curves held out: name a surface instead.")
+    rms = {kind: float(np.sqrt(e.mean())) for kind, e in errors.items()}
+    intervals = {kind: rms_interval(e) for kind, e in errors.items()}
+    best = _simplest(rms)
+    return SurfaceChoice(best, rms, held.size, intervals, shares, fits[best])
+
+
+def rms_interval(squares: Array, level: float = INTERVAL_LEVEL) -> tuple[float, float]:
+    """Interval of √mean of the curves' mean square errors (curves,): percentiles of resampled curves.
+
+    >>> rms_interval(np.full(7, 4.0))
+    (2.0, 2.0)
+    """
+    drawn = np.random.default_rng(0).integers(squares.size, size=(RESAMPLES, squares.size))
+    low, high = np.quantile(np.sqrt(squares[drawn].mean(axis=1)), [0.5 - level / 2, 0.5 + level / 2])
+    return float(low), float(high)
+
+
+def negative_share(hysteresis: FittedImage) -> float:
+    """∬μ⁻/∬|μ|: from the masses of a table's own cells, or of a fine grid's; 0 where μ is 0 everywhere."""
+    even = np.linspace(hysteresis.lower, hysteresis.upper, _CELLS + 1)
+    u = hysteresis.nodes if isinstance(hysteresis, FodTable) else even
+    F = hysteresis.swept(np.maximum(u[:, None], u), np.minimum(u[:, None], u))
+    mass = (F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:])[np.tri(u.size - 1, k=-1, dtype=bool)]
+    whole = float(np.abs(mass).sum())
+    return float(np.abs(mass[mass < 0]).sum()) / whole if whole else 0.0
+
+
+def _simplest(rms: dict[str, float]) -> str:
+    """The best kind among the simplest that come within ``SIMPLER_TOLERANCE`` of the best of all."""
+    enough = SIMPLER_TOLERANCE * min(rms.values())
+    for level in KINDS_BY_FREEDOM:
+        good = [kind for kind in level if rms.get(kind, np.inf) <= enough]
+        if good:
+            return min(good, key=lambda kind: rms[kind])
+    return min(rms, key=lambda kind: rms[kind])
+
+
+def _held_out_errors(candidate: _Candidate, held: Array, data: FodData) -> Array:
+    """Mean square error of each held-out curve, (curves,), over all its points: thinning spares the fit alone."""
+    errors = np.full(held.size, np.nan)
+    for group in range(min(GROUPS, held.size)):
+        out = np.arange(held.size) % GROUPS == group
+        surface = candidate.fitted(~np.isin(candidate.data.alpha, held[out]))
+        for k in np.flatnonzero(out):
+            mine = data.alpha == held[k]
+            errors[k] = np.mean((surface.y(data.alpha[mine], data.beta[mine]) - data.y[mine]) ** 2)
+    return errors
+
+
+def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighting) -> _Candidate:
+    if kind in FORMS:
+        some = thinned(data, MOST_POINTS)
+        whole = fit_surface(some, kind, anchor=anchor, weights=weights)
+
+        def fitted(train: Mask) -> FodSurface:
+            return _refitted_surface(some.where(train), whole, anchor, weights)
+
+        return _Candidate(whole.surface, some, fitted, whole)
+    if kind == POSITIVE:
+        some = thinned(data, MOST_OBSERVATIONS)
+        fit = fit_positive(Observations.of_fod(some))
+        return _Candidate(fit.table, some, _positive_refit(some, fit))
+    return _Candidate(table(data), data, lambda train: curve_table(data.where(train)))
+
+
+def _refitted_surface(
+    train: FodData, whole: SurfaceFit, anchor: bool, weights: MajorLoopWeighting
+) -> FodSurface:
+    """The training curves' surface, beginning at the fit to all curves."""
+    return fit_surface(train, whole.surface.form, anchor=anchor, weights=weights, start=whole).surface
+
+
+def _positive_refit(data: FodData, whole: PositiveFit) -> Callable[[Mask], FodTable]:
+    """The training curves' positive measure, on the cells and with the λ of the fit to all curves."""
+    triangle, (zero, scale) = whole.triangle, (float(data.y.min()), float(np.ptp(data.y)))
+    problem = MeasureProblem.of(triangle, Observations.of_fod(data), scale, zero)
+
+    def fitted(train: Mask) -> FodTable:
+        solution = problem.solved(whole.smoothing, train, accuracy=COMPARISON_ACCURACY)
+        return triangle.table(scale * solution.s, zero + scale * float(solution.x[triangle.unknowns - 1]))
+
+    return fitted
+
+
+def thinned(data: FodData, most: int) -> FodData:
+    """Every k-th point of the curves, about ``most`` of them, the curves' first and last ones kept."""
+    return data.where(thinning_mask(data.curve, most))
+
+
+def thinning_mask(curve: NDArray[np.int64], most: int) -> Mask:
+    """Mask of every k-th point in order of measurement, and of the first and last of each longer curve (m,).
+
+    >>> thinning(np.array([0, 0, 0, 0, 1, 1, 1, 1]), 4).astype(int).tolist()
+    [1, 0, 1, 1, 1, 0, 1, 1]
+    """
+    stride = max(1, -(-curve.size // most))
+    keep = np.arange(curve.size) % stride == 0
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(curve)) + 1, [curve.size]])
+    long = np.diff(edges) > stride  # noise of a dense record makes thousands of short ones
+    keep[edges[:-1][long]] = keep[edges[1:][long] - 1] = True
+    return keep

@@ -1,0 +1,135 @@
+"""The first step of §5.4.2: one sigmoid per first-order curve, and how its parameters vary with α.
+
+    ȳ_α(β) = b₁/(1 + e^{−b₂(β + b₃)}) + b₄
+
+The thesis's simplex did not converge on curves with few points: nearly straight data does not determine
+four parameters. Here such curves are named instead, and bounds keep the others sensible (Fig. 5.16).
+Knows no surface.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from smarig.identification.fod_data import DescendingCurve, FodData
+from smarig.preisach.hysteresis.fod_surface import sigmoid
+
+Array = NDArray[np.float64]
+NAMES = ("b1", "b2", "b3", "b4")
+FEWEST_POINTS = 5
+_STEEPEST = 200.0  # b₂ times the range stays below this
+
+
+@dataclass(frozen=True, eq=False)
+class CurveFit:
+    """Sigmoid of one curve: ``b`` (4,) and standard errors (4,); both None when the curve is too short.
+
+    ``determined`` is false when a standard error exceeds half of b₁ or b₂, or half the range for b₃.
+    """
+
+    curve: int
+    alpha: float
+    points: int
+    b: Array | None
+    standard_error: Array | None
+    sse: float
+    determined: bool
+
+
+@dataclass(frozen=True, eq=False)
+class CurveFits:
+    """All curves, by order of measurement, with the noise σ that the fits leave (NaN without freedom)."""
+
+    curves: tuple[CurveFit, ...]
+    sigma: float
+    freedom: int
+    unit: str
+
+    @property
+    def too_short(self) -> tuple[float, ...]:
+        """α of the curves whose points do not determine the four parameters."""
+        return tuple(c.alpha for c in self.curves if not c.determined)
+
+    def against_alpha(self) -> tuple[Array, Array, Array]:
+        """α (m,), b (m, 4) and standard errors (m, 4) of the determined curves: Fig. 5.16."""
+        good = [c for c in self.curves if c.determined]
+        alpha = np.array([c.alpha for c in good])
+        b = np.array([c.b for c in good], dtype=float).reshape(-1, 4)
+        return alpha, b, np.array([c.standard_error for c in good], dtype=float).reshape(-1, 4)
+
+    def __repr__(self) -> str:
+        short = ", ".join(f"{a:g}" for a in self.too_short)
+        return (
+            f"CurveFits({len(self.curves)} curves, σ {self.sigma:.3g} {self.unit}; "
+            f"undetermined at α = {short or 'none'})"
+        )
+
+
+def fit_curves(data: FodData) -> CurveFits:
+    """Least-squares sigmoids of every curve, with standard errors from the pooled noise."""
+    span, height = data.upper - data.lower, float(np.ptp(data.y)) if len(data) else 0.0
+    rough = [(d, _least_squares_fit(d, data, span, height)) for d in data.descending_curves()]
+    freedom = sum(d.beta.size - 4 for d, b in rough if b is not None)
+    sse = sum(float(np.sum(_residuals(b, d) ** 2)) for d, b in rough if b is not None)
+    sigma = float(np.sqrt(sse / freedom)) if freedom else float("nan")
+    return CurveFits(tuple(_with_errors(d, b, sigma, span) for d, b in rough), sigma, freedom, data.unit)
+
+
+def _residuals(b: Array, d: DescendingCurve) -> Array:
+    return b[0] * sigmoid(b[1] * (d.beta + b[2])) + b[3] - d.y
+
+
+def _jacobian(b: Array, d: DescendingCurve) -> Array:
+    s = sigmoid(b[1] * (d.beta + b[2]))
+    slope = b[0] * s * (1 - s)
+    return np.column_stack([s, slope * (d.beta + b[2]), slope * b[1], np.ones_like(s)])
+
+
+def _least_squares_fit(d: DescendingCurve, data: FodData, span: float, height: float) -> Array | None:
+    """Least squares within bounds a few times the range wide; None for short curves."""
+    if d.beta.size < FEWEST_POINTS or height == 0.0:
+        return None
+    low = np.array([-5 * height, 0.1 / span, -(data.upper + span), float(data.y.min()) - 5 * height])
+    high = np.array([5 * height, _STEEPEST / span, -(data.lower - span), float(data.y.max()) + 5 * height])
+    found = least_squares(
+        _residuals,
+        np.clip(_start(d, span), low, high),
+        jac=_jacobian,  # pyright: ignore[reportArgumentType]
+        args=(d,),
+        bounds=(low, high),
+        x_scale="jac",
+        max_nfev=200,
+    )
+    return found.x
+
+
+def _start(d: DescendingCurve, span: float) -> Array:
+    """Best of a grid of (b₂, b₃), with (b₁, b₄) solved for each: the sigmoid is linear in those."""
+    best, least = np.zeros(4), np.inf
+    for steep, middle in product(np.array([3, 6, 12, 25, 50]) / span, np.linspace(d.beta[-1], d.beta[0], 7)):
+        s = sigmoid(steep * (d.beta - middle))
+        off = s - s.mean()
+        b1 = float(off @ d.y) / max(float(off @ off), 1e-12)
+        b4 = float(d.y.mean() - b1 * s.mean())
+        sse = float(np.sum((b1 * s + b4 - d.y) ** 2))
+        if sse < least:
+            best, least = np.array([b1, steep, -middle, b4]), sse
+    return best
+
+
+def _with_errors(d: DescendingCurve, b: Array | None, sigma: float, span: float) -> CurveFit:
+    if b is None:
+        return CurveFit(d.curve, d.alpha, d.beta.size, None, None, float("nan"), False)
+    J = _jacobian(b, d)
+    scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+    if np.linalg.cond(J / scale) < 1e8:
+        inverse = np.linalg.inv((J / scale).T @ (J / scale))
+        error = sigma * np.sqrt(np.diag(inverse)) / scale
+    else:
+        error = np.full(4, np.inf)
+    # On straight data height and steepness trade off against each other, and the place of inflection floats.
+    determined = bool(np.all(error[:2] < 0.5 * np.abs(b[:2])) and error[2] < span / 2)
+    return CurveFit(d.curve, d.alpha, d.beta.size, b, error, float(np.sum(_residuals(b, d) ** 2)), determined)

@@ -1,0 +1,156 @@
+"""What the measured curves themselves say, before any surface: monotone, merging, crossing, exercised.
+
+* Assumption 2.1: first-order descending curves fall as the input falls.
+* §5.4.1: curves that do not merge at the lower end, or a rising branch that meets the upper curve at an
+  angle, mean that the input range was too small.
+* Prop. 4.6: curves that cross inside the major loop prove μ < 0 somewhere; the converse is not proved.
+
+Differences count when they exceed five times the noise of a reading. Knows no model.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.fod_data import DescendingCurve, FodData
+from smarig.identification.surface.curve_fit import fit_curves
+
+Array = NDArray[np.float64]
+SIGNIFICANT = 5.0
+_DENSE = 20  # curves of this many points show their noise in third differences
+# The six surfaces of Table 5.1 over their own partitions leave an angle of at most 0.23 (two_c); cut at the
+# second-highest input the two-wire ones leave 0.48 or more, cut at the third-highest the one-wire ones 0.37.
+_ANGLE = 0.3
+_MERGED = 0.01
+NO_CURVES = "The runs hold no first-order curves: whether such curves cross and merge cannot be told."
+_SPREAD_FACTOR = 7.0  # the range of a dozen readings of one output is 3.3 σ on average, and 5 σ now and then
+
+
+@dataclass(frozen=True)
+class CurveReport:
+    """``noise`` σ of a reading in ``unit`` (NaN: unknown); ``cross`` Prop. 4.6; ``merge_spread`` of the ends.
+
+    ``top_angle`` is the slope of the rising branch less that of the falling one at the top, over the mean
+    slope of the major loop: 0 in saturation. ``exercised``: both ends look like saturation; None where
+    there are no first-order curves to tell.
+    """
+
+    noise: float
+    unit: str
+    monotone: bool
+    cross: bool
+    merge: bool
+    merge_spread: float
+    top_angle: float
+    exercised: bool | None
+    warnings: tuple[str, ...]
+
+
+def curve_report(data: FodData) -> CurveReport:
+    """Judge the curves of FOD data (k points) against their own noise; warnings are plain sentences."""
+    descending_curves = data.descending_curves()
+    if not descending_curves:
+        return CurveReport(float("nan"), data.unit, True, False, True, 0.0, 0.0, None, (NO_CURVES,))
+    noise = reading_noise(data)
+    threshold = SIGNIFICANT * noise if np.isfinite(noise) else 0.0
+    rising = [d.alpha for d in descending_curves if _largest_rise(d) > threshold]
+    crossing = _crossing_curves(descending_curves, threshold)
+    spread = _spread(descending_curves)
+    merge = spread <= max(_SPREAD_FACTOR * np.nan_to_num(noise), _MERGED * float(np.ptp(data.y)))
+    angle, angle_noise = _top_angle(data, descending_curves, noise)
+    angled = angle - 2 * angle_noise > _ANGLE
+    unit = data.unit
+    warnings = []
+    if rising:
+        where = ", ".join(f"{a:g}" for a in rising[:3])
+        warnings.append(
+            f"Curves rise while the input falls (α = {where}): Assumption 2.1 does not hold for this data, "
+            "and no inverse is unique there."
+        )
+    if crossing:
+        warnings.append(
+            f"First-order curves cross inside the major loop (α = {crossing[0]:g} and {crossing[1]:g} near "
+            f"β = {crossing[2]:g}): the density μ is negative somewhere (Prop. 4.6)."
+        )
+    if not merge:
+        warnings.append(
+            "The range was not fully exercised: the curves do not merge at their lower end (they spread "
+            f"over {spread:.3g} {unit}); identify again with lower inputs."
+        )
+    if angled:
+        warnings.append(
+            "The range was not fully exercised: the rising branch meets the upper curve at an angle "
+            f"({angle:.2f} of the mean slope), it is no saturation; identify again with higher inputs."
+        )
+    crosses = crossing is not None
+    return CurveReport(
+        noise, unit, not rising, crosses, merge, spread, angle, merge and not angled, tuple(warnings)
+    )
+
+
+def reading_noise(data: FodData) -> float:
+    """Standard deviation of a reading about its own curve, without a surface; NaN when curves are too short.
+
+    Long curves: third differences, Var Δ³y = 20σ², by their mean size. Others: what the sigmoids leave.
+    """
+    descending_curves = data.descending_curves()
+    if descending_curves and np.median([d.beta.size for d in descending_curves]) >= _DENSE:
+        thirds = np.concatenate([np.diff(d.y, 3) for d in descending_curves])
+        size = np.sort(np.abs(thirds))[: max(1, round(0.99 * thirds.size))]  # jumps are no noise
+        return float(size.mean() * np.sqrt(np.pi / 2) / np.sqrt(20))
+    return fit_curves(data).sigma
+
+
+def _largest_rise(d: DescendingCurve) -> float:
+    """Largest rise of the output while the input falls."""
+    return float(np.max(d.y - np.minimum.accumulate(d.y)))
+
+
+def _crossing_curves(
+    descending_curves: list[DescendingCurve], threshold: float
+) -> tuple[float, float, float] | None:
+    """(α₁, α₂, β) where a curve from a higher maximum lies lowest below one from a lower maximum."""
+    ordered = sorted(descending_curves, key=lambda d: d.alpha)
+    if len(ordered) < 2:
+        return None
+    grid = np.unique(np.concatenate([d.beta for d in ordered]))
+    highest, owner = np.full(grid.size, -np.inf), np.zeros(grid.size)
+    worst, found = threshold, None
+    for d in ordered:
+        y = np.interp(grid, d.beta[::-1], d.y[::-1], left=np.nan, right=np.nan)
+        y[grid >= d.alpha] = np.nan  # on the rising branch, not inside the loop
+        below = np.where(np.isfinite(y), highest - y, -np.inf)
+        k = int(np.argmax(below))
+        if below[k] > worst:
+            worst, found = float(below[k]), (float(owner[k]), d.alpha, float(grid[k]))
+        higher = np.isfinite(y) & (y > highest)
+        highest[higher], owner[higher] = y[higher], d.alpha
+    return found
+
+
+def _spread(descending_curves: list[DescendingCurve]) -> float:
+    """Range of the outputs at the lowest input, over the curves that reach it."""
+    if not descending_curves:
+        return 0.0
+    lowest = min(float(d.beta[-1]) for d in descending_curves)
+    ends = [float(d.y[-1]) for d in descending_curves if d.beta[-1] == lowest]
+    return max(ends) - min(ends)
+
+
+def _top_angle(data: FodData, descending_curves: list[DescendingCurve], noise: float) -> tuple[float, float]:
+    """Difference of the branches' slopes at the top, over the mean one, and its noise; 0, 0 without both."""
+    rising = data.alpha == data.beta
+    inputs, where = np.unique(data.alpha[rising], return_inverse=True)
+    if not descending_curves or inputs.size < 2:
+        return 0.0, 0.0
+    outputs = np.bincount(where, data.y[rising]) / np.bincount(where)
+    top = max(descending_curves, key=lambda d: d.alpha)
+    height, width = float(np.ptp(top.y)), float(np.ptp(top.beta))
+    if inputs[-1] != top.alpha or height == 0.0:
+        return 0.0, 0.0
+    below = inputs[-2]
+    rise = outputs[-1] - outputs[-2]
+    fall = outputs[-1] - np.interp(below, top.beta[::-1], top.y[::-1])
+    scale = width / height / (top.alpha - below)
+    return float((rise - fall) * scale), float(np.nan_to_num(noise) * np.sqrt(2) * scale)

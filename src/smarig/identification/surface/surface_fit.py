@@ -1,0 +1,251 @@
+"""Least-squares fit of the surface (5.5) to FOD data, with honest intervals (thesis §5.4.2).
+
+Points on the major loop weigh twice, as in the thesis; whether it doubled residuals or their squares it
+does not say, so both are offered. The saturation values y(u₊,u₊) and y(u₊,u₋) are fitted like any other
+parameter, or anchored to their measured values, as the thesis does. Knows no rig and no model file.
+
+Weighting is a wish about the match, not a statement about noise. With equal noise σ at every point the
+covariance of the weighted estimate is σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹, and σ² is the plain sum of squares
+over tr((I − H)ᵀ(I − H)), H = J (JᵀWJ)⁻¹ JᵀW. That is what is reported.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.fod_data import FodData
+from smarig.identification.surface.surface_jacobian import jacobian
+from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
+from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface, Form
+
+Array = NDArray[np.float64]
+MajorLoopWeighting = Literal["residual", "square"]
+ROOT_WEIGHT: dict[MajorLoopWeighting, float] = {"residual": 2.0, "square": float(np.sqrt(2.0))}
+REFINED_STARTS = 3
+_STEEPEST = 500.0  # x₂, x₄ and |x₆| times the range stay below this
+_LARGEST_EXPONENT = 40.0
+_DEGENERATE_RESIDUAL = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceFit:
+    """A fitted surface and what the data says of it.
+
+    ``names`` (p,) of the free parameters, their ``values`` (p,), ``covariance`` (p, p) and 95 % ``intervals``
+    (Student's t, n − p degrees of freedom). ``sse`` = Σe² over the points, ``rms`` = √(sse/n),
+    ``norm2`` = √sse; ``weighted_sse`` = Σw e² and its root ``weighted_norm2``. Units are the data's.
+    """
+
+    surface: FodSurface
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    intervals: dict[str, tuple[float, float]]
+    sigma: float
+    rms: float
+    sse: float
+    norm2: float
+    weighted_sse: float
+    weighted_norm2: float
+    points: int
+    curves: int
+    weights: MajorLoopWeighting
+    anchored: bool
+    converged: bool
+    starts: int
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data fixes every parameter."""
+        return bool(np.isfinite(self.covariance).all())
+
+    def __repr__(self) -> str:
+        unit = self.surface.unit
+        parts = (
+            f"{name} = {value:.5g} ± {(high - low) / 2:.2g}"
+            for (name, (low, high)), value in zip(self.intervals.items(), self.values)
+        )
+        return (
+            f"SurfaceFit({self.surface.form}, {self.points} points, {self.curves} curves, "
+            f"rms {self.rms:.4g} {unit}; {', '.join(parts)})"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _SurfaceProblem:
+    """Data, form and ends: maps a parameter vector to a surface, residuals and their Jacobian."""
+
+    form: Form
+    data: FodData
+    ends: tuple[float, float] | None  # (y_upper, y_lower) when anchored
+    root_weights: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return FORMS[self.form] + (() if self.ends else ("y_upper", "y_lower"))
+
+    def surface(self, p: Array) -> FodSurface:
+        n = len(FORMS[self.form])
+        y_upper, y_lower = self.ends or (float(p[n]), float(p[n + 1]))
+        x = tuple(float(v) for v in p[:n])
+        return FodSurface(self.form, x, self.data.lower, self.data.upper, y_lower, y_upper, self.data.unit)
+
+    def residuals(self, p: Array) -> Array:
+        surface = self.surface(p)
+        if surface.shape(surface.upper, surface.upper) < FLATTEST:  # no height to scale: a step too far
+            return np.full(len(self.data), _DEGENERATE_RESIDUAL * float(np.ptp(self.data.y)))
+        return (surface.y(self.data.alpha, self.data.beta) - self.data.y) * self.root_weights
+
+    def jacobian(self, p: Array) -> Array:
+        return self.plain_jacobian(p) * self.root_weights[:, None]
+
+    def plain_jacobian(self, p: Array) -> Array:
+        return jacobian(self.surface(p), self.data.alpha, self.data.beta)[:, : len(self.names)]
+
+    def bounds(self) -> tuple[Array, Array]:
+        span = self.data.upper - self.data.lower
+        steep = _STEEPEST / span
+        high = {"x2": steep, "x4": steep}
+        low = {"x2": 0.0, "x4": 0.0, "x3": -(self.data.upper + span)}
+        high["x3"] = -(self.data.lower - span)
+        if self.form == "exponential":
+            reach = _LARGEST_EXPONENT / max(abs(self.data.lower), abs(self.data.upper), span)
+            low["x6"], high["x6"] = -reach, reach
+        return (
+            np.array([low.get(name, -np.inf) for name in self.names]),
+            np.array([high.get(name, np.inf) for name in self.names]),
+        )
+
+
+def fit_surface(
+    data: FodData,
+    form: Form = "exponential",
+    *,
+    anchor: bool = False,
+    weights: MajorLoopWeighting = "residual",
+    start: SurfaceFit | None = None,
+) -> SurfaceFit:
+    """Fit (5.5) with f(α) constant, parabolic or exponential by least squares from several starts.
+
+    ``weights`` doubles the "residual" or the "square" on the major loop; ``anchor`` fixes y(u₊,u₊) and
+    y(u₊,u₋) at their measured means; ``start`` is an earlier fit to begin at instead of searching.
+    Raises DataError when there are fewer points than parameters, or none at an anchor.
+    """
+    if form not in FORMS:
+        raise UsageError(f"Surface form '{form}' is not one of {', '.join(FORMS)}.")
+    if weights not in ROOT_WEIGHT:
+        raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
+    root_weights = np.where(data.major, ROOT_WEIGHT[weights], 1.0)
+    problem = _SurfaceProblem(form, data, _measured_ends(data) if anchor else None, root_weights)
+    needed = len(problem.names) + 1
+    if len(data) < needed:
+        raise DataError(
+            f"The {form} surface has {needed - 1} parameters here and needs {needed} FOD points or more; "
+            f"there are {len(data)}."
+        )
+    starts = [start.values] if start is not None and start.names == problem.names else _starts(problem)
+    trials = [_refined(problem, p) for p in starts]
+    if not trials:
+        raise DataError(
+            f"No {form} surface resembles the data: its output does not rise with its input; turn its sign, "
+            "or check what was given as input."
+        )
+    best = min(trials, key=lambda trial: trial.cost)
+    return _surface_fit(problem, best.x, weights, best.status > 0, len(trials))
+
+
+def _starts(problem: _SurfaceProblem) -> list[Array]:
+    data, root_weights = problem.data, problem.root_weights
+    around = None
+    if problem.form != "constant":
+        simple = _SurfaceProblem("constant", data, problem.ends, root_weights)
+        trials = [_refined(simple, p) for p in _starts(simple)]
+        if not trials:
+            return []
+        around = tuple(min(trials, key=lambda trial: trial.cost).x[:4].tolist())
+    guesses = ranked_starts(problem.form, data, root_weights, around)
+    # Neighbours in rank are often neighbours in space: every third keeps the starts apart.
+    chosen = guesses[: 3 * REFINED_STARTS : 3]
+    ends = [] if problem.ends else list(_rough_ends(data))
+    return [np.array([*guess, *ends]) for guess in chosen]
+
+
+def _refined(problem: _SurfaceProblem, start: Array):
+    low, high = problem.bounds()
+    margin = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+    return least_squares(
+        problem.residuals,
+        np.clip(start, low + margin, high - margin),
+        jac=problem.jacobian,  # pyright: ignore[reportArgumentType]
+        bounds=(low, high),
+        x_scale="jac",
+        xtol=1e-10,
+        ftol=1e-10,
+        gtol=1e-12,
+        max_nfev=300,
+    )
+
+
+def _surface_fit(
+    problem: _SurfaceProblem, p: Array, weights: MajorLoopWeighting, converged: bool, starts: int
+) -> SurfaceFit:
+    data = problem.data
+    surface = problem.surface(p)
+    error = surface.y(data.alpha, data.beta) - data.y
+    sse, weighted_sse = float(error @ error), float(np.sum(problem.residuals(p) ** 2))
+    covariance, sigma = _covariance(problem.plain_jacobian(p), problem.root_weights**2, sse)
+    half = float(student.ppf(0.975, len(data) - p.size)) * np.sqrt(np.diag(covariance))
+    intervals = {n: (float(v - h), float(v + h)) for n, v, h in zip(problem.names, p, half)}
+    return SurfaceFit(
+        surface=surface,
+        names=problem.names,
+        values=p,
+        covariance=covariance,
+        intervals=intervals,
+        sigma=sigma,
+        rms=float(np.sqrt(sse / len(data))),
+        sse=sse,
+        norm2=float(np.sqrt(sse)),
+        weighted_sse=weighted_sse,
+        weighted_norm2=float(np.sqrt(weighted_sse)),
+        points=len(data),
+        curves=data.curves,
+        weights=weights,
+        anchored=problem.ends is not None,
+        converged=converged,
+        starts=starts,
+    )
+
+
+def _covariance(J: Array, w: Array, sse: float) -> tuple[Array, float]:
+    """Sandwich covariance and σ for equal noise (module docstring); NaN where J is rank deficient."""
+    scale = np.linalg.norm(J, axis=0)
+    if not scale.all() or np.linalg.cond(J / scale) > 1e10:
+        return np.full((J.shape[1],) * 2, np.nan), float("nan")
+    scaled = J / scale
+    bread = np.linalg.inv(scaled.T @ (w[:, None] * scaled))
+    gain = bread @ (scaled * w[:, None]).T  # estimate = gain · noise
+    freedom = J.shape[0] - 2 * J.shape[1] + float(np.sum((gain @ gain.T) * (scaled.T @ scaled)))
+    variance = sse / freedom
+    return variance * (gain @ gain.T) / np.outer(scale, scale), float(np.sqrt(variance))
+
+
+def _measured_ends(data: FodData) -> tuple[float, float]:
+    """Mean measured y(u₊,u₊) and mean of the curves' ends at u₋ (§5.5: they may not merge)."""
+    top = data.y[(data.alpha == data.upper) & (data.beta == data.upper)]
+    bottom = data.y[data.beta == data.lower]
+    if not top.size or not bottom.size:
+        raise DataError(
+            f"Anchoring needs measured outputs at both ends of the range: ({data.upper:g}, {data.upper:g}) "
+            f"and β = {data.lower:g}."
+        )
+    return float(top.mean()), float(bottom.mean())
+
+
+def _rough_ends(data: FodData) -> tuple[float, float]:
+    return float(data.y.max()), float(data.y.min())

@@ -1,0 +1,173 @@
+"""Whom a live view shows: names, units and ranges of one rig at work, or of one run that was recorded.
+
+Knows rigs' files and runs; refuses to know viewers.
+"""
+
+import contextlib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Literal, get_args
+
+from smarig.config import RigFile, load_rig
+from smarig.core.command import Settled
+from smarig.core.errors import SmarigError
+from smarig.live.plot_axes import Axis, rounded
+from smarig.plant.actuator import Actuator
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.protocols._setup import Setup
+from smarig.record import Run
+
+Start = Literal["negative", "positive", "anhysteretic"]
+
+
+@dataclass(frozen=True)
+class DisplayInfo:
+    """What is drawn, in which units, and what is known beforehand of the wire.
+
+    ``twin_hysteresis`` is the hysteresis that a twin's actuator file names; ``initial`` None where the wire's memory is unknown;
+    ``actuator`` None for data that no rig of ours measured; ``settling_rule`` None where nothing is waited for.
+    """
+
+    title: str
+    source: str
+    input: Axis
+    output: Axis
+    unit: str
+    input_unit: str
+    period_s: float | None
+    per_count: float | None
+    initial: Start | None
+    actuator: Actuator | None = None
+    twin_hysteresis: Everett | None = None
+    settling_rule: Settled | None = None
+
+    @property
+    def label(self) -> str:
+        """What must be said of the data wherever they are shown."""
+        return {"twin": "TWIN", "simulation": "SIMULATION"}.get(self.source, "")
+
+    @property
+    def two_wire(self) -> bool:
+        """Differential rig."""
+        return self.actuator is not None and self.actuator.two_wire
+
+
+def rig_display_info(
+    file: RigFile,
+    actuator: Actuator,
+    source: str,
+    settings: Mapping[str, Any],
+    title: str,
+    *,
+    known: bool = True,
+) -> DisplayInfo:
+    """A rig about to be run; the range of its position is that of its actuator file's surface, until more is seen.
+
+    ``known``: the wire is in the state that its actuator file names.
+    """
+    setup = Setup(actuator, file.limits, file.period_s)
+    twin_hysteresis = surface(actuator.file.hysteresis.surface)
+    span = twin_hysteresis.everett(twin_hysteresis.upper, twin_hysteresis.lower)
+    low, high = (-span / 2, span / 2) if actuator.two_wire else (0.0, span)
+    return DisplayInfo(
+        title=title,
+        source=source,
+        input=_input(setup.lower_K if actuator.two_wire else 0.0, setup.upper_K, "K", actuator),
+        output=_output(low, high, actuator.unit),
+        unit=actuator.unit,
+        input_unit="K",
+        period_s=file.period_s,
+        per_count=actuator.position_per_count(file.encoder.counts_per_rev),
+        initial=actuator.file.hysteresis.initial if known else None,
+        actuator=actuator,
+        twin_hysteresis=twin_hysteresis if source == "twin" else None,
+        settling_rule=settled(settings),
+    )
+
+
+def run_display_info(run: Run) -> DisplayInfo:
+    """A run that was recorded, here or elsewhere."""
+    rig = _rig_of(run)
+    actuator = _actuator_of(run, rig)
+    input_K, position = run["input"], run["position"]
+    period_s, per_count = run.meta.get("period_s"), run.meta.get("output", {}).get("per_count")
+    initial = run.meta.get("initial")
+    low, high = _finite_range(input_K)
+    if actuator is not None and not actuator.two_wire:
+        low = min(low, 0.0)
+    twin_hysteresis = surface(actuator.file.hysteresis.surface) if actuator is not None and run.twin else None
+    return DisplayInfo(
+        title=f"{run.meta.get('protocol', 'run')} on {run.meta.get('rig', 'an unnamed rig')}",
+        source=str(run.meta.get("source", "")),
+        input=_input(low, high, run.input_unit, actuator),
+        output=_output(*_finite_range(position), run.unit),
+        unit=run.unit,
+        input_unit=run.input_unit,
+        period_s=float(period_s) if period_s else None,
+        per_count=float(per_count) if per_count else None,
+        initial=initial if initial in get_args(Start) else None,
+        actuator=actuator,
+        twin_hysteresis=twin_hysteresis,
+        settling_rule=settled(run.meta.get("settings", {})) if actuator and period_s else None,
+    )
+
+
+def settled(settings: Mapping[str, Any]) -> Settled:
+    """The settling rule that a protocol's settings give it."""
+    rule_values: dict[str, float] = {}
+    for f in fields(Settled):
+        with contextlib.suppress(KeyError, TypeError, ValueError):
+            rule_values[f.name] = float(settings[f"settle.{f.name}"])
+    try:
+        return Settled(**rule_values)
+    except SmarigError:
+        return Settled()
+
+
+def _rig_of(run: Run) -> RigFile | None:
+    launch_args = run.meta.get("begun_with")
+    name = str(launch_args.get("rig") if isinstance(launch_args, dict) else run.meta.get("rig") or "")
+    with contextlib.suppress(SmarigError, OSError):
+        return load_rig(name) if name else None
+    return None
+
+
+def _actuator_of(run: Run, rig: RigFile | None) -> Actuator | None:
+    """Its parameter set, where that can still be read: of the rig it began on, or by name."""
+    names = [rig.actuator if rig else "", str(run.meta.get("actuator") or "")]
+    for name in filter(None, names):
+        with contextlib.suppress(SmarigError, OSError):
+            actuator = Actuator.named(name)
+            if actuator.name == run.meta.get("actuator") and actuator.unit == run.unit:
+                return actuator
+    return None
+
+
+def _finite_range(values: Any) -> tuple[float, float]:
+    known = values[[math.isfinite(v) for v in values.tolist()]] if len(values) else values
+    return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+
+
+def _input(low: float, high: float, unit: str, actuator: Actuator | None) -> Axis:
+    if actuator is None:
+        return rounded(f"input ({unit})" if unit else "input", low, high)
+    what = "T₁ − T₂" if actuator.two_wire else "temperature above ambient"
+    return rounded(f"estimated {what} ({unit})", low, high)
+
+
+def _output(low: float, high: float, unit: str) -> Axis:
+    return rounded(
+        f"{'shaft angle' if unit == 'deg' else 'position'} ({unit})" if unit else "output", low, high
+    )
+
+
+def widened_axis(axis: Axis, low: float, high: float) -> Axis:
+    """The axis itself while it holds low…high; else one with room for what may follow."""
+    if axis.low <= low and high <= axis.high:
+        return axis
+    room = 0.1 * (axis.high - axis.low)
+    low = low - room if low < axis.low else axis.low
+    high = high + room if high > axis.high else axis.high
+    return rounded(axis.label, low, high)

@@ -1,0 +1,65 @@
+"""What passes through the queue, as it was told: samples, finished steps, events. Knows no viewer."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from smarig.core.command import StepResult
+from smarig.core.sample import Sample
+from smarig.live.draw_queue import DrawQueue
+
+
+class SampleItem(NamedTuple):
+    """A sample with its step and predicted input."""
+
+    sample: Sample
+    step: int | None
+    input_value: float
+
+
+@dataclass(frozen=True, slots=True)
+class StepItem:
+    """A finished step."""
+
+    t_start_s: float
+    t_s: float
+    index: int
+    verdict: str
+    branch: str
+    target: float | None
+    position: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class EventItem:
+    """An event."""
+
+    t_s: float
+    level: str
+    kind: str
+    text: str
+
+
+LiveItem = SampleItem | StepItem | EventItem
+
+
+class QueueListener:
+    """The runner's listener: puts everything into a pump, and does nothing else in the tick."""
+
+    def __init__(self, draw_queue: DrawQueue) -> None:
+        self._put = draw_queue.put
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """Queue a sample."""
+        self._put(SampleItem(s, step, input_value))
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """Queue a finished step."""
+        verdict = str(result.verdict)
+        self._put(
+            StepItem(result.t_start_s, result.t_end_s, result.index, verdict, branch, target, result.position)
+        )
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """Queue an event."""
+        del data
+        self._put(EventItem(t_s, level, kind, text))

@@ -1,0 +1,182 @@
+"""Puts the live view together: server, drawer, pump and viewer, opened and ended in the right order.
+
+A view that cannot be opened is told before a run begins; one that fails later never stops it.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarig.live.display_info import DisplayInfo, run_display_info
+from smarig.live.draw_queue import DrawQueue
+from smarig.live.live_items import QueueListener
+from smarig.live.playback import batches, replay
+from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor
+from smarig.live.scene_renderer import SceneRenderer
+from smarig.live.viewer_process import WEB_REMARK, ViewerProcess, address, free_port, web_page
+from smarig.preisach.everett import Everett
+from smarig.record import Run
+
+if TYPE_CHECKING:
+    from smarig.live.rerun_output import RerunOutput
+
+SERVER_MEMORY = "512MiB"  # of what was shown, for viewers that come later; the oldest goes first
+VIEWER_POLL_S = 0.3  # between looks whether the viewer is still there
+Report = Callable[[str], None]
+
+
+@contextmanager
+def live_listener(
+    display_info: DisplayInfo,
+    predictions: Sequence[NamedPredictor] = (),
+    hysteresis: Everett | None = None,
+    *,
+    web: bool = False,
+    viewer: bool = True,
+    port: int = 0,
+    wait_at_end: bool = False,
+    show_message: Report = print,
+) -> Iterator[QueueListener]:
+    """A listener for the runner, with a viewer that ends with us; ``viewer`` False serves only, at ``port``.
+
+    ``wait_at_end``: after a run that ended well, wait until the viewer is closed.
+    """
+    port = free_port(port)
+    rerun_output, scene_renderer = _open_output(
+        display_info, predictions, hysteresis, recorded=False, port=port
+    )
+    viewer_process = _open_viewer(port, web, show_message) if viewer else None
+    draw_queue = DrawQueue(scene_renderer.draw)
+    try:
+        yield QueueListener(draw_queue)
+        if wait_at_end and viewer_process is not None:
+            rerun_output.flush()
+            _wait_for_viewer(viewer_process, show_message)
+    finally:
+        finished = draw_queue.close()
+        if draw_queue.dropped:
+            show_message(
+                f"The live view could not keep up: {draw_queue.dropped} items were not shown (the record has them all)."
+            )
+        if not finished:
+            show_message(
+                f"The live view ended before the run did{f': {draw_queue.failure}' if draw_queue.failure else ''}."
+            )
+        if viewer_process is not None:
+            _report_viewer_failure(viewer_process, show_message)
+            viewer_process.close()
+        if finished:
+            with suppress(Exception):  # whatever a viewer's library says at its end is no matter of the run
+                rerun_output.close()
+
+
+def view(
+    run: Run,
+    predictions: Sequence[NamedPredictor] = (),
+    hysteresis: Everett | None = None,
+    *,
+    web: bool = False,
+    speed: float = 0.0,
+    show_message: Report = print,
+) -> None:
+    """Show a recorded run until its viewer is closed (in a browser: until interrupted)."""
+    port = free_port()
+    rerun_output, scene_renderer = _open_output(
+        run_display_info(run), predictions, hysteresis, recorded=not speed, port=port
+    )
+    viewer_process = _open_viewer(port, web, show_message)
+    never_set = threading.Event()
+
+    def wait(seconds: float) -> bool:
+        return never_set.wait(seconds) or not viewer_process.running
+
+    try:
+        replay(run, scene_renderer.draw, speed, wait, time.monotonic)
+        rerun_output.flush()
+        _wait_for_viewer(viewer_process, show_message)
+    finally:
+        _report_viewer_failure(viewer_process, show_message)
+        viewer_process.close()
+        rerun_output.close()
+
+
+def save(
+    run: Run, path: Path, predictions: Sequence[NamedPredictor] = (), hysteresis: Everett | None = None
+) -> None:
+    """A recorded run as an .rrd file with its layout, in big batches: compact, and opened by any viewer."""
+    rerun_output, scene_renderer = _open_output(
+        run_display_info(run), predictions, hysteresis, recorded=True, path=path
+    )
+    for batch in batches(run):
+        scene_renderer.draw(batch)
+    rerun_output.close()
+
+
+def _open_output(
+    display_info: DisplayInfo,
+    predictions: Sequence[NamedPredictor],
+    hysteresis: Everett | None,
+    *,
+    recorded: bool,
+    port: int = 0,
+    path: Path | None = None,
+) -> tuple["RerunOutput", SceneRenderer]:
+    """A screen with everything on it that is there before the first sample.
+
+    A twin without a given model is predicted by the surface its actuator file names.
+    """
+    # rerun takes a second and a hundred megabytes: only where it is wanted
+    from smarig.live.rerun_output import RerunOutput
+
+    if not predictions and display_info.twin_hysteresis is not None:
+        predictions = [
+            NamedPredictor(
+                "the rig's own surface",
+                HysteresisPredictor(display_info.twin_hysteresis, display_info.initial),
+            )
+        ]
+    rerun_output = RerunOutput(
+        f"{display_info.label} · {display_info.title}" if display_info.label else display_info.title
+    )
+    if path is not None:
+        rerun_output.save(path)
+    else:
+        rerun_output.serve(port, SERVER_MEMORY)
+    scene_renderer = SceneRenderer(
+        display_info, rerun_output.show, predictions, hysteresis or display_info.twin_hysteresis
+    )
+    rerun_output.arrange(scene_renderer.layout, replay=recorded)
+    rerun_output.show(scene_renderer.opening())
+    return rerun_output, scene_renderer
+
+
+def _open_viewer(port: int, web: bool, show_message: Report) -> ViewerProcess:
+    if not web:
+        return ViewerProcess.native(address(port))
+    web_port = free_port()
+    viewer_process = ViewerProcess.web(address(port), web_port)
+    show_message(f"Live view: {web_page(web_port, port)}\n{WEB_REMARK}")
+    return viewer_process
+
+
+def _wait_for_viewer(viewer_process: ViewerProcess, show_message: Report) -> None:
+    """Until the viewer is closed, or somebody presses Ctrl-C."""
+    if viewer_process.running:
+        show_message("All is shown; close the viewer, or press Ctrl-C, to end.")
+    with suppress(KeyboardInterrupt):
+        while viewer_process.running:
+            time.sleep(VIEWER_POLL_S)
+
+
+def _report_viewer_failure(viewer_process: ViewerProcess, show_message: Report) -> None:
+    """A viewer that could not stay: without a screen, a driver, a port."""
+    if not viewer_process.running and viewer_process.process.returncode:
+        complaint_text = viewer_process.complaint
+        show_message(
+            f"The viewer ended by itself: {complaint_text}"
+            if complaint_text
+            else "The viewer ended by itself, and did not say why."
+        )

@@ -1,0 +1,94 @@
+"""A recorded run, told again in the order it happened: as fast as it can be drawn, or at a pace.
+
+Knows runs; refuses to know viewers.
+"""
+
+import heapq
+from collections.abc import Callable, Iterator, Sequence
+
+from smarig.core.sample import Sample
+from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
+from smarig.record import Run
+
+BATCH_SAMPLES = 20_000  # samples drawn at once
+PACED_INTERVAL_S = 0.2  # between batches at a pace
+_COLUMNS = (
+    *("tick", "t_s", "current_command_A", "current_A", "voltage_V"),
+    *("temperature_degC", "counts", "position", "ambient_degC", "quality"),
+)
+
+
+def playback_items(run: Run) -> Iterator[LiveItem]:
+    """Samples, steps and events in the order of their times; void steps are told as interrupted."""
+    timed = bool(len(run)) and run.has("t_s")
+    ticks = ((t, 1, item) for t, item in _sample_items(run, timed))
+    steps = sorted(
+        (float(s.t_end_s or s.t_start_s), 2, k) for k, s in enumerate(run.steps) if s.t_end_s is not None
+    )
+    ended = ((t, 2, _step_item(run, k)) for t, _, k in steps)
+    events = (
+        (e.t_s, 0, EventItem(e.t_s, e.level, e.kind, e.text)) for e in sorted(run.events, key=lambda e: e.t_s)
+    )
+    return (item for *_, item in heapq.merge(ticks, ended, events, key=lambda found: found[:2]))
+
+
+def batches(run: Run, size: int = BATCH_SAMPLES) -> Iterator[list[LiveItem]]:
+    """As ``playback_items``, in lists."""
+    batch: list[LiveItem] = []
+    for item in playback_items(run):
+        batch.append(item)
+        if len(batch) >= size:
+            yield batch
+            batch = []
+    if batch:
+        yield batch
+
+
+def replay(
+    run: Run,
+    draw: Callable[[Sequence[LiveItem]], None],
+    speed: float,
+    wait: Callable[[float], bool],
+    now: Callable[[], float],
+) -> None:
+    """Draw a run at ``speed`` times real time, 0: at once. ``wait(seconds)`` is True when nobody looks any more."""
+    if not speed:
+        for batch in batches(run):
+            draw(batch)
+        return
+    began = now()
+    first: float | None = None
+    pending: list[LiveItem] = []
+    for item in playback_items(run):
+        t_s = item.sample.t_s if isinstance(item, SampleItem) else item.t_s
+        first = t_s if first is None else first
+        while (t_s - first) / speed > now() - began:
+            if pending:
+                draw(pending)
+                pending = []
+            if wait(PACED_INTERVAL_S):
+                return
+        pending.append(item)
+    if pending:
+        draw(pending)
+
+
+def _sample_items(run: Run, timed: bool) -> Iterator[tuple[float, SampleItem]]:
+    columns = [run[name].tolist() for name in _COLUMNS]
+    for row in zip(*columns, run["step"].tolist(), run["input"].tolist(), strict=True):
+        *values, step, u = row
+        quality = values.pop()
+        sample = Sample(*values, quality=0 if quality != quality else int(quality))
+        yield (
+            (sample.t_s if timed else sample.tick),
+            SampleItem(sample, None if step != step else int(step), u),
+        )
+
+
+def _step_item(run: Run, k: int) -> StepItem:
+    s = run.steps[k]
+    verdict = "interrupted" if s.void else s.verdict
+    position = None if s.void else s.position
+    return StepItem(
+        s.t_start_s, float(s.t_end_s or s.t_start_s), s.index, verdict, s.branch, s.target, position
+    )

@@ -1,0 +1,303 @@
+"""Marks for Rerun's eyes: the one module that imports rerun (extra ``live``).
+
+Serves what is shown on loopback from within this process, or writes it to a file, or both. Nothing here waits for a
+viewer: the server keeps what fits ``memory`` and drops the oldest. Knows nothing of rigs and runs.
+"""
+
+from collections.abc import Sequence
+from functools import singledispatchmethod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.core.errors import StorageError, UsageError
+from smarig.live import primitives as m
+from smarig.live.colours import GROUND
+from smarig.live.view_layout import Split, View
+
+try:
+    import rerun as rr
+    import rerun.blueprint as rrb
+except ImportError:
+    raise UsageError("The live view needs rerun: pip install 'smarig[live]'.") from None
+
+APPLICATION = "smarig"
+TIMELINE = "device_time"
+TRAIL_S = 1200.0
+SCROLL_S = 300.0
+_LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
+
+
+class RerunOutput:
+    """Where marks are shown; ``serve`` and ``save`` say to whom."""
+
+    def __init__(self, name: str) -> None:
+        self._stream = rr.RecordingStream(APPLICATION)
+        self._stream.send_recording_name(name)
+        self._sinks: list[Any] = []
+        self._files: list[tuple[Path, Any]] = []
+
+    def serve(self, port: int, memory: str) -> None:
+        """To viewers on this machine that ask at ``port``, now or later."""
+        self._to(rr.GrpcServerSink("127.0.0.1", port, server_memory_limit=memory))
+
+    def save(self, path: Path) -> None:
+        """Into a file, written at ``close``: by us, because Rerun tells of a full disk in lines of its own."""
+        self._files.append((path, self._stream.binary_stream()))
+        self._to(self._files[-1][1])
+
+    def _to(self, sink: Any) -> None:
+        self._sinks.append(sink)
+        self._stream.set_sinks(*self._sinks)
+
+    def arrange(self, layout: Split, *, replay: bool = False) -> None:
+        """Lay the views out; a replay shows all of its time, a live view the last minutes."""
+        panel = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
+        blueprint = rrb.Blueprint(_part(layout, replay), panel, collapse_panels=True, auto_views=False)
+        self._stream.send_blueprint(blueprint)
+
+    def show(self, primitives: Sequence[m.Primitive]) -> None:
+        """Draw marks."""
+        for primitive in primitives:
+            self._draw(primitive)
+
+    def flush(self) -> None:
+        """Send what is left; StorageError where that could not be done."""
+        try:
+            self._stream.flush()
+        except RuntimeError as error:
+            raise StorageError(f"The recording could not be written: {error}.") from None
+
+    def close(self) -> None:
+        """Send what is left, write files and let go of sinks; OSError where a file could not be written."""
+        self.flush()
+        written = [(path, stream.read()) for path, stream in self._files]
+        self._stream.disconnect()
+        for path, content in written:
+            path.write_bytes(content)
+
+    # --- one way for each kind of mark -----------------------------------------------------------------------
+
+    def _columns(self, path: str, times_s: m.Array, columns: Any) -> None:
+        self._stream.send_columns(path, [rr.TimeColumn(TIMELINE, duration=times_s)], columns)
+
+    def _always(self, path: str, what: Any) -> None:
+        self._stream.log(path, what, static=True)
+
+    @singledispatchmethod
+    def _draw(self, primitive: Any) -> None:
+        raise TypeError(f"no way to draw {primitive!r}")
+
+    @_draw.register
+    def _(self, primitive: m.SeriesLegend) -> None:
+        widths = list(primitive.widths_px) or [1.6] * len(primitive.names)
+        self._always(
+            primitive.path, rr.SeriesLines(names=primitive.names, colors=primitive.colours, widths=widths)
+        )
+
+    @_draw.register
+    def _(self, primitive: m.TimeSeries) -> None:
+        values = rr.Scalars.columns(scalars=primitive.values.ravel())
+        self._columns(
+            primitive.path,
+            primitive.times_s,
+            values.partition([primitive.values.shape[1]] * len(primitive.times_s)),
+        )
+
+    @_draw.register
+    def _(self, primitive: m.Polylines) -> None:
+        flat = primitive.strips[0].shape[1] == 2
+        kind: Any = rr.LineStrips2D if flat else rr.LineStrips3D
+        style: dict[str, Any] = {"radii": rr.Radius.ui_points(primitive.width_px / 2)}
+        style |= {"draw_order": primitive.draw_order} if flat else {}
+        if primitive.times_s is None:
+            hues = list(primitive.colours) or None  # what is there always would hide colours that change
+            self._always(primitive.path, kind(list(primitive.strips), colors=hues, **style))
+            return
+        several = {"colors": list(primitive.colours)} if not flat else {}
+        style |= {} if several else {"colors": primitive.colours[0]}
+        self._always(primitive.path, kind.from_fields(**style))
+        self._columns(
+            primitive.path, primitive.times_s, kind.columns(strips=list(primitive.strips), **several)
+        )
+
+    @_draw.register
+    def _(self, primitive: m.ColourChanges) -> None:
+        self._columns(
+            primitive.path, primitive.times_s, rr.LineStrips3D.columns(colors=list(primitive.colours))
+        )
+
+    @_draw.register
+    def _(self, primitive: m.Points) -> None:
+        flat = primitive.points.shape[1] == 2
+        kind: Any = rr.Points2D if flat else rr.Points3D
+        style: dict[str, Any] = {
+            "colors": primitive.colour,
+            "radii": rr.Radius.ui_points(primitive.radius_px),
+        }
+        style |= {"draw_order": primitive.draw_order} if flat else {}
+        style |= {"labels": list(primitive.texts), "show_labels": True} if primitive.texts else {}
+        if primitive.times_s is None:
+            self._always(primitive.path, kind(primitive.points, **style))
+            return
+        self._always(primitive.path, kind.from_fields(**style))
+        self._columns(primitive.path, primitive.times_s, kind.columns(positions=primitive.points))
+
+    @_draw.register
+    def _(self, primitive: m.Pixels) -> None:
+        picture = rr.Image(
+            primitive.pixels, color_model="RGB", draw_order=-30.0, magnification_filter="linear"
+        )
+        self._always(primitive.path, picture)
+
+    @_draw.register
+    def _(self, primitive: m.Transform) -> None:
+        if primitive.times_s is None:
+            self._always(
+                primitive.path, rr.Transform3D(translation=primitive.shift[0], scale=primitive.scale)
+            )
+            return
+        turned = {}
+        if primitive.turn_rad is not None:
+            half, zero = primitive.turn_rad / 2, np.zeros(len(primitive.turn_rad))
+            turned = {"quaternion": np.c_[zero, zero, np.sin(half), np.cos(half)]}
+        self._columns(
+            primitive.path, primitive.times_s, rr.Transform3D.columns(translation=primitive.shift, **turned)
+        )
+
+    @_draw.register
+    def _(self, primitive: m.SolidBody) -> None:
+        common: dict[str, Any] = {
+            "centers": [primitive.centre],
+            "colors": primitive.colour,
+            "fill_mode": "solid",
+        }
+        if primitive.shape == "box":
+            body: Any = rr.Boxes3D(sizes=[primitive.size], **common)
+        else:
+            body = rr.Cylinders3D(radii=[primitive.size[0]], lengths=[primitive.size[2]], **common)
+        self._always(primitive.path, body)
+
+    @_draw.register
+    def _(self, primitive: m.StateLane) -> None:
+        self._columns(primitive.path, primitive.times_s, rr.StateChange.columns(state=list(primitive.states)))
+
+    @_draw.register
+    def _(self, primitive: m.StateLegend) -> None:
+        hues = [(*c, 255) for c in primitive.colours.values()]
+        self._always(primitive.path, rr.StateConfiguration(values=list(primitive.colours), colors=hues))
+
+    @_draw.register
+    def _(self, primitive: m.LogLines) -> None:
+        levels = [_LEVELS.get(level, "INFO") for level in primitive.levels]
+        self._columns(
+            primitive.path, primitive.times_s, rr.TextLog.columns(text=list(primitive.texts), level=levels)
+        )
+
+    @_draw.register
+    def _(self, primitive: m.TextPage) -> None:
+        self._always(primitive.path, rr.TextDocument(primitive.text, media_type="text/markdown"))
+
+
+def viewer_state(url: str) -> dict[str, Any]:
+    """What a viewer at ``url`` shows: names of its views, their complaints, and where each recording's time begins."""
+    from rerun.experimental import ViewerClient
+
+    state = ViewerClient.connect(url).get_state()
+    times = [t for r in state.recordings for t in r.timelines if t.name == TIMELINE]
+    return {
+        "views": {view.name: view.view_class for view in state.views},
+        "complaints": [str(report) for view in state.views for report in view.reports],
+        "begins_s": [t.start / 1e9 for t in times if t.start is not None],
+        "ends_s": [t.end / 1e9 for t in times if t.end is not None],
+    }
+
+
+def save_screenshot_of(url: str, path: Path, at_s: float | None = None) -> None:
+    """A picture of what a headless viewer shows, at a time of the run."""
+    from rerun.experimental import ViewerClient
+
+    viewer = ViewerClient.connect(url)
+    if at_s is not None:
+        viewer.set_time(TIMELINE, duration=float(at_s))
+    viewer.save_screenshot(str(path))
+
+
+def _part(part: Split | View, replay: bool) -> Any:
+    if isinstance(part, Split):
+        parts = [_part(p, replay) for p in part.parts]
+        if part.arrangement == "tabs":
+            return rrb.Tabs(*parts)
+        if part.arrangement == "rows":
+            return rrb.Vertical(*parts, row_shares=list(part.shares))
+        return rrb.Horizontal(*parts, column_shares=list(part.shares))
+    return _VIEWS[part.kind](part, replay)
+
+
+def _range(seconds: float) -> Any:
+    now = rr.TimeRangeBoundary.cursor_relative(seconds=0.0)
+    return rrb.VisibleTimeRanges(
+        timeline=TIMELINE, start=rr.TimeRangeBoundary.cursor_relative(seconds=-seconds), end=now
+    )
+
+
+def _plane(view: View, replay: bool) -> Any:
+    del replay
+    x, y = view.bounds or ((0.0, 1.0), (0.0, 1.0))
+    return rrb.Spatial2DView(
+        origin=view.origin,
+        name=view.name,
+        background=GROUND,
+        visual_bounds=rrb.VisualBounds2D(x_range=x, y_range=y),
+        overrides={trail: [_range(TRAIL_S)] for trail in view.trails},
+    )
+
+
+def _space(view: View, replay: bool) -> Any:
+    del replay
+    position, target = view.camera or ((0.0, 0.0, 300.0), (0.0, 0.0, 0.0))
+    return rrb.Spatial3DView(
+        origin=view.origin,
+        name=view.name,
+        background=GROUND,
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=rrb.EyeControls3D(position=position, look_target=target, eye_up=(0.0, 1.0, 0.0)),
+    )
+
+
+def _time(view: View, replay: bool) -> Any:
+    return rrb.TimeSeriesView(
+        origin=view.origin,
+        name=view.name,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=view.legend),
+        axis_x=_axis(replay),
+        axis_y=rrb.ScalarAxis(range=view.range, zoom_lock=True) if view.range else None,
+    )
+
+
+def _axis(replay: bool) -> Any:
+    """All of a recorded run; the last minutes of one that is going on."""
+    first = (
+        rr.TimeRangeBoundary.infinite() if replay else rr.TimeRangeBoundary.cursor_relative(seconds=-SCROLL_S)
+    )
+    last = rr.TimeRangeBoundary.infinite() if replay else rr.TimeRangeBoundary.cursor_relative(seconds=0.0)
+    return rrb.TimeAxis(view_range=rr.TimeRange(start=first, end=last))
+
+
+def _log(view: View, replay: bool) -> Any:
+    del replay
+    columns = rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"])
+    return rrb.TextLogView(origin=view.origin, name=view.name, columns=columns)
+
+
+_VIEWS: dict[str, Any] = {
+    "plane": _plane,
+    "space": _space,
+    "time": _time,
+    "lanes": lambda view, replay: rrb.StateTimelineView(
+        origin=view.origin, name=view.name, time_view=_axis(replay)
+    ),
+    "log": _log,
+    "page": lambda view, _: rrb.TextDocumentView(origin=view.origin, name=view.name),
+}

@@ -1,0 +1,136 @@
+"""What a model says along the samples, one at a time, in the zero of the encoder.
+
+A model that has not seen the whole history keeps silent (NaN) until saturation has wiped out what it missed.
+The zero is the model's mean distance from the data over the first samples after the encoder was zeroed: nobody knows
+it better. Knows hysteresis and plants; refuses to know where models come from.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from smarig.core.sample import Sample
+from smarig.live.primitives import Array
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect import SupportsHooks
+from smarig.plant.plant import Plant
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+from smarig.preisach.state import State
+
+NAN = float("nan")
+OFFSET_SAMPLES = 50  # samples
+
+
+class SamplePredictor(Protocol):
+    """Something that goes along with a run."""
+
+    def after(self, s: Sample, input_value: float) -> float:
+        """Output after a sample, in a zero of its own; NaN where it cannot be known."""
+        ...
+
+    def invalidate(self) -> None:
+        """Samples were missed."""
+        ...
+
+
+class HysteresisPredictor:
+    """The hysteresis alone, along the input; ``initial`` None: what it remembers is not known yet."""
+
+    def __init__(self, hysteresis: Everett, initial: Initial | None) -> None:
+        self.operator = Preisach(hysteresis, initial or "negative")
+        self._lower, self._upper = hysteresis.lower, hysteresis.upper
+        self._known = initial is not None
+
+    def after(self, s: Sample, input_value: float) -> float:
+        """The operator's output at the input."""
+        del s
+        if not math.isfinite(input_value):
+            return NAN
+        y = self.operator.step(input_value)
+        if not self._known and not self._lower < input_value < self._upper:
+            self._known = True
+        return y if self._known else NAN
+
+    def invalidate(self) -> None:
+        """Silent until saturation."""
+        self._known = False
+
+    @property
+    def state(self) -> State | None:
+        """The memory, None while unknown."""
+        return self.operator.state if self._known else None
+
+
+class PlantPredictor:
+    """A whole plant with effects, along the measured current."""
+
+    def __init__(
+        self,
+        actuator: Actuator,
+        hysteresis: Everett,
+        initial: Initial,
+        dt_s: float,
+        effects: Sequence[SupportsHooks],
+    ) -> None:
+        self._plant = Plant(actuator, hysteresis, initial, dt_s, effects)
+        self._invalid = False
+
+    def after(self, s: Sample, input_value: float) -> float:
+        """The plant's position after a tick at the measured current."""
+        del input_value
+        y = self._plant.step(s.current_A) if math.isfinite(s.current_A) else NAN
+        return NAN if self._invalid else y
+
+    def invalidate(self) -> None:
+        """Silent from now on: time that passed unseen cannot be made up for."""
+        self._invalid = True
+
+
+class PrecomputedPredictor:
+    """Outputs that were computed before, one for each sample in turn."""
+
+    def __init__(self, outputs: Array) -> None:
+        self._outputs = iter(outputs.tolist())
+
+    def after(self, s: Sample, input_value: float) -> float:
+        """The next of them."""
+        del s, input_value
+        return next(self._outputs, NAN)
+
+    def invalidate(self) -> None:
+        """Nothing is missed by what was computed before."""
+
+
+@dataclass(frozen=True)
+class NamedPredictor:
+    """A name for the legend, and who predicts."""
+
+    name: str
+    predictor: SamplePredictor
+
+
+class ZeroedPredictor:
+    """A follower in the encoder's zero."""
+
+    def __init__(self, predictor: SamplePredictor) -> None:
+        self._predictor = predictor
+        self.zeroed()
+
+    def zeroed(self) -> None:
+        """The encoder was zeroed: begin anew to find the distance."""
+        self._sum, self._n, self._offset = 0.0, 0, NAN
+
+    def after(self, s: Sample, input_value: float) -> float:
+        """Output after a sample, comparable with its position."""
+        y = self._predictor.after(s, input_value)
+        if self._n < OFFSET_SAMPLES and y == y and s.position == s.position:
+            self._sum += y - s.position
+            self._n += 1
+            self._offset = self._sum / self._n
+        return y - self._offset
+
+    def invalidate(self) -> None:
+        """Samples were missed."""
+        self._predictor.invalidate()

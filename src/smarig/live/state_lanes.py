@@ -1,0 +1,94 @@
+"""Lanes of states under the time series: which step, where the current goes, how steps ended, how the run goes.
+
+A change is a state with the time it begins at. Knows no viewer.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from smarig.core.sample import Quality
+from smarig.live import colours
+from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
+from smarig.live.primitives import Primitive, StateLane, StateLegend
+
+RUN_STATES = {
+    "start": "running",
+    "paused": "paused",
+    "unpaused": "running",
+    "resumed": "running",
+    "end": "ended",
+}
+STATE_COLOURS = {
+    "lanes/direction": {"rising": colours.HEATING, "falling": colours.COOLING, "steady": colours.FAINT},
+    "lanes/verdict": {
+        "waiting": colours.FAINT,
+        "settled": colours.GOOD,
+        "elapsed": colours.SKY,
+        "timed_out": colours.ORANGE,
+        "interrupted": colours.BAD,
+    },
+    "lanes/run": {
+        "running": colours.GOOD,
+        "paused": colours.ORANGE,
+        "tripped": colours.BAD,
+        "trouble": colours.BAD,
+        "ended": colours.FAINT,
+    },
+}
+
+
+class StateTracker:
+    """Follows a run and tells changes of state."""
+
+    def __init__(self) -> None:
+        self._current: dict[str, str] = {}
+        self._command_A = 0.0
+        self._t_s = 0.0
+
+    def legends(self) -> list[Primitive]:
+        """Colours of the states that have a meaning."""
+        return [StateLegend(path, dict(of)) for path, of in STATE_COLOURS.items()]
+
+    def after(self, items: Sequence[LiveItem]) -> list[Primitive]:
+        """What changed in a batch."""
+        found: dict[str, list[tuple[float, str]]] = {}
+        for item in items:
+            for path, t_s, state in self._changes(item):
+                if self._current.get(path) != state:
+                    self._current[path] = state
+                    found.setdefault(path, []).append((t_s, state))
+        return [
+            StateLane(path, np.array([t for t, _ in changes]), tuple(s for _, s in changes))
+            for path, changes in found.items()
+        ]
+
+    def _changes(self, item: LiveItem) -> Sequence[tuple[str, float, str]]:
+        if isinstance(item, SampleItem):
+            return self._sample_changes(item)
+        self._t_s = item.t_s
+        if isinstance(item, StepItem):
+            # known only now, drawn over the whole step: a lane may be written backwards
+            return [("lanes/verdict", item.t_start_s, item.verdict), ("lanes/verdict", item.t_s, "waiting")]
+        return self._event_changes(item)
+
+    def _event_changes(self, item: EventItem) -> Sequence[tuple[str, float, str]]:
+        if item.level == "error":
+            return [("lanes/run", item.t_s, "trouble")]
+        return [("lanes/run", item.t_s, RUN_STATES[item.kind])] if item.kind in RUN_STATES else []
+
+    def _sample_changes(self, item: SampleItem) -> Sequence[tuple[str, float, str]]:
+        s, changes = item.sample, []
+        name = f"step {item.step}" if item.step is not None else "between"
+        t_s = s.t_s if s.t_s == s.t_s else float(s.tick)
+        if self._current.get("lanes/step") != name:
+            changes.append(("lanes/step", t_s, name))
+        if s.current_command_A != self._command_A:
+            direction = "rising" if s.current_command_A > self._command_A else "falling"
+            changes.append(("lanes/direction", t_s, direction))
+            self._command_A = s.current_command_A
+        if s.quality & Quality.TRIPPED:
+            changes.append(("lanes/run", t_s, "tripped"))
+        elif "lanes/run" not in self._current:
+            changes.append(("lanes/run", t_s, "running"))
+        return changes

@@ -1,0 +1,197 @@
+"""Viewer processes: the native one, or a web server for browsers, both on loopback and ended with us.
+
+They are started directly (the wrapper on PATH would leave them orphaned), with a configuration of their own in a
+temporary folder: analytics off, nothing written into anybody's home. Knows processes; refuses to know what is shown.
+"""
+
+import atexit
+import contextlib
+import importlib.util
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from smarig.core.errors import UsageError
+
+LOOPBACK = "127.0.0.1"
+MEMORY = "1GB"  # of the viewer: it forgets the oldest beyond that
+WEB_REMARK = (
+    "The page asks the internet for fonts, updates and telemetry of its own accord; "
+    "it works with all of that blocked."
+)
+_HOME_PREFIX = "smarig-viewer-"  # how temporary folders are called; then whose they are: PID-…
+_ANSI_COLOUR = re.compile("\x1b\\[[0-9;]*m")
+_ERROR_PATTERN = re.compile(
+    r"\b(error|panicked|fatal)\b", re.IGNORECASE
+)  # remarks of other kinds explain nothing
+_SCREEN_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")
+
+
+def free_port(requested: int = 0) -> int:
+    """A port of loopback that nobody holds, ``requested`` itself if given; UsageError where that is taken."""
+    with socket.socket() as probe:
+        if os.name != "nt":
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((LOOPBACK, requested))
+        except OSError:
+            raise UsageError(f"Port {requested} on {LOOPBACK} is taken; give another, or none.") from None
+        return probe.getsockname()[1]
+
+
+def address(port: int) -> str:
+    """Of a server of ours."""
+    return f"rerun+http://{LOOPBACK}:{port}/proxy"
+
+
+def program() -> Path:
+    """The viewer that comes with the package."""
+    found = importlib.util.find_spec("rerun_cli")
+    if found is None or found.origin is None:
+        raise UsageError("The live view needs rerun: pip install 'smarig[live]'.")
+    return Path(found.origin).with_name("rerun.exe" if os.name == "nt" else "rerun")
+
+
+class ViewerProcess:
+    """A process that shows what is served at an address; ``close`` ends it, and so does our own end."""
+
+    def __init__(self, arguments: list[str]) -> None:
+        _remove_stale_homes()
+        self._home = tempfile.mkdtemp(prefix=f"{_HOME_PREFIX}{os.getpid()}-")
+        self._log = Path(self._home) / "viewer.log"
+        with self._log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [*_parent_death_signal(), str(program()), *arguments],
+                env=_environment(Path(self._home)),
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,  # Ctrl-C is for the run alone
+            )
+        atexit.register(self.close)
+
+    @classmethod
+    def native(cls, url: str) -> "ViewerProcess":
+        """A window on this screen; UsageError where there is none."""
+        _check_screen()
+        port = str(free_port())
+        return cls(
+            ["--bind", LOOPBACK, "--port", port, "--memory-limit", MEMORY, "--hide-welcome-screen", url]
+        )
+
+    @classmethod
+    def headless(cls, url: str, port: int, size: str) -> "ViewerProcess":
+        """Without a screen, asked at ``port``: for pictures."""
+        common = [
+            "--bind",
+            LOOPBACK,
+            "--memory-limit",
+            MEMORY,
+            "--hide-welcome-screen",
+            "--window-size",
+            size,
+        ]
+        return cls(["--headless", "--port", str(port), *common, url])
+
+    @classmethod
+    def web(cls, url: str, port: int) -> "ViewerProcess":
+        """A server of pages at ``port``."""
+        return cls(["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), url])
+
+    @property
+    def running(self) -> bool:
+        """Whether somebody still looks."""
+        return self.process.poll() is None
+
+    @property
+    def complaint(self) -> str:
+        """What it said last of something that went wrong; "" where it did not."""
+        with contextlib.suppress(OSError):
+            lines = _ANSI_COLOUR.sub("", self._log.read_text(errors="replace")).splitlines()
+            return next((line.strip() for line in reversed(lines) if _ERROR_PATTERN.search(line)), "")
+        return ""
+
+    def close(self) -> None:
+        """End it, whatever state it is in; idempotent."""
+        atexit.unregister(self.close)
+        if self.running:
+            with contextlib.suppress(ProcessLookupError):
+                self.process.terminate()
+                _continue_process(self.process)
+            try:
+                self.process.wait(3)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        shutil.rmtree(self._home, ignore_errors=True)
+
+
+def web_page(web_port: int, port: int) -> str:
+    """What to open in a browser."""
+    return f"http://{LOOPBACK}:{web_port}/?url={address(port).replace('+', '%2B')}&hide_welcome_screen"
+
+
+def _check_screen() -> None:
+    """UsageError where a window cannot be opened: asked before anything runs."""
+    if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in _SCREEN_VARIABLES):
+        raise UsageError(
+            "There is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Use --web for a browser, or "
+            "'smarig view RUN --save FILE.rrd' to look at it elsewhere."
+        )
+
+
+def _remove_stale_homes() -> None:
+    """Remove the folders of those who were killed and could not do it themselves."""
+    if os.name == "nt":  # asking for a process there would end it
+        return
+    for home in Path(tempfile.gettempdir()).glob(f"{_HOME_PREFIX}[0-9]*-*"):
+        with contextlib.suppress(ValueError, PermissionError):  # nobody of ours; another person's
+            try:
+                os.kill(int(home.name.removeprefix(_HOME_PREFIX).partition("-")[0]), 0)
+            except (ProcessLookupError, OverflowError):
+                shutil.rmtree(home, ignore_errors=True)
+
+
+def _environment(home: Path) -> dict[str, str]:
+    """Ours, with the viewer's settings elsewhere and analytics off."""
+    where = home / "rerun"
+    where.mkdir()
+    settings = {
+        "analytics_enabled": False,
+        "analytics_id": "",
+        "metadata": {},
+        "config_file_path": str(where / "analytics.json"),
+        "data_dir_path": str(where / "analytics"),
+    }
+    (where / "analytics.json").write_text(json.dumps(settings), encoding="utf-8")
+    return {
+        **os.environ,
+        "XDG_CONFIG_HOME": str(home),
+        "XDG_DATA_HOME": str(home),
+        "XDG_CACHE_HOME": str(home),
+    }
+
+
+def _continue_process(process: subprocess.Popen) -> None:
+    """A stopped process hears SIGTERM only when it goes on."""
+    if hasattr(signal, "SIGCONT"):
+        process.send_signal(signal.SIGCONT)
+
+
+def _parent_death_signal() -> list[str]:
+    """On Linux: what asks the kernel to end the viewer when we are gone, even by kill -9, and becomes the viewer.
+
+    A nicer one: where it must draw without a graphics card, the run goes first.
+    """
+    if not sys.platform.startswith("linux"):
+        return []
+    ask = "import ctypes,os,sys; ctypes.CDLL(None).prctl(1, 9)\n"  # PR_SET_PDEATHSIG, SIGKILL
+    become = "os.nice(10); os.getppid() == int(sys.argv[1]) and os.execv(sys.argv[2], sys.argv[2:])"
+    return [sys.executable, "-S", "-c", ask + become, str(os.getpid())]

@@ -1,0 +1,114 @@
+"""Effects by name: from a command line, from a model file, from a seed.
+
+Knows the catalogue in ``model/effects`` by its file names only, and own files by what a person asked for.
+"""
+
+import random
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from smarig.core.catalogue import find, names, own, resolve_name
+from smarig.core.errors import DataError, UsageError
+from smarig.plant.effect import Effect, EffectType
+
+PACKAGE = "smarig.plant.effects"
+NO_EFFECT_SHARE = 0.15  # share of mystery rigs that hide nothing
+
+
+def effect_types(arrangement: str = "") -> tuple[EffectType, ...]:
+    """All kinds of effects, or those that exist on a rig of one arrangement, by name."""
+    every = (find(PACKAGE, name) for name in names(PACKAGE))
+    return tuple(k for k in every if not arrangement or k.arrangement in ("", arrangement))
+
+
+def effect_types_only_on(arrangement: str) -> tuple[EffectType, ...]:
+    """The kinds that exist on one arrangement only, by name."""
+    return tuple(k for k in effect_types() if k.arrangement == arrangement)
+
+
+def from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
+    """Effects from texts ``name``, ``name=strength`` or ``name.parameter=value``.
+
+    >>> from_pairs(["settling=3", "settling.time_constant_s=900", "creep"])
+    (settling(share_percent=3, time_constant_s=900), creep(percent_per_decade=1))
+    """
+    values: dict[str, dict[str, float]] = {}
+    for pair in pairs:
+        key, equals, text = pair.partition("=")
+        name, dot, parameter = key.strip().partition(".")
+        kind: EffectType = find(PACKAGE, name)
+        parameters_of_effect = values.setdefault(name, {})
+        if not equals and not dot:
+            continue
+        try:
+            number = float(text)
+        except ValueError:
+            raise UsageError(f"'{pair}' is not NAME=NUMBER or NAME.PARAMETER=NUMBER.") from None
+        parameter = parameter if dot else kind.primary.name
+        if parameter in parameters_of_effect:
+            raise UsageError(f"'{pair}' gives {name}.{parameter} a second time.")
+        parameters_of_effect[parameter] = number
+    return tuple(find(PACKAGE, name)(**parameters_of_effect) for name, parameters_of_effect in values.items())
+
+
+def from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
+    """Effects as a person writes them: as in ``from_pairs``, or own files (``./mine.py=3``, ``./mine.py.share=3``).
+
+    Own files are executed: what stands in a run or a model must go to ``from_pairs``.
+    """
+    return from_pairs([_registered_name(word) for word in words])
+
+
+def _registered_name(word: str) -> str:
+    path = re.fullmatch(r"(.+\.py)((?:\..*)?(?:=.*)?)", word)
+    return f"{resolve_name(PACKAGE, path[1])}{path[2]}" if path else word
+
+
+def to_arguments(effects: Iterable[Effect]) -> list[str]:
+    """The texts that ``from_arguments`` reads the same effects from, in any folder."""
+    paths = {name: str(file.place) for name, file in own(PACKAGE).items()}
+    pairs = (pair.partition(".") for pair in to_pairs(effects))
+    return [f"{paths.get(name, name)}{dot}{rest}" for name, dot, rest in pairs]
+
+
+def to_pairs(effects: Iterable[Effect]) -> list[str]:
+    """The texts that ``from_pairs`` reads the same effects from.
+
+    >>> to_pairs(from_pairs(["settling=3"]))
+    ['settling.share_percent=3.0', 'settling.time_constant_s=600.0']
+    """
+    return [f"{e.kind.name}.{name}={value!r}" for e in effects for name, value in e.values.items()]
+
+
+def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
+    """Effects of a model file, {"name", "parameters"} each; DataError when they are not."""
+    try:
+        found_effects = tuple(_effect_from_record(**r) for r in records)
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"an effect is not {{name, parameters}}: {error}") from None
+    except UsageError as error:
+        hint = " (an effect of your own is given again with --effect ./FILE.py)"
+        unknown = str(error).startswith("No effect ")
+        raise DataError(f"{str(error).rstrip('.')}{hint * unknown}") from None
+    repeated = next((name for name, n in Counter(p.kind.name for p in found_effects).items() if n > 1), None)
+    if repeated:
+        raise DataError(f"effect {repeated} is there twice")
+    return found_effects
+
+
+def _effect_from_record(name: str, parameters: Mapping[str, float]) -> Effect:
+    return find(PACKAGE, str(name))(**dict(parameters))
+
+
+def mystery(seed: int, arrangement: str) -> tuple[Effect, ...]:
+    """The hidden effect of a seed: one of the catalogue, at 0.6 to 1.8 times its typical strength, or none."""
+    draw = random.Random(f"mystery {arrangement} {seed}")  # the same in every version of every library
+    if draw.random() < NO_EFFECT_SHARE:
+        return ()
+    kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own(PACKAGE)])
+    strength = kind.primary.typical * draw.uniform(0.6, 1.8)
+    if kind.primary.lower < 0 and draw.random() < 0.5:
+        strength = -strength
+    return (kind(min(max(strength, kind.primary.lower), kind.primary.upper)),)

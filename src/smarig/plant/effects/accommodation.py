@@ -1,0 +1,52 @@
+"""The middle of the minor loops creeps after the state: repeated loops do not close.
+
+    dz = |dξ|/l (ξ − z),    T_felt = T + Λ (z − z₀)         z₀ the state the run began in
+
+z follows the output over l strokes of travel; return-point memory is lost in proportion.
+"""
+
+from collections.abc import Mapping
+from math import exp
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+
+def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
+    shift, strokes = p["shift_K"], p["strokes"]
+    start: float | None = None
+    follower = before = travel = 0.0
+
+    def hysteresis_input(u: float, now: PlantState) -> float:
+        nonlocal start, follower, before, travel
+        if start is None:
+            start = follower = before = now.austenite
+            travel = now.travel
+        progress = (now.travel - travel) / strokes
+        if progress > 0:  # exact for a state that moves evenly along its travel
+            left = exp(-progress)
+            mean_follower = (now.austenite - before) * (1 - left) / progress
+            follower = now.austenite - mean_follower + (follower - before) * left
+            before, travel = now.austenite, now.travel
+        return u + shift * (follower - start)
+
+    return {Stage.INPUT: hysteresis_input}
+
+
+accommodation = EffectType(
+    name="accommodation",
+    summary="The middle of the minor loops creeps after the state: repeated loops do not close.",
+    number="E15",
+    enters="input map with a memory of its own",
+    looks_like="repeats of a minor loop approach their limit geometrically; wiping-out misses",
+    confused_with=("settling", "walking", "temperature_memory"),
+    separated_by="a rest between repeats: settling heals with time, accommodation does not",
+    parameters=(
+        Parameter(
+            "shift_K", "K", -8.0, 8.0, 3.0, "0.3–5 K, engineering estimate; mixing models after Della Torre"
+        ),
+        Parameter(
+            "strokes", "stroke", 0.1, 5.0, 0.8, "0.2–2 strokes, engineering estimate", tries=(0.3, 0.8, 2.0)
+        ),
+    ),
+    act=_act,
+)

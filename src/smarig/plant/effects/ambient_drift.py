@@ -1,0 +1,46 @@
+"""The room warms or cools while the experiment runs.
+
+    T = T_a(t) − T_a(0) + wire above ambient,    T_a(t) − T_a(0) = D [sin 2π(t/P + φ) − sin 2πφ]
+
+Two wires share the room: the differential rig's T₁ − T₂ does not see it.
+"""
+
+from collections.abc import Mapping
+from math import pi, sin
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+
+def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
+    swing, per_s, phase = p["swing_K"], 1 / (3600 * p["period_h"]), p["phase"]
+
+    def ambient(ambient_K: float, now: PlantState) -> float:
+        return ambient_K + swing * (sin(2 * pi * (now.t_s * per_s + phase)) - sin(2 * pi * phase))
+
+    return {Stage.AMBIENT: ambient}
+
+
+ambient_drift = EffectType(
+    name="ambient_drift",
+    summary="The room warms or cools while the experiment runs.",
+    number="E3",
+    enters="input map: adds to the wire's temperature",
+    looks_like="local slope of the hysteresis × a smooth function of clock time, nothing in saturation",
+    confused_with=("walking", "fatigue", "slip"),
+    separated_by="a thermometer in the box, or a pause of an hour: the room goes on, cycles do not",
+    parameters=(
+        Parameter("swing_K", "K", -5.0, 5.0, 1.5, "unregulated rooms move by 0.2–3 K in hours"),
+        Parameter(
+            "period_h",
+            "h",
+            0.1,
+            48.0,
+            12.0,
+            "air conditioning 10–30 min, the day 24 h",
+            tries=(0.3, 0.7, 2.0),
+            of_record=True,
+        ),
+        Parameter("phase", "turn", 0.0, 1.0, 0.0, "where in its period the run begins", tries=(0.0, 0.25)),
+    ),
+    act=_act,
+)

@@ -1,0 +1,35 @@
+"""The amplifier delivers another current than it was asked for.
+
+    i = (1 + g) i_c + o
+
+An output that is off stays off.
+"""
+
+from collections.abc import Mapping
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+
+def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
+    gain, offset = 1 + p["gain_percent"] / 100, p["offset_A"]
+
+    def current(i: float, _now: PlantState) -> float:
+        return gain * i + offset if i else i
+
+    return {Stage.CURRENT: current}
+
+
+amplifier_gain = EffectType(
+    name="amplifier_gain",
+    summary="The amplifier delivers another current than it was asked for.",
+    number="E10",
+    enters="input map: current",
+    looks_like="nothing in steady states against the command; the measured current shows it",
+    confused_with=("convection", "dead_zone"),
+    separated_by="the measured current, checked with a shunt",
+    parameters=(
+        Parameter("gain_percent", "%", -15.0, 15.0, 3.0, "0.1–2 %, engineering estimate"),
+        Parameter("offset_A", "A", -0.05, 0.05, 0.0, "0–10 mA, engineering estimate"),
+    ),
+    act=_act,
+)

@@ -1,0 +1,34 @@
+"""Transformation temperatures drift as cycles add up.
+
+T_felt = T − B (1 − exp(−N/N₀))        N: full strokes there and back
+"""
+
+from collections.abc import Mapping
+from math import expm1
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+
+def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
+    shift, cycles = p["shift_K"], p["cycles"]
+
+    def hysteresis_input(u: float, now: PlantState) -> float:
+        return u + shift * expm1(-now.cycles / cycles)
+
+    return {Stage.INPUT: hysteresis_input}
+
+
+fatigue = EffectType(
+    name="fatigue",
+    summary="Transformation temperatures drift as cycles add up.",
+    number="E17",
+    enters="input map, by the number of cycles",
+    looks_like="local slope × a saturating function of the number of cycles",
+    confused_with=("ambient_drift", "walking"),
+    separated_by="a pause: cycles stop, the room does not",
+    parameters=(
+        Parameter("shift_K", "K", -8.0, 8.0, 3.0, "untrained wire: kelvins in the first tens of cycles"),
+        Parameter("cycles", "cycle", 0.5, 500.0, 8.0, "engineering estimate", tries=(2.0, 8.0, 40.0)),
+    ),
+    act=_act,
+)

@@ -1,0 +1,88 @@
+"""Transforming takes heat: inside the loop the wire warms and cools more slowly.
+
+    τ(T, ξ) = τ [1 + δ (ξ − ½) + (L/c_p) dξ/dT]        L on heating, λ L on cooling; δ = (c_A − c_M)/c̄
+
+dξ/dT is the slope on which the hysteresis has come, to the wire's own temperature, over some tenths of a kelvin:
+relays switch one by one. What they took beyond that is owed and paid on the next tick, so that heat is kept
+whatever the slope and the tick. The phases have specific heats of their own.
+"""
+
+from collections.abc import Mapping
+from math import exp
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+_LEAST_K = 1e-4  # of temperature between two ticks, for a slope
+_SMOOTH_K = 0.5  # over which a slope is forgotten
+_LARGEST = 1e3  # lag of a wire that stands still while its relays are paid
+
+
+class _TransformationHeat:
+    """Heat of the wire in kelvin: what the lag let pass, and what the relays took."""
+
+    def __init__(self, p: Values, context: EffectContext) -> None:
+        self._latent_heating_K = 1000 * p["latent_J_per_g"] / context.actuator.file.wire.specific_heat.value
+        self._ratio, self._change = p["cooling_ratio"], p["specific_heat_change_percent"] / 100
+        self._tau_s = context.actuator.tau_s
+        self._before_K, self._before = 0.0, None
+        self._slope = self._deficit_K = self._latent_K = 0.0
+        self._capacity = self._lag = 1.0
+
+    def source(self, u: float, now: PlantState) -> float:
+        """A tick begins: close the books of the last one, and find the lag of this one."""
+        self._account_last_tick(now)
+        self._latent_K = self._latent_heating_K * (1.0 if abs(u) >= abs(now.input_K) else self._ratio)
+        self._capacity = 1 + self._change * (now.austenite - 0.5)
+        lag = self._capacity + self._latent_K * self._slope
+        move_K = (u - now.input_K) * (1 - exp(-now.dt_s / (self._tau_s * lag)))
+        if abs(move_K) > _LEAST_K:
+            lag += self._deficit_K / move_K
+        self._lag = min(max(lag, self._capacity), _LARGEST)
+        return u
+
+    def lag(self, tau: float, _now: PlantState) -> float:
+        """The same for both wires: their difference is what transforms."""
+        return tau * self._lag
+
+    def _account_last_tick(self, now: PlantState) -> None:
+        if self._before is not None:
+            moved_K, transformed = now.input_K - self._before_K, now.austenite - self._before
+            deficit_K = (
+                self._deficit_K + self._latent_K * transformed - (self._lag - self._capacity) * moved_K
+            )
+            self._deficit_K = deficit_K * exp(-now.dt_s / self._tau_s)  # the room takes its share of it
+            if abs(moved_K) > _LEAST_K:
+                here = max(transformed / moved_K, 0.0)
+                self._slope += (here - self._slope) * (1 - exp(-abs(moved_K) / _SMOOTH_K))
+        self._before_K, self._before = now.input_K, now.austenite
+
+
+def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
+    transformation_heat = _TransformationHeat(p, context)
+    return {Stage.SOURCE: transformation_heat.source, Stage.LAG: transformation_heat.lag}
+
+
+latent_heat = EffectType(
+    name="latent_heat",
+    summary="Transforming takes heat: inside the loop the wire warms and cools more slowly.",
+    number="E6",
+    enters="transient",
+    looks_like="approaches two to four times slower inside the transformation, unlike in heating and cooling",
+    confused_with=("wire_lag", "settling"),
+    separated_by="pairs of small steps inside and outside the transformation",
+    parameters=(
+        Parameter(
+            "latent_J_per_g",
+            "J/g",
+            0.0,
+            60.0,
+            20.0,
+            "24.2 J/g (Flexinol 1140); 12.2 heating, 4.1 cooling measured in a spring",
+        ),
+        Parameter(
+            "cooling_ratio", "1", 0.0, 5.0, 1.0, "heat given back over heat taken up, 0.3–1", tries=(0.3, 1.0)
+        ),
+        Parameter("specific_heat_change_percent", "%", -60.0, 60.0, 0.0, "0.47–0.84 J/(g K) reported"),
+    ),
+    act=_act,
+)

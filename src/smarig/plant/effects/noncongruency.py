@@ -1,0 +1,34 @@
+"""The output is not linear in what the relays add up to.
+
+    m = ξ of the operator,    y = y₋ + (y₊ − y₋) [m + 2g m (1 − m)]
+
+Minor loops between the same inputs then differ in height by their level: congruency fails.
+"""
+
+from collections.abc import Mapping
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+
+def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
+    bend, stroke = p["bend_percent"] / 100, context.stroke
+
+    def output(y: float, now: PlantState) -> float:
+        m = now.austenite
+        return y + stroke * 2 * bend * m * (1 - m)
+
+    return {Stage.OUTPUT: output}
+
+
+noncongruency = EffectType(
+    name="noncongruency",
+    summary="The output is not linear in what the relays add up to.",
+    number="E16",
+    enters="output map",
+    looks_like="loops between the same inputs are higher at one level than at another",
+    confused_with=("resistance_phase", "stress_coupling", "eccentricity"),
+    separated_by="turning the pulley (eccentricity moves with it); the voltage; a second load",
+    parameters=(Parameter("bend_percent", "%", -40.0, 40.0, 10.0, "1–20 %, engineering estimate"),),
+    act=_act,
+    memoryless=True,
+)

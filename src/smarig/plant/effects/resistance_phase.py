@@ -1,0 +1,44 @@
+"""The wire's resistance follows the phase, so a current heats it by what it has done.
+
+    R(ξ) = R̄ [1 + ρ (ξ − ½)],    T_ss = (R(ξ)/hA) i²        ρ = (R_A − R_M)/R̄
+
+With R_M > R_A (ρ < 0) heating weakens as the wire transforms: the skew of thesis §5.4.1. In the differential
+rig ξ is that of the wire that carries the current. The voltage shows R itself.
+"""
+
+from collections.abc import Mapping
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+
+def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
+    change, two_wire = p["change_percent"] / 100, context.actuator.two_wire
+
+    def resistance(factor: float, now: PlantState) -> float:
+        mirrored = two_wire and now.current_A < 0
+        austenite = 1 - now.austenite if mirrored else now.austenite
+        return factor * (1 + change * (austenite - 0.5))
+
+    return {Stage.RESISTANCE: resistance}
+
+
+resistance_phase = EffectType(
+    name="resistance_phase",
+    summary="The wire's resistance follows the phase, so a current heats it by what it has done.",
+    number="E9",
+    enters="output feedback on the heating, and the voltage",
+    looks_like="a shift in temperature in proportion to power and ξ: the loop leans",
+    confused_with=("stress_coupling", "noncongruency", "backlash"),
+    separated_by="the voltage; or a second load, which stress feels and resistance does not",
+    parameters=(
+        Parameter(
+            "change_percent",
+            "%",
+            -30.0,
+            30.0,
+            -10.0,
+            "in situ 5–20 % fall; martensite 80, austenite 100 µΩ cm (Flexinol data)",
+        ),
+    ),
+    act=_act,
+)

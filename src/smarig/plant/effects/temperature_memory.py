@@ -1,0 +1,62 @@
+"""The wire remembers where an incomplete heating was arrested, and halts there on the next.
+
+    while heating:    T_felt = T − S exp(−((T − T_a)/w)²)        T_a: the last incomplete peak, until it is passed
+
+Cooling in between does not erase it (as wiping-out would); passing T_a by 3 w does.
+"""
+
+from collections.abc import Mapping
+from math import e, exp, sqrt
+
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+_REVERSAL_K = 0.5  # smaller ones are noise
+
+
+def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
+    width = p["width_K"]
+    retard = min(p["retard_K"], 0.8 * width * sqrt(e / 2))  # what is felt still rises with the wire
+    complete = context.hysteresis.upper - 3 * width
+    heating, turn, held, arrest = True, float("-inf"), 0.0, float("-inf")
+
+    def hysteresis_input(u: float, _now: PlantState) -> float:
+        nonlocal heating, turn, held, arrest
+        if heating and u < turn - _REVERSAL_K:
+            heating, arrest = False, turn if turn < complete else float("-inf")
+            turn = u
+        elif not heating and u > turn + _REVERSAL_K:
+            heating, turn = True, u
+        turn = max(turn, u) if heating else min(turn, u)
+        if not heating:
+            held = min(held, u)
+            return held
+        if u > arrest + 3 * width:
+            arrest = float("-inf")
+        held = u - retard * exp(-(((u - arrest) / width) ** 2))
+        return held
+
+    return {Stage.INPUT: hysteresis_input}
+
+
+temperature_memory = EffectType(
+    name="temperature_memory",
+    summary="The wire remembers where an incomplete heating was arrested, and halts there on the next.",
+    number="E15b",
+    enters="input map with a memory of its own",
+    looks_like="a dent of a heating branch at an earlier arrest, although saturation lay between",
+    confused_with=("accommodation", "noncongruency"),
+    separated_by="a full loop, some arrests at one temperature, a full loop",
+    parameters=(
+        Parameter(
+            "retard_K",
+            "K",
+            0.0,
+            3.0,
+            1.5,
+            "differential scanning calorimetry of TiNi: a stop near the arrest",
+            tries=(0.4, 1.5),
+        ),
+        Parameter("width_K", "K", 1.0, 15.0, 4.0, "1–5 K, engineering estimate", tries=(2.0, 4.0, 9.0)),
+    ),
+    act=_act,
+)

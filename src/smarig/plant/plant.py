@@ -1,0 +1,128 @@
+"""The wire as a plant: current in, position out; heating (5.1) → Preisach (3.1), effects at their stages.
+
+One step is one tick at constant current. Knows no instruments, no noise of theirs, no device.
+"""
+
+from collections.abc import Sequence
+
+from smarig.plant.actuator import Actuator
+from smarig.plant.algebraic_feedback import self_consistent_input
+from smarig.plant.effect import EffectContext, PlantState, Stage, SupportsHooks, chains
+from smarig.plant.thermal_stages import ThermalStages, apply_hooks
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+
+
+class Plant:
+    """State of the wire(s): temperatures, hysteresis memory, position (rig unit, operator's own zero).
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> plant = Plant(Actuator.named("gorbet_one_wire"), surface("one_e"), "negative", dt_s=0.1)
+    >>> for _ in range(1200):
+    ...     position_mm = plant.step(1.0)
+    >>> round(position_mm, 2)
+    12.54
+    """
+
+    def __init__(
+        self,
+        actuator: Actuator,
+        hysteresis: Everett,
+        initial: Initial,
+        dt_s: float,
+        effects: Sequence[SupportsHooks] = (),
+    ) -> None:
+        self.actuator = actuator
+        self.operator = Preisach(hysteresis, initial)
+        span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
+        self._y_lower, self._per_stroke = hysteresis.y_lower, 1.0 / span if span else 0.0
+        self._chains = chains(effects, EffectContext(actuator, hysteresis, initial))
+        self._no_effects = not any(self._chains.values())
+        self.now = PlantState(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
+        self._thermal_stages = ThermalStages(actuator, self._chains, self.now)
+        self.heating = self._thermal_stages.heating
+        self.position = apply_hooks(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # where it rests
+
+    def step(self, current_A: float, disturbance_K: float = 0.0) -> float:
+        """One tick: current held over it, temperature disturbance added to what the hysteresis feels."""
+        if self._no_effects:
+            self.position = self.operator.step(self.heating.step(current_A) + disturbance_K)
+            return self.position
+        self.now.tick += 1
+        return self._step_with_effects(current_A, disturbance_K, self.now.tick * self.heating.dt_s)
+
+    def advance(self, current_A: float, dt_s: float, disturbance_K: float = 0.0) -> float:
+        """As ``step``, for a time of any length."""
+        if self._no_effects:
+            self.heating.tick(dt_s)
+            return self.step(current_A, disturbance_K)
+        parts = self._thermal_stages.parts(current_A, dt_s)
+        self.now.dt_s = dt_s / parts
+        start_s = self.now.t_s
+        for k in range(1, parts + 1):
+            self._step_with_effects(current_A, disturbance_K, start_s + dt_s * k / parts)
+        self.now.dt_s = dt_s  # the sensor sees whole ticks
+        return self.position
+
+    def _step_with_effects(self, current_A: float, disturbance_K: float, t_s: float) -> float:
+        now, at = self.now, self._chains
+        self._thermal_stages.hysteresis_input(current_A, disturbance_K, t_s)
+        before, now.output = now.output, self._output_with_feedback()
+        now.austenite = self.austenite
+        now.travel += abs(now.output - before) * self._per_stroke
+        mapped = apply_hooks(at[Stage.OUTPUT], now.output, now)
+        self.position = apply_hooks(at[Stage.ADDITIVE], mapped, now)
+        return self.position
+
+    def _output_with_feedback(self) -> float:
+        """The output at what is felt; where that depends on the output, at the first temperature that both agree on."""
+        hooks, now, operator = self._chains[Stage.FEEDBACK], self.now, self.operator
+        if not hooks:
+            return operator.step(now.hysteresis_input_K)
+        before_feedback_K = now.hysteresis_input_K
+
+        def hysteresis_input(u: float, *, y: float) -> float:
+            now.austenite = (y - self._y_lower) * self._per_stroke
+            return apply_hooks(hooks, before_feedback_K, now) - u
+
+        now.hysteresis_input_K = self_consistent_input(
+            lambda u: hysteresis_input(u, y=operator.peek(u)),
+            operator.u,
+            hysteresis_input(operator.u, y=operator.y),
+        )
+        return operator.step(now.hysteresis_input_K)
+
+    def sensed(self, counts: float) -> float:
+        """Counts as the sensor sees them, before quantisation."""
+        return counts if self._no_effects else apply_hooks(self._chains[Stage.SENSOR], counts, self.now)
+
+    def current(self, command_A: float) -> float:
+        """The current that flowed in the last step."""
+        return command_A if self._no_effects else self.now.current_A
+
+    @property
+    def hysteresis_input_K(self) -> float:
+        """The temperature the hysteresis felt last."""
+        return self.operator.u
+
+    @property
+    def alters_current(self) -> bool:
+        """Whether an effect says what becomes of a command: then ``step`` is not for measured currents."""
+        return bool(self._chains[Stage.CURRENT])
+
+    @property
+    def lag(self) -> float:
+        """The time constant of the last tick over the constant one; of two wires their mean."""
+        lags = self._thermal_stages.lags
+        return sum(lags) / len(lags) if lags else 1.0
+
+    @property
+    def heating_ratio(self) -> float:
+        """The steady temperature of the last tick's current, over what R/hA says of it; 1 where none flowed."""
+        nominal_K = 0.0 if self._no_effects else self.heating.source(self.now.command_A)
+        return self.now.source_K / nominal_K if nominal_K else 1.0
+
+    @property
+    def austenite(self) -> float:
+        """Austenite fraction ξ of wire 1, taken from the output: 0 at y₋, 1 at y₊."""
+        return (self.operator.y - self._y_lower) * self._per_stroke

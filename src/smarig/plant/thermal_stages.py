@@ -1,0 +1,92 @@
+"""From the current to what the hysteresis feels: room, amplifier, heat, and the effects on the way.
+
+Looks at the hysteresis only where an effect does (its moment tells the output); under a moment that is ``Blind`` what
+is felt is the same whatever the hysteresis. Knows no output map and no sensor.
+"""
+
+from collections.abc import Mapping
+
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect import Hook, PlantState, Stage
+from smarig.plant.measured_input import heating_for
+
+MAX_PART_K, MAX_PARTS = 1.0, 50  # of a tick of any length, where heat depends on the output
+EARLY_STAGES = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, Stage.LAG, Stage.INPUT)
+
+
+class ThermalStages:
+    """Temperatures of the wire(s), and what the effects of the early stages make of them."""
+
+    def __init__(self, actuator: Actuator, chains: Mapping[Stage, tuple[Hook, ...]], now: PlantState) -> None:
+        self.heating = heating_for(actuator, now.dt_s)
+        self.now = now
+        self._ambient, self._current, self._resistance, self._source, self._lag, self._input = (
+            chains[stage] for stage in EARLY_STAGES
+        )
+        self.lags: tuple[float, ...] = ()
+        self._output_dependent = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
+
+    def parts(self, current_A: float, dt_s: float) -> int:
+        """How often a tick is cut, so that the heat of a transformation or of another wire acts as it goes."""
+        heating = self.heating
+        heating.tick(dt_s)
+        if not self._output_dependent:
+            return 1
+        ends = heating.ends(heating.source(current_A))
+        change_K = max(abs(end - now) for end, now in zip(ends, heating.wire_K)) * (1 - heating.decay)
+        parts = min(1 + int(change_K / MAX_PART_K), MAX_PARTS)
+        if parts > 1:
+            heating.tick(dt_s / parts)
+        return parts
+
+    def hysteresis_input(self, current_A: float, disturbance_K: float, t_s: float) -> float:
+        """One tick; the moment tells all that led to it. Written out, because it is asked for millions of times."""
+        now, heating = self.now, self.heating
+        now.t_s, now.command_A = t_s, current_A
+        ambient_K, resistance = 0.0, 1.0
+        for hook in self._ambient:
+            ambient_K = hook(ambient_K, now)
+        now.ambient_K = ambient_K
+        for hook in self._current:
+            current_A = hook(current_A, now)
+        now.current_A = current_A
+        for hook in self._resistance:
+            resistance = hook(resistance, now)
+        now.resistance = resistance
+        now.input_K = heating.input_K  # before the tick, above the room: what heat is lost and stored by
+        source_K = heating.source(current_A) * resistance
+        for hook in self._source:
+            source_K = hook(source_K, now)
+        now.source_K = source_K
+        common_ambient_K = (
+            0.0 if heating.two_wire else ambient_K
+        )  # common to both wires: T₁ − T₂ does not see it
+        if self._lag:
+            self.lags = self._lags()
+        hysteresis_input_K = now.input_K = (
+            heating.relax(source_K, *self.lags) + common_ambient_K + disturbance_K
+        )
+        for hook in self._input:
+            hysteresis_input_K = hook(hysteresis_input_K, now)
+        now.hysteresis_input_K = hysteresis_input_K
+        return hysteresis_input_K
+
+    def _lags(self) -> tuple[float, ...]:
+        """The lag of each wire.
+
+        Wires cool by themselves: to each its own temperature and its own end stand for the source and the input.
+        """
+        hooks, now, heating = self._lag, self.now, self.heating
+        lags, source_K = [], now.source_K
+        for k in range(2 if heating.two_wire else 1):
+            now.source_K, now.input_K = heating.ends(source_K)[k], heating.wire_K[k]
+            lags.append(apply_hooks(hooks, 1.0, now))
+        now.source_K = source_K
+        return tuple(lags)
+
+
+def apply_hooks(hooks: tuple[Hook, ...], value: float, now: PlantState) -> float:
+    """A value past the hooks of one stage."""
+    for hook in hooks:
+        value = hook(value, now)
+    return value

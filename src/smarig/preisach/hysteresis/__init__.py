@@ -1,0 +1,1 @@
+"""What a Preisach operator needs of a wire: surfaces, tables, relays, one file each."""

@@ -1,0 +1,201 @@
+"""The thesis's analytic first-order-descending surface (5.5) with every derivative in closed form.
+
+    y(α, β) = y₋ + (y₊ − y₋) · s(α, β) / s(u₊, u₊)
+    s(α, β) = σ(x₂(α + x₃)) · [σ(x₄(β + f(α))) − σ(x₄(u₋ + f(α)))],     σ(z) = 1/(1 + e⁻ᶻ)
+
+which is (5.5) with its exponentials gathered into sigmoids. f is constant x₅, parabolic
+x₅α² + x₆α + x₇, or exponential x₅e^(−x₆α) + x₇. Knows no data and no fit.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import DiagonalIntegrals
+from smarig.preisach.kernel import KeyedEverett, KeyedFunction, input_as_keys, inputs_as_keys
+
+Form = Literal["constant", "parabolic", "exponential"]
+Array = NDArray[np.float64]
+FORMS: dict[Form, tuple[str, ...]] = {
+    "constant": ("x2", "x3", "x4", "x5"),
+    "parabolic": ("x2", "x3", "x4", "x5", "x6", "x7"),
+    "exponential": ("x2", "x3", "x4", "x5", "x6", "x7"),
+}
+
+
+def sigmoid(z: ArrayLike) -> Array:
+    """σ(z) = 1/(1 + e⁻ᶻ), without overflow for any z."""
+    return 0.5 * (1.0 + np.tanh(0.5 * np.asarray(z, dtype=float)))
+
+
+@dataclass(frozen=True)
+class FodSurface(DiagonalIntegrals):
+    """Analytic FOD surface y(α, β), thesis (5.5).
+
+    ``x`` are x₂…x₅ (constant) or x₂…x₇; ``lower``/``upper`` the smallest/largest identification
+    input; ``y_lower``/``y_upper`` the outputs at negative and positive saturation. Inputs α ≥ β in
+    kelvin above ambient, outputs in ``unit``. All methods broadcast.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> one_e = surface("one_e")
+    >>> float(one_e.y(174.1, 174.1)), float(one_e.y(90.0, 0.0))
+    (12.54, 0.0)
+    """
+
+    form: Form
+    x: tuple[float, ...]
+    lower: float
+    upper: float
+    y_lower: float
+    y_upper: float
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        if self.form not in FORMS:
+            raise UsageError(f"Surface form '{self.form}' is not one of {', '.join(FORMS)}.")
+        if len(self.x) != len(FORMS[self.form]):
+            names = ", ".join(FORMS[self.form])
+            raise UsageError(f"A {self.form} surface has parameters {names}; got {len(self.x)}.")
+        numbers = (*self.x, self.lower, self.upper, self.y_lower, self.y_upper)
+        try:
+            finite = bool(np.isfinite(numbers).all())
+        except TypeError:  # words, or nothing
+            finite = False
+        if not finite:
+            raise UsageError(f"A {self.form} surface has a parameter that is not a finite number: {numbers}.")
+        if not self.upper > self.lower:
+            raise UsageError(f"Surface range is empty: lower {self.lower} ≥ upper {self.upper}.")
+
+    @property
+    def kinks(self) -> Array:
+        """Where derivatives jump: nowhere."""
+        return np.empty(0)
+
+    # --- the pieces -------------------------------------------------------------------------------
+
+    def shift(self, alpha: Array) -> tuple[Array, Array]:
+        """f(α) and f′(α)."""
+        alpha = np.asarray(alpha, dtype=float)
+        if self.form == "constant":
+            return np.full_like(alpha, self.x[3]), np.zeros_like(alpha)
+        x5, x6, x7 = self.x[3:]
+        if self.form == "parabolic":
+            return (x5 * alpha + x6) * alpha + x7, 2 * x5 * alpha + x6
+        decay = x5 * np.exp(-x6 * alpha)
+        return decay + x7, -x6 * decay
+
+    @property
+    def amplitude(self) -> float:
+        """c = (y₊ − y₋)/s(u₊, u₊); UsageError where s vanishes there: nothing to scale to y₊ − y₋."""
+        height = float(self.shape(self.upper, self.upper))
+        if height == 0:  # asked late: a fit may pass through such parameters and turn away from them
+            raise UsageError(
+                f"A {self.form} surface with x = {self.x} has no amplitude: its shape s(u₊, u₊) is zero, so (5.5) "
+                "is not defined."
+            )
+        return (self.y_upper - self.y_lower) / height
+
+    def shape(self, alpha: Array | float, beta: Array | float) -> Array:
+        """s(α, β), dimensionless."""
+        x2, x3, x4 = self.x[:3]
+        f, _ = self.shift(np.asarray(alpha))
+        return sigmoid(x2 * (alpha + x3)) * (sigmoid(x4 * (beta + f)) - sigmoid(x4 * (self.lower + f)))
+
+    # --- values and derivatives ---------------------------------------------------------------------
+
+    def y(self, alpha: Array | float, beta: Array | float) -> Array:
+        """y(α, β): output after negative saturation → α → β."""
+        return self.y_lower + self.amplitude * self.shape(alpha, beta)
+
+    def strip_beta(self, alpha: Array | float, beta: Array | float) -> Array:
+        """∂y/∂β, output per kelvin of a falling input."""
+        x2, x3, x4 = self.x[:3]
+        f, _ = self.shift(np.asarray(alpha))
+        s = sigmoid(x4 * (beta + f))
+        return self.amplitude * sigmoid(x2 * (alpha + x3)) * x4 * s * (1 - s)
+
+    def slope_alpha(self, alpha: Array | float, beta: Array | float) -> Array:
+        """∂y/∂α, output per kelvin of the earlier peak."""
+        x2, x3, x4 = self.x[:3]
+        f, df = self.shift(np.asarray(alpha))
+        a = sigmoid(x2 * (alpha + x3))
+        s, s0 = sigmoid(x4 * (beta + f)), sigmoid(x4 * (self.lower + f))
+        return self.amplitude * a * (x2 * (1 - a) * (s - s0) + x4 * df * (s * (1 - s) - s0 * (1 - s0)))
+
+    def strip_alpha(self, alpha: Array | float, beta: Array | float) -> Array:
+        """∂F/∂α with F = y(α, α) − y(α, β): output per kelvin of an input that rises from β."""
+        on_diagonal = self.slope_alpha(alpha, alpha) + self.strip_beta(alpha, alpha)
+        return on_diagonal - self.slope_alpha(alpha, beta)
+
+    def density(self, alpha: Array | float, beta: Array | float) -> Array:
+        """μ(α, β) = ½ ∂²y/∂α∂β (3.5), output per K². The ½ is missing in print (theory.md §8.3)."""
+        x2, x3, x4 = self.x[:3]
+        f, df = self.shift(np.asarray(alpha))
+        a, s = sigmoid(x2 * (alpha + x3)), sigmoid(x4 * (beta + f))
+        bell = x4 * s * (1 - s)
+        return 0.5 * self.amplitude * a * bell * (x2 * (1 - a) + x4 * df * (1 - 2 * s))
+
+    def reversible(self, beta: Array | float) -> Array:
+        """g(β) = ∂y/∂β(β, β): density of the degenerate relays on α = β, output per kelvin."""
+        return self.strip_beta(beta, beta)
+
+    # --- what the operator asks -----------------------------------------------------------------------
+
+    @cached_property
+    def keyed(self) -> KeyedEverett:
+        """For the loop: inputs are their own keys, F in closed form."""
+        return KeyedEverett(
+            _BETWEEN[self.form], (*map(float, self.x), 0.25 * self.amplitude), input_as_keys, inputs_as_keys
+        )
+
+    def everett(self, alpha: float, beta: float) -> float:
+        """F(α, β) = y(α, α) − y(α, β), scalar.
+
+        >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+        >>> s = surface("two_c")
+        >>> abs(s.everett(90.0, -20.0) - float(s.y(90.0, 90.0) - s.y(90.0, -20.0))) < 1e-13
+        True
+        """
+        k = self.keyed
+        return k.between(k.params, alpha, beta)
+
+    def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
+        """F(α, β), arrays: the same products as ``everett``."""
+        a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
+        x2, x3, half = self.x[0], self.x[1], 0.5 * self.x[2]
+        f, _ = self.shift(a)
+        rise = np.tanh(half * (a + f)) - np.tanh(half * (b + f))
+        return 0.25 * self.amplitude * (1.0 + np.tanh(0.5 * x2 * (a + x3))) * rise
+
+
+# --- F(α, β) on plain numbers, one function for each form, because numba compiles functions ---------------
+
+
+def _constant(x: tuple[float, ...], alpha: float, beta: float) -> float:
+    f, half = x[3], 0.5 * x[2]
+    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
+    return x[4] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+
+def _parabolic(x: tuple[float, ...], alpha: float, beta: float) -> float:
+    f, half = (x[3] * alpha + x[4]) * alpha + x[5], 0.5 * x[2]
+    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
+    return x[6] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+
+def _exponential(x: tuple[float, ...], alpha: float, beta: float) -> float:
+    f, half = x[3] * math.exp(-x[4] * alpha) + x[5], 0.5 * x[2]
+    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
+    return x[6] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
+
+
+_BETWEEN: dict[Form, KeyedFunction] = {
+    "constant": _constant,
+    "parabolic": _parabolic,
+    "exponential": _exponential,
+}

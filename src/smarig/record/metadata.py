@@ -1,0 +1,148 @@
+"""What a run file says of itself, read with care: JSON that is what smarig writes, of the kinds it writes.
+
+Everything that shows, exports or goes on with a run relies on these kinds, so they are checked once, here. Keys that
+are not known are let through: a newer smarig, or another program, may have written them. Refuses to know rows.
+"""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+MAX_NAME_LENGTH = 2000  # of what may be a path
+MAX_DEPTH = 40  # levels of tables and lists in each other; ours have four
+_TIMESTAMP_RANGE_S = (-62_135_596_800.0, 253_402_300_799.0)  # the years 1 to 9999, as seconds since 1970
+
+
+def decode_json(text: Any) -> Any:
+    """What a cell of JSON holds; ValueError or TypeError where it is none, or nothing that could be written again.
+
+    >>> decoded('{"unit": "mm"}')
+    {'unit': 'mm'}
+    >>> decoded("[" * 100 + "]" * 100)
+    Traceback (most recent call last):
+    ValueError: it is nested deeper than 40 levels
+    """
+    try:
+        value = json.loads(text)
+    except RecursionError:
+        raise ValueError(f"it is nested deeper than {MAX_DEPTH} levels") from None
+    _check_writable(value, 0)
+    return value
+
+
+def _check_writable(value: Any, depth: int) -> None:
+    if depth > MAX_DEPTH:
+        raise ValueError(f"it is nested deeper than {MAX_DEPTH} levels")
+    if isinstance(value, str) and not value.isascii():
+        try:
+            value.encode("utf-8")
+        except UnicodeEncodeError:
+            raise ValueError("it holds half a character (a lone surrogate)") from None
+    if isinstance(value, dict | list):
+        for inner in (*value, *value.values()) if isinstance(value, dict) else value:
+            _check_writable(inner, depth + 1)
+
+
+# --- kinds: each answers whether a value is one --------------------------------------------------------------
+
+
+def _text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _name(value: Any) -> bool:
+    return (
+        _text(value)
+        and len(value) <= MAX_NAME_LENGTH
+        and all(len(p.encode()) <= 255 for p in value.split("/"))
+    )
+
+
+def _table(value: Any) -> bool:
+    return isinstance(value, dict)
+
+
+def _list(value: Any) -> bool:
+    return isinstance(value, list)
+
+
+def _integer(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63
+
+
+def _number(value: Any) -> bool:
+    return _integer(value) or (isinstance(value, float) and math.isfinite(value))
+
+
+def _duration(value: Any) -> bool:
+    return _number(value) and (value == 0 or 1e-6 <= value <= 1e9)
+
+
+def is_timestamp(value: Any) -> bool:
+    """Whether a value can be a date: seconds since 1970, of the years 1 to 9999."""
+    return _number(value) and _TIMESTAMP_RANGE_S[0] <= value <= _TIMESTAMP_RANGE_S[1]
+
+
+_TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
+    _text: "a text",
+    _name: "a name or a path that a system could have",
+    _table: "a table",
+    _list: "a list",
+    _integer: "a whole number",
+    _number: "a finite number",
+    _duration: "a time in seconds, 1e-6 to 1e9",
+    is_timestamp: "a moment (seconds since 1970)",
+}
+_TEXTS = (
+    *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config"),
+    *("device", "wire_history", "model", "along"),
+)
+_KEY_TYPES = {
+    **dict.fromkeys(_TEXTS, _text),
+    **dict.fromkeys(("input", "output", "end", "settings", "versions", "imported", "conditions"), _table),
+    **dict.fromkeys(("begun_with", "shift"), _table),
+    **dict.fromkeys(("effects", "warnings", "own_files"), _list),
+    **dict.fromkeys(("seed", "history_until_tick"), _integer),
+    "actuator": _name,
+    "period_s": _duration,
+    "t0_s": _number,
+    "start_epoch": is_timestamp,
+}
+_QUANTITY_KEYS = {"quantity": _text, "unit": _text, "from": _text, "per_count": _number}
+_INNER_KEY_TYPES = {
+    "input": _QUANTITY_KEYS,
+    "output": _QUANTITY_KEYS,
+    "end": {"cause": _text, "epoch": is_timestamp},
+    "imported": {"file": _text},
+    "shift": {"ticks": _integer},
+}
+
+
+_NOT_NULL = (
+    "input",
+    "output",
+    "end",
+    "unit",
+    "cause",
+)  # where they stand at all; others may be null: "not known"
+
+
+def check_metadata(meta: Mapping[str, Any]) -> None:
+    """TypeError where a key of a run's description is of another kind than it is written."""
+    for key, kind in _KEY_TYPES.items():
+        _check_key(meta, key, kind, "")
+    for key, inner in _INNER_KEY_TYPES.items():
+        for name, kind in inner.items():
+            _check_key(meta.get(key) or {}, name, kind, f" in '{key}'")
+    for key in ("effects", "warnings"):
+        if not all(map(_text, meta.get(key) or ())):
+            raise TypeError(f"its key '{key}' holds something that is not a text")
+
+
+def _check_key(table: Mapping[str, Any], key: str, kind: Callable[[Any], bool], where: str) -> None:
+    value = table.get(key)
+    if value is None and (key not in table or key not in _NOT_NULL):
+        return
+    if not kind(value):
+        raise TypeError(f"its key '{key}'{where} is not {_TYPE_TEXTS[kind]}")

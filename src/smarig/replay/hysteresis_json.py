@@ -1,0 +1,119 @@
+"""A hysteresis as plain JSON values and back: one entry per kind.
+
+Adding a kind is one line of ``_JSON_KINDS``. Knows no file.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from smarig.core.errors import DataError, UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+
+LARGEST = 1e12  # squares of it can still be computed with
+
+
+class _JsonKind(NamedTuple):
+    of: type
+    dump: Callable[[Any], dict[str, Any]]
+    load: Callable[[dict[str, Any]], Everett]
+
+
+def dump_hysteresis(hysteresis: Everett) -> dict[str, Any]:
+    """Plain values with a ``kind``; UsageError for a hysteresis that has none."""
+    for name, kind in _JSON_KINDS.items():
+        if isinstance(hysteresis, kind.of):
+            return {"kind": name, **kind.dump(hysteresis)}
+    raise UsageError(
+        f"A {type(hysteresis).__name__} cannot be kept in a model file; kinds: {', '.join(_JSON_KINDS)}."
+    )
+
+
+def load_hysteresis(data: Any) -> Everett:
+    """The hysteresis of ``dump_hysteresis``, bit for bit; DataError says what is wrong."""
+    if not isinstance(data, dict) or data.get("kind") not in _JSON_KINDS:
+        kind_found = data.get("kind") if isinstance(data, dict) else data
+        raise DataError(
+            f"unknown kind of hysteresis '{kind_found}'; expected one of {', '.join(_JSON_KINDS)}"
+        )
+    _bounded(data)
+    rest = {key: value for key, value in data.items() if key != "kind"}
+    try:
+        return _JSON_KINDS[data["kind"]].load(rest)
+    except UsageError as error:  # a surface that cannot be: here the file is to blame
+        raise DataError(str(error)) from None
+    except KeyError as error:
+        raise DataError(f"hysteresis key {error} is missing or unknown") from None
+    except (TypeError, ValueError, IndexError) as error:
+        raise DataError(f"the hysteresis is damaged: {error}") from None
+
+
+def _dump_surface(s: FodSurface) -> dict[str, Any]:
+    ends = {"lower": s.lower, "upper": s.upper, "y_lower": s.y_lower, "y_upper": s.y_upper, "unit": s.unit}
+    return {"form": s.form, "x": dict(zip(FORMS[s.form], s.x)), **ends}
+
+
+def _load_surface(data: dict[str, Any]) -> FodSurface:
+    names = FORMS.get(data["form"], ())
+    x = data.pop("x")
+    if set(x) != set(names):
+        raise DataError(f"a {data['form']} surface has parameters {', '.join(names) or '(unknown form)'}")
+    numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
+    surface = FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
+    with np.errstate(all="ignore"):
+        height = surface.shape(surface.upper, surface.upper)
+        if height == 0 or not np.isfinite(surface.amplitude):
+            raise DataError("the surface's parameters give no output range")
+    return surface
+
+
+def _finite(value: Any, key: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise DataError(f"hysteresis key {key} is {value!r}, expected a number")
+    return float(value)
+
+
+def _bounded(data: dict[str, Any]) -> None:
+    """DataError for a number beyond any wire's, however deep: in parameters, nodes, rows and curves alike."""
+    left = list(data.items())
+    while left:
+        key, value = left.pop()
+        if isinstance(value, dict):
+            left += value.items()
+        elif isinstance(value, list):
+            left += ((key, item) for item in value)
+        elif isinstance(value, int | float) and abs(value) > LARGEST:
+            shown = f"{value:g}" if isinstance(value, float) else "a number of many digits"
+            raise DataError(f"hysteresis key {key} is {shown}, beyond any wire's")
+
+
+def _dump_table(t: FodTable) -> dict[str, Any]:
+    rows = [row[: k + 1].tolist() for k, row in enumerate(t.values)]
+    return {"unit": t.unit, "nodes": t.nodes.tolist(), "rows": rows}
+
+
+def _load_table(data: dict[str, Any]) -> FodTable:
+    nodes, rows = np.array(data["nodes"], dtype=float), data["rows"]
+    values = np.full((nodes.size, nodes.size), np.nan)
+    if len(rows) != nodes.size or any(len(row) != k + 1 for k, row in enumerate(rows)):
+        raise DataError(f"a table of {nodes.size} nodes has rows of 1 to {nodes.size} values")
+    for k, row in enumerate(rows):
+        values[k, : k + 1] = row
+    return FodTable(nodes, values, str(data["unit"]))
+
+
+def _load_mirrored(data: dict[str, Any]) -> Mirrored:
+    return Mirrored(load_hysteresis(data["image"]))
+
+
+_JSON_KINDS: dict[str, _JsonKind] = {
+    "fod_surface": _JsonKind(FodSurface, _dump_surface, _load_surface),
+    "fod_table": _JsonKind(FodTable, _dump_table, _load_table),
+    "forc_table": _JsonKind(ForcTable, ForcTable.to_json, ForcTable.from_json),
+    "mirrored": _JsonKind(Mirrored, lambda m: {"image": dump_hysteresis(m.image)}, _load_mirrored),
+}

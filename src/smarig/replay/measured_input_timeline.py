@@ -1,0 +1,203 @@
+"""Runs whose input itself was measured, as one story: samples are the path, and a thinned set of them is read.
+
+For others' data without current and without settled steps: temperature → strain, field → polarisation. Between
+its reversals the input is taken as monotone (isotonic least squares), because a hysteresis takes a sensor's noise
+for reversals; reversals smaller than five times that noise are noise. Runs without a clock count samples instead.
+Knows no model.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
+
+from smarig.core.errors import DataError
+from smarig.preisach.turning_points import turning_points
+from smarig.record import Run
+from smarig.replay.timeline import DriveProfile, ReadingSeries, Timeline
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+MAX_READINGS = 240  # readings of a story
+MIN_BRANCH_READINGS = 4  # of a branch
+REVERSAL_THRESHOLD = 5.0  # noises of the input
+CLOSURE_TOLERANCE = (
+    0.05  # of the input's range: a record that ends so close to its beginning is a steady loop
+)
+PAUSE_SAMPLES = 1.0  # samples between two runs
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredInputProfile(DriveProfile):
+    """Inputs (m,) in place of currents, each reached at ``end_s`` (m,): nothing happens in between."""
+
+    def ticks(self, at_s: Array) -> tuple[Array, Array]:  # noqa: ARG002
+        """The path's own points: whatever is read is one of them."""
+        return self.end_s, self.current_A
+
+
+def driven_by_input(runs: Sequence[Run]) -> bool:
+    """Whether these runs have an input and no current that heated anything, nor settled steps."""
+    return all(
+        run.has("input")
+        and run.has("position")
+        and not run.settled
+        and not (run.has("current_A") or run.has("current_command_A"))
+        for run in runs
+    )
+
+
+def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None = MAX_READINGS) -> Timeline:
+    """Runs in the order given, one after another, as one story.
+
+    A run that ends where it began, half way on a branch, is a steady loop measured by itself: it is lived through once
+    before, unread, and its output has a zero of its own.
+    Any other run of unknown beginning is read from its first reversal on. ``max_readings`` readings, None: every sample.
+    Raises DataError when nothing is left.
+    """
+    parts = [_MeasuredInputRun(run) for run in runs]
+    branches = sum(len(p.turns) - 1 for p in parts)
+    per_branch = max(max_readings // max(branches, 1), MIN_BRANCH_READINGS) if max_readings else None
+    read = [p.read(per_branch) for p in parts]
+    if not any(rows.size for rows in read):
+        raise DataError(
+            "The runs hold no branch of known beginning: a diagnosis needs a reversal of the input."
+        )
+    clock = all(p.run.has("t_s") for p in parts)
+    placed_runs, at, block = [], 0.0, 0
+    for number, (part, rows) in enumerate(zip(parts, read)):
+        t, placed_run = part.place_on_clock(rows, at, clock, number, block)
+        placed_runs.append(placed_run)
+        at, block = t, int(placed_run.block.max(initial=block)) + 1
+    return _assembled_timeline(placed_runs, runs, clock)
+
+
+@dataclass(frozen=True, eq=False)
+class _PlacedRun:
+    """One run on the story's clock: its path, and rows of it that are read."""
+
+    end_s: Array
+    input: Array
+    t_s: Array
+    value: Array
+    target: Array
+    speed: Array
+    input_scatter: Array
+    last_reversal: Array
+    zero: Integers
+    block: Integers
+    run: Integers
+
+
+class _MeasuredInputRun:
+    """One run: its known samples, its input made monotone between reversals."""
+
+    def __init__(self, run: Run) -> None:
+        known = np.isfinite(run["input"]) & np.isfinite(run["position"])
+        self.run, self.raw, self.y = run, run["input"][known], run["position"][known]
+        t = run["t_s"][known]
+        self.t = t if run.has("t_s") else np.arange(float(t.size))
+        self.turns = (
+            turning_points(self.raw, REVERSAL_THRESHOLD * input_noise_sd(self.raw)) if t.size > 2 else [0]
+        )
+        self.u = self.raw.copy()
+        for a, b in pairwise(self.turns):
+            rising = bool(self.raw[b] > self.raw[a])
+            self.u[a : b + 1] = isotonic_regression(self.raw[a : b + 1], increasing=rising).x
+        for k in self.turns:
+            self.u[k] = self.raw[k]
+        back = abs(self.u[-1] - self.u[0]) <= CLOSURE_TOLERANCE * np.ptp(self.u) if t.size else False
+        self.steady = bool(back and len(self.turns) == 4)
+
+    def read(self, per_branch: int | None) -> Integers:
+        """Rows to be read: ``per_branch`` of a branch (None: all), half by time and half by how much the output moves."""
+        first = 0 if self.steady or self.run.meta.get("initial") else 1
+        rows = [
+            _reading_rows(self.y, a, b, per_branch) if per_branch else np.arange(a + 1, b + 1)
+            for a, b in pairwise(self.turns[first:])
+        ]
+        return np.unique(np.concatenate(rows)) if rows else np.empty(0, dtype=np.int64)
+
+    def _jitter(self) -> Array:
+        """Scatter of the input about each branch, (branches,)."""
+        scatter = self.raw - self.u
+        return np.array([float(np.sqrt(np.mean(scatter[a : b + 1] ** 2))) for a, b in pairwise(self.turns)])
+
+    def place_on_clock(
+        self, rows: Integers, at: float, clock: bool, number: int, block: int
+    ) -> tuple[float, _PlacedRun]:
+        """(end, piece) of this run, begun at time ``at``."""
+        own = self.t - self.t[0] if clock else np.arange(float(self.t.size))
+        pause = PAUSE_SAMPLES * float(np.median(np.diff(own)))
+        path = np.unique(np.concatenate([rows, self.turns]))
+        times, inputs = [own[path]], [self.u[path]]
+        if self.steady:
+            times, inputs = [own[path], own[path] + own[-1] + pause], [self.u[path]] * 2
+        begin = at + pause + (own[-1] + pause if self.steady else 0.0)
+        t = begin + own[rows]
+        branch = np.clip(np.searchsorted(self.turns, rows, side="left") - 1, 0, len(self.turns) - 2)
+        ends = np.array(self.turns)
+        speed = np.abs(np.diff(self.u[ends])) / np.maximum(np.diff(own[ends]), 1e-12)
+        placed_run = _PlacedRun(
+            end_s=at + pause + np.concatenate(times),
+            input=np.concatenate(inputs),
+            t_s=t,
+            value=self.y[rows],
+            target=self.u[rows],
+            speed=speed[branch],
+            input_scatter=self._jitter()[branch],
+            last_reversal=self.u[ends[:-1]][branch],
+            zero=np.full(rows.size, number if self.steady else 0, dtype=np.int64),
+            block=block + branch // 2,
+            run=np.full(rows.size, number, dtype=np.int64),
+        )
+        return begin + float(own[-1]), placed_run
+
+
+def input_noise_sd(u: Array) -> float:
+    """Sd of an input's noise from second differences; of the noisiest tenth, because noise comes in stretches.
+
+    Never quite none: 1e-9 of the range.
+
+    >>> float(round(noise_of(np.linspace(0, 1, 50)), 12))
+    1e-09
+    """
+    second_differences = np.abs(u[:-2] - 2 * u[1:-1] + u[2:])
+    return float(np.quantile(second_differences, 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(u))
+
+
+def _reading_rows(y: Array, a: int, b: int, per_branch: int) -> Integers:
+    """Up to ``per_branch`` rows of (a, b], the last among them."""
+    moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[a : b + 1])))])
+    even = np.linspace(0, 1, b - a + 1)
+    place = 0.5 * even + 0.5 * (moved / moved[-1] if moved[-1] else even)
+    return np.unique(a + np.searchsorted(place, np.arange(1, per_branch + 1) / per_branch - 1e-12)).astype(
+        np.int64
+    )
+
+
+def _assembled_timeline(placed_runs: Sequence[_PlacedRun], runs: Sequence[Run], clock: bool) -> Timeline:
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(p, name) for p in placed_runs])
+
+    value = joined("value")
+    t = np.round(joined("t_s"), 6)
+    readings = ReadingSeries("settled", value, t, np.arange(value.size), runs[0].unit)
+    return Timeline(
+        drive=MeasuredInputProfile(np.round(joined("end_s"), 6), joined("input")),
+        settled=readings,
+        other_readings=(),
+        target_K=joined("target"),
+        hold_s=np.zeros(value.size),
+        run=joined("run").astype(np.int64),
+        block=joined("block").astype(np.int64),
+        runs=tuple(runs),
+        measured_input="clock" if clock else "samples",
+        speed=joined("speed"),
+        input_scatter=joined("input_scatter"),
+        last_reversal=joined("last_reversal"),
+        zero=joined("zero").astype(np.int64),
+    )

@@ -1,0 +1,162 @@
+"""What a Preisach memory holds at each point of a record: the remembered extrema, and nothing else.
+
+The bookkeeping is the operator's own (wiping-out, §3.3.1), run on a hysteresis without output. Knows no
+curve, no model and no rig.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.operator import Preisach, State
+from smarig.record import CONTINUED, Run
+from smarig.replay.waypoints import input_path
+
+Array = NDArray[np.float64]
+Start = Literal["negative", "positive", "anhysteretic"]
+STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
+INPUT_TOLERANCE = 1e-6  # inputs closer than this part of the range are one input
+SATURATION_TOLERANCE = (
+    1e-3  # an estimated input this close to saturation, as a part of the range, is in saturation
+)
+LONGEST_GAP_S = 2.0
+_MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
+
+
+def memory_states(
+    inputs: Iterable[float], lower: float, upper: float, start: Start | State | None
+) -> list[State | None]:
+    """The memory after each input, None while it is unknown.
+
+    An unknown start becomes known at the first input that saturates: at ``lower`` or ``upper``.
+    """
+    operator = Preisach(RelayMeasure.zero(lower, upper), start or "anhysteretic")
+    known = start is not None
+    states: list[State | None] = []
+    for u in inputs:
+        operator.step(float(u))
+        known = known or not lower < u < upper
+        states.append(operator.state if known else None)
+    return states
+
+
+@dataclass(frozen=True)
+class MemoryHistory:
+    """Inputs and outputs (k,) of one run's settled points, the memory at its start, at each point and at its end.
+
+    None where the memory is unknown; ``turns`` are inputs between the points where it turned, too; ``continued``: the
+    run goes on where the one before it ended.
+    """
+
+    inputs: Array
+    outputs: Array
+    start: State | None
+    states: tuple[State | None, ...]
+    final_state: State | None
+    turns: Array
+    continued: bool
+
+
+def memory_histories(
+    runs: Sequence[Run], *, mirrored: bool = False
+) -> tuple[float, float, list[MemoryHistory]]:
+    """Range (u₋, u₊) of the runs together, and the history of each; signs turned when ``mirrored``.
+
+    A run begins in the state its record names, in the state the run before it left when it continues
+    that one without a gap, or in saturation when its first sample is there; else its start is unknown.
+    """
+    sign = -1.0 if mirrored else 1.0
+    records = [run.points() for run in runs]
+    named: list[Start | None] = [recorded_start(run, mirrored=mirrored) for run in runs]
+    inputs = merged_inputs(sign * np.concatenate([u for u, _ in records]))
+    lower, upper = _range(inputs, named)
+    found: list[MemoryHistory] = []
+    at = 0
+    for k, (run, (_, y)) in enumerate(zip(runs, records)):
+        start: Start | State | None = named[k]
+        continued = start is None and k > 0 and continues_run(runs[k - 1], run)
+        if continued:
+            start = found[-1].final_state
+        if start is None:
+            start = _saturated_start(run, sign, lower, upper)
+        u = inputs[at : at + y.size]
+        at += y.size
+        first = Preisach(RelayMeasure.zero(lower, upper), start).state if start is not None else None
+        traversed, where = input_path(run)
+        path = np.clip(sign * traversed, lower, upper)  # a turn beyond all relays saturates them, and no more
+        path[where] = u
+        states, final_state = _states_at_points(path, where, sign * run["input"][-1:], (lower, upper), first)
+        found.append(
+            MemoryHistory(u, sign * y, first, states, final_state, np.delete(path, where), continued)
+        )
+    return lower, upper, found
+
+
+def continues_run(before: Run, run: Run) -> bool:
+    """Whether a run goes on where the one before it ended: same sitting, no gap in its clock."""
+    if run.meta.get("initial") != CONTINUED or "start_epoch" not in run.meta:
+        return False
+    if run.meta["start_epoch"] != before.meta.get("start_epoch") or not (len(run) and len(before)):
+        return False
+    return bool(0 <= run["t_s"][0] - before["t_s"][-1] <= LONGEST_GAP_S)
+
+
+def _states_at_points(
+    path: Array, where: NDArray[np.intp], end: Array, ends: tuple[float, float], start: State | None
+) -> tuple[tuple[State | None, ...], State | None]:
+    """The memory at the settled points of a path, and the one that was left at its last input (1,)."""
+    states = memory_states([*path, *end[np.isfinite(end)]], *ends, start)
+    return tuple(states[k] for k in where), states[-1] if states else start
+
+
+def recorded_start(run: Run, *, mirrored: bool = False) -> Start | None:
+    """The state a run's record says it began in, None when it does not say."""
+    for start in STARTS:
+        if run.meta.get("initial") == start:
+            return _MIRROR[start] if mirrored else start
+    return None
+
+
+def _saturated_start(run: Run, sign: float, lower: float, upper: float) -> Start | None:
+    """A run whose first sample lies in saturation begins there, whatever came before (wiping-out)."""
+    first = sign * run["input"][:1]
+    tolerance = SATURATION_TOLERANCE * (upper - lower)
+    if first.size and first[0] <= lower + tolerance:
+        return "negative"
+    if first.size and first[0] >= upper - tolerance:
+        return "positive"
+    return None
+
+
+def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]:
+    """Range of relays: that of the inputs, with the rest at zero input, or a symmetric one around B*."""
+    if inputs.size == 0:
+        raise DataError("The runs hold no settled points; nothing can be learnt from them.")
+    lower, upper = float(inputs.min()), float(inputs.max())
+    if "negative" in starts:  # a cold wire rests at zero input
+        lower = min(lower, 0.0)
+    if "positive" in starts:
+        upper = max(upper, 0.0)
+    if "anhysteretic" in starts:
+        reach = max(-lower, upper)
+        lower = lower if -lower >= reach * (1 - INPUT_TOLERANCE) else -reach
+        upper = upper if upper >= reach * (1 - INPUT_TOLERANCE) else reach
+    return lower, upper
+
+
+def merged_inputs(inputs: Array) -> Array:
+    """Inputs that differ by rounding only (``INPUT_TOLERANCE`` of the range) made equal.
+
+    >>> merged_inputs(np.array([0.0, 100.0, 1e-9, 50.0])).tolist()
+    [0.0, 100.0, 0.0, 50.0]
+    """
+    if inputs.size == 0:
+        return inputs
+    values, where = np.unique(inputs, return_inverse=True)
+    first = np.concatenate([[True], np.diff(values) > INPUT_TOLERANCE * (values[-1] - values[0])])
+    return values[first][np.cumsum(first) - 1][where]

@@ -1,0 +1,234 @@
+"""A model as a value and as a file: ``*.model.json``, readable by eye, versioned, checked on load.
+
+Knows what a model consists of and where it came from. Refuses to know how it was identified.
+"""
+
+import json
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from smarig.core.atomic_file import atomic_file
+from smarig.core.errors import DataError, UsageError
+from smarig.core.notebook_display import NotebookDisplay
+from smarig.plant.effect_catalogue import from_json
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
+
+VERSION = 1
+FORMAT = "smarig model"
+LARGEST_BYTES = 64_000_000
+
+
+class _FrozenSchema(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class SignalDescription(_FrozenSchema):
+    """What passes: quantity and unit."""
+
+    quantity: str  # what it is, in words
+    unit: str  # of its values
+
+
+class ActuatorRecord(_FrozenSchema):
+    """The wire: name of its parameter set, and the set itself (value, unit, source by key)."""
+
+    name: str  # of the parameter set
+    parameters: dict[str, Any]  # the set: value, unit, source by key
+
+
+class NoiseRecord(_FrozenSchema):
+    """Standard deviation of a settled output (None: nothing was repeated) and where that comes from."""
+
+    value: float | None  # standard deviation of a settled output
+    unit: str  # of that
+    source: str  # where it comes from
+
+
+class Provenance(_FrozenSchema):
+    """One run the model was made from; ``start_epoch`` and ``encoder_zero`` tell runs of one sitting."""
+
+    run: str  # its file
+    sha256: str  # of that file
+    protocol: str  # what was run
+    source: str  # bench, twin or import
+    rows: int  # samples in it
+    start_epoch: float | None = None  # tells sittings apart
+    encoder_zero: str | None = None  # tells sittings apart
+    wire: str = ""  # identity of the wire
+
+
+class _ModelFileSchema(_FrozenSchema):
+    format: Literal["smarig model"]  # says that it is one
+    schema_version: int  # of these keys
+    name: str  # of the model
+    created: str  # when
+    twin: bool  # whether the data are a twin's
+    rig: str  # that was measured on
+    actuator: ActuatorRecord  # the wire
+    arrangement: str  # one_wire or two_wire
+    input: SignalDescription  # of the hysteresis
+    output: SignalDescription  # of the hysteresis
+    mirrored: bool  # it is the mirror image of what was fitted
+    hysteresis: dict[str, Any]  # kind and values
+    effects: list[dict[str, Any]]  # name and parameters of each, after a diagnosis
+    parameters: list[str]  # names of the covariance's rows
+    covariance: list[list[float | None]]  # of the parameters
+    intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
+    fit: dict[str, Any]  # figures of the fit, as identify --json has them
+    noise_floor: NoiseRecord  # what no model can go below
+    provenance: list[Provenance]  # the runs it was made from
+    warnings: list[str]  # what must be known before it is used
+
+
+@dataclass(frozen=True, eq=False)
+class Model(NotebookDisplay):
+    """A hysteresis with its wire, units, uncertainty and origin.
+
+    ``parameters`` (p,) names the rows of ``covariance`` (p, p); ``intervals`` are 95 %; both are empty for
+    tables. ``mirrored`` means the hysteresis is the mirror image of what was fitted. ``effects`` are plain
+    values {name, parameters}: none for the pure hysteresis.
+    """
+
+    name: str
+    hysteresis: Everett
+    rig: str
+    actuator: ActuatorRecord
+    arrangement: str
+    input: SignalDescription
+    output: SignalDescription
+    mirrored: bool
+    fit: dict[str, Any]
+    noise_floor: NoiseRecord
+    provenance: tuple[Provenance, ...]
+    twin: bool
+    created: str
+    parameters: tuple[str, ...] = ()
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
+    effects: tuple[dict[str, Any], ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """Unit of the output."""
+        return self.output.unit
+
+    def preisach(self, initial: Initial = "negative") -> Preisach:
+        """The operator of the hysteresis, in an initial state."""
+        return Preisach(self.hysteresis, initial)
+
+    def predict(self, u: ArrayLike, initial: Initial = "negative") -> NDArray[np.float64]:
+        """Outputs (n,) for inputs u (n,), in the model's units, from an initial state."""
+        return self.preisach().simulate(u, initial)
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
+        target = Path(path)
+        with atomic_file(target, force=force) as part:
+            part.write_text(_pretty(_to_file(self).model_dump(mode="json")), encoding="utf-8")
+        return target
+
+    def __repr__(self) -> str:
+        h = self.hysteresis
+        kind = f"{getattr(h, 'form', '')} {type(h).__name__}".strip()
+        rms = self.fit.get("rms")
+        fitted = f", rms {rms:.3g} {self.unit}" if isinstance(rms, float) else ""
+        made = "twin data" if self.twin else "measured data"
+        return (
+            f"Model({self.name}: {kind}, {self.input.quantity} [{h.lower:g}, {h.upper:g}] {self.input.unit} "
+            f"→ {self.output.quantity} in {self.unit}{fitted}; {made}, {len(self.provenance)} run(s))"
+        )
+
+
+def load_model(path: str | Path) -> Model:
+    """Read and check a model file; UsageError when there is none, DataError when it is something else."""
+    file = Path(path)
+    if not file.is_file():
+        raise UsageError(f"There is no model file {file}.")
+    if file.stat().st_size > LARGEST_BYTES:
+        raise DataError(f"{file} is larger than {LARGEST_BYTES // 10**6} MB: that is no model file.")
+    try:
+        raw = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"{file} is not a model file: it is not JSON ({error}).") from None
+    if not isinstance(raw, dict) or raw.get("format") != FORMAT:
+        raise DataError(f'{file} is not a model file: it does not say "format": "{FORMAT}".')
+    if raw.get("schema_version") != VERSION:
+        raise DataError(
+            f"{file} has model schema version {raw.get('schema_version')}; this smarig reads {VERSION}."
+        )
+    try:
+        return _from_file(_ModelFileSchema.model_validate(raw))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        what = "is an unknown key" if first["type"] == "extra_forbidden" else f"is wrong: {first['msg']}"
+        raise DataError(f"{file}: '{where}' {what}.") from None
+    except (DataError, UsageError) as error:
+        raise DataError(f"{file}: {str(error).rstrip('.')}.") from None
+    except (TypeError, ValueError, ArithmeticError, KeyError) as error:
+        raise DataError(f"{file} holds no usable hysteresis: {error}.") from None
+
+
+def _to_file(model: Model) -> _ModelFileSchema:
+    return _ModelFileSchema(
+        format=FORMAT,
+        schema_version=VERSION,
+        hysteresis=dump_hysteresis(model.hysteresis),
+        effects=list(model.effects),
+        parameters=list(model.parameters),
+        covariance=[[_number(v) for v in row] for row in model.covariance.tolist()],
+        intervals={name: (_number(low), _number(high)) for name, (low, high) in model.intervals.items()},
+        provenance=list(model.provenance),
+        warnings=list(model.warnings),
+        **{
+            name: getattr(model, name)
+            for name in (
+                *("name", "created", "twin", "rig", "actuator", "arrangement"),
+                *("input", "output", "mirrored", "fit", "noise_floor"),
+            )
+        },
+    )
+
+
+def _from_file(file: _ModelFileSchema) -> Model:
+    rest = {
+        name: getattr(file, name)
+        for name in _ModelFileSchema.model_fields
+        if name not in ("format", "schema_version")
+    }
+    size = len(file.parameters)
+    if len(file.covariance) != size or any(len(row) != size for row in file.covariance):
+        raise DataError(f"'covariance' is not {size} × {size}, one row for each of 'parameters'")
+    from_json(file.effects)  # raises where they are none
+    covariance = np.array(file.covariance, dtype=float).reshape(size, size)
+    rest |= {
+        "hysteresis": load_hysteresis(file.hysteresis),
+        "covariance": covariance,
+        "intervals": {name: (_float(a), _float(b)) for name, (a, b) in file.intervals.items()},
+        **{name: tuple(rest[name]) for name in ("parameters", "provenance", "warnings", "effects")},
+    }
+    return Model(**rest)
+
+
+def _number(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _float(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def _pretty(data: dict[str, Any]) -> str:
+    """Indented JSON with every innermost list on one line."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    flat = re.compile(r'\[\n\s+([^\[\]{}"]*?)\n\s+\]')
+    return flat.sub(lambda m: "[" + re.sub(r",\s+", ", ", m.group(1)) + "]", text) + "\n"

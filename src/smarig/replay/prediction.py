@@ -1,0 +1,230 @@
+"""What a model would have shown along a story, with and without effects: the plant retold on the critic's own ticks.
+
+Every effect acts in the very plant the twin runs, so there is one place where an effect is written. The ticks are
+fine after each change of the current and coarse later (``story.DriveProfile``); ``numerics`` says what that costs.
+Knows no data: predictions come from commands alone, so measured positions cannot explain themselves.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.plant.effect import SupportsHooks
+from smarig.plant.plant import Plant
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach, State
+from smarig.replay.plant_model import PlantModel
+from smarig.replay.sessions import session_offsets_s
+from smarig.replay.timeline import DriveProfile, Timeline
+from smarig.replay.trajectory import Trajectory, simulate_timeline
+
+Array = NDArray[np.float64]
+
+OUTPUT_DEPENDENT_KINDS = (
+    "settled",
+    "moving",
+    "resistance",
+)  # kinds of readings that follow the operator's output
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) the path of what the hysteresis felt.
+
+    ``states``, ``output`` and ``tick_index`` (n,) are the operator's memory, its output and the tick at each reading
+    that depends on them (settled and moving positions, resistances); position minus output is what effects after
+    the operator have added. ``output_slope`` (n,) is the reading's slope to the output: 1, or ∂R/∂y.
+    """
+
+    values: dict[str, Array]
+    t_s: Array
+    hysteresis_input_K: Array
+    states: tuple[State, ...]
+    output: Array
+    tick_index: NDArray[np.int64]
+    output_slope: Array
+    session_starts: tuple[int, ...] = (0,)
+
+    @property
+    def session(self) -> NDArray[np.int64]:
+        """Which sitting each coupled reading (n,) is of."""
+        return np.searchsorted(self.session_starts, self.tick_index, side="right") - 1
+
+    def outputs_along(
+        self, hysteresis: Everett, initial: Initial, hysteresis_input_K: Array, repetitions: int = 1
+    ) -> Array:
+        """Outputs (m,) of a hysteresis along a path felt, (m,), from the initial state in every sitting.
+
+        ``repetitions``: how many such paths are to be lived.
+        """
+        operator = Preisach(hysteresis, initial, samples=repetitions * hysteresis_input_K.size)
+        return np.concatenate(
+            [
+                operator.simulate(part, initial)
+                for part in np.split(hysteresis_input_K, self.session_starts[1:])
+            ]
+        )
+
+    @property
+    def positions_only(self) -> "Prediction":
+        """The same with nothing but positions read; they stand first."""
+        values = {kind: self.values[kind] for kind in ("settled", "moving") if kind in self.values}
+        n = sum(v.size for v in values.values())
+        return replace(
+            self,
+            values=values,
+            states=self.states[:n],
+            output=self.output[:n],
+            tick_index=self.tick_index[:n],
+            output_slope=self.output_slope[:n],
+        )
+
+    def of(self, kind: str) -> slice:
+        """Where the coupled readings of one kind stand."""
+        before = [
+            self.values[k].size
+            for k in OUTPUT_DEPENDENT_KINDS[: OUTPUT_DEPENDENT_KINDS.index(kind)]
+            if k in self.values
+        ]
+        return slice(sum(before), sum(before) + self.values[kind].size)
+
+    def stacked(self, timeline: Timeline) -> Array:
+        """All predictions in the order of the story's readings, (N,)."""
+        return np.concatenate([self.values[r.kind] for r in timeline.all_readings])
+
+
+def predict(timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks] = ()) -> Prediction:
+    """The story as the subject would have lived it, with further effects; in every sitting anew."""
+    if not timeline.sessions:
+        return _predict_session(timeline, plant_model, effects)
+    return _join_predictions(
+        timeline, [_predict_session(session, plant_model, effects) for session in timeline.sessions]
+    )
+
+
+def _predict_session(
+    timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
+) -> Prediction:
+    trajectory = simulate_timeline(timeline, plant_model, (*plant_model.effects, *effects))
+    t, _, read = timeline.ticks
+    rows = {r.kind: np.searchsorted(t[read], np.round(r.t_s, 6)) for r in timeline.all_readings}
+    coupled = np.concatenate([rows[k] for k in OUTPUT_DEPENDENT_KINDS if k in rows])
+    own = {"current": trajectory["current_A"] - trajectory["command_A"], "room": trajectory["ambient_K"]}
+    if "resistance" in rows:
+        own["resistance"] = _resistance_ohm(
+            trajectory, plant_model, by_command=timeline.resistance_from_command
+        )
+    position = trajectory["counts"] * (plant_model.per_count or 1.0)
+    return Prediction(
+        {kind: own.get(kind, position)[k] for kind, k in rows.items()},
+        t,
+        trajectory.hysteresis_input_K,
+        tuple(trajectory.states[k] for k in coupled),
+        trajectory["output"][coupled],
+        np.flatnonzero(read)[coupled],
+        np.concatenate(
+            [
+                _output_slope(k, trajectory["command_A"][rows[k]], plant_model)
+                for k in OUTPUT_DEPENDENT_KINDS
+                if k in rows
+            ]
+        ),
+    )
+
+
+def _resistance_ohm(trajectory: Trajectory, plant_model: PlantModel, *, by_command: bool) -> Array:
+    """Resistance (n,) of the wire that carries the current; over the current asked for, where none was measured."""
+    wire, h, command = plant_model.actuator, plant_model.hysteresis, trajectory["command_A"]
+    austenite = (trajectory["output"] - h.y_lower) / plant_model.stroke
+    austenite = np.where((command < 0) & wire.two_wire, 1 - austenite, austenite)
+    ohms = np.array([wire.resistance_at_ohm(a) for a in austenite.tolist()]) * trajectory["resistance"]
+    some = command != 0
+    if by_command:
+        ohms[some] *= trajectory["current_A"][some] / command[some]
+    return ohms
+
+
+def _output_slope(kind: str, command_A: Array, plant_model: PlantModel) -> Array:
+    """∂(reading)/∂(output), (n,): a resistance follows the austenite of the wire that carries the current."""
+    if kind != "resistance":
+        return np.ones(command_A.size)
+    wire = plant_model.actuator
+    per_stroke = wire.resistance_at_ohm(1.0) - wire.resistance_at_ohm(0.0)
+    return np.where((command_A < 0) & wire.two_wire, -1.0, 1.0) * per_stroke / plant_model.stroke
+
+
+def predict_positions(drive: DriveProfile, plant_model: PlantModel, at_s: Array) -> Array:
+    """Positions (n,) along a drive at times (n,), increasing."""
+    plant = Plant(plant_model.actuator, plant_model.hysteresis, plant_model.initial, 0.1, plant_model.effects)
+    t, current = drive.ticks(at_s)
+    sensed_positions, per_count, before = np.empty(t.size), plant_model.per_count or 1.0, 0.0
+    for k, (now, i) in enumerate(zip(t.tolist(), current.tolist())):
+        plant.advance(i, now - before)
+        before = now
+        sensed_positions[k] = plant.sensed(plant.position / per_count) * per_count
+    return np.interp(at_s, t, sensed_positions)
+
+
+def _join_predictions(timeline: Timeline, parts: Sequence[Prediction]) -> Prediction:
+    """Retellings of all sittings as one, in the order of the joined story's readings."""
+    ticks = np.cumsum([0, *[part.t_s.size for part in parts]])
+    coupled = [
+        (k, part.of(kind))
+        for kind in OUTPUT_DEPENDENT_KINDS
+        for k, part in enumerate(parts)
+        if kind in part.values
+    ]
+
+    def together(column: Callable[[Prediction], Array]) -> Array:
+        return np.concatenate([column(parts[k])[rows] for k, rows in coupled])
+
+    return Prediction(
+        {
+            r.kind: np.concatenate([p.values[r.kind] for p in parts if r.kind in p.values])
+            for r in timeline.all_readings
+        },
+        np.concatenate(
+            [part.t_s + begin for part, begin in zip(parts, session_offsets_s(timeline.sessions))]
+        ),
+        np.concatenate([part.hysteresis_input_K for part in parts]),
+        tuple(state for k, rows in coupled for state in parts[k].states[rows]),
+        together(lambda part: part.output),
+        np.concatenate([parts[k].tick_index[rows] + ticks[k] for k, rows in coupled]),
+        together(lambda part: part.output_slope),
+        tuple(ticks[:-1].tolist()),
+    )
+
+
+def with_hysteresis(prediction: Prediction, plant_model: PlantModel, centre: Everett) -> Prediction:
+    """The same path felt, with the outputs of another hysteresis along it."""
+    if centre is plant_model.hysteresis:
+        return prediction
+    output = prediction.outputs_along(centre, plant_model.initial, prediction.hysteresis_input_K)[
+        prediction.tick_index
+    ]
+    change, values, at = prediction.output_slope * (output - prediction.output), dict(prediction.values), 0
+    for kind in OUTPUT_DEPENDENT_KINDS:
+        if kind in values:
+            n = values[kind].size
+            values[kind] = values[kind] + change[at : at + n]
+            at += n
+    return replace(prediction, values=values, output=output)
+
+
+def numerics(timeline: Timeline, plant_model: PlantModel) -> float:
+    """Largest difference of settled positions between the critic's ticks and ones a quarter as long, output units."""
+    if timeline.sessions:
+        return max(numerics(session, plant_model) for session in timeline.sessions)
+    coarse = predict(timeline, plant_model).values["settled"]
+    t, current = timeline.drive.ticks(np.round(timeline.settled.t_s, 6))
+    plant = Plant(plant_model.actuator, plant_model.hysteresis, plant_model.initial, 0.1, plant_model.effects)
+    sensed_positions, before = {}, 0.0
+    for now, i in zip(t.tolist(), current.tolist()):
+        for _ in range(4):
+            plant.advance(i, (now - before) / 4)
+        before = now
+        sensed_positions[now] = plant.position
+    fine = np.array([sensed_positions[v] for v in np.round(timeline.settled.t_s, 6).tolist()])
+    return float(np.abs(coarse - fine).max())

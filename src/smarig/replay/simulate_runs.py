@@ -1,0 +1,144 @@
+"""What a model says along measured runs: at their settled points, or at every sample.
+
+The whole history counts, turns between settled points as well: simulation starts in the state a run names, or goes on
+from the run before it; where neither is known, in saturation when the run gets there. Knows no measured output.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError, UsageError
+from smarig.preisach.operator import Preisach
+from smarig.record import FORC_PROTOCOL, Run
+from smarig.replay.memory_history import INPUT_TOLERANCE, SATURATION_TOLERANCE, continues_run, recorded_start
+from smarig.replay.model_file import Model
+from smarig.replay.simulate_effects import simulate_runs_with_effects, simulate_samples_with_effects
+from smarig.replay.waypoints import input_path
+
+Array = NDArray[np.float64]
+
+
+def simulate(model: Model, run: Run) -> Array:
+    """Outputs of the model at a run's settled points, (k,), in the model's zero; see ``simulate_runs``."""
+    return simulate_runs(model, [run])[0]
+
+
+def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
+    """Outputs of the model at the settled points of runs that may follow one another, (k,) each.
+
+    NaN before the memory is known. Raises UsageError when the inputs are of another unit. A model with effects
+    lives through the runs in the order of their clocks.
+    """
+    if model.effects:
+        for run in runs:
+            check_input(model, run)
+        return simulate_runs_with_effects(model, runs)
+    outputs: list[Array] = []
+    operator, known = model.preisach(), False
+    for k, run in enumerate(runs):
+        check_input(model, run)
+        if run.meta.get("protocol") == FORC_PROTOCOL:
+            outputs.append(_reversal_curves(operator, run))
+            known = False
+            continue
+        is_continued = known and continues_run(runs[k - 1], run)
+        known = is_continued or _set_initial_state(operator, run)
+        inputs, settled = input_path(run)
+        y, known = _simulate_inputs(operator, _snapped_to_saturation(operator, inputs), known)
+        outputs.append(y[settled])
+        end = run["input"][-1:]  # the memory goes on from the last input, not from the last settled one
+        if end.size and np.isfinite(end[0]):
+            operator.step(float(end[0]))
+    return outputs
+
+
+def simulate_samples(model: Model, run: Run) -> Array:
+    """Outputs (n,) at every sample along the run's ``input`` column, in the model's zero.
+
+    NaN before the memory is known; an unknown input holds the last one. With effects, along its currents.
+    """
+    check_input(model, run)
+    if model.effects:
+        return simulate_samples_with_effects(model, run)
+    operator = model.preisach()
+    known = _set_initial_state(operator, run)
+    inputs = run["input"]
+    last = np.maximum.accumulate(np.where(np.isfinite(inputs), np.arange(inputs.size), -1))
+    first = int(np.argmax(last >= 0))
+    y = np.full(inputs.size, np.nan)
+    if last.size and last[-1] >= 0:
+        y[first:], _ = _simulate_inputs(operator, inputs[last[first:]], known)
+    return y
+
+
+def out_of_range(model: Model, inputs: Array) -> NDArray[np.bool_]:
+    """Which inputs (k,) lie beyond the model's saturation."""
+    h = model.hysteresis
+    tolerance = SATURATION_TOLERANCE * (h.upper - h.lower)
+    return (inputs < h.lower - tolerance) | (inputs > h.upper + tolerance)
+
+
+def check_output(model: Model, run: Run) -> None:
+    """DataError when a run measures in another unit than the model speaks."""
+    if run.unit != model.unit:
+        raise DataError(
+            f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
+        )
+
+
+def check_input(model: Model, run: Run) -> None:
+    """UsageError when a run's input is of another unit than the model's."""
+    if model.input.unit and run.input_unit and model.input.unit != run.input_unit:
+        raise UsageError(
+            f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}': "
+            "import the run with the model's input."
+        )
+
+
+def _set_initial_state(operator: Preisach, run: Run) -> bool:
+    """Put the operator into the run's initial state; False when that is unknown."""
+    h = operator.hysteresis
+    start = recorded_start(run)
+    first = run["input"][:1]
+    tolerance = SATURATION_TOLERANCE * (h.upper - h.lower)
+    if start is None and first.size and first[0] <= h.lower + tolerance:
+        start = "negative"
+    elif start is None and first.size and first[0] >= h.upper - tolerance:
+        start = "positive"
+    operator.reset(start or "negative")
+    return start is not None
+
+
+def _simulate_inputs(operator: Preisach, inputs: Array, known: bool) -> tuple[Array, bool]:
+    """Outputs along inputs, NaN until the memory is known; and whether it is in the end."""
+    h, step = operator.hysteresis, operator.step
+    y = np.fromiter((step(u) for u in inputs.tolist()), dtype=float, count=inputs.size)
+    if not known:
+        saturated = (inputs <= h.lower) | (inputs >= h.upper)
+        known = bool(saturated.any())
+        y[: int(np.argmax(saturated)) if known else inputs.size] = np.nan
+    return y, known
+
+
+def _snapped_to_saturation(operator: Preisach, inputs: Array) -> Array:
+    """Inputs at saturation but for rounding, made to saturate."""
+    h = operator.hysteresis
+    near = INPUT_TOLERANCE * (h.upper - h.lower)
+    inputs = np.where(np.abs(inputs - h.upper) <= near, h.upper, inputs)
+    return np.where(np.abs(inputs - h.lower) <= near, h.lower, inputs)
+
+
+def _reversal_curves(operator: Preisach, run: Run) -> Array:
+    """Each curve by itself, from positive saturation down to its lowest input; calibration points apart."""
+    u, y, step = run["input"], run["position"], run["step"]
+    predicted = np.full(u.size, np.nan)
+    known = np.isfinite(u) & np.isfinite(y)
+    for label in np.unique(step[known & (step >= 0)]):
+        members = np.flatnonzero(known & (step == label))
+        operator.reset("positive")
+        operator.step(float(u[members].min()))
+        for k in members[np.argsort(u[members], kind="stable")]:
+            predicted[k] = operator.step(float(u[k]))
+    return predicted[known]

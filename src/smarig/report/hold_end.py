@@ -1,0 +1,72 @@
+"""How a held loop ended: mean error and what is left of movement over its last stretch, not one reading by chance.
+
+A single reading is count noise, or a random phase of a limit cycle. Knows columns; refuses to know runs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.control.tracking.tracking_performance import SETTLED_FOR_S, SETTLING_BAND_COUNTS
+
+Array = NDArray[np.float64]
+LAST_S = 60.0  # or the last quarter, where that is shorter
+MOVES_COUNTS = 1.0  # rms about the mean: twice what rounding to counts and the encoder's noise leave
+_CROSSING_SHARE = 0.9  # of the rms: as far on the other side of the mean counts as having crossed it
+_MIN_CROSSINGS = 2  # a loop that only creeps crosses its mean once
+
+
+@dataclass(frozen=True)
+class HoldEnd:
+    """Errors (measured less wanted) over the last ``seconds`` of a hold, in the rig's unit; ``count`` 0 if unknown.
+
+    ``std`` is the rms about ``mean``, ``peak_to_peak`` from the least reading to the largest, ``current_A`` the least and
+    the largest current.
+    """
+
+    mean: float
+    std: float
+    peak_to_peak: float
+    current_A: tuple[float, float]
+    seconds: float
+    crossings: int
+    count: float
+
+    @property
+    def verdict(self) -> str:
+        """rests, rests off, swings or moves; "" where counts are unknown or the stretch is too short to say."""
+        if not self.count or self.seconds < SETTLED_FOR_S:
+            return ""
+        if self.std > MOVES_COUNTS * self.count:
+            return "swings" if self.crossings >= _MIN_CROSSINGS else "moves"
+        return "rests off" if abs(self.mean) > SETTLING_BAND_COUNTS * self.count else "rests"
+
+
+def hold_end(
+    t_s: Array, error: Array, current_A: Array, count: float, quiet_s: float = 0.0
+) -> HoldEnd | None:
+    """Of columns (n,) from where the loop was closed; nothing before ``quiet_s`` (a disturbance) counts.
+
+    None without a reading after it.
+    """
+    known = np.isfinite(error)
+    if not known.any():
+        return None
+    since = max(float(t_s[-1]) - min(LAST_S, float(t_s[-1]) / 4), quiet_s)
+    last = known & (t_s > since)
+    if not last.any():
+        return None
+    e, i = error[last], current_A[last]
+    deviation = e - e.mean()
+    std = float(np.sqrt(np.mean(deviation**2)))
+    side = np.sign(deviation[np.abs(deviation) > _CROSSING_SHARE * std])
+    return HoldEnd(
+        mean=float(e.mean()),
+        std=std,
+        peak_to_peak=float(np.ptp(e)),
+        current_A=(float(np.min(i)), float(np.max(i))),
+        seconds=float(t_s[-1]) - since,
+        crossings=int(np.count_nonzero(np.diff(side))),
+        count=count,
+    )

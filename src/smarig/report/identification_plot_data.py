@@ -1,0 +1,190 @@
+"""An identification as a reader sees it: mirrored fits turned back, values on grids, the input re-simulated.
+
+Surfaces are fitted to first-order curves that fall; rising ones are fitted in the mirror (u, y) → (−u, −y).
+Here everything is in the units and signs of the measurement. Knows models; refuses to know figures.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import DataError
+from smarig.identification.density_report import DensityReport, density_report
+from smarig.identification.identify import Identification
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.operator import Preisach
+from smarig.replay.memory_history import Start
+
+Array = NDArray[np.float64]
+_MAP_CELLS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrderCurve:
+    """A first-order curve: its reversal input, inputs (k,) and outputs (k,)."""
+
+    reversal: float
+    u: Array
+    y: Array
+
+
+def image(found: Identification) -> FodSurface | FodTable | ForcTable:
+    """The hysteresis as its first-order curves were taken: itself for descending ones, else its mirror image."""
+    hysteresis = found.model.hysteresis
+    if found.data.mirrored and isinstance(hysteresis, FodTable):
+        return mirrored_table(hysteresis)
+    fitted = hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
+    if not isinstance(fitted, FodSurface | FodTable | ForcTable):
+        raise DataError(
+            f"A {type(fitted).__name__} has no first-order curves to draw; identify a surface or a table."
+        )
+    return fitted
+
+
+def mirrored_table(table: FodTable) -> FodTable:
+    """The mirror image (u, y) → (−u, −y) of a table, exact: its cells are those of the table, reflected."""
+    turned, nodes = Mirrored(table), -table.nodes[::-1]
+    rising = turned.y_lower + turned.swept(nodes, np.full(nodes.size, nodes[0]))
+    a, b = np.meshgrid(nodes, nodes, indexing="ij")
+    values = np.where(b <= a, rising[:, None] - turned.swept(np.maximum(a, b), np.minimum(a, b)), np.nan)
+    return FodTable(nodes, values, table.unit)
+
+
+def sign(found: Identification) -> float:
+    """−1 for fits in the mirror."""
+    return -1.0 if found.data.mirrored else 1.0
+
+
+def axis_symbols(found: Identification) -> tuple[str, str]:
+    """Names of the input where a curve turns and of the present input: falling curves turn at α, rising ones at β."""
+    return ("β", "α") if found.data.mirrored else ("α", "β")
+
+
+def measured_curves(found: Identification) -> list[FirstOrderCurve]:
+    """The measured curves, reversal inputs rising."""
+    s = sign(found)
+    curves = [FirstOrderCurve(s * d.alpha, s * d.beta, s * d.y) for d in found.data.descending_curves()]
+    return sorted(curves, key=lambda c: c.reversal)
+
+
+def model_curves(found: Identification, points: int = 60) -> list[FirstOrderCurve]:
+    """The model's curves from the same reversals, over the whole range."""
+    s, surface = sign(found), image(found)
+    curves = []
+    for alpha in np.unique([d.alpha for d in found.data.descending_curves()]):
+        beta = np.linspace(found.data.lower, alpha, points)
+        curves.append(FirstOrderCurve(float(s * alpha), s * beta, s * np.asarray(surface.y(alpha, beta))))
+    return sorted(curves, key=lambda c: c.reversal)
+
+
+def interval(found: Identification, curve: FirstOrderCurve, level: float = 0.9) -> tuple[Array, Array] | None:
+    """(low, high) of new readings on a model curve; None where the fit gives none.
+
+    A positive measure gives them for curves of the kind it was fitted to. Its curves never fall as the input
+    rises, so an interval reaches no lower than one at a lower input, and no higher than one at a higher.
+    """
+    if found.positive is None or found.model.mirrored != found.data.mirrored:
+        return None
+    s, order = sign(found), np.argsort(curve.u * sign(found))
+    low, high = found.positive.interval(s * curve.reversal, s * curve.u[order], level)
+    low, high = np.maximum.accumulate(low), np.minimum.accumulate(high[::-1])[::-1]
+    back = np.argsort(order)
+    return (low[back], high[back]) if s > 0 else (-high[back], -low[back])
+
+
+def residuals(found: Identification) -> tuple[Array, Array, Array]:
+    """Reversal input, input and model minus measured, (k,) each, over the points of the curves."""
+    d, s = found.data, sign(found)
+    return s * d.alpha, s * d.beta, s * (np.asarray(image(found).y(d.alpha, d.beta)) - d.y)
+
+
+def resimulated(
+    found: Identification, inputs: Array, between: int = 12, initial: Start = "negative"
+) -> tuple[Array, Array]:
+    """The model along the identification input, densely (§5.5), from an initial state."""
+    dense = np.concatenate([np.linspace(a, b, between + 1)[1:] for a, b in zip(inputs, inputs[1:])])
+    u = np.concatenate([inputs[:1], dense])
+    operator = Preisach(found.model.hysteresis, initial)
+    return u, np.array([operator.step(float(v)) for v in u])
+
+
+def output_grid(found: Identification, n: int = 41) -> tuple[Array, Array, Array]:
+    """Grids (n, n) of reversal input, input, and output over the half plane, for a surface plot."""
+    s, lower, upper = sign(found), found.data.lower, found.data.upper
+    alpha, t = np.meshgrid(np.linspace(lower, upper, n), np.linspace(0, 1, n), indexing="ij")
+    beta = lower + t * (alpha - lower)
+    return s * alpha, s * beta, s * np.asarray(image(found).y(alpha, beta))
+
+
+def density_grid(found: Identification, n: int = 81) -> tuple[Array, Array, Array] | None:
+    """Grids of α, β, μ(α, β) over the half plane α ≥ β; None for tables, whose μ is a matter of cells."""
+    surface = image(found)
+    if not isinstance(surface, FodSurface):
+        return None
+    a, t = np.meshgrid(np.linspace(surface.lower, surface.upper, n), np.linspace(0, 1, n), indexing="ij")
+    b = surface.lower + t * (a - surface.lower)
+    mu = surface.density(a, b)
+    return (-b, -a, mu) if found.data.mirrored else (a, b, mu)
+
+
+def density_map(found: Identification) -> tuple[Array, Array, Array]:
+    """μ on a grid, as ``density_of`` the hysteresis whose first-order curves were taken."""
+    return density_of(image(found), mirrored=found.data.mirrored)
+
+
+def density_of(hysteresis: Everett, *, mirrored: bool = False, n: int = 121) -> tuple[Array, Array, Array]:
+    """Edges or nodes of α and of β, and μ[α, β] with NaN outside α ≥ β: surfaces on nodes, tables by cells.
+
+    A cell's μ is its mass over its area, [F(α₂,β₁) − F(α₁,β₁) − F(α₂,β₂) + F(α₁,β₂)] / (2 Δα Δβ).
+    """
+    if isinstance(hysteresis, Mirrored):
+        return density_of(hysteresis.image, mirrored=not mirrored, n=n)
+    if isinstance(hysteresis, FodSurface):
+        u = np.linspace(hysteresis.lower, hysteresis.upper, n)
+        a, b = np.meshgrid(u, u, indexing="ij")
+        mu = np.where(b <= a, hysteresis.density(a, b), np.nan)
+    else:
+        even = np.linspace(hysteresis.lower, hysteresis.upper, _MAP_CELLS + 1)
+        u = hysteresis.nodes if isinstance(hysteresis, FodTable) else even
+        inputs = u.tolist()
+        F = np.array([[hysteresis.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
+        mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
+        width = np.diff(u)
+        mu = np.where(np.tri(u.size - 1, k=-1, dtype=bool), mass / (2 * width[:, None] * width), np.nan)
+    if mirrored:  # μ(α, β) = μ̃(−β, −α)
+        return -u[::-1], -u[::-1], mu[::-1, ::-1].T
+    return u, u, mu
+
+
+_HYSTERESIS_NAMES = {
+    FodSurface: "surface",
+    FodTable: "table of first-order curves",
+    ForcTable: "first-order reversal curves",
+}
+
+
+def hysteresis_description(hysteresis: Everett) -> str:
+    """What a model's hysteresis is, for readers: "exponential surface", "relays"."""
+    if isinstance(hysteresis, Mirrored):
+        return f"{hysteresis_description(hysteresis.image)}, mirrored"
+    form = getattr(hysteresis, "form", "")
+    return f"{form} {_HYSTERESIS_NAMES.get(type(hysteresis), 'relays')}".strip()
+
+
+def density_report_of(found: Identification) -> DensityReport:
+    """μ's extremes in the measurement's own signs."""
+    return density_report(found.model.hysteresis)
+
+
+def reversible(found: Identification, n: int = 201) -> tuple[Array, Array] | None:
+    """Input and g: the density of reversible relays on α = β; None for tables."""
+    surface = image(found)
+    if not isinstance(surface, FodSurface):
+        return None
+    u = np.linspace(surface.lower, surface.upper, n)
+    return sign(found) * u, np.asarray(surface.reversible(u))

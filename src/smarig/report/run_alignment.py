@@ -1,0 +1,98 @@
+"""Runs put over each other: time from each run's beginning, one zero, and differences where histories agree.
+
+A wire remembers how it was approached, so outputs are subtracted only while two runs have made the same
+steps in the same order. Knows runs; refuses to know figures.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import UsageError
+from smarig.identification.noise_floor import noise_floor
+from smarig.record import Run
+from smarig.replay.provenance import provenance
+
+Array = NDArray[np.float64]
+_SAME = 1e-6  # of the input's range: one target is the other, rounded
+
+
+@dataclass(frozen=True, eq=False)
+class AlignedRun:
+    """A run beside the first one: ``offset`` is added to its outputs to meet the first one's zero.
+
+    ``offset_kind`` is "reference", "known" (one sitting, one zero), "fitted", or "unknown" (nothing in common).
+    ``input``, ``difference`` (k,) are the common points and this run minus the first there; ``noise`` is the
+    standard deviation of one such difference, None where nothing was repeated.
+    """
+
+    name: str
+    run: Run
+    offset: float
+    offset_kind: str
+    input: Array
+    difference: Array
+    noise: float | None
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean squared difference; NaN without common points."""
+        return float(np.sqrt(np.mean(self.difference**2))) if self.difference.size else float("nan")
+
+    @property
+    def max_abs(self) -> float:
+        """The largest difference; NaN without common points."""
+        return float(np.abs(self.difference).max()) if self.difference.size else float("nan")
+
+
+def aligned(runs: Mapping[str, Run]) -> list[AlignedRun]:
+    """The runs, each aligned with the first. UsageError when their units differ."""
+    check_same_units(runs)
+    first = next(iter(runs.values()))
+    return [_aligned_run(name, run, first) for name, run in runs.items()]
+
+
+def check_same_units(runs: Mapping[str, Run]) -> None:
+    """UsageError when runs are not all in the units of the first."""
+    names = list(runs)
+    first = runs[names[0]]
+    for name, run in runs.items():
+        if (run.unit, run.input_unit) != (first.unit, first.input_unit):
+            raise UsageError(
+                f"Run {name} is in {run.unit} against {run.input_unit}, run {names[0]} in {first.unit} against "
+                f"{first.input_unit}; only runs in the same units can be drawn over each other."
+            )
+
+
+def _aligned_run(name: str, run: Run, first: Run) -> AlignedRun:
+    n = common_steps(first, run)
+    inputs, outputs = run.points()
+    difference = outputs[:n] - first.points()[1][:n]
+    if run is first:
+        return AlignedRun(name, run, 0.0, "reference", inputs[:n], difference, None)
+    offset, kind = _offset(run, first, difference)
+    return AlignedRun(name, run, offset, kind, inputs[:n], difference + offset, _noise(run, first))
+
+
+def common_steps(first: Run, run: Run) -> int:
+    """How many settled steps two runs have made alike, from their beginning on."""
+    a, b = (np.array([step.target for step in each.settled], dtype=float) for each in (first, run))
+    n = min(a.size, b.size)
+    if not n:
+        return 0
+    different = np.abs(a[:n] - b[:n]) > _SAME * max(float(np.ptp(a)), float(np.ptp(b)))
+    return int(np.argmax(different)) if different.any() else n
+
+
+def _offset(run: Run, first: Run, difference: Array) -> tuple[float, str]:
+    sessions = [(p.start_epoch, p.encoder_zero) for p in map(provenance, (first, run))]
+    if sessions[0][0] is not None and sessions[0] == sessions[1]:
+        return 0.0, "known"
+    return (-float(difference.mean()), "fitted") if difference.size else (0.0, "unknown")
+
+
+def _noise(run: Run, first: Run) -> float | None:
+    a, b = (noise_floor(each).value for each in (first, run))
+    return None if a is None or b is None else float(np.hypot(a, b))

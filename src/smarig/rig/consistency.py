@@ -1,0 +1,64 @@
+"""Does a bench's rig file make sense before anything is opened? Its parts against each other and against the devices.
+
+Knows files and register maps; opens nothing.
+"""
+
+from collections.abc import Iterator
+
+from smarig.config import LinksFile, ProtectionFile, RigFile
+from smarig.core.catalogue import names, resolve_name, suggestion
+from smarig.core.errors import UsageError
+from smarig.device.wire.register import load_map
+from smarig.plant.actuator import Actuator
+
+DRIVERS = "smarig.device.drivers"
+OVER_CURRENT = 1.05  # of the largest: the amplifier trips by itself
+
+
+def inconsistencies(file: RigFile) -> list[str]:
+    """What is wrong, a sentence each; nothing for a twin."""
+    if file.links is None or file.protection is None:
+        return []
+    return [*_links(file, file.links), *_protection(file, file.protection)]
+
+
+def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
+    simulated = file.simulator is not None and file.simulator.start
+    for device, link in (("amplifier", links.amplifier), ("encoder_daq", links.encoder_daq)):
+        try:
+            driver = resolve_name(DRIVERS, link.driver)
+        except UsageError as wrong:
+            yield f"links.{device}.driver: {wrong}"
+            continue
+        if driver not in names(DRIVERS):
+            yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, names(DRIVERS))}."
+        if not link.url and not simulated:
+            yield f"links.{device}.url: say where it is."
+    if links.amplifier.driver == "smarig_amplifier":
+        lease = load_map("amplifier")["lease"]
+        low, high = (lease.value.decode(raw) for raw in lease.limits)
+        if not low <= file.lease_s <= high:
+            yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, which the amplifier allows."
+
+
+def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
+    limits = file.limits
+    largest_A = max(limits.current_max_A, -limits.current_min_A)
+    if p.slew_max_A_per_s < limits.current_rate_A_per_s:
+        yield (
+            f"protection.slew_max_A_per_s = {p.slew_max_A_per_s:g} is below limits.current_rate_A_per_s = "
+            f"{limits.current_rate_A_per_s:g}: what the host may do, the amplifier trips at."
+        )
+    heating = Actuator.named(file.actuator).file.heating
+    low, high = sorted((heating.resistance_austenite.value, heating.resistance_martensite.value))
+    if not p.resistance_min_ohm < low <= high < p.resistance_max_ohm:
+        yield (
+            f"protection.resistance_min_ohm … max_ohm = {p.resistance_min_ohm:g} … {p.resistance_max_ohm:g} do not "
+            f"hold the wire's {low:g} … {high:g} ohm."
+        )
+    steady = largest_A**2 * p.heat_settle_s
+    if not steady < p.heat_max_A2s < OVER_CURRENT**2 * steady:
+        yield (
+            f"protection.heat_max_A2s = {p.heat_max_A2s:g} should lie between {steady:g} (a steady {largest_A:g} A) "
+            f"and {OVER_CURRENT**2 * steady:.4g} (where over-current trips first): below it trips in use, above never."
+        )

@@ -1,0 +1,182 @@
+"""From a rig file to a rig: the twin in process, or a bench on the instruments that its links name.
+
+A ``[simulator]`` table makes this start the simulated devices, in a process of their own that ends with ours.
+"""
+
+import contextlib
+import json
+import os
+import selectors
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from smarig.config import LinkFile, LinksFile, RigFile, SimulatorFile
+from smarig.core.catalogue import find, names, resolve_name
+from smarig.core.errors import ConfigError, Interrupted, RigFault, SmarigError, UsageError
+from smarig.core.resources import shipped
+from smarig.device.drivers._roles import CurrentSource, PositionSensor, missing_members
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect import Effect
+from smarig.plant.effect_catalogue import PACKAGE, to_arguments
+from smarig.rig.bench import Bench
+from smarig.rig.consistency import DRIVERS
+from smarig.rig.paced_rig import PacedRig
+from smarig.rig.rig import Rig
+from smarig.rig.twin import Twin, TwinSettings
+
+AT_ZERO_TEXT = " The current is at zero."  # what a trip says, unless it is not so
+START_TIMEOUT_S = 20.0  # for simulated devices to start
+STOP_TIMEOUT_S = 10.0  # to end
+
+
+@contextmanager
+def open_rig(
+    rig: str,
+    file: RigFile,
+    actuator: Actuator,
+    settings: TwinSettings,
+    *,
+    speed: float | None = None,
+    while_waiting: Callable[[], None] = lambda: None,
+) -> Iterator[Rig]:
+    """A rig that is safe and closed afterwards. ``settings`` are a twin's, in process or behind a simulator's bytes.
+
+    With a model's hysteresis among them it is a twin in process, whatever the rig.
+    """
+    with contextlib.ExitStack() as open_:
+        if file.kind == "twin" or settings.hysteresis is not None:  # a model moves no hardware
+            twin = Twin(file, actuator, settings)
+            found: Rig = PacedRig(twin, speed, while_waiting=while_waiting) if speed else twin
+        else:
+            links, pace = _required_links(file), 1.0
+            if file.simulator is not None:
+                pace = file.simulator.speed if speed is None else speed
+            if file.simulator is not None and file.simulator.start:
+                links = open_.enter_context(_started_simulator(rig, file.simulator, links, settings, pace))
+            found = _open_bench(file, actuator, links, pace, open_)
+        open_.callback(found.close)
+        with _confirmed_shutdown(found):
+            yield found
+
+
+@contextmanager
+def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
+    """Current to zero on every way out; that the device could not be told is part of what the person reads."""
+    try:
+        yield
+    except BaseException as error:
+        rig.safe()
+        if not rig.shutdown_unconfirmed:
+            raise
+        if isinstance(error, Interrupted):
+            raise RigFault(f"Run {error}: it is closed. {rig.shutdown_unconfirmed}") from None
+        if isinstance(error, SmarigError):
+            error.args = (f"{str(error).removesuffix(AT_ZERO_TEXT)} {rig.shutdown_unconfirmed}",)
+        raise
+    rig.safe()
+    if rig.shutdown_unconfirmed:
+        raise RigFault(f"{rig.shutdown_unconfirmed} What was recorded until then is whole.")
+
+
+def _required_links(file: RigFile) -> LinksFile:
+    if file.links is None:
+        raise UsageError(f"Rig '{file.name}' has no [links].")
+    return file.links
+
+
+def _open_bench(
+    file: RigFile, actuator: Actuator, links: LinksFile, speed: float, open_: contextlib.ExitStack
+) -> Bench:
+    source = _open_instrument(links.amplifier, file, CurrentSource, "a current source")
+    open_.callback(source.close)
+    sensor = _open_instrument(links.encoder_daq, file, PositionSensor, "a position sensor")
+    open_.callback(sensor.close)
+    return Bench(file, actuator, source, sensor, speed=speed)
+
+
+def _open_instrument(link: LinkFile, file: RigFile, role: type, role_text: str) -> Any:
+    """An instrument by its driver, which may be the rig file's own; it can all that a bench will ask."""
+    instrument = find(DRIVERS, resolve_name(DRIVERS, link.driver))(link, file)
+    lacking = missing_members(instrument, role)
+    if lacking:
+        raise ConfigError(f"Driver {link.driver}: it gives no {', '.join(lacking)}, which {role_text} needs.")
+    return instrument
+
+
+@contextmanager
+def _started_simulator(
+    rig: str, how: SimulatorFile, links: LinksFile, settings: TwinSettings, speed: float
+) -> Iterator[LinksFile]:
+    """The devices' links, while they live; they notice by their input's end that we are gone."""
+    if settings.initial is not None or not settings.noise:
+        raise UsageError(
+            "Simulated devices follow the rig file; another state or no noise is for the twin in process."
+        )
+    planted = [effect for effect in settings.effects if isinstance(effect, Effect)]
+    if len(planted) < len(settings.effects) or any(e.kind.name not in names(PACKAGE) for e in planted):
+        raise UsageError("Simulated devices know effects of the catalogue only.")
+    if links.amplifier.framing != links.encoder_daq.framing:
+        raise UsageError("Simulated devices speak one framing; give both links the same.")
+    pace = ["--speed", str(speed)] if speed else ["--lock-step"]
+    effects = [word for pair in to_arguments(planted) for word in ("--effect", pair)]
+    files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
+    extra = [word for option, path in files.items() if path for word in (option, path)]
+    command = [sys.executable, "-m", "simulators", "--rig", rig, "--framing", links.amplifier.framing]
+    folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
+    search = [str(shipped("simulators").parent), os.environ.get("PYTHONPATH", "")]
+    process = subprocess.Popen(
+        [*command, "--folder", folder.name, "--seed", str(settings.seed), *pace, *effects, *extra],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, search))},
+        start_new_session=os.name != "nt",  # Ctrl-C is ours to handle
+    )
+    try:
+        urls = _ready(process)
+        yield LinksFile(
+            amplifier=_with_url(links.amplifier, urls["amplifier"]["url"]),
+            encoder_daq=_with_url(links.encoder_daq, urls["encoder_daq"]["url"]),
+        )
+    finally:
+        _stop_process(process, keep_until_lease=bool(how.trace))
+        folder.cleanup()
+
+
+def _with_url(link: LinkFile, url: str) -> LinkFile:
+    return link.model_copy(update={"url": url})
+
+
+def _ready(process: subprocess.Popen) -> dict:
+    """The line in which the devices say where they are."""
+    assert process.stdout is not None  # noqa: S101 - it was asked for
+    with selectors.DefaultSelector() as selector:
+        selector.register(process.stdout, selectors.EVENT_READ)
+        line = process.stdout.readline() if selector.select(START_TIMEOUT_S) else ""
+    if not line:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            status = process.wait(1)
+            kind = ConfigError if status == ConfigError.exit_status else RigFault
+            raise kind(f"The simulated devices ended at once (status {status}): see what they say above.")
+        raise RigFault(f"The simulated devices did not start within {START_TIMEOUT_S:g} s.")
+    return json.loads(line)
+
+
+def _stop_process(process: subprocess.Popen, *, keep_until_lease: bool) -> None:
+    """Their input ends; who keeps a trace is left to show how the lease ends what flows."""
+    if not keep_until_lease:
+        with contextlib.suppress(OSError):
+            process.terminate()
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with contextlib.suppress(OSError):
+                pipe.close()
+    try:
+        process.wait(STOP_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()

@@ -1,0 +1,128 @@
+"""Asks a protocol for its next command, and takes none that the runner or the record could choke on.
+
+A protocol may be somebody's own file: it may yield a numpy integer where a number belongs (taken as one), or nonsense
+(refused in a sentence with file and line), may raise what ends programs, or never come back. Whatever it does, what was
+measured so far is kept and the current ends at zero. Refuses to know what commands do.
+"""
+
+import contextlib
+import json
+import time
+from dataclasses import replace
+from numbers import Real
+from typing import Any
+
+from smarig.core.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
+from smarig.core.errors import SmarigError, UsageError
+from smarig.runner.run_control import RunControl
+
+
+class CheckedGenerator:
+    """A protocol and who may stop it; ``next(answer)`` is its next command, None at its end."""
+
+    def __init__(self, protocol: Protocol, control: RunControl) -> None:
+        self._protocol, self._control = protocol, control
+
+    def next(self, answer: Any) -> Command | None:
+        """Raises UsageError for what is no command, and for what a protocol must not raise."""
+        self._control.waiting_since_s = time.monotonic()
+        try:
+            command = self._protocol.send(answer)
+        except StopIteration:
+            return None
+        except (SmarigError, KeyboardInterrupt):
+            raise
+        except BaseException as error:
+            if isinstance(error, Exception) and not isinstance(error.__cause__, StopIteration):
+                raise
+            raised = error.__cause__ if isinstance(error, RuntimeError) else error
+            raise UsageError(
+                f"The protocol raised {type(raised).__name__}: a protocol ends by returning."
+            ) from error
+        finally:
+            self._control.waiting_since_s = None
+        try:
+            return checked(command)
+        except UsageError as error:
+            raise UsageError(f"{self._location()}: {str(error).rstrip('.')}.") from None
+
+    def close(self) -> None:
+        """Let go of the protocol, whatever it thinks of that."""
+        with contextlib.suppress(Exception):
+            self._protocol.close()
+
+    def _location(self) -> str:
+        """File and line of the innermost generator that stands at its yield."""
+        inner: Any = self._protocol
+        while getattr(inner, "gi_yieldfrom", None) is not None and hasattr(inner.gi_yieldfrom, "gi_frame"):
+            inner = inner.gi_yieldfrom
+        frame = getattr(inner, "gi_frame", None)
+        return f"{frame.f_code.co_filename}, line {frame.f_lineno}" if frame else "The protocol"
+
+
+def checked(command: object) -> Command:
+    """The command with plain numbers in it; UsageError, naming the field, for what is none.
+
+    >>> import numpy as np
+    >>> checked(Hold(np.float32(0.5), Elapsed(1.0), target=np.int64(40)))
+    Hold(current_A=0.5, until=Elapsed(seconds=1.0), target=40.0, branch='')
+    """
+    match command:
+        case Drive(current_A):
+            return command if type(current_A) is float else Drive(_number("current_A of a Drive", current_A))
+        case Hold():
+            if not isinstance(command.until, Elapsed | Settled):
+                raise UsageError(f"until of a Hold is Elapsed or Settled, not {_short_repr(command.until)}")
+            target = None if command.target is None else _number("target of a Hold", command.target)
+            current_A = _number("current_A of a Hold", command.current_A)
+            return replace(
+                command, current_A=current_A, target=target, branch=_text("branch", command.branch)
+            )
+        case Waveform():
+            currents = _numbers("currents_A of a Waveform", command.currents_A)
+            period_s = _number("period_s of a Waveform", command.period_s)
+            if not (period_s > 0 and currents):
+                raise UsageError("a Waveform needs at least one current, and a period_s above 0")
+            return Waveform(currents, period_s, _text("branch", command.branch))
+        case Mark(label, data):
+            _text("label of a Mark", label)
+            try:
+                json.dumps(data, ensure_ascii=False).encode("utf-8")
+            except (TypeError, ValueError, RecursionError) as error:
+                raise UsageError(f"data of a Mark must be what JSON can hold: {error}") from None
+            return command
+        case Zero():
+            return command
+    raise UsageError(f"a protocol yields Hold, Waveform, Drive, Zero or Mark, not {_short_repr(command)}")
+
+
+def _number(what: str, value: object) -> float:
+    if isinstance(value, Real) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except (OverflowError, ValueError):
+            pass
+    raise UsageError(f"{what} must be a number, got {_short_repr(value)}")
+
+
+def _numbers(what: str, values: object) -> tuple[float, ...]:
+    try:
+        return tuple(_number(what, value) for value in values)  # type: ignore[union-attr]
+    except TypeError:
+        raise UsageError(f"{what} must be numbers in a row, got {_short_repr(values)}") from None
+
+
+def _text(what: str, value: object) -> str:
+    if isinstance(value, str):
+        with contextlib.suppress(UnicodeEncodeError):
+            value.encode("utf-8")
+            return str(value)
+    raise UsageError(f"{what} must be a text, got {_short_repr(value)}")
+
+
+def _short_repr(value: object) -> str:
+    """On one line, and short."""
+    try:
+        return repr(value).encode("ascii", "backslashreplace").decode()[:60].replace("\n", " ")
+    except Exception:
+        return type(value).__name__

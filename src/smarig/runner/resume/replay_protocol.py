@@ -1,0 +1,168 @@
+"""A protocol is taken, without a rig, to where its record ends: its finished steps are answered from the record.
+
+What was done must be what the protocol asks for now, or nothing is gone on with. Knows commands and records; refuses
+to know rigs, and what becomes of the wire.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.command import Command, Drive, Hold, Mark, Protocol, StepResult, StepVerdict, Waveform, Zero
+from smarig.core.errors import DataError
+from smarig.record import Run, Step
+
+Array = NDArray[np.float64]
+MAX_MAGNITUDE = 2.0**52  # what is counted in whole numbers
+_TOLERANCE = 1e-9  # A, K: currents and targets that differ by rounding only
+
+
+@dataclass(frozen=True)
+class FinishedStep:
+    """A finished step: what was asked, how the record has it, where the heating model stood at its end."""
+
+    command: Hold | Waveform
+    step: Step
+    input_K: float
+
+
+@dataclass(frozen=True)
+class ReplayedProtocol:
+    """Where a record ends. ``pending`` is what the protocol asks for next, None at its end; ``exact`` is False when
+    the protocol closes a loop: its samples cannot be answered from the record."""
+
+    protocol: Protocol
+    done: tuple[FinishedStep, ...]
+    pending: Command | None
+    exact: bool = True
+
+    def rest(self) -> Protocol:
+        """The protocol from here on."""
+        command = self.pending
+        while command is not None:
+            answer = yield command
+            command = _next(self.protocol, answer)
+
+
+def replay_protocol(protocol: Protocol, run: Run) -> ReplayedProtocol:
+    """Answer a protocol's commands with a run's valid steps; DataError where the two do not agree."""
+    _check_samples(run)
+    steps = [s for s in run.steps if not s.void]
+    marks_left = {Mark: _event_count(run, "mark"), Zero: _event_count(run, "zero")}
+    rows = rows_by_step(run)
+    done: list[FinishedStep] = []
+    command = _next(protocol, None)
+    while command is not None:
+        answer: StepResult | None = None
+        if isinstance(command, Drive):
+            return ReplayedProtocol(protocol, tuple(done), command, exact=False)
+        if isinstance(command, Hold | Waveform):
+            if len(done) == len(steps):
+                break
+            found = _matched_step(run, command, steps[len(done)], rows)
+            done.append(found)
+            answer = _result(run, found.step, rows)
+        elif len(done) == len(steps) and marks_left[type(command)] <= 0:
+            break
+        else:
+            marks_left[type(command)] -= 1
+        command = _next(protocol, answer)
+    if len(done) < len(steps):
+        raise DataError(
+            f"{run.path.name} holds {len(steps)} finished steps, but its protocol ends after {len(done)} now: "
+            "it cannot be gone on with."
+        )
+    return ReplayedProtocol(protocol, tuple(done), command)
+
+
+def _check_samples(run: Run) -> None:
+    """DataError where a record's samples are not what a rig gives: nothing is gone on with from there."""
+    for name in ("tick", "t_s", "counts", "current_command_A", "input"):
+        wrong = np.flatnonzero(~(np.abs(run[name]) < MAX_MAGNITUDE))
+        if wrong.size:
+            raise DataError(
+                f"{run.path.name}: sample {wrong[0]} has {name} {run[name][wrong[0]]:g}; the record is damaged."
+            )
+    if np.any(np.diff(run["t_s"]) <= 0):
+        raise DataError(f"{run.path.name}: its time goes back; the record is damaged.")
+
+
+def _next(protocol: Protocol, answer: Any) -> Command | None:
+    try:
+        return protocol.send(answer)
+    except StopIteration:
+        return None
+
+
+def _event_count(run: Run, kind: str) -> int:
+    """How many remarks of a kind were made since the run began, or began anew."""
+    restart_index = max((k for k, e in enumerate(run.events) if e.data.get("start_over")), default=0)
+    return sum(e.kind == kind for e in run.events[restart_index:])
+
+
+def rows_by_step(run: Run) -> dict[int, slice]:
+    """The rows of each step's samples; a number stands for one stretch."""
+    number = np.nan_to_num(run["step"], nan=-1.0).astype(np.int64)
+    if not number.size:
+        return {}
+    edges = np.flatnonzero(np.diff(number)) + 1
+    begins, ends = np.concatenate([[0], edges]), np.concatenate([edges, [number.size]])
+    return {int(number[a]): slice(int(a), int(b)) for a, b in zip(begins, ends) if number[a] >= 0}
+
+
+def _matched_step(run: Run, command: Hold | Waveform, step: Step, rows: dict[int, slice]) -> FinishedStep:
+    if step.index not in rows:
+        raise DataError(f"{run.path.name}: step {step.index} has no samples; the record is damaged.")
+    commanded_A = run["current_command_A"][rows[step.index]]
+    expected_A = command.current_A if isinstance(command, Hold) else command.currents_A[-1]
+    target = command.target if isinstance(command, Hold) else None
+    same_target = (
+        step.target is None
+        if target is None
+        else step.target is not None and abs(step.target - target) <= _TOLERANCE * max(1.0, abs(target))
+    )
+    if step.branch != command.branch or not same_target or not _same_currents(command, commanded_A):
+        raise DataError(
+            f"{run.path.name}: step {step.index} was '{step.branch}' at {_current_list(commanded_A)} A, but its protocol asks for "
+            f"'{command.branch}' at {expected_A:g} A there now: rig file, settings or smarig have changed since."
+        )
+    return FinishedStep(command, step, float(run["input"][rows[step.index]][-1]))
+
+
+def _same_currents(command: Hold | Waveform, commanded_A: Array) -> bool:
+    """Whether only these were asked for; a host that was late first read samples of the current before."""
+    expected = np.sort(command.currents_A if isinstance(command, Waveform) else [command.current_A])
+    near = expected[np.searchsorted(expected, commanded_A - _TOLERANCE).clip(max=expected.size - 1)]
+    wrong = np.abs(near - commanded_A) > _TOLERANCE
+    late_rows = int(np.argmin(wrong))  # rows before the first that is right
+    return not wrong[late_rows:].any() and np.ptp(commanded_A[: max(late_rows, 1)]) == 0
+
+
+def _current_list(commanded_A: Array) -> str:
+    """Its currents in order, the first few of them."""
+    changes = commanded_A[np.concatenate([[True], np.diff(commanded_A) != 0])]
+    return ", ".join(f"{a:g}" for a in changes[:3]) + (", …" if changes.size > 3 else "")
+
+
+def _result(run: Run, step: Step, rows: dict[int, slice]) -> StepResult:
+    """What the protocol was answered then, from the samples of the step's window."""
+    counts = run["counts"][rows[step.index]][-step.n :] if step.n else np.empty(0)
+    if step.n < 0 or counts.size < max(step.n, 1):
+        raise DataError(
+            f"{run.path.name}: step {step.index} has {counts.size} samples of {step.n}; the record is damaged."
+        )
+    sd = float(counts.std(ddof=1)) if counts.size > 1 else 0.0
+    position = np.nan if step.position is None else step.position
+    end_s = step.t_start_s if step.t_end_s is None else step.t_end_s
+    return StepResult(
+        step.index,
+        StepVerdict(step.verdict),
+        position,
+        float(counts.mean()),
+        sd,
+        step.n,
+        step.t_start_s,
+        end_s,
+    )

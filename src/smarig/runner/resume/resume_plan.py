@@ -1,0 +1,213 @@
+"""What is to be done to go on with a run that was interrupted: thought out before anything is touched.
+
+Hysteresis forbids replaying a step. What can be had again is the memory after the last finished one: the dominant
+extrema, settled at in order (``memory``). Where that is unknown, the protocol begins anew and what was before is void.
+Knows a run and what the rig is now; moves nothing and writes nothing.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+
+from smarig.core.command import Hold, Settled, Waveform
+from smarig.core.errors import DataError
+from smarig.protocols._setup import Setup
+from smarig.record import Run, Step
+from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol, rows_by_step
+from smarig.runner.resume.restore_path import SAME_INPUT, RestorePath, StartState, find_restore_path
+from smarig.runner.shift import Shift
+
+RE_ESTABLISH = "re-establish"
+COLD_TAUS = 10.0  # at zero current, whatever the wire's temperature was
+STEADY_TOLERANCE_K = 0.5  # a hold that ended further from its steady input did not settle there
+_COLD_SHARE = 1e-2  # of the range: an input this small is that of a cold wire
+
+
+@dataclass(frozen=True)
+class RigState:
+    """What the rig is now: which device, its tick, whether it is a twin that was made anew in its first state."""
+
+    device: str
+    tick: int
+    fresh_twin: bool
+    initial: str
+
+
+@dataclass(frozen=True)
+class ResumePlan:
+    """How to go on. ``reason`` says why the protocol begins anew, "" where it goes on; ``currents_A`` is the way
+    back; ``reference`` the step whose position says where the encoder's zero was, None where it is known."""
+
+    replayed: ReplayedProtocol
+    settle: Settled
+    shift: Shift
+    reason: str = ""
+    currents_A: tuple[float, ...] = ()
+    inputs_K: tuple[float, ...] = ()
+    reference: Step | None = None
+
+    @property
+    def start_over(self) -> bool:
+        """Whether the protocol begins anew."""
+        return bool(self.reason)
+
+    @property
+    def holds(self) -> int:
+        """Steps of the way back; the first two cool the wire."""
+        return 2 + len(self.currents_A[self.begins_cold :])
+
+    @property
+    def begins_cold(self) -> bool:
+        """Whether the first point of the way back is the cold wire itself."""
+        return self.currents_A[:1] == (0.0,)
+
+    def sentence(self) -> str:
+        """One line for the record and for people."""
+        if self.start_over:
+            return f"Begun anew: {self.reason}. All steps before are void; the wire is cooled first."
+        if self.replayed.pending is None:
+            return "Resumed: nothing was left to do."
+        inputs = ", ".join(f"{u:g}" for u in self.inputs_K)
+        return f"Resumed: the wire is cooled, settled at {inputs} K in turn, and the interrupted step made again."
+
+
+def plan_resume(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState) -> ResumePlan:
+    """The plan for a run on a rig; DataError where the encoder's zero cannot be met again."""
+    same_device = _same_device(run, now)
+    shift = _shift(run, setup, now, same_device)
+    settle = _settle_rule(replayed)
+    reason, path_K = _restore_path_or_reason(run, replayed, setup, now, same_device)
+    if path_K is None:
+        return ResumePlan(replayed, settle, shift, reason)
+    currents = _currents(path_K, replayed, setup)
+    zero_known = same_device or (now.fresh_twin and _last_zero(run) == "power-up")
+    reference = None if zero_known else _reference(run, replayed, path_K, setup)
+    return ResumePlan(replayed, settle, shift, "", currents, path_K.inputs_K, reference)
+
+
+def _restore_path_or_reason(
+    run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState, same_device: bool
+) -> tuple[str, RestorePath | None]:
+    """The way back, or why there is none."""
+    if not replayed.exact:
+        return "a closed loop cannot be taken up again in the middle", None
+    if isinstance(replayed.pending, Waveform):
+        return "a waveform cannot be taken up again in the middle", None
+    path_K = find_restore_path(
+        _settled_inputs(replayed, setup),
+        wipe_out_input_K(setup),
+        setup.upper_K,
+        _start(run, replayed, setup, now),
+    )
+    if path_K is None:
+        return "what the wire remembered before the interruption cannot be made again by settled holds", None
+    was_restarted = any(e.data.get("start_over") for e in run.events)
+    if path_K.from_start and (
+        same_device or not now.fresh_twin or was_restarted or run.meta.get("initial") != now.initial
+    ):
+        return f"the state '{run.meta.get('initial')}' that it began in cannot be made again", None
+    return "", path_K
+
+
+def wipe_out_input_K(setup: Setup) -> float:
+    """The input that wipes out a memory from below: one wire is cold at rest."""
+    return setup.lower_K if setup.two_wire else 0.0
+
+
+def _settled_inputs(replayed: ReplayedProtocol, setup: Setup) -> list[float | None]:
+    return [_settled_input(d, setup) for d in replayed.done]
+
+
+def _settled_input(done: FinishedStep, setup: Setup) -> float | None:
+    """Where a step settled, None where it did not."""
+    if not isinstance(done.command, Hold):
+        return None
+    steady_K = setup.actuator.input_for(done.command.current_A)
+    return steady_K if abs(done.input_K - steady_K) <= STEADY_TOLERANCE_K else None
+
+
+def _start(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState) -> StartState | None:
+    """The state before the first finished step, None where nobody knows."""
+    if setup.two_wire:
+        return "anhysteretic" if run.meta.get("initial") == "anhysteretic" and now.fresh_twin else None
+    if run.meta.get("initial") == "negative" or not replayed.done:
+        return "negative"
+    first = replayed.done[0].step.index
+    rows = rows_by_step(run)
+    before = rows[first].start - 1 if rows[first].start else 0
+    cold = abs(float(run["input"][before])) <= _COLD_SHARE * setup.upper_K
+    return "negative" if cold else None
+
+
+def _currents(path_K: RestorePath, replayed: ReplayedProtocol, setup: Setup) -> tuple[float, ...]:
+    """The very currents that were held then."""
+    held = {
+        setup.actuator.input_for(d.command.current_A): d.command.current_A
+        for d in replayed.done
+        if isinstance(d.command, Hold)
+    }
+    lowest = setup.current_for(setup.lower_K) if setup.two_wire else 0.0
+    highest = setup.current_for(setup.upper_K)
+    ends = {wipe_out_input_K(setup): lowest, setup.upper_K: highest}
+    return tuple(float({**ends, **held}.get(u, setup.current_for(u))) for u in path_K.inputs_K)
+
+
+def _settle_rule(replayed: ReplayedProtocol) -> Settled:
+    """As patient as the protocol itself."""
+    holds_asked = [
+        c for c in (replayed.pending, *(d.command for d in reversed(replayed.done))) if isinstance(c, Hold)
+    ]
+    return next((c.until for c in holds_asked if isinstance(c.until, Settled)), Settled())
+
+
+# --- the device's clock and zero -------------------------------------------------------------------------
+
+
+def _same_device(run: Run, now: RigState) -> bool:
+    """Whether the device has gone on since: the same one, the same boot, and later."""
+    shift = run.meta.get("shift") or {}
+    last = int(run["tick"][-1]) if len(run) else 0
+    return run.meta.get("device") == now.device and now.tick + int(shift.get("ticks", 0)) >= last
+
+
+def _shift(run: Run, setup: Setup, now: RigState, same_device: bool) -> Shift:
+    if same_device:
+        known = run.meta.get("shift") or {}
+        reference_s, zeroed_s = (
+            max((e.t_s for e in run.events if e.kind == k), default=0.0) for k in ("shift", "zero")
+        )
+        return Shift(
+            int(known.get("ticks", 0)), int(known.get("counts", 0)) if zeroed_s <= reference_s else 0
+        )
+    last = int(run["tick"][-1]) if len(run) else 0
+    gap_s = max(COLD_TAUS * setup.tau_s, _idle_s(run))
+    return Shift(last + math.ceil(gap_s / setup.period_s) - now.tick)
+
+
+def _idle_s(run: Run) -> float:
+    """How long ago hardware was last recorded; 0 for a twin, whose time is its own."""
+    started = [e for e in run.events if "epoch" in e.data]
+    if run.meta.get("source") != "bench" or not started or not len(run):
+        return 0.0
+    since_start_s = float(run["t_s"][-1]) - started[-1].t_s
+    return time.time() - float(started[-1].data["epoch"]) - since_start_s
+
+
+def _last_zero(run: Run) -> str:
+    """Where the encoder was zeroed last, as far as the record knows."""
+    zeroed = [e for e in run.events if e.kind == "zero"]
+    return f"zeroed at {zeroed[-1].t_s:g} s" if zeroed else str(run.meta.get("encoder_zero"))
+
+
+def _reference(run: Run, replayed: ReplayedProtocol, path_K: RestorePath, setup: Setup) -> Step:
+    """The first step that stood where the way back begins, since the last zero."""
+    zeroed_s = max((e.t_s for e in run.events if e.kind == "zero"), default=-math.inf)
+    tolerance = SAME_INPUT * (setup.upper_K - setup.lower_K)
+    for done, u in zip(replayed.done, _settled_inputs(replayed, setup)):
+        matches = u is not None and not path_K.from_start and abs(u - path_K.inputs_K[0]) <= tolerance
+        if matches and done.step.t_start_s >= zeroed_s and done.step.position is not None:
+            return done.step
+    raise DataError(
+        f"{run.path.name}: the encoder has started anew, and the run has no settled step in the state that can be met "
+        "again first: where its zero was is lost. Run the protocol anew."
+    )

@@ -1,0 +1,96 @@
+"""What a run says of itself: what was run on which rig, in which state, and all that is needed to go on with it.
+
+Knows settings and rigs' files; measures nothing and writes nothing.
+"""
+
+import json
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from smarig.config import RigFile
+from smarig.core.catalogue import names
+from smarig.core.errors import Interrupted, SmarigError
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect_catalogue import PACKAGE, Effect, to_pairs
+from smarig.rig.twin import TwinSettings
+
+LAUNCH_ARGS = "begun_with"  # key of what a run needs to be gone on with
+CLOSED_LOOP = "closed_loop"  # key of runs whose protocol stands in no catalogue
+
+
+def source_of(file: RigFile, twin: TwinSettings) -> str:
+    """Whose data these are: simulated devices are a twin too."""
+    if twin.hysteresis is not None:
+        return "simulation"
+    return "bench" if file.kind == "bench" and file.simulator is None else "twin"
+
+
+def outlives_session(file: RigFile) -> bool:
+    """Whether the rig's devices are there before and after us: hardware, or simulated ones that another started."""
+    return file.kind == "bench" and (file.simulator is None or not file.simulator.start)
+
+
+def experiment_metadata(
+    actuator: Actuator, twin: TwinSettings, per_count: float, protocol: str, settings: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Experiment, units and versions."""
+    unit = actuator.unit
+    one_wire_text = "wire temperature above ambient"
+    return {
+        "protocol": protocol,
+        "settings": {k: str(v) for k, v in settings.items()},
+        "actuator": actuator.name,
+        "seed": twin.seed,
+        "effects": [repr(e) for e in twin.effects],
+        "input": {
+            "quantity": "wire temperature difference T₁ − T₂" if actuator.two_wire else one_wire_text,
+            "unit": "K",
+            "from": "heating model along the measured current",
+        },
+        "output": {
+            "quantity": "shaft angle" if unit == "deg" else "displacement",
+            "unit": unit,
+            "per_count": per_count,
+        },
+        "versions": {name: version(name) for name in ("smarig", "numpy", "scipy")}
+        | {"python": platform.python_version()},
+    }
+
+
+def launch_args(
+    rig: str, wire: str, speed: float | None, twin: TwinSettings, settings: Mapping[str, Any]
+) -> dict:
+    """What `smarig resume` builds the same run from: rig file, its wire, the twin's effects, settings as given."""
+    path = Path(rig)
+    planted = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in names(PACKAGE)]
+    return {
+        "rig": str(path.resolve()) if path.is_file() else rig,
+        "rig_wire": wire,
+        "speed": speed,
+        "effects": to_pairs(planted) if len(planted) == len(twin.effects) else None,
+        "noise": twin.noise,
+        "settings": json.loads(json.dumps(dict(settings), default=_to_json)),
+    }
+
+
+def _to_json(value: Any) -> Any:
+    """JSON's for what Python callers may give: groups of settings, arrays."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    tolist = getattr(value, "tolist", None)
+    return tolist() if tolist else str(value)
+
+
+def cause_of(error: BaseException) -> str:
+    """Why a run ended, for its record."""
+    if isinstance(error, Interrupted):
+        return str(error)
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted at once (Ctrl-C twice, or a protocol that did not come back)"
+    if isinstance(error, SmarigError):
+        return f"stopped: {error}"
+    return f"failed: {type(error).__name__}: {error}"

@@ -1,0 +1,73 @@
+"""When does a wire stand still? The rule of §5.2.1 made robust against encoder noise.
+
+The window is cut into 25 blocks; the wire has settled when the means of the last 25 blocks lie within
+the band, peak to peak. Knows counts and ticks only.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from smarig.core.command import Elapsed, Settled
+
+BLOCKS = 25
+
+
+class Approach:
+    """Whether the heating model has come near its steady state; once there, it counts as there."""
+
+    def __init__(self, steady_input_K: float, near_K: float, input_K: float) -> None:
+        self._steady_input_K, self._near_K = steady_input_K, near_K
+        self._input_K, self._arrived = input_K, False
+
+    def passed(self, input_K: float) -> bool:
+        """Whether it had arrived before a tick that ends at ``input_K``."""
+        self._arrived = self._arrived or abs(self._steady_input_K - self._input_K) < self._near_K
+        self._input_K = input_K
+        return self._arrived
+
+
+class SettleWindow:
+    """Watches counts during one hold; ``settled`` and the statistics of the window."""
+
+    def __init__(self, until: Settled | Elapsed, period_s: float) -> None:
+        window_s = until.window_s if isinstance(until, Settled) else min(25.0, until.seconds)
+        self.band_counts = until.band_counts if isinstance(until, Settled) else None
+        self._block = max(1, round(window_s / BLOCKS / period_s))
+        self._counts: deque[int] = deque(maxlen=max(1, round(window_s / period_s)))
+        self._means: deque[float] = deque(maxlen=BLOCKS)
+        self._sum, self._filled = 0, 0
+        self.spread_counts = 0.0  # of the blocks until now, peak to peak
+        self.settled = False
+
+    def add(self, counts: int, arrived: bool = True) -> None:
+        """One sample's counts; they count towards settling once the heating model has arrived."""
+        self._counts.append(counts)
+        if not arrived:
+            return
+        self._sum += counts
+        self._filled += 1
+        if self._filled == self._block:
+            self._means.append(self._sum / self._block)
+            self._sum = self._filled = 0
+            self.spread_counts = max(self._means) - min(self._means)
+            if self.band_counts is not None and len(self._means) == BLOCKS:
+                self.settled = self.spread_counts <= self.band_counts
+
+    @property
+    def min_ticks_left(self) -> int:
+        """Ticks that pass at least before it can have settled."""
+        blocks = max(BLOCKS - len(self._means), 1)
+        return blocks * self._block - self._filled
+
+    @property
+    def progress(self) -> float:
+        """Share of the window filled, 0…1, for the person who waits."""
+        return len(self._means) / BLOCKS
+
+    def statistics(self) -> tuple[float, float, int]:
+        """Mean, standard deviation and number of the window's counts."""
+        counts = np.array(self._counts, dtype=float)
+        if not counts.size:
+            return float("nan"), float("nan"), 0
+        return float(counts.mean()), float(counts.std(ddof=1)) if counts.size > 1 else 0.0, counts.size

@@ -1,0 +1,1 @@
+"""What the thesis proves of a Preisach operator: state space, properties, energy; and its extended models."""

@@ -1,0 +1,156 @@
+"""The available storage S_a(B): the most energy any input can take out of a state (Willems; thesis Def. 7.1).
+
+    S_a(B) = sup over inputs from B of −∫ u dy
+
+It is the smallest storage function there is: finite for every state exactly when the model is dissipative,
+equal to Q_r for μ ≥ 0 and g ≥ 0, and S_a(B*) = 0 is passivity with zero bias (Thm 8.1). A closed loop costs
+A ≥ 0, so the best input closes none: its excursions first grow, wiping out B, then shrink. On n levels
+that leaves n² situations, solved backwards: exact for relays, whose thresholds are the levels; otherwise the
+best among inputs that turn on the levels, a lower bound that rises with n.
+"""
+
+import math
+from dataclasses import dataclass
+from numbers import Integral
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.operator import Initial, State
+from smarig.theory.energy.dissipation import initial_state
+from smarig.theory.energy.moments import breaks, moments_on, rounding
+from smarig.theory.energy.sweep_work import MovingBoundary, work_of_segments
+
+Array = NDArray[np.float64]
+_MAX_LEVELS = 2000  # n² situations, each some hundred bytes
+
+
+@dataclass(frozen=True)
+class AvailableStorage:
+    """``value`` in output times input units, inf if some loop on the levels gives energy back.
+
+    ``exact`` for relay measures; otherwise a lower bound, over the inputs that turn on ``levels`` levels.
+    """
+
+    value: float
+    levels: int
+    exact: bool
+
+
+def available_storage(
+    hysteresis: Everett, initial: Initial = "negative", levels: int = 129
+) -> AvailableStorage:
+    """S_a of a state, by dynamic programming over the inputs that close no loop.
+
+    ``levels`` is the number of even levels, 2 … 2000 (else UsageError); relays have their own.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> available_storage(surface("one_e"), "negative").value      # passive with zero bias
+    0.0
+    """
+    if not (isinstance(levels, Integral) and 2 <= levels <= _MAX_LEVELS):
+        raise UsageError(
+            f"The number of levels must be a whole number from 2 to {_MAX_LEVELS}, got {levels!r:.40}."
+        )
+    state = initial_state(hysteresis, initial)
+    grid = _levels(hysteresis, state, levels)
+    exact = isinstance(hysteresis, RelayMeasure)
+    rising, falling = moments_on(hysteresis, grid)
+    if (rising - falling).min() < -rounding(hysteresis):
+        return AvailableStorage(math.inf, grid.size, exact)
+    shrinking = _best_shrinking(rising, falling)
+    value = _best_growing(_BoundaryLevels.of(hysteresis, state, grid), rising, falling, shrinking)
+    return AvailableStorage(value, grid.size, exact)
+
+
+def _levels(hysteresis: Everett, state: State, count: int) -> Array:
+    """Levels with every corner of the boundary among them; in pairs about the centre of a diagonal one."""
+    inner = breaks(hysteresis)
+    if not isinstance(hysteresis, RelayMeasure):
+        inner = np.concatenate([inner, np.linspace(hysteresis.lower, hysteresis.upper, count)])
+    levels = np.concatenate([inner, state.extrema, [state.u, 0.0]])
+    if state.diagonal:
+        levels = np.concatenate([levels, 2 * state.extrema[0] - levels])
+    levels = np.unique(levels[(levels >= hysteresis.lower) & (levels <= hysteresis.upper)])
+    apart = np.diff(levels, prepend=-np.inf) > 1e-12 * (hysteresis.upper - hysteresis.lower)
+    return levels[apart | np.isin(levels, [*state.extrema, state.u])]
+
+
+def _best_shrinking(rising: Array, falling: Array) -> tuple[Array, Array]:
+    """Most energy from inputs that stay inside the last turn: at a maximum i above floor j, and at a minimum j
+    below ceiling i; shape (n, n) each."""
+    at_maximum, at_minimum = np.zeros_like(rising), np.zeros_like(rising)
+    for i in range(1, len(rising)):
+        turn = at_maximum[i - 1] - rising[i - 1]
+        turn[i - 1 :] = 0.0
+        at_minimum[i] = np.maximum(at_minimum[i - 1], turn)
+        fall = falling[i] + at_minimum[i]
+        fall[i:] = 0.0
+        at_maximum[i] = np.maximum(np.maximum.accumulate(fall[::-1])[::-1], 0.0)
+    return at_maximum, at_minimum
+
+
+@dataclass(frozen=True)
+class _BoundaryLevels:
+    """The boundary of the initial state, level by level: ``rise[k]`` is the work of its strip between levels
+    ``at`` + k and the next, ``left[k]`` the level where that strip ends; ``fall[j]`` is what the strip between
+    levels j and j + 1 gives back, ``top[j]`` where it ends. ``at`` is the level of the present input."""
+
+    at: int
+    rise: Array
+    left: NDArray[np.intp]
+    fall: Array
+    top: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, hysteresis: Everett, state: State, levels: Array) -> "_BoundaryLevels":
+        """Leave the state upwards and downwards, level by level."""
+        at = int(np.searchsorted(levels, state.u))
+        rise, left = _strips(hysteresis, state, levels[at:])
+        fall, top = _strips(hysteresis, state, levels[at::-1])
+        boundary = (
+            np.append(left, np.inf),
+            np.append(top[::-1], np.inf),
+        )  # the last level has no strip of its own
+        near = 1e-9 * float(np.ptp(levels))
+        left, top = (np.searchsorted(levels, np.clip(e, levels[0], levels[-1]) - near) for e in boundary)
+        return cls(at, rise, left, -fall[::-1], top)
+
+
+def _strips(hysteresis: Everett, state: State, stops: Array) -> tuple[Array, Array]:
+    """Work of each strip on a monotone move from stop to stop, and where the strip ends at its far side."""
+    memory = MovingBoundary(state, hysteresis.lower, hysteresis.upper)
+    segments = [segment for stop in stops[1:].tolist() for segment in memory.move(stop)]
+    ends = [2 * p.base - p.stop if p.diagonal else p.base for p in segments]
+    return work_of_segments(hysteresis, segments), np.array(ends)
+
+
+def _best_growing(
+    boundary: _BoundaryLevels, rising: Array, falling: Array, shrinking: tuple[Array, Array]
+) -> float:
+    """Most energy from the state: windows [j, i] of levels visited so far, widest first."""
+    n, at = len(rising), boundary.at
+    at_maximum, at_minimum = shrinking
+    high, low = (
+        np.full((n + 1, n + 1), -np.inf),
+        np.full((n + 1, n + 1), -np.inf),
+    )  # [i, j + 1]; border: outside
+    for i in range(n - 1, at - 1, -1):
+        for j in range(at + 1):
+            down = up = -math.inf
+            if i + 1 < n:
+                strip = (
+                    rising[i + 1, j] - rising[i, j] if j <= boundary.left[i - at] else boundary.rise[i - at]
+                )
+                up = high[i + 1, j + 1] - strip
+            if j > 0:
+                strip = (
+                    falling[i, j - 1] - falling[i, j] if i >= boundary.top[j - 1] else boundary.fall[j - 1]
+                )
+                down = low[i, j] + strip
+            high[i, j + 1] = max(at_maximum[i, j], up, falling[i, j] + down)
+            low[i, j + 1] = max(at_minimum[i, j], down, up - rising[i, j])
+    return float(high[at, at + 1])

@@ -1,0 +1,111 @@
+"""A loop that gives energy back, driven through the forward model until it has repaid its own approach.
+
+The loop area is a statement about F. This runs the operator itself: from the initial state to the loop, then
+m ↔ M again and again, adding up ∫ u dy from its outputs, until the total is negative: energy has been taken
+from a model that was given none. Knows ``Preisach`` by its outputs only; refuses the exact sweeps of ``sweep``.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial, Preisach
+from smarig.theory.energy.moments import breaks
+
+Array = NDArray[np.float64]
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_MAX_CYCLES = 200_000
+_CYCLES_PER_CALL = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Violation:
+    """What the forward model did; energies ∫ u dy in output times input units.
+
+    ``approach`` is the work along the turning points ``turning_points`` (from the initial state over m to M), ``per_cycle``
+    that of the last of ``cycles`` cycles M → m → M, ``balance`` the sum over the whole input.
+    """
+
+    turning_points: Array
+    cycles: int
+    approach: float
+    per_cycle: float
+    balance: float
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether more energy came out than ever went in."""
+        return self.balance < 0
+
+    def inputs(self) -> Array:
+        """The whole input by its turning points, shape (3 + 2·cycles,)."""
+        _, low, high = self.turning_points
+        return np.concatenate([self.turning_points, np.tile([low, high], self.cycles)])
+
+
+def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "negative") -> Violation:
+    """Drive a loop (M, m) of negative area from an initial state until the energy balance is negative.
+
+    Raises UsageError when the loop has no negative area in the forward model, or would need more than
+    200 000 cycles.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> confirm(surface("two_p"), (185.0, 84.0)).confirmed
+    True
+    """
+    try:
+        high, low = map(float, loop)
+    except (TypeError, ValueError):
+        raise UsageError(f"A loop is two numbers (M, m), got {loop!r:.40}.") from None
+    if not low < high:
+        raise UsageError(f"A loop (M, m) needs M > m, got M = {high} and m = {low}.")
+    operator = Preisach(hysteresis, initial)
+    cuts = breaks(hysteresis)
+    start = operator.u
+    approach = _SampledPath([start, low, high], cuts).drive(operator)[0]
+    cycle = _SampledPath([high, low, high], cuts)
+    first = float(cycle.drive(operator)[0])
+    if not first < 0:
+        raise UsageError(f"The loop {low:g} ↔ {high:g} takes {first:.3g} a cycle: it gives nothing back.")
+    if approach > -first * _MAX_CYCLES:
+        raise UsageError(
+            f"The loop {low:g} ↔ {high:g} gives back {-first:.3g} a cycle: its approach ({approach:.3g}) would "
+            f"need more than {_MAX_CYCLES} cycles."
+        )
+    works = [float(approach), first]
+    while (balance_so_far := math.fsum(works)) >= 0:
+        many = min(_CYCLES_PER_CALL, math.floor(balance_so_far / -first) + 1)
+        works.extend(cycle.drive(operator, many).tolist())
+    return Violation(np.array([start, low, high]), len(works) - 1, works[0], works[-1], math.fsum(works))
+
+
+class _SampledPath:
+    """Monotone branches between turning points, sampled so that ∫ u dy = [u y] − ∫ y du follows from y alone."""
+
+    def __init__(self, turns: list[float], cuts: Array) -> None:
+        branches = [_nodes(a, b, cuts) for a, b in pairwise(turns) if a != b]
+        self.inputs = np.concatenate([nodes for nodes, _ in branches])
+        self.weights = np.concatenate([weights for _, weights in branches])
+        self.turns = turns[0], turns[-1]
+
+    def drive(self, operator: Preisach, times: int = 1) -> Array:
+        """∫ u dy of each passage, shape (times,); the operator moves on."""
+        before = operator.y
+        outputs = operator.simulate(np.tile(self.inputs, times), operator.state).reshape(times, -1)
+        ends = outputs[:, -1]
+        starts = np.concatenate([[before], ends[:-1]])
+        return self.turns[1] * ends - self.turns[0] * starts - outputs @ self.weights
+
+
+def _nodes(start: float, stop: float, cuts: Array) -> tuple[Array, Array]:
+    """Gauss nodes of ∫ y du on one branch, with its end (weight zero): panels end where y(u) is not smooth."""
+    inner = cuts[(cuts > min(start, stop)) & (cuts < max(start, stop))]
+    edges = np.concatenate([[start], inner if start < stop else inner[::-1], [stop]])
+    half = np.diff(edges)[:, None] / 2
+    nodes = edges[:-1, None] + half * (_NODES + 1)
+    return np.append(nodes, stop), np.append(half * _WEIGHTS, 0.0)

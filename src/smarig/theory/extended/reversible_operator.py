@@ -1,0 +1,65 @@
+"""A fully reversible component: a function of the present input, added to the output.
+
+    y(t) = Γ[u](t) + r(u(t))
+
+(Mayergoyz, ch. 2: r = ½(y⁺ + y⁻) is the fully reversible part of the non-linear model; thesis §3.5).
+r has no memory, so wiping-out and congruency survive; it may go on where Γ is saturated. A hysteresis
+with mass on α = β holds a reversible part already (theory.md §1): r is what goes beyond it. Knows no data.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.core.errors import DataError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial
+from smarig.theory.extended.operator_base import ExtendedOperator
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ReversiblePart:
+    """r(u): values (n,) in output units at increasing inputs (n,), linear between, constant beyond."""
+
+    nodes: Array
+    values: Array
+
+    def __post_init__(self) -> None:
+        try:
+            nodes, values = np.asarray(self.nodes, dtype=float), np.asarray(self.values, dtype=float)
+        except (TypeError, ValueError):
+            raise DataError("A reversible part needs numbers as inputs and values.") from None
+        if nodes.ndim != 1 or nodes.shape != values.shape or nodes.size == 0:
+            raise DataError("A reversible part needs as many values as inputs, and at least one.")
+        if np.any(np.diff(nodes) <= 0) or not (np.isfinite(nodes).all() and np.isfinite(values).all()):
+            raise DataError("A reversible part needs strictly increasing, finite inputs and finite values.")
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "values", values)
+
+    def at(self, u: ArrayLike) -> Array:
+        """r(u), broadcasts."""
+        return np.interp(np.asarray(u, dtype=float), self.nodes, self.values)
+
+
+class ReversiblePreisach(ExtendedOperator):
+    """Γ[u] + r(u); see the module.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> linear = ReversiblePart(np.array([0.0, 200.0]), np.array([0.0, 1.0]))
+    >>> float(ReversiblePreisach(surface("one_c"), linear).simulate([200.0])[0])   # saturation 12.54, and r
+    13.54
+    """
+
+    def __init__(self, hysteresis: Everett, part: ReversiblePart, initial: Initial = "negative") -> None:
+        self.part = part
+        super().__init__(hysteresis, initial)
+
+    def step(self, u: float) -> float:
+        """Move monotonically to u; returns y. Γ saturates, r does not."""
+        return self._memory.step(u) + float(self.part.at(u))
+
+    def _read_out(self, y: float) -> float:
+        return y + float(self.part.at(self._memory.u))

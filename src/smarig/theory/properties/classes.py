@@ -1,0 +1,151 @@
+"""The classes of Def. 4.1: is μ bounded and piecewise continuous (M_PC), is it never negative (M_P)?
+
+And the extremes of μ and of the reversible g, with their places: the place of the least is where a
+violation of μ ≥ 0 or g ≥ 0 is worst. M_PC and M_P speak of the density alone; the theorems that need
+them need g ≥ 0 besides (theory.md §8, erratum 8). Knows no data: what a table says of its wire is not
+said here.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.interval import Interval
+from smarig.theory.properties import enclosure
+from smarig.theory.properties.extreme import Extreme, least, least_of
+from smarig.theory.properties.triangle_grid import TriangleGrid, masses
+
+Array = NDArray[np.float64]
+_ZERO = 1e-9  # of the largest, taken for rounding
+_INTERVALS = 4096
+
+
+@dataclass(frozen=True)
+class MeasureClasses:
+    """Extremes of μ (output per K², at (α, β)) and g (output per K, at (β, β)); the classes they mean.
+
+    For relays (``atoms``) the "densities" are the masses of single relays, α > β in ``mu``, α = β in ``g``,
+    and no class holds: a measure of points has no density. ``reversible_share`` is ∫g over y₊ − y₋
+    (NaN where that is zero).
+    """
+
+    mu_min: Extreme
+    mu_max: Extreme
+    g_min: Extreme
+    g_max: Extreme
+    reversible_share: float
+    atoms: bool
+
+    @property
+    def M_PC(self) -> bool:
+        """Bounded and piecewise continuous."""
+        return not self.atoms and all(
+            np.isfinite(e.value) or np.isnan(e.value) for e in (self.mu_min, self.mu_max)
+        )
+
+    @property
+    def M_P(self) -> bool:
+        """M_PC and μ ≥ 0, rounding apart; the proof is ``mu_min.bound``."""
+        return self.M_PC and _positive(self.mu_min, self.mu_max)
+
+    @property
+    def positive(self) -> bool:
+        """ν ≥ 0: neither μ nor g is negative anywhere. What the theorems need, for relays as well."""
+        return _positive(self.mu_min, self.mu_max) and _positive(self.g_min, self.g_max)
+
+
+def classes(hysteresis: Everett) -> MeasureClasses:
+    """Extremes and classes of any hysteresis: exact for tables and relays, bounded for surfaces.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> one_c, one_e = classes(surface("one_c")), classes(surface("one_e"))
+    >>> one_c.M_P, one_e.M_P, round(one_e.mu_min.value, 5), one_c.mu_min.bound > 0
+    (True, False, -0.00189, True)
+    """
+    if isinstance(hysteresis, Mirrored):
+        c = classes(hysteresis.image)
+        return _each(Extreme.mirrored_place, c)
+    if isinstance(hysteresis, FodSurface):
+        return _of_surface(hysteresis)
+    if isinstance(hysteresis, RelayMeasure):
+        return _of_relays(hysteresis)
+    return _of_cells(TriangleGrid.of(hysteresis))
+
+
+def _positive(low: Extreme, high: Extreme) -> bool:
+    """No negative value; nothing at all counts as none."""
+    return not low.value < -_ZERO * max(abs(low.value), abs(high.value))
+
+
+def _of_surface(s: FodSurface) -> MeasureClasses:
+    def negated_mu(alpha: Array, beta: Array) -> Array:
+        return -s.density(alpha, beta)
+
+    low = least(s.density, lambda a, b: enclosure.density(s, a, b), s.lower, s.upper)
+    high = least(negated_mu, lambda a, b: enclosure.density(s, a, b).times(-1.0), s.lower, s.upper, 1e-4)
+    u = np.linspace(s.lower, s.upper, _INTERVALS + 1)
+    g, g_interval = s.reversible(u), enclosure.reversible(s, Interval(u[:-1], u[1:]))
+    share = float(np.trapezoid(g, u)) / (s.y_upper - s.y_lower) if s.y_upper != s.y_lower else float("nan")
+    lowest, highest = float(u[g.argmin()]), float(u[g.argmax()])
+    return MeasureClasses(
+        mu_min=low,
+        mu_max=high.negated(),
+        g_min=Extreme(float(g.min()), (lowest, lowest), float(g_interval.low.min())),
+        g_max=Extreme(float(g.max()), (highest, highest), float(g_interval.high.max())),
+        reversible_share=share,
+        atoms=False,
+    )
+
+
+def _of_relays(h: RelayMeasure) -> MeasureClasses:
+    place, at = np.unique(np.stack([h.alpha, h.beta]), axis=1, return_inverse=True)
+    mass = np.bincount(at.ravel(), h.mass)
+    mu, g = (np.where(here, mass, np.nan) for here in (place[0] > place[1], place[0] == place[1]))
+    return _from_values(mu, g, place, np.nansum(g) / mass.sum() if mass.sum() else float("nan"), atoms=True)
+
+
+def _of_cells(plane: TriangleGrid) -> MeasureClasses:
+    """μ is even over a cell, g even along a diagonal one: what a ``FodTable`` means between its nodes."""
+    u, w = plane.levels, np.diff(plane.levels)
+    nu = masses(plane.hysteresis, u)
+    middle = (u[1:] + u[:-1]) / 2
+    place = np.stack(np.broadcast_arrays(middle[:, None], middle))
+    below = np.tri(w.size, k=-1, dtype=bool)
+    mu = np.where(below, nu / (2 * w[:, None] * w), np.nan)
+    g = np.where(np.eye(w.size, dtype=bool), nu / w, np.nan)
+    total = float(nu.sum())
+    found = _from_values(mu, g, place, float(np.trace(nu)) / total if total else float("nan"), atoms=False)
+    return found if plane.kind == "table" else _each(_unproved, found)
+
+
+def _from_values(mu: Array, g: Array, place: Array, share: float, *, atoms: bool) -> MeasureClasses:
+    """Least and largest of finitely many values at places (2, …)."""
+    alpha, beta = place
+    return MeasureClasses(
+        mu_min=least_of(mu, alpha, beta),
+        mu_max=least_of(-mu, alpha, beta).negated(),
+        g_min=least_of(g, alpha, beta),
+        g_max=least_of(-g, alpha, beta).negated(),
+        reversible_share=float(share),
+        atoms=atoms,
+    )
+
+
+def _each(change: Callable[[Extreme], Extreme], c: MeasureClasses) -> MeasureClasses:
+    return replace(
+        c,
+        mu_min=change(c.mu_min),
+        mu_max=change(c.mu_max),
+        g_min=change(c.g_min),
+        g_max=change(c.g_max),
+    )
+
+
+def _unproved(e: Extreme) -> Extreme:
+    return replace(e, bound=float("nan"))

@@ -1,0 +1,127 @@
+"""Assumption 2.1: does the output follow the input? Slopes of every branch, and first-order curves that cross.
+
+    ∂F/∂α (α, β) = g(α) + 2∫_β^α μ dβ′ ≥ 0: rising branches rise;   ∂y/∂β ≥ 0: falling branches fall
+
+for all β ≤ α. Every sweep is a sum of such strips, so the output then follows the input from any state,
+and an inverse exists. Weaker than μ ≥ 0. Knows no data: measured curves with noise are judged in the identification.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.theory.properties import enclosure
+from smarig.theory.properties.extreme import Extreme, least, least_of
+from smarig.theory.properties.sweep_changes import largest_setback
+from smarig.theory.properties.triangle_grid import TriangleGrid
+
+Array = NDArray[np.float64]
+_ZERO = 1e-12
+
+
+@dataclass(frozen=True)
+class Monotonicity:
+    """Least slopes (output per K) of rising branches ∂F/∂α and falling ones ∂y/∂β, with the worst places (α, β).
+
+    For relays they are the least output changes between neighbouring thresholds instead. ``setback`` is
+    the largest output change against the input that one monotone input change makes, 0 if none.
+    """
+
+    rising: Extreme
+    falling: Extreme
+    setback: float
+
+    @property
+    def holds(self) -> bool:
+        """Assumption 2.1, rounding apart; proved where the bounds of both slopes are not negative."""
+        return self.rising.value >= 0 and self.falling.value >= 0
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """The first-order curves that turn at ``lower`` and ``higher`` lie in the wrong order at ``at``, by ``depth``.
+
+    y(α₂, β) − y(α₁, β) = 2∬ μ over α₁ < α ≤ α₂, β′ < β, free of g since β ≤ α₁: a negative one proves μ < 0
+    in that rectangle (Prop. 4.6, and with it the thesis's case of curves that merge again). The converse
+    is not true: only rectangles that reach down to u₋ are seen.
+    """
+
+    lower: float
+    higher: float
+    at: float
+    depth: float
+
+
+def monotone(hysteresis: Everett) -> Monotonicity:
+    """The slopes of all branches and the largest setback of any hysteresis.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> m = monotone(surface("two_p"))
+    >>> m.holds, round(m.rising.value, 4), m.falling.bound >= 0
+    (False, -0.0367, True)
+    """
+    if isinstance(hysteresis, Mirrored):
+        m = monotone(hysteresis.image)
+        return Monotonicity(m.falling.mirrored_place(), m.rising.mirrored_place(), m.setback)
+    s = hysteresis
+    if isinstance(s, FodSurface):
+        rising = least(s.strip_alpha, lambda a, b: enclosure.rise(s, a, b), s.lower, s.upper)
+        falling = least(s.strip_beta, lambda a, b: enclosure.fall(s, a, b), s.lower, s.upper)
+    else:
+        plane = TriangleGrid.of(s)
+        rising, falling = _least_rise(plane), _least_rise(plane.mirrored()).mirrored_place()
+    return Monotonicity(rising, falling, largest_setback(s))
+
+
+def crossing_descending(hysteresis: Everett) -> Crossing | None:
+    """The worst crossing of first-order descending curves inside the major loop, or None found.
+
+    Exact for tables and relays; on a grid for others, where a crossing is proved by its place.
+    """
+    return _crossing(TriangleGrid.of(hysteresis))
+
+
+def crossing_ascending(hysteresis: Everett) -> Crossing | None:
+    """The worst crossing of first-order ascending curves (positive saturation → β → α), or None found.
+
+    The mirror image of the descending ones; ``lower`` > ``higher`` are the turning points β.
+    """
+    found = _crossing(TriangleGrid.of(hysteresis).mirrored())
+    return found and Crossing(-found.lower, -found.higher, -found.at, found.depth)
+
+
+def _least_rise(plane: TriangleGrid) -> Extreme:
+    """Least (F(u_{i+1}, β) − F(u_i, β)) per K over nodes β ≤ u_i; relays: not per K, and β between too."""
+    u = _between(plane)
+    w = np.diff(u)
+    F = plane.hysteresis.swept(u[:, None], np.minimum(u, u[:, None]))
+    rows = np.where(np.tri(w.size, dtype=bool), (F[1:] - F[:-1])[:, :-1], np.nan)
+    slopes = rows if plane.kind == "relays" else rows / w[:, None]
+    alpha = u[1:] if plane.kind == "relays" else (u[1:] + u[:-1]) / 2
+    found = least_of(slopes, *np.broadcast_arrays(alpha[:, None], u[:-1]))
+    rounding = _ZERO * float(np.nanmax(np.abs(slopes)))
+    value = 0.0 if -rounding <= found.value < 0 else found.value
+    return Extreme(value, found.at, float("nan") if plane.kind == "sampled" else value)
+
+
+def _crossing(plane: TriangleGrid) -> Crossing | None:
+    u = _between(plane)
+    F = plane.hysteresis.swept(u[:, None], np.minimum(u, u[:, None]))
+    inside, curves = np.tri(u.size, dtype=bool), F[:, :1] - F  # row α, column β ≤ α
+    y = np.where(inside, curves, -np.inf)
+    depth = np.where(inside, np.maximum.accumulate(y, axis=0) - curves, 0.0)
+    i, j = np.unravel_index(int(depth.argmax()), depth.shape)
+    if depth[i, j] <= _ZERO * plane.height:
+        return None
+    owner = int(y[: i + 1, j].argmax())
+    return Crossing(float(u[owner]), float(u[i]), float(u[j]), float(depth[i, j]))
+
+
+def _between(plane: TriangleGrid) -> Array:
+    """The levels; for relays the points between them too, where a state can stop short of a threshold."""
+    u = plane.levels
+    return np.unique(np.concatenate([u, (u[1:] + u[:-1]) / 2])) if plane.kind == "relays" else u

@@ -1,0 +1,97 @@
+"""Strip integrals H, V, k and K of §4.1, as output changes, reversible part included.
+
+    H(λ, ξ) = 2∬_{λ≤α≤λ+ξ} μ + ∫_λ^{λ+ξ} g = F(λ + ξ, u₋) − F(λ, u₋)         rise along the major loop
+    V(λ, ξ) = 2∬_{λ≤β≤λ+ξ} μ + ∫_λ^{λ+ξ} g = F(u₊, λ) − F(u₊, λ + ξ)         fall along the major loop
+    k = max(H, V),     K(ξ) = max_λ k(λ, ξ)
+
+(Printed once without the 2 and always without g: theory.md §8, errata 1 and 8.) K is the largest output
+change of a monotone input change ξ only for ν ≥ 0; for signed ν a sweep that covers part of a strip can
+do more: ``bound`` is K of |ν|, and ``sweeps.largest_change`` the truth. Relays on the strip's edges count
+as a sweep would switch them. Knows no operator.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.core.errors import UsageError
+from smarig.preisach.everett import Everett
+from smarig.theory.properties.triangle_grid import TriangleGrid
+from smarig.theory.properties.variation import uncertainty, variation
+
+Array = NDArray[np.float64]
+_GRID_POINTS = 2048
+
+
+def H(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
+    """Horizontal strip: output change of a rise from λ to λ + ξ, straight from negative saturation.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> s = surface("two_c")
+    >>> bool(abs(H(s, s.lower, s.upper - s.lower) - (s.y_upper - s.y_lower)) < 1e-12)
+    True
+    """
+    low, high = _strip(hysteresis, lam, xi)
+    return hysteresis.swept(high, hysteresis.lower) - hysteresis.swept(low, hysteresis.lower)
+
+
+def V(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
+    """Vertical strip: output change, a drop taken positive, of a fall from λ + ξ to λ, from saturation."""
+    low, high = _strip(hysteresis, lam, xi)
+    return hysteresis.swept(hysteresis.upper, low) - hysteresis.swept(hysteresis.upper, high)
+
+
+def k(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
+    """k(λ, ξ) = max(H, V); continuous for μ ∈ M_PC (Lemma 4.1)."""
+    return np.maximum(H(hysteresis, lam, xi), V(hysteresis, lam, xi))
+
+
+def K(hysteresis: Everett, xi: float) -> float:
+    """K(ξ) = max over λ of k(λ, ξ): exact for tables and relays, on a fine grid of λ for the others."""
+    plane = TriangleGrid.of(hysteresis)
+    lam = candidates(plane, xi)
+    if plane.kind not in ("table", "relays"):
+        last = max(hysteresis.upper - xi, hysteresis.lower)
+        lam = np.concatenate([lam, np.linspace(hysteresis.lower, last, _GRID_POINTS + 1)])
+    return float(k(hysteresis, lam, xi).max())
+
+
+def bound(hysteresis: Everett, xi: float) -> float:
+    """2∬|μ| + ∫|g| over the widest strip: no monotone input change ξ moves the output by more.
+
+    Proved for surfaces, tables and relays; NaN for anything else, of which only samples are known.
+    """
+    plane = TriangleGrid.of(hysteresis)
+    _check(hysteresis.lower, hysteresis.upper, xi)
+    if plane.kind == "sampled":
+        return float("nan")
+    return K(variation(plane), xi) + uncertainty(plane)
+
+
+def candidates(plane: TriangleGrid, xi: float) -> Array:
+    """All λ at which a strip of width ξ begins or ends on a level; for relays, points between them too."""
+    lower, upper = float(plane.levels[0]), float(plane.levels[-1])
+    _check(lower, upper, xi)
+    last = max(upper - xi, lower)
+    lam = np.unique(np.clip(np.concatenate([plane.levels, plane.levels - xi]), lower, last))
+    if plane.kind == "relays":
+        lam = np.unique(np.concatenate([lam, (lam[1:] + lam[:-1]) / 2]))
+    return lam
+
+
+def _strip(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> tuple[Array, Array]:
+    low, width = np.asarray(lam, dtype=float), np.asarray(xi, dtype=float)
+    lower, upper = hysteresis.lower, hysteresis.upper
+    _check(lower, upper, float(width.min()))
+    slack = 1e-12 * (upper - lower)
+    if low.min() < lower - slack or (low + width).max() > upper + slack:
+        raise UsageError(
+            f"A strip λ … λ + ξ leaves the input range [{lower:g}, {upper:g}]: choose it inside."
+        )
+    return np.maximum(low, lower), np.minimum(low + width, upper)
+
+
+def _check(lower: float, upper: float, xi: float) -> None:
+    if not 0.0 <= xi <= (upper - lower) * (1 + 1e-12):
+        raise UsageError(
+            f"An input change ξ = {xi:g} is not between 0 and the input range {upper - lower:g}."
+        )

@@ -1,0 +1,101 @@
+"""The triangle P_r of a hysteresis, cut along levels, and its measure ν on the cells of any lattice.
+
+    ν = 2μ dα dβ + g(β) δ(α − β),     F(α, β) = ν(triangle with corner (α, β))        (theory.md §1)
+
+A table spreads the mass of a cell evenly, a diagonal cell's along α = β; relays are atoms; a surface has
+a density. Which of them a hysteresis is decides what can be said exactly. Knows no property.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+
+Array = NDArray[np.float64]
+MeasureKind = Literal["surface", "table", "relays", "sampled"]
+LEVELS = 128
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleGrid:
+    """A hysteresis with the levels (n,) along which its triangle is cut, increasing from u₋ to u₊.
+
+    ``table`` and ``relays``: its own partition or thresholds, so that nothing is lost between levels;
+    ``surface``: an even grid, what lies between is enclosed; ``sampled`` (any other ``Everett``): an even
+    grid with the kinks, nothing is known of what lies between.
+    """
+
+    hysteresis: Everett
+    levels: Array
+    kind: MeasureKind
+
+    @classmethod
+    def of(cls, hysteresis: Everett, levels: int = LEVELS) -> "TriangleGrid":
+        """Cut the triangle of any hysteresis; ``levels`` is the number of cells a side where it is free."""
+        h = hysteresis
+        if isinstance(h, Mirrored):
+            return cls.of(h.image, levels).mirrored()
+        if isinstance(h, FodTable):
+            return cls(h, h.nodes, "table")
+        if isinstance(h, RelayMeasure):
+            return cls(h, np.unique(np.concatenate([h.alpha, h.beta])), "relays")
+        even = np.linspace(h.lower, h.upper, levels + 1)
+        if isinstance(h, FodSurface):
+            return cls(h, even, "surface")
+        kinks = np.asarray(getattr(h, "kinks", ()), dtype=float)
+        some = kinks[:: max(1, kinks.size // levels)]
+        return cls(h, np.unique(np.clip(np.concatenate([even, some]), h.lower, h.upper)), "sampled")
+
+    def mirrored(self) -> "TriangleGrid":
+        """The plane seen in the mirror (u, y) → (−u, −y): falls become rises."""
+        h = self.hysteresis
+        return TriangleGrid(
+            h.image if isinstance(h, Mirrored) else Mirrored(h), -self.levels[::-1], self.kind
+        )
+
+    @property
+    def span(self) -> float:
+        """u₊ − u₋."""
+        return float(self.levels[-1] - self.levels[0])
+
+    @property
+    def height(self) -> float:
+        """|y₊ − y₋|, or the largest |F| where that is zero: the scale of outputs."""
+        a, b = self.levels[:, None], np.minimum(self.levels, self.levels[:, None])
+        return float(np.abs(self.hysteresis.swept(a, b)).max()) or 1.0
+
+
+def masses(hysteresis: Everett, levels: Array) -> Array:
+    """ν of the cells of a lattice, (n − 1, n − 1): row i is α in [u_i, u_{i+1}], column j ≤ i is β; else 0.
+
+    By inclusion and exclusion of F; diagonal cells (j = i) carry the reversible part. Relays are counted
+    one by one, those on a level with the cell above it. Levels beyond the range hold nothing.
+    """
+    if isinstance(hysteresis, Mirrored):
+        return masses(hysteresis.image, -levels[::-1])[::-1, ::-1].T
+    if isinstance(hysteresis, RelayMeasure):
+        cells = np.zeros((levels.size - 1, levels.size - 1))
+        row, column = (
+            np.clip(np.searchsorted(levels, x, side="right") - 1, 0, levels.size - 2)
+            for x in (hysteresis.alpha, hysteresis.beta)
+        )
+        np.add.at(cells, (row, column), 2 * hysteresis.mass)
+        return cells
+    u = np.clip(levels, hysteresis.lower, hysteresis.upper)
+    F = hysteresis.swept(u[:, None], np.minimum(u, u[:, None]))
+    return np.tril(F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:])
+
+
+def table_of(levels: Array, cells: Array, unit: str = "") -> FodTable:
+    """The table with these masses ν (n − 1, n − 1) of cells, lower triangle; output 0 at u₋."""
+    n = levels.size
+    F = np.zeros((n, n))
+    F[1:, :-1] = np.cumsum(np.cumsum(cells, axis=0)[:, ::-1], axis=1)[:, ::-1]
+    return FodTable(levels, np.where(np.tri(n, dtype=bool), F[:, :1] - F, np.nan), unit)

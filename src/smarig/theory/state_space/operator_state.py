@@ -1,0 +1,71 @@
+"""Between the operator's memory and the boundary it stands for: State → B, and B → State where B is drawn.
+
+The operator lives on [u₋, u₊] with negative saturation or a diagonal state B_ℓ as its base; boundaries
+live on [−û, û], û = max(|u₋|, |u₊|). Beyond [u₋, u₊] there are no relays, so the base u₋ is drawn at −û.
+"""
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Preisach, State
+from smarig.theory.state_space.boundary import (
+    Boundary,
+    Point,
+    diagonal,
+    diagonal_ends,
+    has_slope_minus_one,
+    staircase_points,
+)
+from smarig.theory.state_space.maps import extrema_along
+from smarig.theory.state_space.read_out import check_covers
+
+
+def boundary_of(state: State, hysteresis: Everett) -> Boundary:
+    """The boundary of an operator's state, on û = max(|u₋|, |u₊|).
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> wire = Preisach(surface("two_c"), "anhysteretic")
+    >>> _ = wire.step(60.0), wire.step(-20.0)
+    >>> boundary_of(wire.state, wire.hysteresis).points
+    ((-185.0, 185.0), (-60.0, 60.0), (-20.0, 60.0), (-20.0, -20.0))
+    """
+    bound = max(abs(hysteresis.lower), abs(hysteresis.upper))
+    base, *rest = state.extrema
+    moves = [*rest, state.u]
+    if not state.diagonal:
+        return Boundary(((-bound, bound), *staircase_points([-bound, *moves])), bound)
+    if moves == [base]:
+        return diagonal(bound, base)
+    opposite = 2 * base - moves[0]  # the line α = 2ℓ − β is left at (opposite, s₁) or (s₁, opposite)
+    stairs = staircase_points([min(max(opposite, -bound), bound), *moves])
+    line = diagonal_ends(bound, base)[:1] if abs(opposite) < bound else ()
+    return Boundary(((-bound, bound), *line, *stairs), bound)
+
+
+def state_of(boundary: Boundary, hysteresis: Everett) -> State:
+    """The operator's state at a boundary an input draws from saturation, from B* or from a B_ℓ.
+
+    Raises UsageError for other slopes and for a boundary that does not cover the range of the hysteresis.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.theory.state_space.boundary import diagonal
+    >>> Preisach(surface("two_c"), state_of(diagonal(185.0, 40.0), surface("two_c"))).u
+    40.0
+    """
+    check_covers(boundary, hysteresis)
+    centre, drawn = _diagonal_start(boundary)
+    operator = Preisach(hysteresis)
+    if centre is not None:
+        operator.go_to_diagonal(centre)
+    for u in extrema_along(drawn):
+        operator.step(u)
+    return operator.state
+
+
+def _diagonal_start(boundary: Boundary) -> tuple[float | None, tuple[Point, ...]]:
+    """ℓ, if B begins as B_ℓ (perhaps along the edge of P_r), and the points from where it is left."""
+    points, bound = boundary.points, boundary.bound
+    for skip in (0, 1):
+        ends = points[skip : skip + 2]
+        on_edge = ends[0][0] == -bound or ends[0][1] == bound
+        if len(ends) == 2 and on_edge and has_slope_minus_one(*ends, bound):
+            return 0.5 * sum(ends[1]), points[skip + 1 :]
+    return None, points

@@ -1,0 +1,48 @@
+"""Opened boxes written by hand, as a trial returns them."""
+
+
+def record(number=0, verdict_word="silent", hidden=None, **given):
+    """An answer and its truth; ``verdict_word`` is the verdict or the names of the first explanation, ``hidden`` {name: δ}."""
+    hidden = hidden or {}
+    names = verdict_word.split("+") if "+" in verdict_word or verdict_word in KNOWN else []
+    known = {
+        "number": number,
+        "seconds": 10.0,
+        "verdict": "named" if names else verdict_word,
+        "explanations": [[names, 1.0]] if names else [],
+        "effects": [],
+        "set": names,
+        "depends_on": None,
+        "held_out": None,
+        "category": {0: "empty", 1: "one", 2: "two"}[len(hidden)],
+        "hidden": {name: {STRENGTH[name]: 2.0} for name in hidden},
+        "delta": dict(hidden),
+        "left_out": "",
+        "channels": ["current", "voltage", "transients"],
+    }
+    return known | given
+
+
+def ambiguous(*explanations, **given):
+    """Several explanations (names, probability), all of them in the set."""
+    names = list(dict.fromkeys(name for found, _ in explanations for name in found))
+    return record(
+        verdict_word="ambiguous", explanations=[[list(n), p] for n, p in explanations], set=names, **given
+    )
+
+
+def parameter(name, value, low, high):
+    """The answer's effects: one, with its strength and its 95 % interval."""
+    return [{"name": name, "parameters": {STRENGTH[name]: {"value": value, "ci95": [low, high]}}}]
+
+
+STRENGTH = {
+    "walking": "percent_per_cycle",
+    "slip": "jump_percent",
+    "settling": "share_percent",
+    "creep": "percent_per_decade",
+    "dead_zone": "half_width_A",
+    "end_conduction": "share_percent",
+    "backlash": "play_percent",
+}
+KNOWN = frozenset(STRENGTH)

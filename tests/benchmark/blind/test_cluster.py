@@ -1,0 +1,41 @@
+"""The blind benchmark on a real Dask cluster of this machine: the same answers as without one."""
+
+import os
+
+import pytest
+
+from benchmarks import diagnosis
+from smarig.core.errors import UsageError
+
+distributed = pytest.importorskip("distributed", reason="a Dask cluster needs the extra 'scale'")
+
+BOXES, NULLS = 2, 40
+
+
+@pytest.fixture
+def scheduler():
+    """Address of a scheduler with two workers, processes of their own."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
+@pytest.mark.filterwarnings("default::DeprecationWarning", "default::ResourceWarning")
+def test_a_cluster_gives_the_answers_of_one_process(scheduler, tmp_path):
+    spread = diagnosis.run(boxes=BOXES, nulls=NULLS, dask=scheduler, out=tmp_path / "answers.jsonl")
+    alone = diagnosis.run(boxes=BOXES, nulls=NULLS)
+    assert spread.pop("seconds")
+    assert alone.pop("seconds")
+    assert spread == alone
+    assert spread["boxes"] == BOXES
+    assert not spread["failed"]
+
+
+@pytest.mark.filterwarnings("default::ResourceWarning")
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "foo://x:1"])
+def test_an_address_without_a_scheduler_is_one_sentence(address, monkeypatch):
+    monkeypatch.setattr(diagnosis, "CONNECT_TIMEOUT_S", 2)
+    with pytest.raises(UsageError, match=rf"No Dask scheduler answers at '{address}'"):
+        diagnosis.run(boxes=1, dask=address)

@@ -1,0 +1,39 @@
+"""A rig file that builds on another one."""
+
+import pytest
+
+from smarig.config import load_rig
+from smarig.core.errors import ConfigError
+
+
+def written(folder, name, text):
+    path = folder / f"{name}.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_missing_keys_are_taken_from_the_base(tmp_path):
+    base = load_rig("one_wire_twin")
+    mine = load_rig(
+        written(tmp_path, "mine", 'name = "mine"\nbase = "one_wire_twin"\nlimits.current_max_A = 0.5\n')
+    )
+    assert mine.limits.current_max_A == 0.5
+    assert mine.limits.temperature_max_K == base.limits.temperature_max_K
+    assert mine.encoder == base.encoder
+    assert mine.name == "mine"
+
+
+def test_a_base_may_have_a_base(tmp_path):
+    under = written(
+        tmp_path, "under", 'name = "under"\nbase = "one_wire_twin"\nwire = "one"\nlease_s = 0.7\n'
+    )
+    over = load_rig(written(tmp_path, "over", f'name = "over"\nbase = "{under}"\nwire = "other"\n'))
+    assert (over.wire, over.lease_s) == ("other", 0.7)
+
+
+def test_what_is_wrong_in_a_base_is_reported(tmp_path):
+    me = str(tmp_path / "me.toml")
+    with pytest.raises(ConfigError, match="is its own base"):
+        load_rig(written(tmp_path, "me", f'name = "me"\nbase = "{me}"\n'))
+    with pytest.raises(ConfigError, match="base: name another rig file"):
+        load_rig(written(tmp_path, "number", 'name = "number"\nbase = 3\n'))

@@ -1,0 +1,67 @@
+"""A device that says what a test tells it to, behind the Link seam."""
+
+from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.wire.link_faults import Silent
+from smarig.device.wire.register import RegisterMap, to_words
+
+
+class Scripted:
+    """Answers exchanges like a device, unless ``next_replies`` holds something else to say or raise."""
+
+    where = "/dev/scripted"
+
+    def __init__(self, map_: RegisterMap, **status: int) -> None:
+        self.map = map_
+        d = map_.device
+        self.status = {
+            "kind": d.kind,
+            "version": d.version,
+            "map_hash": map_.hash,
+            "boot_count": 3,
+            "echo": 41,
+        }
+        self.status |= status
+        self.settings: list[int] = [0] * map_.size("settings")
+        self.asked: list[Exchange] = []
+        self.next_replies: list[object] = []
+        self.late: list[object] = []
+        self.done: list[dict[str, int]] = []
+        self.reopened = self.closed = 0
+        self.gone = False
+
+    def exchange(self, exchange: Exchange):
+        self.asked.append(exchange)
+        if self.gone:
+            raise Silent("nothing")
+        said = self.next_replies.pop(0) if self.next_replies else None
+        if isinstance(said, BaseException):
+            raise said
+        granted = self._granted(exchange)
+        return granted if said is None else said
+
+    def more(self, exchange: Exchange):
+        if not self.late:
+            raise Silent("no more")
+        said = self.late.pop(0)
+        return self._granted(exchange) if said is None else said
+
+    def reopen(self) -> None:
+        self.reopened += 1
+
+    def close(self) -> None:
+        self.closed += 1
+
+    def _granted(self, e: Exchange) -> list[int] | Refusal:
+        if e.words and e.write_at == self.map.start("command"):
+            values = self.map.decode("command", e.words)
+            if values["sequence"] != self.status["echo"]:
+                self.done.append(values)
+                self.status["echo"] = values["sequence"]
+        if e.words and e.write_at == self.map.start("settings"):
+            self.settings = list(e.words)
+        if e.read_at == self.map.start("settings"):
+            return self.settings[: e.count]
+        words: list[int] = []
+        for r in self.map.blocks["status"]:
+            words += [0] * r.words if r.field else to_words(self.status.get(r.name, 0), r.words)
+        return words[: e.count]

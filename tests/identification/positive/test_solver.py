@@ -1,0 +1,60 @@
+"""The quadratic programme: against scipy's active-set non-negative least squares, and its own optimality."""
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+from scipy.sparse import csr_matrix, eye_array, random_array
+
+from smarig.identification.positive.interior_point import NewtonSystem, solve
+
+
+def problem(seed, m=30, n=24, border=0, coupling=3):
+    """A well-posed least-squares problem whose rows reach at most ``coupling`` columns away, but for the border."""
+    rng = np.random.default_rng(seed)
+    A = rng.standard_normal((m, n))
+    inner = n - border
+    place = rng.integers(0, inner, m)
+    near = np.abs(np.arange(n)[None, :] - place[:, None]) <= coupling
+    near[:, inner:] = True
+    return csr_matrix(np.where(near, A, 0.0)), rng.standard_normal(m)
+
+
+def solved(A, b, D, border, ridge=1e-3):
+    H = csr_matrix(A.T @ A + ridge * eye_array(A.shape[1]))
+    return solve(NewtonSystem(H, D, border), H, A.T @ b)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(("n", "border"), [(24, 0), (60, 2)], ids=["dense", "banded with a border"])
+def test_it_agrees_with_an_active_set_method(seed, n, border):
+    A, b = problem(seed, m=2 * n, n=n, border=border)
+    D = csr_matrix(eye_array(n))
+    ours = solved(A, b, D, border)
+    stacked = np.vstack([A.toarray(), np.sqrt(1e-3) * np.eye(n)])
+    theirs, _ = nnls(stacked, np.concatenate([b, np.zeros(n)]))
+    assert np.abs(ours.x - theirs).max() < 1e-7
+    assert 0 < np.sum(theirs == 0) < n, "some constraints must hold, and some must not"
+    assert NewtonSystem(csr_matrix(A.T @ A), D, border).banded == bool(border)
+
+
+def test_the_conditions_of_optimality_hold_with_constraints_on_differences():
+    A, b = problem(3, m=40, n=30)
+    D = csr_matrix(np.diff(np.eye(30), axis=0))  # a rising x
+    H = csr_matrix(A.T @ A + 1e-3 * eye_array(30))
+    found = solve(NewtonSystem(csr_matrix(abs(H) + abs(D).T @ abs(D)), D, 0), H, A.T @ b)
+    assert (D @ found.x).min() > -1e-9
+    assert found.z.min() > -1e-12
+    assert np.abs(H @ found.x - A.T @ b - D.T @ found.z).max() < 1e-6
+    assert float(found.s @ found.z) < 1e-6
+
+
+def test_the_factor_solves_its_system():
+    rng = np.random.default_rng(0)
+    A, _ = problem(1, m=90, n=60, border=2)
+    D = csr_matrix(random_array((40, 60), density=0.03, rng=rng) + eye_array(40, 60))
+    H = csr_matrix(A.T @ A + eye_array(60))
+    w = rng.uniform(0, 5, 40)
+    newton = NewtonSystem(csr_matrix(abs(H) + abs(D).T @ abs(D)), D, 2)
+    whole = (H + D.T @ (D.multiply(w[:, None]))).toarray()
+    b = rng.standard_normal((60, 3))
+    assert np.allclose(newton.factor(newton.packed(H), w)(b), np.linalg.solve(whole, b), atol=1e-9)

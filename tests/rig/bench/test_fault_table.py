@@ -1,0 +1,33 @@
+"""Every fault in every phase on every link is safe and clear: 0 A in time, the run closed, one sentence, no hang.
+
+Everyday: each fault once, and three on each link. ``SMARIG_FAULTS=all``: the whole product.
+"""
+
+import os
+
+import pytest
+
+from rig.bench.fault_cell import perform
+from rig.bench.fault_judge import faulty
+from rig.bench.fault_page import PAGE, page
+from rig.bench.fault_rows import REPRESENTATIVE, ROWS
+from rig.bench.fault_table import everyday, whole
+
+WHOLE = os.environ.get("SMARIG_FAULTS") == "all"
+CELLS = {
+    c.name: c for c in (*everyday(ROWS, REPRESENTATIVE), *(whole(ROWS, REPRESENTATIVE) if WHOLE else ()))
+}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="ptys and POSIX signals")
+@pytest.mark.filterwarnings("ignore:set.* is deprecated:DeprecationWarning")  # pyserial's own, in rfc2217
+@pytest.mark.parametrize("name", CELLS)
+def test_a_fault_is_safe_and_clear(name, tmp_path, capsys, monkeypatch):
+    cell = CELLS[name]
+    result = perform(cell, tmp_path, capsys, monkeypatch)
+    assert faulty(cell, result) == []
+
+
+def test_the_page_lists_what_is_tried():
+    """``PYTHONPATH=tests python tests/rig/bench/fault_page.py`` writes it."""
+    assert PAGE.read_text(encoding="utf-8") == page()

@@ -1,0 +1,50 @@
+"""kill -9 of the host, in the middle of an identification, with devices that live on: the lease ends the current,
+no committed sample is lost, ``resume`` finishes, and the table is that of a run that nobody killed.
+
+Five moments in lock-step, where time stands still until the host is missed for a second; in the long campaign so many
+as ``SMARIG_KILLS`` says in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware under simavr. Moments are spread
+evenly over the run.
+"""
+
+import os
+
+import pytest
+
+from rig.bench.mortal import SimulatedDevices, killed_and_resumed, same_table, undisturbed
+from rig.bench.wired_chips import Chips
+
+KILLS = int(os.environ.get("SMARIG_KILLS", "5"))
+CHIP_KILLS = int(os.environ.get("SMARIG_CHIP_KILLS", "0"))
+SPEED = 20.0 if "SMARIG_KILLS" in os.environ else 0.0
+LEASE_S = 2.0 if SPEED else 0.5  # of the device's time: a tenth of a second of ours in real time
+
+
+@pytest.fixture
+def devices(tmp_path):
+    devices = SimulatedDevices(tmp_path, SPEED, LEASE_S)
+    yield devices
+    devices.close()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A run that nobody killed, in lock-step."""
+    folder = tmp_path_factory.mktemp("whole")
+    devices = SimulatedDevices(folder, 0.0, LEASE_S)
+    try:
+        return undisturbed(devices, folder / "whole.run.sqlite")
+    finally:
+        devices.close()
+
+
+@pytest.mark.parametrize("k", range(KILLS))
+def test_a_killed_host_costs_time_and_nothing_else(k, devices, whole, tmp_path):
+    same_table(killed_and_resumed(devices, whole, (k + 0.5) / KILLS, tmp_path / "mortal.run.sqlite"), whole)
+
+
+@pytest.mark.skipif(not CHIP_KILLS, reason="takes a minute each: SMARIG_CHIP_KILLS=20")
+@pytest.mark.parametrize("k", range(max(CHIP_KILLS, 1)))
+def test_neither_does_it_on_chips(k, start, whole, tmp_path):
+    devices = Chips(tmp_path, start)
+    run = killed_and_resumed(devices, whole, (k + 0.5) / CHIP_KILLS, tmp_path / "mortal.run.sqlite")
+    same_table(run, whole)
