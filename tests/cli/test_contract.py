@@ -11,7 +11,7 @@ from smarig.cli import run
 from smarig.core.catalogue import names
 from smarig.record import load_run
 
-COMMANDS = [n.rstrip("_") for n in names("smarig.cli")]
+COMMANDS = [n.rstrip("_") for n in names("smarig.cli.commands")]
 
 
 def call(capsys, *arguments):

@@ -93,7 +93,7 @@ def test_a_joined_timeline_is_predicted_as_its_sessions_are(apart, joined_timeli
         for timeline, part in alone
         if kind in part.values
     ]
-    for name in ("output", "follows", "states"):
+    for name in ("output", "output_slope", "states"):
         parts = [list(getattr(part, name)[part.of(kind)]) for _, part, kind in order]
         assert list(getattr(whole, name)) == [v for part in parts for v in part]
     assert whole.session.tolist() == [

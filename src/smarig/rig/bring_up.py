@@ -8,7 +8,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator
 from itertools import chain, takewhile
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -39,6 +39,10 @@ class Check(NamedTuple):
     name: str
     passed: bool
     observed: str
+
+    def to_json(self) -> dict[str, Any]:
+        """The check as ``smarig check --json`` reports it."""
+        return {"name": self.name, "passed": self.passed, "seen": self.observed}
 
 
 class SupportsIdle(Rig, Protocol):

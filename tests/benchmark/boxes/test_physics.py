@@ -68,7 +68,7 @@ def test_a_hold_ends_a_window_after_the_wire_is_steady():
     assert np.all(np.abs(record.wire_K[begin] - targets()) < 0.01)
     assert np.all(grid.tick[ends] - grid.tick[begin] == 250)
     assert grid.dt_s.max() <= 2.0
-    assert not any(grid.late)
+    assert not any(grid.timed_out)
 
 
 def test_walking_adds_its_share_of_the_stroke_each_cycle():

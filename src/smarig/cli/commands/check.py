@@ -62,7 +62,7 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only
         _confirm_heating(file, yes)
         checks = _bring_up_checks(rig, file, actuator)
         rig_is_fit = all(c.passed for c in checks)
-        found["checks"] = [c._asdict() for c in checks]
+        found["checks"] = [c.to_json() for c in checks]
         lines += ["", *_checklist(file, checks)]
     emit(found, "\n".join(lines))
     if not rig_is_fit:

@@ -53,7 +53,7 @@ def command(
     The wire is cooled and taken back to what it remembered after the last finished step; the interrupted step is made
     again. Where that cannot be had, the protocol begins anew. Void steps stay in the record, marked.
     """
-    from smarig.identification.adaptive import most_informative_holds
+    from smarig.identification.adaptive import informed
     from smarig.runner.preview import preview
     from smarig.runner.resume.resume_run import read_launch_args, resume_in, session_for
 
@@ -63,7 +63,7 @@ def command(
     session = session_for(before, rig=rig, wire=wire, speed=speed)
     show_message(f"{run.name} ended so: {before.cause.rstrip('.')}.")
     settings = read_launch_args(before)["settings"]
-    cost = preview(str(before.meta["protocol"]), session.file, settings, chooser=most_informative_holds)
+    cost = preview(str(before.meta["protocol"]), session.file, settings, chooser=informed)
     done = [s for s in before.steps if not s.void]
     done_s = sum((s.t_end_s or s.t_start_s) - s.t_start_s for s in done)
     live_context = live_view(
@@ -77,7 +77,7 @@ def command(
             progress(what, session.control, quiet=quiet, keys=listening), watchers
         ) as listener:
             plan = resume_in(
-                session, before, listeners=[listener], expected=cost, chooser=most_informative_holds
+                session, before, listeners=[listener], expected=cost, chooser=informed
             )
     after = load_run(run)
     show_message(plan.sentence())

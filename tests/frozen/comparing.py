@@ -1,0 +1,37 @@
+"""Where two answers differ, as sentences.
+
+Exactly: every bit. Else numbers may differ by 1e-6 of themselves and by 1e-9, because libraries of linear algebra
+differ between machines, and hashes of numbers are not looked at: the means beside them are.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+RELATIVE, ABSOLUTE = 1e-6, 1e-9
+HASH = "hash"
+
+
+def differences(before: Any, now: Any, where: str, *, exact: bool) -> Iterator[str]:
+    """One sentence for each."""
+    if isinstance(before, dict) and isinstance(now, dict):
+        for key in sorted({*before, *now}):
+            if key not in now or key not in before:
+                yield f"{where}.{key}: {'is gone' if key in before else 'is new'}"
+            elif exact or key != HASH:
+                yield from differences(before[key], now[key], f"{where}.{key}", exact=exact)
+    elif isinstance(before, list) and isinstance(now, list):
+        if len(before) != len(now):
+            yield f"{where}: {len(before)} items before, {len(now)} now"
+        for k, (a, b) in enumerate(zip(before, now)):
+            yield from differences(a, b, f"{where}[{k}]", exact=exact)
+    elif not _same(before, now, exact):
+        yield f"{where}: {before!r} before, {now!r} now"
+
+
+def _same(before: Any, now: Any, exact: bool) -> bool:
+    if isinstance(before, float) and isinstance(now, float):
+        if math.isnan(before) or math.isnan(now):
+            return math.isnan(before) and math.isnan(now)
+        return before == now or (not exact and math.isclose(before, now, rel_tol=RELATIVE, abs_tol=ABSOLUTE))
+    return type(before) is type(now) and before == now

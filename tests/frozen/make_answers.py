@@ -1,0 +1,127 @@
+"""What smarig answers today, kept, so that whatever is renamed or moved inside it can be shown to change nothing.
+
+Computes answers to some hundred questions that use only surfaces which stay: the command line, its JSON, run and
+model files, the names of ``import smarig``. Every answer has a name and can be had alone:
+
+    make_answers.py -o answers.json.xz                     # all but the slowest; with --all these, too
+    make_answers.py --only 'box/0*' -o some.json.xz
+    make_answers.py --compare                              # with those kept here; 1 where anything differs
+    make_answers.py --compare --only 'box/07/*' --exact    # to the last bit: on one machine only
+
+See README.md beside this file.
+"""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy
+import argparse
+import json
+import lzma
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+
+from frozen import boxes, others, rigs  # noqa: E402
+from frozen.asking import Answer, private, tidy  # noqa: E402
+from frozen.comparing import differences  # noqa: E402
+
+KEPT = HERE / "answers.json.xz"
+SLOW = ("box/[1-4]?/diagnose", "box/[1-4]?/best", "data/loops/diagnose")  # twice as long as all else together
+
+
+def wanted(names: Iterable[str], globs: list[str], everything: bool) -> list[str]:
+    """The names that are asked for: those of the globs, or all but the slowest."""
+    if globs:
+        return [name for name in names if any(fnmatch(name, glob) for glob in globs)]
+    return [name for name in names if everything or not any(fnmatch(name, glob) for glob in SLOW)]
+
+
+def computed(globs: list[str], everything: bool = False) -> Iterator[tuple[str, Answer]]:
+    """Name and answer of each question asked, one after the other."""
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder).resolve()
+        questions = rigs.questions(work) | others.questions(work) | boxes.questions(work)
+        for number, name in enumerate(wanted(questions, globs, everything)):
+            with private(work / f"private/{number}"):
+                answer = questions[name]()
+            yield name, json.loads(json.dumps(tidy(answer, work)))
+
+
+def load(path: Path = KEPT) -> dict[str, Answer]:
+    """Answers by name."""
+    return json.loads(lzma.decompress(path.read_bytes()))
+
+
+def save(answers: dict[str, Answer], path: Path) -> None:
+    """Compact, keys sorted; numbers as they are, to the last bit."""
+    text = json.dumps(answers, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    path.write_bytes(lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME))
+
+
+def make(out: Path, globs: list[str], everything: bool, add: bool) -> int:
+    """Compute and write; ``add`` keeps what else the file holds."""
+    answers = load(out) if add and out.is_file() else {}
+    try:
+        for name, answer in _told(computed(globs, everything)):
+            answers[name] = answer
+    finally:  # what is computed is kept
+        save(answers, out)
+    print(f"{len(answers)} answers, {out.stat().st_size} bytes: {out}")
+    return 0
+
+
+def compare(kept: Path, globs: list[str], everything: bool, exact: bool) -> int:
+    """Compute again and print every difference; 1 where there is one."""
+    before, asked, found = load(kept), [], 0
+    for name, answer in _told(computed(globs, everything)):
+        asked.append(name)
+        for line in (
+            [f"{name}: not kept"]
+            if name not in before
+            else differences(before[name], answer, name, exact=exact)
+        ):
+            found += 1
+            print(line, flush=True)
+    missing = [name for name in wanted(before, globs, everything) if name not in asked]
+    print(
+        f"{len(asked)} answers compared, {found} differences; {len(missing)} kept ones not asked {missing[:3]}"
+    )
+    return int(found > 0 or not asked)
+
+
+def _told(answers: Iterable[tuple[str, Answer]]) -> Iterator[tuple[str, Answer]]:
+    """The same, with the time each took on stderr."""
+    before = time.process_time()
+    for name, answer in answers:
+        now = time.process_time()
+        print(f"{name}: {now - before:.1f} s", file=sys.stderr, flush=True)
+        before = now
+        yield name, answer
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--only", action="append", default=[], metavar="GLOB", help="names; may be repeated")
+    parser.add_argument("--all", action="store_true", help=f"also {', '.join(SLOW)}")
+    parser.add_argument("-o", "--out", type=Path, help="write the answers here")
+    parser.add_argument("--add", action="store_true", help="keep what else that file holds")
+    parser.add_argument("--compare", action="store_true", help="compare with answers kept")
+    parser.add_argument("--with", dest="kept", type=Path, default=KEPT, help="the answers kept")
+    parser.add_argument("--exact", action="store_true", help="compare to the last bit")
+    given = parser.parse_args()
+    if given.compare == (given.out is not None):
+        parser.error("give -o FILE or --compare")
+    if given.compare:
+        return compare(given.kept, given.only, given.all, given.exact)
+    return make(given.out, given.only, given.all, given.add)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
