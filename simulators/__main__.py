@@ -20,7 +20,7 @@ from simulators.line import DeviceLine
 from simulators.line_troubles import LineFaults
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
-from simulators.pace import LockStep, Pace, RealTime
+from simulators.pace import GONE_AFTER_s, LockStep, Pace, RealTime
 from simulators.server import Server
 from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
 from simulators.trace import TickTrace
@@ -47,6 +47,14 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
 @click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="As in smarig simulate.")
 @click.option("--lock-step", is_flag=True, help="Time waits for the host to ask for samples.")
+@click.option(
+    "--gone-after",
+    "gone_after_s",
+    type=click.FloatRange(min=0.1),
+    default=GONE_AFTER_s,
+    show_default=True,
+    help="Seconds of silence in lock-step after which time passes by itself.",
+)
 @click.option("--speed", type=click.FloatRange(min=1e-3, max=1e6), help="Times real time; 1 if not given.")
 @click.option("--faults", "faults_file", type=FILE, help="What goes wrong: TOML, see faults.py.")
 @click.option("--folder", type=FOLDER, help="Where ptys get names that outlive unplugging.")
@@ -58,6 +66,7 @@ def main(
     seed: int,
     effects: tuple[str, ...],
     lock_step: bool,
+    gone_after_s: float,
     speed: float | None,
     faults_file: Path | None,
     folder: Path | None,
@@ -85,7 +94,7 @@ def main(
             trace.write(world)
 
     pace: Pace = (
-        LockStep(world, tick)
+        LockStep(world, tick, gone_after_s)
         if lock_step
         else RealTime(tick, file.period_s / (speed or 1.0), time.monotonic())
     )

@@ -70,7 +70,7 @@ class Repeated(_DirectedFault):
 
 
 class Delayed(_RandomFault):
-    """The reply is late, by wall time: what it answers has been done at once."""
+    """The reply is late, by wall time, and so are those after it until then: what it answers has been done at once."""
 
     kind: Literal["delayed"]
     delay_s: Number = Field(gt=0, le=60)

@@ -66,10 +66,12 @@ class DeviceLine:
         return self._line_faults.requests(request, *self._moment())
 
     def send(self, channel: int, reply: bytes, now_s: float) -> None:
-        """A reply on its way to the host, now or late."""
+        """A reply on its way to the host, now or late; one that is late keeps back those after it, as a line does."""
         for delay_s, data in self._line_faults.replies(reply, *self._moment()):
-            if delay_s:
-                heapq.heappush(self._late, _Late(now_s + delay_s, next(self._numbers), channel, data))
+            before_s = [late.due_s for late in self._late if late.channel == channel]
+            if delay_s or before_s:
+                due_s = max([now_s + delay_s, *before_s])
+                heapq.heappush(self._late, _Late(due_s, next(self._numbers), channel, data))
             else:
                 self.port.write(channel, data)
 

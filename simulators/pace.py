@@ -13,7 +13,9 @@ from smarig.device.wire.register import load_map
 
 Tick = Callable[[], None]
 MAX_CATCH_UP_TICKS = 100  # late ticks between two looks at the ports: a bench that is too slow still answers
-HOST_TIMEOUT_s = 1.0  # of silence, in lock-step: the host is dead or stuck, and the lease must run out
+HOST_TIMEOUT_s = (
+    1.0  # of silence, in lock-step, unless said otherwise: the host is dead or stuck, the lease must run out
+)
 
 
 class Pace(Protocol):
@@ -72,8 +74,8 @@ class RealTime:
 class LockStep:
     """Ticks only when the DAQ is asked anew for a sample of the future; in real time while the host is gone."""
 
-    def __init__(self, world: SimulatedBench, tick: Tick) -> None:
-        self._world, self._tick = world, tick
+    def __init__(self, world: SimulatedBench, tick: Tick, gone_after_s: float = HOST_TIMEOUT_s) -> None:
+        self._world, self._tick, self._gone_after_s = world, tick, gone_after_s
         self._map = load_map(DAQ)
         self._layout = RegisterLayout(self._map)
         self._last_request_s: float | None = None
@@ -130,4 +132,4 @@ class LockStep:
 
     def _silent_until_s(self) -> float:
         """Before a host was ever there, none can be gone."""
-        return float("inf") if self._last_request_s is None else self._last_request_s + HOST_TIMEOUT_s
+        return float("inf") if self._last_request_s is None else self._last_request_s + self._gone_after_s

@@ -7,7 +7,7 @@ import contextlib
 import os
 import select
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from simulators.line import DeviceLine
 from simulators.pace import Pace
@@ -20,10 +20,16 @@ class Server:
     """Serves until standard input has ended and ``afterwards_s`` have passed, or until ``stop``."""
 
     def __init__(
-        self, world: SimulatedBench, lines: Sequence[DeviceLine], pace: Pace, host: int, afterwards_s: float
+        self,
+        world: SimulatedBench,
+        lines: Sequence[DeviceLine],
+        pace: Pace,
+        host: int,
+        afterwards_s: float,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._world, self._lines, self._pace = world, lines, pace
-        self._host, self._afterwards_s = host, afterwards_s
+        self._host, self._afterwards_s, self._clock = host, afterwards_s, clock
         self._end_s = float("inf")
         self._stopped = False
         self._poll = select.poll()
@@ -36,10 +42,12 @@ class Server:
 
     def run(self) -> None:
         """Rounds until the end."""
-        while not self._stopped and time.monotonic() < self._end_s:
+        while not self._stopped and self._clock() < self._end_s:
             self._listen()
             events = self._poll.poll(1000 * self._sleep_s())
-            now_s = time.monotonic()
+            now_s = self._clock()
+            if any(channel in self._polled for channel, _ in events):
+                self._pace.host_active(now_s)  # the host has spoken; it is this process that was kept waiting
             self._pace.catch_up(now_s)
             for channel, _ in events:
                 self._serve(channel, now_s)
@@ -62,7 +70,7 @@ class Server:
     def _sleep_s(self) -> float:
         moments = [self._pace.next_due_s(), *(line.next_due_s() for line in self._lines)]
         first_s = min((m for m in moments if m is not None), default=float("inf"))
-        return min(max(first_s - time.monotonic(), 0), LONGEST_SLEEP_s)
+        return min(max(first_s - self._clock(), 0), LONGEST_SLEEP_s)
 
     def _serve(self, channel: int, now_s: float) -> None:
         line = self._polled.get(channel)

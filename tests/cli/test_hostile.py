@@ -106,7 +106,7 @@ def test_a_run_being_recorded_is_not_replaced(tmp_path):
         )
     finally:
         first.send_signal(signal.SIGTERM)
-        first.communicate(timeout=20)
+        first.communicate(timeout=60)
     assert second.returncode == 2
     assert "is being recorded by process" in second.stderr
     assert first.returncode == 130
@@ -283,7 +283,7 @@ def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
             write_run(out, {}, {"tick": [0]}, [], force=True)
     finally:
         process.send_signal(signal.SIGTERM)
-        process.wait(timeout=20)
+        process.wait(timeout=60)
 
 
 def test_two_steps_of_a_campaign_need_two_names(capsys, tmp_path):

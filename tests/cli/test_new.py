@@ -125,7 +125,7 @@ def test_the_driver_talks(made):
 
     supply, rig = Supply(), load_rig("bench_one_wire")
     assert rig.links is not None
-    where = rig.links.amplifier.model_copy(update={"url": supply.port, "timeout_s": 1.0})
+    where = rig.links.amplifier.model_copy(update={"url": supply.port, "timeout_s": 5.0})
     try:
         source = find(DRIVERS, resolve_name(DRIVERS, str(made["driver"])))(where, rig)
         source.set(0.5)

@@ -40,7 +40,7 @@ class Chip:
     def tell(self, line):
         self._process.stdin.write(f"{line}\n".encode())
 
-    def ask(self, request, ended, patience_s=2.0):
+    def ask(self, request, ended, patience_s=60.0):
         """The reply, whole when `ended` says so; what has come when nothing more comes."""
         os.write(self._line, request)
         reply = b""
@@ -55,7 +55,7 @@ class Chip:
 
     def close(self):
         self._process.stdin.close()
-        assert self._process.wait(10) == 0
-        self._world.join(10)
+        assert self._process.wait(60) == 0
+        self._world.join(60)
         self._process.stdout.close()
         os.close(self._line)

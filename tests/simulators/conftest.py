@@ -18,6 +18,8 @@ class Devices:
     """A running ``python -m simulators``: where its ports are, and its standard input."""
 
     def __init__(self, *options: str) -> None:
+        if "--lock-step" in options and "--gone-after" not in options:
+            options += ("--gone-after", "600")  # however long this machine keeps a test waiting
         command = [sys.executable, "-m", "simulators", "--rig", "one_wire_twin", *options]
         self.process = subprocess.Popen(
             command,
@@ -37,13 +39,13 @@ class Devices:
     def host_dies(self) -> int:
         """End of its standard input; its exit status."""
         self.process.stdin.close()
-        return self.process.wait(timeout=10)
+        return self.process.wait(timeout=60)
 
     def end(self) -> None:
         """Stop it, whatever it does."""
         if self.process.poll() is None:
             self.process.terminate()
-        self.process.wait(timeout=10)
+        self.process.wait(timeout=60)
         for stream in (self.process.stdin, self.process.stdout, self.process.stderr):
             stream.close()
 

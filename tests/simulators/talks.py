@@ -9,6 +9,8 @@ from functools import partial
 from smarig.device.wire import lines, rtu
 from smarig.device.wire.exchange import Exchange, Refusal
 
+PATIENCE_S = 60.0  # ends a test that has failed
+
 
 class Talk:
     """One open line; with an address, RTU frames."""
@@ -22,7 +24,7 @@ class Talk:
         """As it is."""
         os.write(self.channel, data)
 
-    def hear(self, enough, timeout_s: float = 2.0) -> bytes:
+    def hear(self, enough, timeout_s: float = PATIENCE_S) -> bytes:
         """What comes, until ``enough`` of it is true."""
         heard, end_s = b"", time.monotonic() + timeout_s
         while not enough(heard) and (left_s := end_s - time.monotonic()) > 0:
@@ -35,7 +37,7 @@ class Talk:
         self.say(text.encode() + b"\n")
         return self.hear(lambda heard: heard.endswith(b"\n")).decode()
 
-    def ask(self, e: Exchange, timeout_s: float = 2.0) -> list[int] | Refusal | None:
+    def ask(self, e: Exchange, timeout_s: float = PATIENCE_S) -> list[int] | Refusal | None:
         """An exchange; None where nothing whole came."""
         if self._address:
             self.say(rtu.request(self._address, e))

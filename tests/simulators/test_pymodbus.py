@@ -13,9 +13,9 @@ def client(request, devices):
     """Connected to the amplifier."""
     url = devices("--framing", request.param, "--lock-step").url("amplifier")
     if request.param == "modbus_tcp":
-        made = ModbusTcpClient("127.0.0.1", port=int(url.rsplit(":", 1)[1]), timeout=2, retries=0)
+        made = ModbusTcpClient("127.0.0.1", port=int(url.rsplit(":", 1)[1]), timeout=30, retries=0)
     else:
-        made = ModbusSerialClient(url, baudrate=115200, timeout=2, retries=0)
+        made = ModbusSerialClient(url, baudrate=115200, timeout=30, retries=0)
     assert made.connect()
     with contextlib.closing(made):
         yield made

@@ -22,7 +22,6 @@ CLOCK_CHECK_TICKS = 300  # ticks between two looks at both clocks
 MAX_BLOCK_TICKS = 16  # samples that are fetched at once
 MAX_TICK_GAP = 1_000_000  # ticks that no host slept through
 COMMAND_HISTORY = 256  # currents that were set lately
-LOCK_STEP_TIMEOUT_S = 1.0  # until devices in lock-step take us for gone
 SENSOR_TIMEOUT_S = 2.0  # without a sample, before the sensor counts as dead
 
 
@@ -192,11 +191,22 @@ class Bench:
         self._pending_readings = [p._replace(counts=p.counts - pending[-1].counts) for p in pending]
 
     def idle(self, seconds: float) -> None:
-        """Say nothing for so long: the lease must end what flows. Devices that wait for us do so for a second only."""
-        self._sleep(
-            seconds + LOCK_STEP_TIMEOUT_S if self.lock_step else seconds * self._tick_s / self.period_s
-        )
+        """Say nothing to the source for so long: the lease must end what flows. Later steps tell what was read then."""
+        if self.lock_step:
+            self._let_pass(round(seconds / self.period_s))
+        else:
+            self._sleep(seconds * self._tick_s / self.period_s)
         self._due_s = self._clock()
+
+    def _let_pass(self, ticks: int) -> None:
+        """Lock-step: a tick passes when the encoder is asked for what is not there yet; its ring keeps it."""
+        last = self.tick
+        end = max(last, self.sensor.tick()) + ticks
+        while last < end:
+            found = self.sensor.since(last + 1, min(MAX_BLOCK_TICKS, end - last))
+            if not found:
+                raise Silent(f"The encoder gives no new sample. {Silent.remedy}")
+            last = found[-1].tick
 
     def identity(self) -> list[str]:
         """Who answers, a line for each device."""

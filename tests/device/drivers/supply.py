@@ -5,6 +5,7 @@ import os
 import select
 import threading
 import tty
+from collections.abc import Callable
 
 
 class Supply:
@@ -19,6 +20,8 @@ class Supply:
         self.heard: list[str] = []
         self.current, self.on, self.stuck = 0.0, False, False
         self._over = False
+        self._keeping, self._kept = 0, list[bytes]()
+        self._then: Callable[[], None] = lambda: None
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
 
@@ -33,7 +36,21 @@ class Supply:
                     line, buffer = buffer.split(b"\n", 1)
                     answer = self._answer(line.decode())
                     if answer is not None:
-                        os.write(self.master, f"{answer}\n".encode())
+                        self._send(f"{answer}\n".encode())
+
+    def keep_back(self, answers: int, then: Callable[[], None]) -> None:
+        """So many of the next answers come late, before the one after them; ``then``: done whenever one is kept."""
+        self._keeping, self._then = answers, then
+
+    def _send(self, answer: bytes) -> None:
+        self._kept.append(answer)
+        if self._keeping:
+            self._keeping -= 1
+            self._then()
+            return
+        for one in self._kept:
+            os.write(self.master, one)
+        self._kept = []
 
     def _answer(self, line: str) -> str | None:
         self.heard.append(line)

@@ -147,7 +147,7 @@ def supply():
 def where(supply):
     links = load_rig("bench_one_wire").links
     assert links is not None
-    return links.amplifier.model_copy(update={"url": supply.port, "driver": "scpi_supply", "timeout_s": 1.0})
+    return links.amplifier.model_copy(update={"url": supply.port, "driver": "scpi_supply", "timeout_s": 5.0})
 
 
 def test_a_supply_drives_and_measures(supply):

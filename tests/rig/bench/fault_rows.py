@@ -1,5 +1,6 @@
 """The rows of the fault table: what befalls which device, what the host does about it, what a person reads."""
 
+from rig.bench.broken_rig import TIMEOUT_S
 from rig.bench.fault_kinds import BOTH, NOISE, PORT, all_lost, anew, noise, on, restarted_message
 from rig.bench.fault_table import AMPLIFIER, DONE, ENCODER, Fault, Outcome
 
@@ -25,7 +26,7 @@ LINES = (
         )
         for d in BOTH
     ),
-    noise("late replies", "delayed", "answers after the host's patience", delay_s=0.09),
+    noise("late replies", "delayed", "answers after the host's patience", delay_s=1.5 * TIMEOUT_S),
     noise("garbled replies", "garbled", "one bit of a reply is another", by_bytes=True),
     noise("dropped replies", "dropped", "answers, unheard"),
     noise("dropped requests", "dropped", "does not hear", direction="request"),

@@ -89,8 +89,13 @@ def cells(faults: Sequence[Fault]) -> Iterator[Cell]:
 
 
 def everyday(faults: Sequence[Fault], representative: Sequence[str]) -> Iterator[Cell]:
-    """Every fault once, on each other link the representative ones, over a socket the first of them."""
+    """Every fault once, on each other link the representative ones, over a socket the first of them.
+
+    Those of real time are for a machine that keeps it: ``whole``.
+    """
     for fault in faults:
+        if fault.real_time:
+            continue
         yield Cell(fault, fault.usual, LINKS[0])
         if fault.name in representative:
             yield from (Cell(fault, fault.usual, link) for link in LINKS[1:])

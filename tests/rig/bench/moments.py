@@ -50,17 +50,18 @@ def sound(protocol: tuple[str, ...]) -> tuple[dict[str, Moment], Run]:
 
 
 def _log_requests(patch: pytest.MonkeyPatch, log: list[LoggedRequest]) -> None:
-    exchange_with_retries = Conversation._insisted
+    send = Conversation._send
 
-    def logged_exchange(self, e, sequence=None):
+    def logged_exchange(self, e):
         device = self.map.device.name
-        values = self.map.decode("command", e.words) if e.words and sequence else {}
+        commands = e.words and e.write_at == self.map.start("command")
+        values = self.map.decode("command", e.words) if commands else {}
         before = [s for s in log if s.values.get("ring_want") and s.device == "encoder_daq"]
         tick = before[-1].values["ring_next"] - 1 + before[-1].values["ring_want"] if before else 0
         log.append(LoggedRequest(device, 1 + sum(s.device == device for s in log), values, tick))
-        return exchange_with_retries(self, e, sequence)
+        return send(self, e)
 
-    patch.setattr(Conversation, "_insisted", logged_exchange)
+    patch.setattr(Conversation, "_send", logged_exchange)
 
 
 def _phases(log: list[LoggedRequest], run: Run, protocol: tuple[str, ...]) -> dict[str, Moment]:

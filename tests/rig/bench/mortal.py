@@ -11,11 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from rig.bench.wired_chips import PERIOD_S, write_rig
+from smarig.device.drivers._conversation import Conversation
+from smarig.device.links.serial_line import TEXT, SerialLine
+from smarig.device.wire.register import load_map
 from smarig.identification.fod_data import fod_data
 from smarig.record import Run, load_run
 
-MISSED_S = 1.0  # until devices in lock-step let time run
-RESUMES_S = 180.0
+RESUMES_S = 600.0
+PATIENCE_S = 60.0
 TRIPS = 3
 SHORTEST = 0.9  # of the undisturbed run's length: in real time, holds settle a little sooner or later
 
@@ -32,7 +35,7 @@ class SimulatedDevices:
         plain = folder / "devices.toml"
         plain.write_text(f'name = "devices"\nbase = "one_wire_twin"\nlease_s = {lease_s}\n')
         command = [sys.executable, "-m", "simulators", "--rig", str(plain), "--framing", "lines"]
-        pace = ["--speed", str(speed)] if speed else ["--lock-step"]
+        pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(RESUMES_S)]
         self._process = subprocess.Popen(
             [*command, *pace, "--trace", str(self._trace)],
             stdin=subprocess.PIPE,
@@ -40,6 +43,7 @@ class SimulatedDevices:
             text=True,
         )
         urls = json.loads(self._process.stdout.readline())
+        self._daq = urls["encoder_daq"]["url"]
         where = {"amplifier": urls["amplifier"]["url"], "daq": urls["encoder_daq"]["url"]}
         self.rig = write_rig(folder, where, speed, lease_s, PERIOD_S, "gorbet_one_wire")
 
@@ -51,12 +55,20 @@ class SimulatedDevices:
             return np.array([float(row[2]) for row in csv.reader(file) if len(row) == 6 and row[0] != "tick"])
 
     def wait(self) -> None:
-        """Long enough for a lease to end."""
-        time.sleep(2.5 * self.lease_s / self.speed + 0.1 if self.speed else MISSED_S + 2.5 * self.lease_s)
+        """Long enough for a lease to end. In lock-step time passes because the encoder, and it alone, is asked."""
+        if self.speed:
+            time.sleep(2.5 * self.lease_s / self.speed + 0.1)
+            return
+        line = SerialLine(self._daq, TEXT, PATIENCE_S)
+        talk = Conversation(line, load_map("encoder_daq"))
+        tick = talk.handshake()["tick"]
+        for k in range(3 * self.lease_ticks):
+            talk.command({"ring_next": tick + 1 + k}, 1)
+        line.close()
 
     def close(self) -> None:
         self._process.stdin.close()
-        self._process.wait(20)
+        self._process.wait(PATIENCE_S)
         self._process.stdout.close()
 
 

@@ -1,6 +1,10 @@
-"""A bench on the firmware under simavr, in real time: what every rig must do, and the twin's positions."""
+"""A bench on the firmware under simavr, in real time: what every rig must do, and the twin's positions.
+
+Part of .ci/long, for a machine that keeps real time; the same firmware in lock-step is a rig of tests/rig.
+"""
 
 import contextlib
+import os
 import threading
 import time
 
@@ -15,6 +19,7 @@ from smarig.plant.actuator import Actuator
 from smarig.rig.open_rig import open_rig
 from smarig.rig.specimen import Specimen, TwinSettings
 
+pytestmark = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="real time on chips: SMARIG_LONG=1")
 LEVELS_A = (0.75, 0.5)
 HOLD, WINDOW = 350, 100  # ticks: six time constants and more, and what is averaged
 

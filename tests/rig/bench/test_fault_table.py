@@ -1,6 +1,7 @@
 """Every fault in every phase on every link is safe and clear: 0 A in time, the run closed, one sentence, no hang.
 
-Everyday: each fault once, and three on each link. ``SMARIG_FAULTS=all``: the whole product.
+Everyday: each fault once, in lock-step, and three on each link. ``SMARIG_FAULTS=all``: the whole product, and faults
+that pass with real time.
 """
 
 import os

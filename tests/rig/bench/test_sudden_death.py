@@ -1,7 +1,7 @@
 """kill -9 of the host, in the middle of an identification, with devices that live on: the lease ends the current,
 no committed sample is lost, ``resume`` finishes, and the table is that of a run that nobody killed.
 
-Five moments in lock-step, where time stands still until the host is missed for a second; in the long campaign so many
+Five moments in lock-step, where time passes after the kill because the encoder is asked; in the long campaign so many
 as ``SMARIG_KILLS`` says in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware under simavr. Moments are spread
 evenly over the run.
 """

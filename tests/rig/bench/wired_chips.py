@@ -22,8 +22,8 @@ wire = "{wire}"
 actuator = "{actuator}"
 period_s = {period}
 lease_s = {lease}
-links.amplifier = {{ driver = "smarig_amplifier", framing = "lines", url = "{amplifier}" }}
-links.encoder_daq = {{ driver = "smarig_encoder_daq", framing = "lines", url = "{daq}" }}
+links.amplifier = {{ driver = "smarig_amplifier", framing = "lines", url = "{amplifier}", timeout_s = {timeout} }}
+links.encoder_daq = {{ driver = "smarig_encoder_daq", framing = "lines", url = "{daq}", timeout_s = {timeout} }}
 limits.current_rate_A_per_s = {slew}
 protection.slew_max_A_per_s = {slew}
 protection.resistance_min_ohm = 1.0
@@ -90,5 +90,6 @@ def write_rig(
     """The rig file of a host."""
     path = folder / "rig.toml"
     numbers = {"speed": speed, "lease": lease_s, "period": period_s, "slew": 2.5 / period_s}
+    numbers["timeout"] = 0.3 if speed else 5.0  # in lock-step a busy machine may take its time
     path.write_text(RIG.format(wire=f"mortal {folder.name}", actuator=actuator, **where, **numbers))
     return path

@@ -5,16 +5,11 @@ It has no lease: if the host dies, the current stays on. So it may drive a wire 
 file.
 """
 
-import contextlib
-import math
-
-import serial
-
 from smarig.config import LinkFile, RigFile
 from smarig.core.errors import ConfigError
 from smarig.core.sample import NAN, Quality
 from smarig.device.drivers._roles import CurrentReading
-from smarig.device.links.serial_line import PORT_ERRORS
+from smarig.device.links.text_line import TextLine
 from smarig.device.wire.link_faults import Garbled, Silent, WrongDevice
 from smarig.plant.actuator import Actuator
 
@@ -36,17 +31,12 @@ class ScpiSupply:
 
     def __init__(self, where: LinkFile, voltage_V: float) -> None:
         self.where = where.url
-        try:
-            self._port = serial.serial_for_url(
-                where.url, where.baud, timeout=where.timeout_s, write_timeout=where.timeout_s
-            )
-        except PORT_ERRORS as error:
-            raise Silent(f"{where.url} cannot be opened: {error}. {Silent.remedy}") from None
+        self._line = TextLine(where.url, where.baud, where.timeout_s)
         self.tripped = ""
         self.has_lease = False
         self._voltage_V = voltage_V
-        self._write("OUTP OFF")  # first of all: a host that was killed may have left it on
-        self.identity = self._query("*IDN?")
+        self._line.say("OUTP OFF")  # first of all: a host that was killed may have left it on
+        self.identity = self._line.identify()
         if self.identity.count(",") < 2:
             raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
         self.arm()
@@ -56,13 +46,13 @@ class ScpiSupply:
         shutdown_unconfirmed = self.off()
         if shutdown_unconfirmed:
             raise Silent(shutdown_unconfirmed)
-        self._write(f"VOLT {self._voltage_V:.3f}")
+        self._line.say(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> None:
         """Set and switched on; what it took is read back."""
-        self._write(f"CURR {current_A:.6f}")
-        self._write("OUTP ON")
-        taken = self._number("CURR?")
+        self._line.say(f"CURR {current_A:.6f}")
+        self._line.say("OUTP ON")
+        taken = self._line.number("CURR?")
         if not abs(taken - current_A) <= 2e-3:
             self.off()
             raise Garbled(
@@ -71,7 +61,7 @@ class ScpiSupply:
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
         """One measurement for all these ticks; all but the last are marked as stale."""
-        current_A, voltage_V = self._number("MEAS:CURR?"), self._number("MEAS:VOLT?")
+        current_A, voltage_V = self._line.number("MEAS:CURR?"), self._line.number("MEAS:VOLT?")
         marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
         return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
 
@@ -82,9 +72,9 @@ class ScpiSupply:
     def off(self) -> str:
         """Zero, then off, and asked whether it is. Without a lease, nobody else does it."""
         try:
-            self._write("CURR 0")
-            self._write("OUTP OFF")
-            if self._number("OUTP?") == 0:
+            self._line.say("CURR 0")
+            self._line.say("OUTP OFF")
+            if self._line.number("OUTP?") == 0:
                 return ""
         except (Silent, Garbled):
             pass
@@ -92,29 +82,4 @@ class ScpiSupply:
 
     def close(self) -> None:
         """Let go of the port."""
-        with contextlib.suppress(*PORT_ERRORS):
-            self._port.close()
-
-    def _write(self, text: str) -> None:
-        try:
-            self._port.write(f"{text}\n".encode())
-        except PORT_ERRORS as error:
-            raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
-
-    def _query(self, text: str) -> str:
-        try:
-            self._port.reset_input_buffer()
-            self._write(text)
-            answer = self._port.read_until(b"\n", 256)
-        except PORT_ERRORS as error:
-            raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
-        if not answer.endswith(b"\n"):
-            raise Silent(f"{self.where} gives no answer to {text}. {Silent.remedy}")
-        return answer.decode("ascii", "replace").strip()
-
-    def _number(self, question: str) -> float:
-        answer = self._query(question)
-        with contextlib.suppress(ValueError):
-            if math.isfinite(number := float(answer)):
-                return number
-        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
+        self._line.close()

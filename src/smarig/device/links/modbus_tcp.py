@@ -5,10 +5,10 @@ The only module that imports it.
 
 import contextlib
 import logging
-import time
 
 from pymodbus import ModbusException
 from pymodbus.client import ModbusTcpClient
+from pymodbus.exceptions import ModbusIOException
 from pymodbus.pdu import ExceptionResponse
 
 from smarig.device.wire.exchange import Exchange, Refusal
@@ -16,6 +16,7 @@ from smarig.device.wire.link_faults import Garbled, Silent
 from smarig.device.wire.rtu import function as _function
 
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it has to say is said once, by us
+UNANSWERED = "No response received"  # how its error begins when time is over
 
 
 class ModbusTcp:
@@ -29,21 +30,13 @@ class ModbusTcp:
         self.reopen()
 
     def exchange(self, exchange: Exchange) -> list[int] | Refusal:
-        """Send and wait; late replies to older requests are dropped by their transaction number."""
-        client = self._client
-        if client is None:
-            raise Silent(f"{self.where} is not open. {Silent.remedy}")
-        started = time.monotonic()
+        """Send and wait. What comes after its timeout, whole or half, comes to a connection that is no longer there."""
+        client = self._connected()
         try:
             reply = self._send_request(client, exchange)
-        except (ModbusException, OSError):
-            if time.monotonic() - started >= 0.9 * self._timeout_s:
-                raise Silent(
-                    f"{self.where}: no answer within {self._timeout_s:g} s. {Silent.remedy}"
-                ) from None
-            raise Garbled(
-                f"{self.where}: no whole reply, or the connection was cut. {Garbled.remedy}"
-            ) from None
+        except (ModbusException, OSError) as error:
+            client.close()
+            raise self._blamed(error) from None
         if reply.function_code & 0x7F != _function(exchange):
             raise Garbled(f"{self.where}: a reply to function {reply.function_code & 0x7F}. {Garbled.remedy}")
         if isinstance(reply, ExceptionResponse):
@@ -54,6 +47,23 @@ class ModbusTcp:
                 f"{self.where}: {len(words)} words came where {exchange.count} were asked for. {Garbled.remedy}"
             )
         return words
+
+    def _connected(self) -> ModbusTcpClient:
+        """The connection, or a new one where a reply is missing on the old one."""
+        client = self._client
+        if client is None:
+            raise Silent(f"{self.where} is not open. {Silent.remedy}")
+        if not client.connect():
+            raise self._nobody()
+        return client
+
+    def _blamed(self, error: Exception) -> Silent | Garbled:
+        if isinstance(error, ModbusIOException) and UNANSWERED in str(error):
+            return Silent(f"{self.where}: no answer within {self._timeout_s:g} s. {Silent.remedy}")
+        return Garbled(f"{self.where}: no whole reply, or the connection was cut. {Garbled.remedy}")
+
+    def _nobody(self) -> Silent:
+        return Silent(f"{self.where}: nobody listens there. {Silent.remedy}")
 
     def _send_request(self, client: ModbusTcpClient, e: Exchange):
         if not e.words:
@@ -79,7 +89,7 @@ class ModbusTcp:
         client = ModbusTcpClient(self._host, port=self._port, timeout=self._timeout_s, retries=0)
         if not client.connect():
             client.close()
-            raise Silent(f"{self.where}: nobody listens there. {Silent.remedy}")
+            raise self._nobody()
         self._client = client
 
     def close(self) -> None:

@@ -44,8 +44,16 @@ def rtu_framing(address: int) -> Framing:
 class SerialLine:
     """A port that is opened for itself alone, and at once read as far as a reply goes."""
 
-    def __init__(self, url: str, framing: Framing, timeout_s: float, baud: int = 115200) -> None:
+    def __init__(
+        self,
+        url: str,
+        framing: Framing,
+        timeout_s: float,
+        baud: int = 115200,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.where, self._framing, self._timeout_s, self._baud = url, framing, timeout_s, baud
+        self._clock = clock
         self._port: serial.Serial | None = None
         self._received = b""
         self.reopen()
@@ -63,11 +71,11 @@ class SerialLine:
 
     def more(self, exchange: Exchange) -> list[int] | Refusal:
         """Listen until a reply is whole or time is over."""
-        end = time.monotonic() + self._timeout_s
+        end = self._clock() + self._timeout_s
         received_any = bool(self._received)
         while True:
             try:
-                left = end - time.monotonic()
+                left = end - self._clock()
                 data = self._read(left) if left > 0 else b""
             except PORT_ERRORS as error:
                 raise self._port_closed(error) from None

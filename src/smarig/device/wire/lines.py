@@ -24,17 +24,17 @@ def request(e: Exchange) -> bytes:
 
 
 def find(e: Exchange, data: bytes) -> list[int] | Refusal | None:
-    """The reply to an exchange in what was heard: a whole line with a right check word, wherever it begins."""
+    """The last reply to an exchange in what was heard, a whole line with a right check word; those before were late."""
+    last = None
     for line in data.split(b"\n")[:-1]:
         for found in _REPLY.finditer(line):
             if found.end() != len(line.rstrip(b"\r")) or int(found["crc"], 16) != crc16(_body(found[0])):
                 continue
             if found["code"] is not None:
-                return Refusal(int(found["code"], 16))
-            words = [int(word, 16) for word in found["words"].split()]
-            if len(words) == e.count:
-                return words
-    return None
+                last = Refusal(int(found["code"], 16))
+            elif found["words"].count(b" ") == e.count:
+                last = [int(word, 16) for word in found["words"].split()]
+    return last
 
 
 def _body(line: bytes) -> bytes:

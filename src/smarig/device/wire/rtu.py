@@ -38,17 +38,25 @@ def reply_length(e: Exchange) -> int:
 
 
 def find(address: int, e: Exchange, data: bytes) -> list[int] | Refusal | None:
-    """The reply to an exchange anywhere in what was heard; None where there is none (yet)."""
+    """The last reply to an exchange in what was heard; None where there is none (yet). Those before were late."""
+    found, at = None, 0
+    while at <= len(data) - REFUSAL_BYTES:
+        reply, size = _reply(address, e, data[at:])
+        found, at = (found, at + 1) if reply is None else (reply, at + size)
+    return found
+
+
+def _reply(address: int, e: Exchange, data: bytes) -> tuple[list[int] | Refusal | None, int]:
+    """The reply that begins with the first byte, and its size."""
     length, code = reply_length(e), function(e)
-    for at in range(len(data) - REFUSAL_BYTES + 1):
-        if data[at] != address:
-            continue
-        if data[at + 1] == code | 0x80 and _crc_ok(data[at : at + REFUSAL_BYTES]):
-            return Refusal(data[at + 2])
-        frame = data[at : at + length]
-        if data[at + 1] == code and len(frame) == length and _crc_ok(frame) and _echoes_request(e, frame):
-            return list(struct.unpack(f">{e.count}H", frame[3:-2])) if code != WRITE else []
-    return None
+    if data[0] != address:
+        return None, 0
+    if data[1] == code | 0x80 and _crc_ok(data[:REFUSAL_BYTES]):
+        return Refusal(data[2]), REFUSAL_BYTES
+    frame = data[:length]
+    if data[1] == code and len(frame) == length and _crc_ok(frame) and _echoes_request(e, frame):
+        return (list(struct.unpack(f">{e.count}H", frame[3:-2])) if code != WRITE else []), length
+    return None, 0
 
 
 def _echoes_request(e: Exchange, frame: bytes) -> bool:
