@@ -20,7 +20,7 @@ from simulators.line import DeviceLine
 from simulators.line_troubles import LineFaults
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
-from simulators.pace import GONE_AFTER_s, LockStep, Pace, RealTime
+from simulators.pace import HOST_TIMEOUT_s, LockStep, Pace, RealTime
 from simulators.server import Server
 from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
 from simulators.trace import TickTrace
@@ -51,7 +51,7 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
     "--gone-after",
     "gone_after_s",
     type=click.FloatRange(min=0.1),
-    default=GONE_AFTER_s,
+    default=HOST_TIMEOUT_s,
     show_default=True,
     help="Seconds of silence in lock-step after which time passes by itself.",
 )

@@ -78,7 +78,7 @@ def columns() -> dict[str, dict[str, str]]:
 
 
 def models(
-    model: type[BaseModel] = model_file._File, where: str = ""
+    model: type[BaseModel] = model_file._ModelFileSchema, where: str = ""
 ) -> Iterator[tuple[str, type[BaseModel]]]:
     """(place, model) of a model file and of the objects in it."""
     yield where, model
@@ -131,5 +131,5 @@ def _model_file() -> str:
 
 def _kinds() -> list[tuple[str, str]]:
     return [
-        (name, f"{kind.of.__module__}.{kind.of.__name__}") for name, kind in hysteresis_json._KINDS.items()
+        (name, f"{kind.of.__module__}.{kind.hysteresis_type.__name__}") for name, kind in hysteresis_json._JSON_KINDS.items()
     ]

@@ -16,7 +16,7 @@ from smarig.config import load_rig
 from smarig.control.controller_settings import TRACKING, default_numbers
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.forc_curve import Curve
+from smarig.preisach.hysteresis.forc_curve import ForcCurve
 from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
@@ -146,7 +146,7 @@ def test_a_disturbance_of_the_whole_range_and_no_dead_band_are_allowed(capsys, f
 
 @pytest.mark.parametrize("value", [1e300, -2e12, float("inf"), 10**13, 10**400])
 def test_no_kind_of_hysteresis_holds_numbers_beyond_any_wire(value):
-    down = [Curve(a, np.linspace(a, 0.0, 5), a * np.linspace(a, 0.0, 5)) for a in (1.0, 2.0)]
+    down = [ForcCurve(a, np.linspace(a, 0.0, 5), a * np.linspace(a, 0.0, 5)) for a in (1.0, 2.0)]
     forc, fod = dump_hysteresis(ForcTable.from_curves(down)), dump_hysteresis(table(0.05))
     turned = dump_hysteresis(Mirrored(table(0.05)))
     load_hysteresis(json.loads(json.dumps([forc, fod, turned]))[0])

@@ -9,7 +9,7 @@ from smarig.control.regulation import BoundaryPlane, Psi
 from smarig.control.regulation.disturbance_comparison import (
     FIGURES,
     STATE_KINDS,
-    _recovery,
+    _recovery_inputs,
     disturbance_comparison,
     disturbance_cost,
     setpoints,
@@ -81,7 +81,7 @@ def test_after_the_recovery_the_state_is_what_it_was(name, sign):
         operator = Preisach(h, before)
         operator.step(before.u + push)
         apart = plane.distance(plane.state(operator.state), before.u) if kind == "diagonal" else 1.0
-        operator.follow(_recovery(h, before, kind, push))
+        operator.follow(_recovery_inputs(h, before, kind, push))
         if kind == "diagonal":
             left = plane.distance(plane.state(operator.state), before.u)
             assert left == pytest.approx(apart / 32, rel=0.2), "a decaying sine of eight cycles, d²/32 of d²"

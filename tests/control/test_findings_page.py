@@ -13,7 +13,7 @@ TABLES = {
     "| rig | gain | k_e |": findings_page.velocity_rows,
     "| controller | a = b = c = 0 |": findings_page.class_rows,
     "| gain, K per degree |": findings_page.position_rows,
-    "| model | way to the second state |": lambda: [findings_page.silent_row()],
+    "| model | way to the second state |": lambda: [findings_page.indistinguishable_row()],
 }
 
 

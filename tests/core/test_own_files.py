@@ -26,8 +26,8 @@ def stretch_effect(tmp_path):
     folder = tmp_path / "a=b.py.c"
     folder.mkdir()
     (folder / "stretch.py").write_text(
-        "from smarig.plant.effect import Kind, Parameter, Stage\n"
-        "stretch = Kind('stretch', 'Longer.', 'own', '', '', (), '',\n"
+        "from smarig.plant.effect import EffectType, Parameter, Stage\n"
+        "stretch = EffectType('stretch', 'Longer.', 'own', '', '', (), '',\n"
         "    (Parameter('percent', '%', 0.0, 10.0, 1.0, ''), Parameter('from_mm', 'mm', 0.0, 9.0, 0.0, '')),\n"
         "    lambda p, setup: {Stage.OUTPUT: lambda y, now: y * (1 + p['percent'] / 100)})\n"
     )
@@ -124,7 +124,7 @@ def test_a_file_that_cannot_be_it_is_one_sentence(tmp_path, name, sentence):
 @pytest.mark.parametrize(
     ("package", "text", "sentence"),
     [
-        (EFFECTS, "mine = 3", "must be a Kind"),
+        (EFFECTS, "mine = 3", "must be an EffectType"),
         (
             EFFECTS,
             "from smarig.plant.effects.walking import walking as mine",

@@ -166,7 +166,7 @@ def test_what_cannot_stand_out_of_the_noise_is_no_candidate():
     faint = 1e-4 * 0.5 / settling.primary.upper
     _, candidate = made(settling, 0.5, 0.5, size=faint)
     assert candidate.traces.shape == (N, 0)
-    assert candidate.planted == ()
+    assert candidate.variants == ()
     assert candidate.explained_share(np.ones(N)).tolist() == [0.0]
     assert candidate.gain(np.ones((N, 3))).tolist() == [0.0] * 3
 
@@ -176,7 +176,7 @@ def test_of_several_variants_only_visible_ones_stay():
     planted = (settling(0.5, time_constant_s=100.0), settling(0.5, time_constant_s=900.0))
     raw = Candidate("settling", traces * [1.0, 1e-9], settling, planted)
     candidate = whitened(raw, refit())
-    assert candidate.planted == planted[:1]
+    assert candidate.variants == planted[:1]
     assert candidate.size.size == candidate.traces.shape[1] == 1
 
 
@@ -240,13 +240,13 @@ def test_an_injected_effect_is_found_along_a_timeline_at_about_its_strength(
 def test_a_named_candidate_has_a_variant_for_every_combination_worth_trying(recorded_timeline):
     timeline, plant_model, base, _ = recorded_timeline
     found = {c.name: c for c in named(timeline, plant_model, base, (walking, settling, backlash))}
-    assert [p.strength for p in found["walking"].planted] == [0.25 * walking.primary.typical]
-    assert {p.values["time_constant_s"] for p in found["settling"].planted} == set(
+    assert [p.strength for p in found["walking"].variants] == [0.25 * walking.primary.typical]
+    assert {p.values["time_constant_s"] for p in found["settling"].variants} == set(
         settling.parameters[1].tries
     )
-    assert [p.strength for p in found["backlash"].planted] == list(backlash.primary.tries)
+    assert [p.strength for p in found["backlash"].variants] == list(backlash.primary.tries)
     for candidate in found.values():
-        assert candidate.traces.shape == (base.stacked(timeline).size, len(candidate.planted))
+        assert candidate.traces.shape == (base.stacked(timeline).size, len(candidate.variants))
         assert np.abs(candidate.traces).max(axis=0).min() > 0
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from smarig.diagnosis import signed_density
+from smarig.diagnosis.explain import signed_density
 from smarig.diagnosis.explain.search import (
     MIN_GAIN_NATS,
     MIN_GAIN_SILENT_NATS,

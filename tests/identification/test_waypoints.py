@@ -7,7 +7,7 @@ import pytest
 
 from control.model_files import model_of
 from identification.made_runs import driven_run
-from smarig.app.closed_loop import Given, regulation
+from smarig.app.closed_loop import ModelSource, regulation
 from smarig.identification.identify import identify
 from smarig.identification.verify import verify
 from smarig.preisach.hysteresis.gorbet_1997 import surface
@@ -25,7 +25,7 @@ def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs")
     with Session("one_wire_twin", seed=3) as session:
         loop = regulation(
-            Given(model_of("one_e"), "one_e.model.json", "1" * 64), session.file, 6.0, hold_s=30.0
+            ModelSource(model_of("one_e"), "one_e.model.json", "1" * 64), session.file, 6.0, hold_s=30.0
         )
         made = [
             session.run("first_order_descending", {}, folder / "fod.run.sqlite"),

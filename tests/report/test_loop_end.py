@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.report.closed_loop_text import hold_end_text, off, unsteady_text
+from smarig.report.closed_loop_text import hold_end_text, offset_text, unsteady_text
 from smarig.report.hold_end import hold_end
 
 COUNT = 0.05
@@ -87,5 +87,5 @@ def test_currents_are_told_to_a_milliampere():
 def test_zero_has_no_sign():
     end = replace(ended(NOISE), mean=-1e-4 * COUNT)
     assert "s 0 mm (0.0 counts) from" in hold_end_text(end, "mm")
-    assert off(-0.0, "mm", 0.0) == "0 mm"
-    assert off(0.3, "deg", 0.1) == "+0.3 deg (+3.0 counts)"
+    assert offset_text(-0.0, "mm", 0.0) == "0 mm"
+    assert offset_text(0.3, "deg", 0.1) == "+0.3 deg (+3.0 counts)"

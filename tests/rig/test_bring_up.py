@@ -6,7 +6,7 @@ from rig.lying import TamperedRig
 from smarig.config import load_rig
 from smarig.core.sample import Quality, Sample
 from smarig.plant.actuator import Actuator
-from smarig.rig.bring_up import _lease, _must_have_moved_K, bring_up
+from smarig.rig.bring_up import _check_lease, _input_of_certain_motion_K, bring_up
 
 
 def checked(change, rig="one_wire_twin"):
@@ -53,7 +53,7 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
     file = load_rig("one_wire_twin")
     coarse = file.model_copy(update={"encoder": file.encoder.model_copy(update={"counts_per_rev": 50})})
     actuator = Actuator.named(file.actuator)
-    fine_K, coarse_K = (_must_have_moved_K(actuator, f, +1) for f in (file, coarse))
+    fine_K, coarse_K = (_input_of_certain_motion_K(actuator, f, +1) for f in (file, coarse))
     assert 0 < fine_K < 60 < 100 < coarse_K
 
 
@@ -111,6 +111,6 @@ class Leased:
 
 @pytest.mark.parametrize(("left_A", "passes"), [(0.0, True), (0.1, False)])
 def test_a_lease_that_trips_with_current_still_flowing_fails(left_A, passes):
-    lease, re_arm = _lease(Leased(left_A), load_rig("one_wire_twin"))
+    lease, re_arm = _check_lease(Leased(left_A), load_rig("one_wire_twin"))
     assert (lease.passed, re_arm.passed) == (passes, True), lease
     assert ("0.1000 A flowed then" in lease.observed) != passes

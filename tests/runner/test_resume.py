@@ -202,7 +202,7 @@ def zeroed_hot(rig, out):
         for _ in range(600):
             session.guard.step(0.9)
         session.guard.zero()
-        session._note("zero", 60.0)
+        session._note_zero("zero", 60.0)
         for _ in range(600):
             session.guard.step(0.0)
         session.run("first_order_descending", {"partition_K": PARTITIONS[rig]}, out)
@@ -247,7 +247,7 @@ def test_an_encoder_zero_not_recovered_before_the_next_kill_is_recovered_later(w
 def test_an_encoder_zero_that_cannot_be_recovered_is_a_refusal(tmp_path):
     out, r = tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"
     with Session("one_wire_twin", wire="a") as session:
-        session._note("zero", 60.0)
+        session._note_zero("zero", 60.0)
         session.guard.step(0.0)
         session.run("step_currents", {"temperatures_K": "60,100,70"}, out)
     path = cut(out, r, 1200)

@@ -19,7 +19,7 @@ from benchmarks.boxes.wire import actuator_toml
 from smarig.core.catalogue import find
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect_catalogue import effect_types
-from smarig.plant.plant import BoxPlant as EstimatorsPlant
+from smarig.plant.plant import Plant as EstimatorsPlant
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 
 NAMES = sorted({kind.name for rig in ("one_wire", "two_wire") for kind in effect_types(rig)})
@@ -71,7 +71,7 @@ def estimators(rig, grid, hidden):
     positions = []
     for k, ticks in zip(grid.hold.tolist(), np.diff(grid.tick, prepend=0).tolist()):
         for _ in range(ticks):
-            y = plant.sensor_output(plant.step(wire.command(HOLDS[rig][k].target_K)))
+            y = plant.sensed(plant.step(wire.command(HOLDS[rig][k].target_K)))
         positions.append(y)
     return np.array(positions)
 

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from device.drivers.late_line import LOST, LatePort
 from device.drivers.supply import Supply
-from simulators.lines import Lines
+from simulators.lines import TextFraming
 from simulators.modbus import Rtu
 from simulators.station import PythonAmplifier
 from smarig.device.drivers._conversation import Conversation
@@ -34,7 +34,7 @@ from smarig.device.wire.register import load_map
 MAP = load_map("amplifier")
 TIMEOUT_S = 0.3
 NEVER_S = 30.0  # patience that only the test ends
-FRAMINGS = {"lines": (Lines(), TEXT), "modbus_rtu": (Rtu(65), rtu_framing(65))}
+FRAMINGS = {"lines": (TextFraming(), TEXT), "modbus_rtu": (Rtu(65), rtu_framing(65))}
 SAFE = {r.name: r.safe for r in MAP.blocks["settings"]} | {"current_max": 1_000_000, "slew_max": 100_000}
 NONE, ARM, OFF = 0, 1, 2
 

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from energy.test_chapter_7 import integral_of_u_dy, run
+from theory.energy.test_chapter_7 import integral_of_u_dy, run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

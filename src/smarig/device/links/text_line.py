@@ -11,7 +11,7 @@ import math
 
 import serial
 
-from smarig.device.links.serial_line import GONE
+from smarig.device.links.serial_line import PORT_ERRORS
 from smarig.device.wire.link_faults import Garbled, Silent
 
 QUIET = 8  # timeouts without a word after which no answer comes any more
@@ -31,7 +31,7 @@ class TextLine:
         self._heard = b""  # of a line that is not whole
         try:
             self._port = serial.serial_for_url(url, baud, timeout=timeout_s, write_timeout=timeout_s)
-        except GONE as error:
+        except PORT_ERRORS as error:
             raise Silent(f"{url} cannot be opened: {error}. {Silent.remedy}") from None
 
     def identify(self) -> str:
@@ -48,7 +48,7 @@ class TextLine:
         """A line that is not answered."""
         try:
             self._port.write(f"{text}\n".encode())
-        except GONE as error:
+        except PORT_ERRORS as error:
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
 
     def ask(self, question: str) -> str:
@@ -74,7 +74,7 @@ class TextLine:
 
     def close(self) -> None:
         """Let go of the port; never raises."""
-        with contextlib.suppress(*GONE):
+        with contextlib.suppress(*PORT_ERRORS):
             self._port.close()
 
     def _resynchronise(self) -> None:
@@ -106,7 +106,7 @@ class TextLine:
         for _ in range(timeouts):
             try:
                 self._heard = (self._heard + self._port.read_until(b"\n", LONGEST))[-LONGEST:]
-            except GONE as error:
+            except PORT_ERRORS as error:
                 raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
             if self._heard.endswith(b"\n"):
                 line, self._heard = self._heard.decode("ascii", "replace").strip(), b""
@@ -118,7 +118,7 @@ class TextLine:
         """Whether something came that nobody asked for."""
         try:
             return bool(self._heard or self._port.in_waiting)
-        except GONE as error:
+        except PORT_ERRORS as error:
             raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
 
 
