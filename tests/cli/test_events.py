@@ -10,13 +10,13 @@ import pytest
 
 from smarig.cli import run
 from smarig.cli.panel.log_lines import JsonLogLines, LogLines, dropped_lines_json
-from smarig.cli.panel.run_status import RunInfo, RunStatus
+from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import LineWriter
 from smarig.core.command import StepResult, StepVerdict
 from smarig.core.errors import LimitExceeded
 from smarig.record import load_run
 
-RUN_INFO = RunInfo(
+RUN_INFO = PanelRunInfo(
     "validation", "one_wire_twin", "w", "twin", False, "mm", 0.1, 2, 60.0, Path("v.run.sqlite")
 )
 THREE = ["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o"]

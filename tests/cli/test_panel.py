@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from smarig.cli.panel.panel_layout import panel, summary
-from smarig.cli.panel.run_status import RunInfo, RunStatus, run_info
+from smarig.cli.panel.run_status import PanelRunInfo, RunStatus, run_info
 from smarig.config import load_rig
 from smarig.core.command import Elapsed, Hold, Settled, StepResult, StepVerdict, Waveform
 from smarig.core.errors import Interrupted, LimitExceeded
@@ -19,7 +19,7 @@ from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 from smarig.runner.settling_detection import SettleWindow
 
-RUN_INFO = RunInfo(
+RUN_INFO = PanelRunInfo(
     "validation", "one_wire_serial", "A7", "bench", False, "mm", 0.1, 21, 600.0, Path("v.run.sqlite")
 )
 
@@ -163,7 +163,7 @@ def test_time_left_accounts_for_pauses_and_resumed_runs():
         status.sample(at(200.0 + k / 10), 0, 0.0)
     assert status.elapsed_s == pytest.approx(110.0)
     assert status.left_s == pytest.approx(500.0)  # what is paused is not worked off
-    half = RunInfo(**{**RUN_INFO.__dict__, "done_steps": 10, "done_s": 300.0})
+    half = PanelRunInfo(**{**RUN_INFO.__dict__, "done_steps": 10, "done_s": 300.0})
     later = RunStatus(half, clock=lambda: 0.0)
     later.sample(at(10.0), 0, 0.0)
     assert later.left_s == pytest.approx(299.9)

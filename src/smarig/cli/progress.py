@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from smarig.cli.output import json_requested
 from smarig.cli.panel.log_lines import JsonLogLines, LogLines
 from smarig.cli.panel.panel_thread import PanelThread
-from smarig.cli.panel.run_status import RunInfo, RunStatus
+from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import Terminal
 from smarig.runner.listener import Listener
 from smarig.runner.run_control import RunControl
@@ -19,7 +19,7 @@ STREAMS = (
 
 @contextmanager
 def progress(
-    run_info: RunInfo, control: RunControl | None = None, *, quiet: bool = False, keys: bool = False
+    run_info: PanelRunInfo, control: RunControl | None = None, *, quiet: bool = False, keys: bool = False
 ) -> Iterator[Listener]:
     """Within: hand the listener to the runner. ``keys``: whether keys are listened to."""
     status = RunStatus(run_info, control, keys=keys)

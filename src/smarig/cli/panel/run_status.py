@@ -24,7 +24,7 @@ _MIN_OBSERVED_S = 2.0  # of watching, before a pace is worth telling
 
 
 @dataclass(frozen=True)
-class RunInfo:
+class PanelRunInfo:
     """What is run on what, known from the beginning; ``done_…``: what a run that goes on had finished before."""
 
     protocol: str
@@ -85,12 +85,12 @@ def run_info(
     place: str = "",
     done_steps: int = 0,
     done_s: float = 0.0,
-) -> RunInfo:
+) -> PanelRunInfo:
     """An experiment on a rig, with what its preview expects."""
     actuator = Actuator.named(file.actuator)
     rig = (file.name, wire, source, actuator.two_wire, actuator.unit, file.period_s)
     cost = (expected.steps, expected.duration_s)
-    return RunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s)
+    return PanelRunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s)
 
 
 class RunStatus:
@@ -98,7 +98,7 @@ class RunStatus:
 
     def __init__(
         self,
-        run_info: RunInfo,
+        run_info: PanelRunInfo,
         control: RunControl | None = None,
         *,
         keys: bool = False,
