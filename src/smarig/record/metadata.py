@@ -47,19 +47,21 @@ def _check_writable(value: Any, depth: int) -> None:
 # --- kinds: each answers whether a value is one --------------------------------------------------------------
 
 
-def _text(value: Any) -> bool:
+def is_text(value: Any) -> bool:
+    """Whether a value is a text."""
     return isinstance(value, str)
 
 
 def _name(value: Any) -> bool:
     return (
-        _text(value)
+        is_text(value)
         and len(value) <= MAX_NAME_LENGTH
-        and all(len(p.encode()) <= 255 for p in value.split("/"))
+        and all(len(p.encode("utf-8", "surrogatepass")) <= 255 for p in value.split("/"))
     )
 
 
-def _table(value: Any) -> bool:
+def is_table(value: Any) -> bool:
+    """Whether a value is a table."""
     return isinstance(value, dict)
 
 
@@ -67,12 +69,13 @@ def _list(value: Any) -> bool:
     return isinstance(value, list)
 
 
-def _integer(value: Any) -> bool:
+def is_integer(value: Any) -> bool:
+    """Whether a value is a whole number that the file can hold."""
     return isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63
 
 
 def _number(value: Any) -> bool:
-    return _integer(value) or (isinstance(value, float) and math.isfinite(value))
+    return is_integer(value) or (isinstance(value, float) and math.isfinite(value))
 
 
 def _duration(value: Any) -> bool:
@@ -85,11 +88,11 @@ def is_timestamp(value: Any) -> bool:
 
 
 _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
-    _text: "a text",
+    is_text: "a text",
     _name: "a name or a path that a system could have",
-    _table: "a table",
+    is_table: "a table",
     _list: "a list",
-    _integer: "a whole number",
+    is_integer: "a whole number",
     _number: "a finite number",
     _duration: "a time in seconds, 1e-6 to 1e9",
     is_timestamp: "a moment (seconds since 1970)",
@@ -98,24 +101,24 @@ _TEXTS = (
     *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config"),
     *("device", "wire_history", "model", "along"),
 )
-_KEY_TYPES = {
-    **dict.fromkeys(_TEXTS, _text),
-    **dict.fromkeys(("input", "output", "end", "settings", "versions", "imported", "conditions"), _table),
-    **dict.fromkeys(("begun_with", "shift"), _table),
+KEY_TYPES = {
+    **dict.fromkeys(_TEXTS, is_text),
+    **dict.fromkeys(("input", "output", "end", "settings", "versions", "imported", "conditions"), is_table),
+    **dict.fromkeys(("begun_with", "shift"), is_table),
     **dict.fromkeys(("effects", "warnings", "own_files"), _list),
-    **dict.fromkeys(("seed", "history_until_tick"), _integer),
+    **dict.fromkeys(("seed", "history_until_tick"), is_integer),
     "actuator": _name,
     "period_s": _duration,
     "t0_s": _number,
     "start_epoch": is_timestamp,
 }
-_QUANTITY_KEYS = {"quantity": _text, "unit": _text, "from": _text, "per_count": _number}
+QUANTITY_KEYS = {"quantity": is_text, "unit": is_text, "from": is_text, "per_count": _number}
 _INNER_KEY_TYPES = {
-    "input": _QUANTITY_KEYS,
-    "output": _QUANTITY_KEYS,
-    "end": {"cause": _text, "epoch": is_timestamp},
-    "imported": {"file": _text},
-    "shift": {"ticks": _integer},
+    "input": QUANTITY_KEYS,
+    "output": QUANTITY_KEYS,
+    "end": {"cause": is_text, "epoch": is_timestamp},
+    "imported": {"file": is_text},
+    "shift": {"ticks": is_integer},
 }
 
 
@@ -130,13 +133,13 @@ _NOT_NULL = (
 
 def check_metadata(meta: Mapping[str, Any]) -> None:
     """TypeError where a key of a run's description is of another kind than it is written."""
-    for key, kind in _KEY_TYPES.items():
+    for key, kind in KEY_TYPES.items():
         _check_key(meta, key, kind, "")
     for key, inner in _INNER_KEY_TYPES.items():
         for name, kind in inner.items():
             _check_key(meta.get(key) or {}, name, kind, f" in '{key}'")
     for key in ("effects", "warnings"):
-        if not all(map(_text, meta.get(key) or ())):
+        if not all(map(is_text, meta.get(key) or ())):
             raise TypeError(f"its key '{key}' holds something that is not a text")
 
 

@@ -4,7 +4,7 @@ Knows how to read a run file, finished or not. Refuses to know rigs, models and 
 """
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,10 +17,14 @@ from numpy.typing import NDArray
 from smarig.core.errors import DataError, UsageError
 from smarig.core.notebook_display import NotebookDisplay
 from smarig.record.metadata import check_metadata, decode_json
+from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
 
 CONTINUED = "continued"  # ``initial`` of a run that goes on where the one before it ended
 FORC_PROTOCOL = "first_order_reversal_curves"  # of runs imported from FORC files
+_NO_ROWS = slice(0, 0)
+_LARGEST_STEP = 2**53  # numbers above are no longer whole in a column of floats
+_SAME_TIME_S = 1e-6  # a clock's rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +42,16 @@ class Step:
     position: float | None
     n: int
 
+    @property
+    def end_s(self) -> float:
+        """Time of its end; of its start where no end was recorded."""
+        return self.t_start_s if self.t_end_s is None else self.t_end_s
+
+    @property
+    def duration_s(self) -> float:
+        """Time from start to end; 0 where no end was recorded."""
+        return self.end_s - self.t_start_s
+
 
 @dataclass(frozen=True, slots=True)
 class Event:
@@ -52,10 +66,11 @@ class Event:
 
 @dataclass(frozen=True)
 class Run(NotebookDisplay):
-    """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.meta`` its description.
+    """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.info`` its description.
 
     Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,
-    position, ambient_degC, quality. ``input``/``position`` have the quantities and units named in ``meta``.
+    position, ambient_degC, quality. ``input``/``position`` have the quantities and units named in ``info``.
+    ``meta`` is the description as stored, for what copies or lists all of it.
     """
 
     path: Path
@@ -72,30 +87,36 @@ class Run(NotebookDisplay):
     def __len__(self) -> int:
         return self["tick"].size
 
+    @cached_property
+    def info(self) -> RunInfo:
+        """The description, typed."""
+        return RunInfo.of(self.meta)
+
     @property
     def complete(self) -> bool:
         """Whether the run was closed at all (kill -9 and power cuts leave it open)."""
-        return "end" in self.meta
+        return self.info.has("end")
 
     @property
     def cause(self) -> str:
         """Why the run ended: 'done', or what interrupted it, or that nobody closed it."""
-        return self.meta.get("end", {}).get("cause", "incomplete: the run was never closed")
+        end = self.info.end
+        return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
 
     @property
     def twin(self) -> bool:
         """True when no hardware was involved."""
-        return self.meta.get("source") == "twin"
+        return self.info.source == "twin"
 
     @property
     def unit(self) -> str:
         """Unit of position."""
-        return self.meta.get("output", {}).get("unit", "")
+        return self.info.output.unit
 
     @property
     def input_unit(self) -> str:
         """Unit of the hysteresis input."""
-        return self.meta.get("input", {}).get("unit", "")
+        return self.info.input.unit
 
     @cached_property
     def settled(self) -> tuple[Step, ...]:
@@ -112,15 +133,44 @@ class Run(NotebookDisplay):
         known = np.isfinite(self["input"]) & np.isfinite(self["position"])
         return self["input"][known], self["position"][known]
 
+    @cached_property
+    def step_rows(self) -> dict[int, slice]:
+        """Rows of the samples of each step number, the last segment where a number stands in several."""
+        number = self["step"]
+        if not number.size:
+            return {}
+        edges = np.flatnonzero(np.diff(np.nan_to_num(number, nan=-1.0)) != 0) + 1
+        begins, ends = np.concatenate([[0], edges]), np.concatenate([edges, [number.size]])
+        return {
+            int(number[a]): slice(int(a), int(b))
+            for a, b in zip(begins, ends)
+            if abs(number[a]) < _LARGEST_STEP
+        }
+
+    def rows(self, step: Step) -> slice:
+        """Rows of a step's samples; empty where none bears its number."""
+        return self.step_rows.get(step.index, _NO_ROWS)
+
+    def window(self, step: Step) -> slice:
+        """Rows of the samples that a step's position is the mean of: its last n, or all where it has fewer."""
+        rows = self.rows(step)
+        return slice(max(rows.stop - max(step.n, 0), rows.start), rows.stop)
+
+    def rows_by_clock(self, steps: Sequence[Step]) -> list[slice]:
+        """Rows of the samples after each step's start, up to its end: for records without step numbers too."""
+        starts_s, ends_s = [s.t_start_s for s in steps], [s.end_s for s in steps]
+        begin, end = (np.searchsorted(self["t_s"], np.add(t_s, _SAME_TIME_S)) for t_s in (starts_s, ends_s))
+        return [slice(int(a), int(b)) for a, b in zip(begin, end)]
+
     def has(self, name: str) -> bool:
         """Whether a channel was measured at all."""
         return bool(np.isfinite(self[name]).any())
 
     def __repr__(self) -> str:
-        kind = "twin" if self.twin else self.meta.get("source", "?")
+        kind = "twin" if self.twin else self.info.text_of("source", "?")
         hours = (self["t_s"][-1] - self["t_s"][0]) / 3600 if len(self) and self.has("t_s") else 0.0
         return (
-            f"Run({self.meta.get('protocol', '?')} on {self.meta.get('rig', '?')} ({kind}), "
+            f"Run({self.info.text_of('protocol', '?')} on {self.info.text_of('rig', '?')} ({kind}), "
             f"{len(self)} samples, {hours:.2f} h, {len(self.steps)} steps, {self.cause})"
         )
 

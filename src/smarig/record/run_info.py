@@ -1,0 +1,188 @@
+"""The description of a run, typed: what the ``run`` table of its file holds, key by key."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Self, final
+
+from smarig.record.metadata import KEY_TYPES, QUANTITY_KEYS, is_integer, is_table, is_text, is_timestamp
+
+_ATTRIBUTES = {"begun_with": "launch_args", "from": "from_"}  # of keys that are named differently here
+Types = Mapping[str, Callable[[Any], bool]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredTable(ABC):
+    """A table of JSON values with an attribute for each known key.
+
+    ``keys`` are all that stand in it, in their order. ``extra`` holds, by key, what the attributes cannot: unknown
+    keys, nulls and values of another type than the key's. An attribute without a value has its default.
+    """
+
+    keys: tuple[str, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    @abstractmethod
+    def of(cls, table: Mapping[str, Any], /) -> Self:
+        """From the stored table, whatever it holds."""
+
+    def has(self, key: str) -> bool:
+        """Whether a key stands in the table, be it null."""
+        return key in self.keys
+
+    def text_of(self, key: str, absent: str) -> str:
+        """The value of a key as text, "None" where it is null; ``absent`` where the key does not stand there."""
+        return str(self._value(key)) if self.has(key) else absent
+
+    def to_json(self) -> dict[str, Any]:
+        """The table as it was stored."""
+        return {key: self._value(key) for key in self.keys}
+
+    def _value(self, key: str) -> Any:
+        if key in self.extra:
+            return self.extra[key]
+        value = getattr(self, _ATTRIBUTES.get(key, key))
+        if isinstance(value, StoredTable):
+            return value.to_json()
+        return list(value) if isinstance(value, tuple) else value
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SignalInfo(StoredTable):
+    """What a signal is: quantity and unit, ``from_`` what it was computed, ``per_count`` the unit per encoder count."""
+
+    quantity: str | None = None
+    unit: str = ""
+    from_: str | None = None
+    per_count: float | None = None
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any], /) -> Self:
+        """From the stored table."""
+        return cls(**_by_attribute(table, QUANTITY_KEYS))
+
+    @property
+    def resolution(self) -> float:
+        """One encoder count in ``unit``; 0 where there is none or it is not known."""
+        return float(self.per_count or 0.0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EndInfo(StoredTable):
+    """Why and when (seconds since 1970) a run ended."""
+
+    cause: str | None = None
+    epoch: float | None = None
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any], /) -> Self:
+        """From the stored table."""
+        return cls(**_by_attribute(table, {"cause": is_text, "epoch": is_timestamp}))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ImportInfo(StoredTable):
+    """The file that a run was imported from: name, format, mapping file and hash."""
+
+    file: str | None = None
+    format: str | None = None
+    mapping: str | None = None
+    sha256: str | None = None
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any], /) -> Self:
+        """From the stored table."""
+        return cls(**_by_attribute(table, dict.fromkeys(("file", "format", "mapping", "sha256"), is_text)))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RunInfo(StoredTable):
+    """What a run file says of its run; None or empty where it does not say.
+
+    Experiment: ``protocol`` with its ``settings``, ``seed`` and injected ``effects`` of a twin; ``source`` is "bench",
+    "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, text of the rig file
+    (``config``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
+    ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
+    ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Imports: ``imported``, ``conditions``,
+    ``warnings``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run it was simulated
+    ``along``.
+    """
+
+    schema_version: int | None = None
+    recorder_pid: int | None = None
+    protocol: str | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    seed: int | None = None
+    effects: tuple[str, ...] = ()
+    source: str | None = None
+    rig: str | None = None
+    wire: str | None = None
+    actuator: str | None = None
+    config: str | None = None
+    period_s: float | None = None
+    input: SignalInfo = field(default_factory=SignalInfo)
+    output: SignalInfo = field(default_factory=SignalInfo)
+    start_epoch: float | None = None
+    encoder_zero: str | None = None
+    initial: str | None = None
+    notes: str | None = None
+    versions: Mapping[str, Any] = field(default_factory=dict)
+    wire_history: str | None = None
+    history_until_tick: int | None = None
+    device: str | None = None
+    shift: Mapping[str, Any] = field(default_factory=dict)
+    launch_args: Mapping[str, Any] | None = None
+    own_files: tuple[Any, ...] = ()
+    closed_loop: bool = False
+    end: EndInfo | None = None
+    imported: ImportInfo | None = None
+    conditions: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    t0_s: float | None = None
+    header: Mapping[str, Any] = field(default_factory=dict)
+    companions: Mapping[str, Any] = field(default_factory=dict)
+    forc: Mapping[str, Any] = field(default_factory=dict)
+    model: str | None = None
+    along: str | None = None
+
+    @classmethod
+    def of(cls, meta: Mapping[str, Any], /) -> Self:
+        """From the stored keys and values, whatever they are."""
+        found = _by_attribute(meta, _TYPES)
+        for key, table in _TABLES.items():
+            if key in found:
+                found[key] = table.of(found[key])
+        for key in ("effects", "warnings", "own_files"):
+            if key in found:
+                found[key] = tuple(found[key])
+        found["closed_loop"] = bool(meta.get("closed_loop"))
+        return cls(**found)
+
+
+_TABLES = {"input": SignalInfo, "output": SignalInfo, "end": EndInfo, "imported": ImportInfo}
+
+
+def _filled_table(value: Any) -> bool:
+    return is_table(value) and bool(value)
+
+
+_TYPES: Types = {
+    **KEY_TYPES,
+    **dict.fromkeys(("schema_version", "recorder_pid"), is_integer),
+    **dict.fromkeys(("header", "companions", "forc"), is_table),
+    "imported": _filled_table,
+    "closed_loop": lambda value: isinstance(value, bool),
+}
+
+
+def _by_attribute(table: Mapping[str, Any], types: Types) -> dict[str, Any]:
+    """Values of the known keys by attribute, with ``keys`` and ``extra``."""
+    typed = {key for key, value in table.items() if key in types and types[key](value)}
+    found: dict[str, Any] = {_ATTRIBUTES.get(key, key): table[key] for key in table if key in typed}
+    extra = {key: value for key, value in table.items() if key not in typed}
+    return found | {"keys": tuple(table), "extra": extra}
