@@ -5,7 +5,7 @@ alike. Both runs are fitted by ``positive``; the error is the rms of y(α, β) o
 truth itself. The time is the twin's clock. Knows no chooser's inside.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -129,7 +129,7 @@ def _hours(run: Run, holds: int) -> float:
 
 def _error(run: Run, holds: int, truth: FodTable) -> float:
     """rms over the triangle of what ``positive`` makes of the first ``holds`` holds."""
-    first_holds = Run(run.path, run.meta, run.columns, run.steps[:holds], run.events)
+    first_holds = replace(run, steps=run.steps[:holds])
     fit = fit_positive(Observations.of_runs([first_holds]))
     u = np.linspace(truth.lower, truth.upper, _GRID)
     high, low = np.tril_indices(_GRID)

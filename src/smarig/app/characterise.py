@@ -167,7 +167,7 @@ def _analyse(
     actuator = Actuator.named(load_rig(rig).actuator)
     diagnosis, diagnosis_warnings = _try_diagnosis(results[chosen].model, plan, runs, progress)
     return Evidence(
-        title=f"Characterisation of {runs[next(iter(runs))].meta['wire']}",
+        title=f"Characterisation of {runs[next(iter(runs))].info.wire}",
         runs=runs,
         representation=_representation(runs),
         identifications=results,
@@ -247,7 +247,7 @@ def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
 
 def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
     """What a twin cannot prove: it is itself the kind of model that is fitted to it."""
-    names = {load_actuator(run.meta["actuator"]).hysteresis.surface for run in runs.values() if run.twin}
+    names = {load_actuator(run.info.actuator or "").hysteresis.surface for run in runs.values() if run.twin}
     if hidden:
         return [
             "An effect may be hidden in this twin: which surface fits best says little before it is found."

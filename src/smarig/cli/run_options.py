@@ -140,7 +140,7 @@ def run_summary(run: Run) -> dict:
     """A run for --json."""
     return {
         "run": str(run.path),
-        "protocol": run.meta["protocol"],
+        "protocol": run.info.protocol,
         "samples": len(run),
         "steps": len(run.steps),
         "void": sum(s.void for s in run.steps),

@@ -25,7 +25,7 @@ def check_comparable(model: Model, runs: Sequence[Run]) -> None:
         if run.has("t_s"):
             _clock(run)
             _steps(run)
-    wires = {str(run.meta["wire"]): run for run in runs if run.meta.get("wire")}
+    wires = {str(run.info.wire): run for run in runs if run.info.wire}
     if len(wires) > 1:
         listing = ", ".join(f"{run.path.name} of '{wire}'" for wire, run in wires.items())
         raise DataError(f"A diagnosis is of one wire, but these runs are of several: {listing}.")

@@ -69,10 +69,9 @@ class ExportColumn:
 
 def sample_columns(run: Run) -> list[ExportColumn]:
     """The columns that were measured at all, and always tick and quality."""
-    output, input_ = run.meta.get("output", {}), run.meta.get("input", {})
     names = _SAMPLES | {
-        "input": (run.input_unit, str(input_.get("quantity") or "hysteresis input")),
-        "position": (run.unit, str(output.get("quantity") or "position")),
+        "input": (run.input_unit, str(run.info.input.quantity or "hysteresis input")),
+        "position": (run.unit, str(run.info.output.quantity or "position")),
     }
     return [
         ExportColumn(name, *names[name], run[name], name in _WHOLE)
@@ -94,12 +93,12 @@ def event_columns(run: Run) -> list[ExportColumn]:
 
 def label(run: Run) -> str:
     """Whose data these are: TWIN, BENCH, SIMULATION, IMPORT; UNKNOWN where nobody said."""
-    return str(run.meta.get("source") or "unknown").upper()
+    return str(run.info.source or "unknown").upper()
 
 
 def title(run: Run) -> str:
     """One line: what was run on what, and whose data these are."""
-    what, rig, wire = (str(run.meta.get(key) or "?") for key in ("protocol", "rig", "wire"))
+    what, rig, wire = (x or "?" for x in (run.info.protocol, run.info.rig, run.info.wire))
     return f"{what} on {rig}, wire {wire} ({label(run)})"
 
 

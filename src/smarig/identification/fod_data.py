@@ -139,7 +139,7 @@ def first_order_points(runs: Sequence[Run]) -> FodData:
     units = {run.unit for run in runs}
     if len(units) > 1:
         raise DataError(f"The runs measure in different units ({', '.join(sorted(units))}): give them apart.")
-    forc = [run.meta.get("protocol") == FORC_PROTOCOL for run in runs]
+    forc = [run.info.protocol == FORC_PROTOCOL for run in runs]
     if any(forc) and not all(forc):
         raise DataError("Reversal curves and other runs were given together: identify them apart.")
     if all(forc):

@@ -179,7 +179,7 @@ def identify(
     fit, floor = found.fit, noise_floor(loaded)
     late = _unsettled_warning(loaded, data, found)
     model = Model(
-        name=f"{loaded[0].meta.get('wire') or loaded[0].path.name.split('.')[0]} {kind}",
+        name=f"{loaded[0].info.wire or loaded[0].path.name.split('.')[0]} {kind}",
         hysteresis=Mirrored(found.image) if found.mirrored else found.image,
         mirrored=found.mirrored,
         fit=found.figures,
@@ -258,7 +258,7 @@ def _surface(
 
 def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTable | ForcTable:
     """A table of the data; whole reversal curves go in as their reader cleans them."""
-    if select is not None or any(run.meta.get("protocol") != FORC_PROTOCOL for run in runs):
+    if select is not None or any(run.info.protocol != FORC_PROTOCOL for run in runs):
         return table(data)
     return ForcTable.from_curves([c for run in runs for c in curves_from_run(run)], unit=data.unit)
 
@@ -270,7 +270,7 @@ def _positive(
 
     Only the former can be in the mirror: memory is followed in the signs of the measurement.
     """
-    points_alone = select is not None or any(run.meta.get("protocol") == FORC_PROTOCOL for run in runs)
+    points_alone = select is not None or any(run.info.protocol == FORC_PROTOCOL for run in runs)
     if points_alone:
         observations = Observations.of_fod(thinned(data, MOST_OBSERVATIONS))
     else:

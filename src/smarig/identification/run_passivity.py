@@ -33,14 +33,14 @@ def passivity_of_run(run: Run, model: Model, start: Start | None = None) -> Meas
     """
     check_input(model, run)
     check_output(model, run)
-    if run.meta.get("protocol") == FORC_PROTOCOL:
+    if run.info.protocol == FORC_PROTOCOL:
         raise DataError(f"{run.path} holds reversal curves, not a run in time: there is no energy along it.")
     u, y = run["input"], run["position"]
     present = np.isfinite(u) & np.isfinite(y)
     if not present.any():
         raise DataError(f"{run.path} has no sample with both input and position.")
     hysteresis_analysis = HysteresisAnalysis.of(model.hysteresis, Units(model.unit, model.input.unit))
-    noise = reading_noise(y, float(run.meta.get("output", {}).get("per_count") or 0.0))
+    noise = reading_noise(y, run.info.output.resolution)
     starts = list(_starts(model.preisach(), u, present, start or recorded_start(run)))
     ends = [a for a, _ in starts[1:]] + [u.size]
     segments = []

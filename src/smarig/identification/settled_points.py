@@ -39,25 +39,15 @@ class SettledPoints:
 
 def settled_points(run: Run) -> SettledPoints:
     """All valid settled steps of a run with their uncertainties."""
-    per_count = float(run.meta.get("output", {}).get("per_count") or 0.0)
-    rows = _rows_by_step(run)
+    per_count = run.info.output.resolution
     steps = run.settled
-    uncertainty = np.array([_uncertainty(run, s, rows.get(s.index), per_count) for s in steps])
+    uncertainty = np.array([_uncertainty(run, s, per_count) for s in steps])
     inputs, outputs = run.points()
     return SettledPoints(inputs, outputs, uncertainty, tuple(s.branch for s in steps), run.unit)
 
 
-def _rows_by_step(run: Run) -> dict[int, slice]:
-    steps = run["step"]
-    if not steps.size:
-        return {}
-    edges = np.flatnonzero(np.diff(np.nan_to_num(steps, nan=-1.0)) != 0) + 1
-    starts, stops = np.concatenate([[0], edges]), np.concatenate([edges, [steps.size]])
-    return {int(steps[a]): slice(a, b) for a, b in zip(starts, stops) if np.isfinite(steps[a])}
-
-
-def _uncertainty(run: Run, step: Step, rows: slice | None, per_count: float) -> float:
-    window = run["position"][rows][-step.n :] if rows is not None and step.n else np.empty(0)
+def _uncertainty(run: Run, step: Step, per_count: float) -> float:
+    window = run["position"][run.window(step)]
     if window.size < 2 * _BLOCKS:
         return per_count / np.sqrt(12)
     used = window[: window.size // _BLOCKS * _BLOCKS].reshape(_BLOCKS, -1).mean(axis=1)

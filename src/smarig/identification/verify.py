@@ -148,7 +148,7 @@ def _verified(
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, inputs[counts])))
-    early = 0 if run.meta.get("protocol") == FORC_PROTOCOL else int(np.sum(selected & ~counts))
+    early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
@@ -211,7 +211,7 @@ def known_offset(model: Model, run: Run) -> float | None:
     if mine.protocol == FORC_PROTOCOL:
         return 0.0
     start = recorded_start(run)
-    if start is not None and run.meta.get("encoder_zero", "power-up") == "power-up":
+    if start is not None and run.info.text_of("encoder_zero", "power-up") == "power-up":
         return -model.preisach(start).y
     return None
 
@@ -220,7 +220,7 @@ def _validity_warnings(model: Model, run: Run) -> list[str]:
     """Is this a fair judgement? Not on another wire, not on training data, not on half a run."""
     found = []
     wires = {p.wire for p in model.provenance if p.wire}
-    wire = run.meta.get("wire")
+    wire = run.info.wire
     if wire and wires and wire not in wires:
         found.append(f"The run is of wire '{wire}', the model of {', '.join(sorted(wires))}.")
     if (mine := file_hash(run)) and mine in {p.sha256 for p in model.provenance}:

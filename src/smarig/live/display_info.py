@@ -92,15 +92,15 @@ def run_display_info(run: Run) -> DisplayInfo:
     rig = _rig_of(run)
     actuator = _actuator_of(run, rig)
     input_K, position = run["input"], run["position"]
-    period_s, per_count = run.meta.get("period_s"), run.meta.get("output", {}).get("per_count")
-    initial = run.meta.get("initial")
+    period_s, per_count = run.info.period_s, run.info.output.per_count
+    initial = run.info.initial
     low, high = _finite_range(input_K)
     if actuator is not None and not actuator.two_wire:
         low = min(low, 0.0)
     twin_hysteresis = surface(actuator.file.hysteresis.surface) if actuator is not None and run.twin else None
     return DisplayInfo(
-        title=f"{run.meta.get('protocol', 'run')} on {run.meta.get('rig', 'an unnamed rig')}",
-        source=str(run.meta.get("source", "")),
+        title=f"{run.info.text_of('protocol', 'run')} on {run.info.text_of('rig', 'an unnamed rig')}",
+        source=run.info.text_of("source", ""),
         input=_input(low, high, run.input_unit, actuator),
         output=_output(*_finite_range(position), run.unit),
         unit=run.unit,
@@ -110,7 +110,7 @@ def run_display_info(run: Run) -> DisplayInfo:
         initial=initial if initial in get_args(Start) else None,
         actuator=actuator,
         twin_hysteresis=twin_hysteresis,
-        settling_rule=settled(run.meta.get("settings", {})) if actuator and period_s else None,
+        settling_rule=settled(run.info.settings) if actuator and period_s else None,
     )
 
 
@@ -127,8 +127,8 @@ def settled(settings: Mapping[str, Any]) -> Settled:
 
 
 def _rig_of(run: Run) -> RigFile | None:
-    launch_args = run.meta.get("begun_with")
-    name = str(launch_args.get("rig") if isinstance(launch_args, dict) else run.meta.get("rig") or "")
+    launch_args = run.info.launch_args
+    name = str(run.info.rig or "" if launch_args is None else launch_args.get("rig"))
     with contextlib.suppress(SmarigError, OSError):
         return load_rig(name) if name else None
     return None
@@ -136,11 +136,11 @@ def _rig_of(run: Run) -> RigFile | None:
 
 def _actuator_of(run: Run, rig: RigFile | None) -> Actuator | None:
     """Its parameter set, where that can still be read: of the rig it began on, or by name."""
-    names = [rig.actuator if rig else "", str(run.meta.get("actuator") or "")]
+    names = [rig.actuator if rig else "", str(run.info.actuator or "")]
     for name in filter(None, names):
         with contextlib.suppress(SmarigError, OSError):
             actuator = Actuator.named(name)
-            if actuator.name == run.meta.get("actuator") and actuator.unit == run.unit:
+            if actuator.name == run.info.actuator and actuator.unit == run.unit:
                 return actuator
     return None
 

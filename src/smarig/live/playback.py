@@ -22,9 +22,7 @@ def playback_items(run: Run) -> Iterator[LiveItem]:
     """Samples, steps and events in the order of their times; void steps are told as interrupted."""
     timed = bool(len(run)) and run.has("t_s")
     ticks = ((t, 1, item) for t, item in _sample_items(run, timed))
-    steps = sorted(
-        (float(s.t_end_s or s.t_start_s), 2, k) for k, s in enumerate(run.steps) if s.t_end_s is not None
-    )
+    steps = sorted((s.end_s, 2, k) for k, s in enumerate(run.steps) if s.t_end_s is not None)
     ended = ((t, 2, _step_item(run, k)) for t, _, k in steps)
     events = (
         (e.t_s, 0, EventItem(e.t_s, e.level, e.kind, e.text)) for e in sorted(run.events, key=lambda e: e.t_s)
@@ -89,6 +87,4 @@ def _step_item(run: Run, k: int) -> StepItem:
     s = run.steps[k]
     verdict = "interrupted" if s.void else s.verdict
     position = None if s.void else s.position
-    return StepItem(
-        s.t_start_s, float(s.t_end_s or s.t_start_s), s.index, verdict, s.branch, s.target, position
-    )
+    return StepItem(s.t_start_s, s.end_s, s.index, verdict, s.branch, s.target, position)

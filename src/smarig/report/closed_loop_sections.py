@@ -142,7 +142,7 @@ def _unsteady_notice(run: Run, found: RegulationResult) -> list[Html]:
 
 def _certificate_scope_notice(run: Run, found: TrackingResult | RegulationResult) -> Html:
     """That the loop on the page is none of those a theorem is about, before the table that says "covered"."""
-    settings = run.meta.get("settings") or {}
+    settings = run.info.settings
     name = found.controller if isinstance(found, TrackingResult) else str(settings.get("controller") or "pi")
     held = f"followed {found.reference.name}" if isinstance(found, TrackingResult) else "held a set-point"
     return notice(
@@ -162,10 +162,10 @@ def _certificate_section(
     if certified is None:
         return []
     model, name, sha256 = certified
-    used = (run.meta.get("settings") or {}).get("model_sha256")
+    used = run.info.settings.get("model_sha256")
     parts: list = [_certificate_scope_notice(run, found)]
     if used and used != sha256:
-        words = f"{name} is not the model this loop was run with ({run.meta['settings'].get('model')})."
+        words = f"{name} is not the model this loop was run with ({run.info.settings.get('model')})."
         parts.append(notice("warning", paragraph(words)))
     parts += certificate_parts(
         certificate(model.hysteresis, units=units_of(model)), certified_model(model, name, sha256)

@@ -105,7 +105,7 @@ def diagnosis_caption(d: Diagnosis, *, dotted: bool = False) -> tuple[str, ...]:
 def rig_text(d: Diagnosis) -> tuple[str, ...]:
     """Rig, wire and seed, as far as known."""
     run = d.timeline.runs[0]
-    rig, wire, seed = (run.meta.get(key) for key in ("rig", "wire", "seed"))
+    rig, wire, seed = run.info.rig, run.info.wire, run.info.seed
     known = (
         f"rig {rig}" if rig else "",
         f"wire {wire}" if wire else "",

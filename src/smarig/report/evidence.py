@@ -43,4 +43,4 @@ class Evidence:
 
     def of(self, *protocols: str) -> tuple[Run, ...]:
         """The runs of some protocols, in order."""
-        return tuple(run for run in self.runs.values() if run.meta.get("protocol") in protocols)
+        return tuple(run for run in self.runs.values() if run.info.protocol in protocols)

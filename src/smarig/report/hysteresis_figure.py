@@ -120,7 +120,7 @@ def _sample_traces(run: Run) -> tuple[list[Trace], str]:
 
 
 def _reversal(run: Run) -> bool:
-    return run.meta.get("protocol") == FORC_PROTOCOL
+    return run.info.protocol == FORC_PROTOCOL
 
 
 def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.intp]]]:

@@ -44,7 +44,7 @@ class ComparedLoop(Generic[Found]):
     def lead_s(self) -> float | None:
         """How far its controller looks ahead, where the record says so."""
         try:
-            return float((self.run.meta.get("settings") or {})["lead_s"])
+            return float(self.run.info.settings["lead_s"])
         except (KeyError, TypeError, ValueError):
             return None
 

@@ -141,8 +141,8 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
     measures = None
     if t.size >= 2 and loop.count:
         columns = (loop.position, loop.current_A, loop.input_K)
-        actuator = Actuator.named(run.meta["actuator"])
-        ahead_s = _lead_time_s(run.meta.get("settings", {}).get("lead_s"))
+        actuator = Actuator.named(run.info.actuator or "")
+        ahead_s = _lead_time_s(run.info.settings.get("lead_s"))
         measures = tracking_performance(
             reference, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s
         )

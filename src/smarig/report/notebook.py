@@ -51,16 +51,14 @@ def _run_figure(thing: Run, model: Model | None = None) -> go.Figure:
     inputs, outputs = thing.points()
     kept = path(inputs, outputs, _POINTS)
     label = source_label(thing)
-    name = f"measured ({'twin' if thing.twin else thing.meta.get('source', 'measured')})"
+    name = f"measured ({'twin' if thing.twin else thing.info.text_of('source', 'measured')})"
     marks = {"mode": "lines+markers", "marker": {"size": 6}} if thing.settled else {}
     data = [line(inputs[kept], outputs[kept], name, INK, width=1.2, **marks)]
     if model is not None:
         predicted = verify(model, [thing]).runs[0].predicted
         data.append(dots(inputs[kept], predicted[kept], "model", MODEL, symbol="x", size=7))
     layout = {"xaxis": axis(input_title(thing)), "yaxis": axis(output_title(thing)), "showlegend": True}
-    title = (
-        f"{capitalised(protocol_name(thing))} on {thing.meta.get('rig') or 'no named rig'}, n = {inputs.size}"
-    )
+    title = f"{capitalised(protocol_name(thing))} on {thing.info.rig or 'no named rig'}, n = {inputs.size}"
     return _figure(Panel(data, layout), title, label)
 
 

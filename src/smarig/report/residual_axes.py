@@ -62,7 +62,7 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
 def _step_start_s(timeline: Timeline) -> Array:
     """When each settled step began, on the story's clock (k,)."""
     first = timeline.runs[0]
-    zero = float(first["t_s"][0]) - float(first.meta.get("period_s") or 0.1)
+    zero = float(first["t_s"][0]) - float(first.info.period_s or 0.1)
     return np.array([step.t_start_s for run in timeline.runs for step in run.settled]) - zero
 
 

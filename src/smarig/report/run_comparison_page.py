@@ -95,7 +95,7 @@ def _numbers_table(found: Sequence[AlignedRun]) -> Html:
         rows.append(
             (
                 coloured_name(k, each.name),
-                each.run.meta.get("source") or "unknown",
+                each.run.info.source or "unknown",
                 duration(duration_s(each.run)),
                 f"{m.settled} of {m.steps}",
                 number(float(np.ptp(known)), 4) if known.size else "–",
@@ -150,7 +150,7 @@ def _metadata_items(run: Run) -> Iterator[tuple[str, str]]:
     if known.size:
         yield "ambient, mean (°C)", f"{known.mean():.1f}"
     try:
-        yield from _flattened("rig file", tomllib.loads(run.meta.get("config") or ""))
+        yield from _flattened("rig file", tomllib.loads(run.info.config or ""))
     except tomllib.TOMLDecodeError:
         yield "rig file", "not readable"
 

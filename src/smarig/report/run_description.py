@@ -16,13 +16,13 @@ _SOURCE_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
 
 def source_label(*runs: Run) -> str:
     """ "TWIN" or "SIMULATION" when any of the runs was not measured, "" for hardware and imports."""
-    found = [_SOURCE_LABELS[run.meta["source"]] for run in runs if run.meta.get("source") in _SOURCE_LABELS]
+    found = [_SOURCE_LABELS[run.info.source] for run in runs if run.info.source in _SOURCE_LABELS]
     return found[0] if found else ""
 
 
 def protocol_name(run: Run) -> str:
     """The protocol's name for readers."""
-    return str(run.meta.get("protocol") or "unnamed").replace("_", " ").replace("sma ", "SMA ")
+    return str(run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
 
 
 def capitalised(words: str) -> str:
@@ -41,11 +41,11 @@ def run_caption(run: Run) -> str:
         if settled
         else f"n = {thousands(len(run))} samples"
     )
-    rig = run.meta.get("rig")
-    where = [n, f"rig {rig}" if rig else "", f"wire {run.meta['wire']}" if run.meta.get("wire") else ""]
-    where += [f"imported from {run.meta['imported'].get('file')}" if run.meta.get("imported") else ""]
-    where += [f"seed {run.meta['seed']}" if source_label(run) and "seed" in run.meta else "", _ambient(run)]
-    source = run.meta.get("input", {}).get("from")
+    rig = run.info.rig
+    where = [n, f"rig {rig}" if rig else "", f"wire {run.info.wire}" if run.info.wire else ""]
+    where += [f"imported from {run.info.imported.file}" if run.info.imported else ""]
+    where += [f"seed {run.info.seed}" if source_label(run) and run.info.has("seed") else "", _ambient(run)]
+    source = run.info.input.from_
     where += [f"input from the {source}" if source else ""]
     return "; ".join(part for part in where if part) + "."
 
@@ -71,12 +71,12 @@ def display_unit(unit: str) -> str:
 
 def input_title(run: Run) -> str:
     """The hysteresis input with its unit, for an axis: "Wire temperature above ambient (K)"."""
-    return _axis_title(run.meta.get("input", {}).get("quantity") or "input", run.input_unit)
+    return _axis_title(run.info.input.quantity or "input", run.input_unit)
 
 
 def output_title(run: Run) -> str:
     """The output with its unit, for an axis."""
-    return _axis_title(run.meta.get("output", {}).get("quantity") or "output", run.unit)
+    return _axis_title(run.info.output.quantity or "output", run.unit)
 
 
 def _axis_title(quantity: str, unit: str) -> str:
@@ -86,7 +86,7 @@ def _axis_title(quantity: str, unit: str) -> str:
 
 def count_size(run: Run) -> float:
     """One encoder count in the run's unit, 0 where there is none."""
-    return float(run.meta.get("output", {}).get("per_count") or 0.0)
+    return run.info.output.resolution
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def _figure_parts(run: Run) -> Iterator[Figure | Html]:
         return
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
         yield hysteresis_figure(run)
-    if run.meta.get("protocol") in _REPRESENTATION_TESTS:
+    if run.info.protocol in _REPRESENTATION_TESTS:
         yield from _representation_parts(run)
 
 
@@ -81,7 +81,7 @@ _REPRESENTATION_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
 
 def _representation_parts(run: Run) -> Iterator[Figure | Html]:
     try:
-        test = _REPRESENTATION_TESTS[run.meta["protocol"]](run)
+        test = _REPRESENTATION_TESTS[run.info.protocol](run)
     except DataError as error:
         yield notice("warning", paragraph(str(error)))
         return
@@ -96,8 +96,8 @@ def representation_notice(test: Representation) -> Html:
 
 def run_lead(run: Run) -> str:
     """What was measured on what, in a line."""
-    wire, rig = run.meta.get("wire"), run.meta.get("rig")
-    imported = (run.meta.get("imported") or {}).get("file")
+    wire, rig = run.info.wire, run.info.rig
+    imported = run.info.imported.file if run.info.imported else None
     parts = [
         f"Wire {wire}" if wire else "",
         f"rig {rig}" if rig else "",
@@ -108,7 +108,7 @@ def run_lead(run: Run) -> str:
 
 def run_cards(run: Run) -> Html:
     """The numbers of one run that matter."""
-    m, size = quality_counts(run), 0.0 if run.meta.get("imported") else count_size(run)
+    m, size = quality_counts(run), 0.0 if run.info.imported else count_size(run)
     known = run["position"][np.isfinite(run["position"])]
     travel = f"{number(float(np.ptp(known)), 4)} {display_unit(run.unit)}" if known.size else "none"
     bad = m.timed_out + m.interrupted
@@ -146,7 +146,6 @@ def ending_notices(runs: list[Run]) -> list[Html]:
 
 
 def _warnings(run: Run) -> list[Html]:
-    found = run.meta.get("warnings") or ()
     logged_warnings = [e.text for e in run.events if e.level in ("warning", "error") and e.kind != "end"]
-    items = [*found, *logged_warnings]
+    items = [*run.info.warnings, *logged_warnings]
     return [notice("warning", paragraph(tag("b", "Warnings")), bullets(items))] if items else [joined([])]

@@ -91,13 +91,13 @@ def summary_of(run: Run) -> RunSummary:
     """Read off a run what a list says of it."""
     u, y = loop(run, _POINTS)
     m, known = quality_counts(run), run["position"][np.isfinite(run["position"])]
-    epoch, seed = run.meta.get("start_epoch"), run.meta.get("seed")
+    epoch, seed = run.info.start_epoch, run.info.seed
     return RunSummary(
         file=run.path.name,
         protocol=protocol_name(run),
-        rig=run.meta.get("rig") or "",
-        wire=run.meta.get("wire") or "",
-        source=run.meta.get("source") or "",
+        rig=run.info.rig or "",
+        wire=run.info.wire or "",
+        source=run.info.source or "",
         label=source_label(run),
         began=datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M") if epoch else "",
         seed="" if seed is None else str(seed),
@@ -111,8 +111,8 @@ def summary_of(run: Run) -> RunSummary:
         input_unit=display_unit(run.input_unit),
         axes=(input_title(run), output_title(run)),
         cause=run.cause,
-        notes=run.meta.get("notes") or "",
-        settings=", ".join(f"{k}={v}" for k, v in (run.meta.get("settings") or {}).items()),
+        notes=run.info.notes or "",
+        settings=", ".join(f"{k}={v}" for k, v in run.info.settings.items()),
         u=u,
         y=y,
     )

@@ -28,40 +28,38 @@ def conditions_table(run: Run) -> Html:
 
 
 def _run_rows(run: Run) -> Iterable[Row]:
-    meta = run.meta
-    yield "Rig", meta.get("rig") or "not named", "", "run file"
-    yield "Wire", meta.get("wire") or "not named", "", "run file"
-    if meta.get("period_s"):
-        yield "Tick", f"{meta['period_s']:g}", "s", "run file"
-    for key, name in (("input", "Hysteresis input"), ("output", "Output")):
-        part = meta.get(key) or {}
+    info = run.info
+    yield "Rig", info.rig or "not named", "", "run file"
+    yield "Wire", info.wire or "not named", "", "run file"
+    if info.period_s:
+        yield "Tick", f"{info.period_s:g}", "s", "run file"
+    for signal, name in ((info.input, "Hysteresis input"), (info.output, "Output")):
         yield (
             name,
-            (part.get("quantity") or "not named").replace("T1 - T2", "T₁ − T₂"),
-            part.get("unit", ""),
-            part.get("from") or "run file",
+            (signal.quantity or "not named").replace("T1 - T2", "T₁ − T₂"),
+            signal.unit,
+            signal.from_ or "run file",
         )
-    size = (meta.get("output") or {}).get("per_count")
-    if size:
-        yield "One count", f"{size:.4g}", run.unit, "run file"
+    if info.output.per_count:
+        yield "One count", f"{info.output.per_count:.4g}", run.unit, "run file"
     known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if known.size:
         moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
         yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
-    if meta.get("effects"):
-        yield "Planted effects", ", ".join(map(str, meta["effects"])), "", "given to the twin"
-    if meta.get("wire_history"):
-        yield "Wire before this run", meta["wire_history"], "", "wire history"
+    if info.effects:
+        yield "Planted effects", ", ".join(map(str, info.effects)), "", "given to the twin"
+    if info.wire_history:
+        yield "Wire before this run", info.wire_history, "", "wire history"
     for key in ("initial", "encoder_zero", "seed", "notes"):
-        if meta.get(key) not in (None, ""):
-            yield key.replace("_", " ").capitalize(), meta[key], "", "run file"
-    for key, value in (meta.get("conditions") or {}).items():
+        if (value := getattr(info, key)) not in (None, ""):
+            yield key.replace("_", " ").capitalize(), value, "", "run file"
+    for key, value in info.conditions.items():
         yield str(key).replace("_", " ").capitalize(), value, "", "imported file"
 
 
 def _rig_rows(run: Run) -> Iterable[Row]:
     try:
-        rig = tomllib.loads(run.meta.get("config") or "")
+        rig = tomllib.loads(run.info.config or "")
     except tomllib.TOMLDecodeError:
         return
     for group in ("limits", "amplifier", "encoder"):
@@ -87,9 +85,9 @@ def _name_and_unit(key: str) -> tuple[str, str]:
 
 def _actuator_rows(run: Run) -> Iterable[Row]:
     try:
-        actuator = Actuator.named(run.meta["actuator"]) if run.meta.get("actuator") else None
+        actuator = Actuator.named(run.info.actuator) if run.info.actuator else None
     except SmarigError:
-        yield "Actuator", run.meta["actuator"], "", "its parameter file is not here"
+        yield "Actuator", run.info.actuator, "", "its parameter file is not here"
         return
     if actuator is None:
         return
@@ -136,13 +134,13 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
     """Which files this page was made from: name, protocol, hash, start, versions."""
     rows = []
     for run in runs.values():
-        versions = ", ".join(f"{k} {v}" for k, v in (run.meta.get("versions") or {}).items())
-        seed = run.meta.get("seed")
+        versions = ", ".join(f"{k} {v}" for k, v in run.info.versions.items())
+        seed = run.info.seed
         rows.append(
             (
                 run.path.name,
                 protocol_name(run),
-                run.meta.get("source") or "unknown",
+                run.info.source or "unknown",
                 _start(run),
                 "" if seed is None else seed,
                 versions,
@@ -157,7 +155,7 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
 
 
 def _start(run: Run) -> str:
-    epoch = run.meta.get("start_epoch")
+    epoch = run.info.start_epoch
     return datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M:%S UTC") if epoch else "unknown"
 
 
@@ -203,7 +201,7 @@ def steps_table(run: Run, most: int = 400) -> Html:
 
 def settings_text(run: Run) -> Html:
     """A run's settings in a line."""
-    settings = run.meta.get("settings") or {}
+    settings = run.info.settings
     return (
         paragraph("Settings: ", joined([tag("code", f"{k}={v}") for k, v in settings.items()], ", "), ".")
         if settings

@@ -145,7 +145,7 @@ def _quality_markers(run: Run, t: Array, y_axis: str) -> list[Trace]:
             run["t_s"][np.isfinite(run["t_s"])][0],
             time_unit(float(np.ptp(run["t_s"][np.isfinite(run["t_s"])])))[0],
         )
-        ends = [(float(s.t_end_s or 0.0) - first) / size for s in late]
+        ends = [(s.end_s - first) / size for s in late]
         words = f"{len(late)} steps that did not settle in time"
         here = [s.position if s.position is not None else np.nan for s in late]
         traces.append(dots(ends, here, words, BAD, symbol="circle-open", size=9, yaxis=y_axis))
@@ -158,9 +158,9 @@ def initialisation_figure(run: Run) -> Figure | None:
     None for runs without one (a one-wire rig only cools down).
     """
     step = next((s for s in run.steps if s.branch == "decay"), None)
-    rows = np.flatnonzero(run["step"] == step.index) if step else np.empty(0, dtype=int)
+    rows = run.rows(step) if step else slice(0, 0)
     gain = _gain_K_per_A2(run)
-    if not rows.size or gain is None:
+    if rows.start == rows.stop or gain is None:
         return None
     t, t_title = time_axis(run)
     current, wire = run["current_command_A"][rows], run["input"][rows]
@@ -187,7 +187,7 @@ def initialisation_figure(run: Run) -> Figure | None:
 
 
 def _gain_K_per_A2(run: Run) -> float | None:
-    name = run.meta.get("actuator")
+    name = run.info.actuator
     try:
         return Actuator.named(name).gain_K_per_A2 if name else None
     except SmarigError:

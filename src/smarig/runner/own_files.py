@@ -76,8 +76,9 @@ def check_drivers(file: RigFile, where: str, remedy: str) -> None:
 
 
 def _entries(run: Run) -> list[tuple[str, str, str, str]]:
-    entries = run.meta.get(OWN_FILES) or []
     try:
-        return [(str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in entries]
+        return [
+            (str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in run.info.own_files
+        ]
     except (KeyError, TypeError):
         raise DataError(f"{run.path.name}: what it says of own files is damaged.") from None

@@ -188,7 +188,7 @@ class Session:
 
     def count_unsaved_wear(self, run: Run) -> None:
         """Begin with what a process that was killed did not live to add to the wire's history."""
-        kept = int(run.meta.get("history_until_tick", 0))
+        kept = run.info.history_until_tick or 0
         for tick, input_K in zip(run["tick"].tolist(), run["input"].tolist()):
             if tick > kept:
                 self.wear.add(int(tick), input_K)

@@ -58,14 +58,14 @@ def command(
     from smarig.runner.resume.resume_run import read_launch_args, resume_in, session_for
 
     before = load_run(run)
-    if protocol not in ("", before.meta["protocol"]):
-        raise UsageError(f"{run.name} is of protocol '{before.meta['protocol']}', not of '{protocol}'.")
+    if protocol not in ("", before.info.protocol):
+        raise UsageError(f"{run.name} is of protocol '{before.info.protocol}', not of '{protocol}'.")
     session = session_for(before, rig=rig, wire=wire, speed=speed)
     show_message(f"{run.name} ended so: {before.cause.rstrip('.')}.")
     settings = read_launch_args(before)["settings"]
-    cost = preview(str(before.meta["protocol"]), session.file, settings, chooser=informed)
+    cost = preview(str(before.info.protocol), session.file, settings, chooser=informed)
     done = [s for s in before.steps if not s.void]
-    done_s = sum((s.t_end_s or s.t_start_s) - s.t_start_s for s in done)
+    done_s = sum(s.duration_s for s in done)
     live_context = live_view(
         live, session.file, session.source, settings, f"{run.name}, resumed", resumed=True
     )

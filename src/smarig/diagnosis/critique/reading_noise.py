@@ -84,9 +84,9 @@ def _scatter(timeline: Timeline) -> float:
     spread = []
     for run in timeline.runs:
         for step in run.settled[:: max(1, len(run.settled) // 40)]:
-            rows = np.flatnonzero(run["step"] == step.index)[-max(step.n, 1) :]
-            if rows.size > 20:
-                spread.append(float(np.var(np.diff(run["position"][rows])) / 2))
+            y = run["position"][run.window(step)]
+            if y.size > 20:
+                spread.append(float(np.var(np.diff(y)) / 2))
     return float(np.median(spread)) if spread else 0.0
 
 

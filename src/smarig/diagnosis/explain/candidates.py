@@ -212,7 +212,7 @@ def _variables(timeline: Timeline, base: Prediction) -> dict[str, Array]:
 
 def _start_time_s(timeline: Timeline) -> float:
     run = timeline.runs[0]
-    return float(run["t_s"][0]) - float(run.meta.get("period_s") or 0.1)
+    return float(run["t_s"][0]) - float(run.info.period_s or 0.1)
 
 
 def _smooth(z: Array, functions: int = 5) -> Array:

@@ -60,7 +60,9 @@ def _rows(columns: Sequence[ExportColumn]) -> np.ndarray:
 
 
 def _about(run: Run) -> dict[str, Any]:
-    texts = {key: str(run.meta.get(key) or "") for key in ("protocol", "rig", "wire", "actuator", "notes")}
+    texts = {
+        key: str(getattr(run.info, key) or "") for key in ("protocol", "rig", "wire", "actuator", "notes")
+    }
     return texts | {
         "title": title(run),
         "source": label(run),

@@ -94,7 +94,7 @@ def _zero_epoch(run: Run) -> float | None:
     began = next(starts, None)
     if began is not None:
         return float(began.data["epoch"]) - began.t_s
-    options = run.meta.get("start_epoch")
+    options = run.info.start_epoch
     return None if options is None else float(options)
 
 
@@ -153,7 +153,7 @@ def _description(run: Run) -> dict[str, Any]:
         "title": title(run),
         "source": f"{whose}: {measured.get(whose, 'see smarig_run')}",
         "history": f"{now} exported by smarig {version('smarig')} from {run.path.name}",
-        "comment": str(run.meta.get("notes") or ""),
+        "comment": str(run.info.notes or ""),
         "ended": run.cause,
     }
 

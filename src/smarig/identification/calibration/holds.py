@@ -60,7 +60,7 @@ def drive_holds(run: Run) -> list[DriveHold]:
 def _interrupted_before(run: Run, row: int) -> bool:
     """Whether a run with ticks of its own was interrupted just before a row."""
     t = run["t_s"]
-    return bool(run.meta.get("period_s")) and bool(t[row] - t[row - 1] > _GAP_S)
+    return bool(run.info.period_s) and bool(t[row] - t[row - 1] > _GAP_S)
 
 
 def valid_rows(run: Run) -> NDArray[np.bool_]:

@@ -70,7 +70,7 @@ def _ends(y: Array) -> tuple[float, float, float]:
 
 def _pooled(runs: Sequence[Run], ends: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
     """The same ends for runs of one sitting and encoder zero: the farthest any of them went."""
-    sessions = [(run.meta.get("start_epoch") or id(run), run.meta.get("encoder_zero")) for run in runs]
+    sessions = [(run.info.start_epoch or id(run), run.info.encoder_zero) for run in runs]
     pooled = []
     for mine in sessions:
         same = [end for end, session in zip(ends, sessions) if session == mine]

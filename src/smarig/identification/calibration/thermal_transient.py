@@ -66,7 +66,7 @@ _PARAMETER_TEXTS = {"tau": "The time constant τ", "dead_time": "A dead time"}
 
 def _source(run: Run) -> str:
     name = drive_name(run)
-    quantity = run.meta.get("input", {}).get("quantity", name) if name == "input" else "current"
+    quantity = run.info.input.text_of("quantity", name) if name == "input" else "current"
     return f"steps of {quantity} in {run.path.name}"
 
 

@@ -26,9 +26,9 @@ def curves_from_run(run: Run) -> tuple[ForcCurve, ...]:
     readings that do not move the field on are left out (they would be reversals of noise). Raises
     DataError when the run is of another protocol, or a curve's field goes back at over 10 % of its points.
     """
-    if run.meta.get("protocol") != FORC_PROTOCOL:
+    if run.info.protocol != FORC_PROTOCOL:
         raise DataError(
-            f"{run.path} is of protocol '{run.meta.get('protocol', 'unknown')}'; curves can be had from "
+            f"{run.path} is of protocol '{run.info.text_of('protocol', 'unknown')}'; curves can be had from "
             f"'{FORC_PROTOCOL}' (import a FORC file with --format forc)."
         )
     known = np.isfinite(run["input"]) & np.isfinite(run["position"]) & np.isfinite(run["step"])

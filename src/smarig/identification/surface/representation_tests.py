@@ -128,7 +128,7 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
         rms,
         float(np.max(np.abs(difference))),
         noise,
-        float(run.meta.get("output", {}).get("per_count") or 0.0),
+        run.info.output.resolution,
         run.unit,
         offset,
         bool(rms <= _COVERAGE * noise),

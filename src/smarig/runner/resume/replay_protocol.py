@@ -51,7 +51,6 @@ def replay_protocol(protocol: Protocol, run: Run) -> ReplayedProtocol:
     _check_samples(run)
     steps = [s for s in run.steps if not s.void]
     marks_left = {Mark: _event_count(run, "mark"), Zero: _event_count(run, "zero")}
-    rows = rows_by_step(run)
     done: list[FinishedStep] = []
     command = _next(protocol, None)
     while command is not None:
@@ -61,9 +60,9 @@ def replay_protocol(protocol: Protocol, run: Run) -> ReplayedProtocol:
         if isinstance(command, Hold | Waveform):
             if len(done) == len(steps):
                 break
-            found = _matched_step(run, command, steps[len(done)], rows)
+            found = _matched_step(run, command, steps[len(done)])
             done.append(found)
-            answer = _result(run, found.step, rows)
+            answer = _result(run, found.step)
         elif len(done) == len(steps) and marks_left[type(command)] <= 0:
             break
         else:
@@ -102,20 +101,11 @@ def _event_count(run: Run, kind: str) -> int:
     return sum(e.kind == kind for e in run.events[restart_index:])
 
 
-def rows_by_step(run: Run) -> dict[int, slice]:
-    """The rows of each step's samples; a number stands for one stretch."""
-    number = np.nan_to_num(run["step"], nan=-1.0).astype(np.int64)
-    if not number.size:
-        return {}
-    edges = np.flatnonzero(np.diff(number)) + 1
-    begins, ends = np.concatenate([[0], edges]), np.concatenate([edges, [number.size]])
-    return {int(number[a]): slice(int(a), int(b)) for a, b in zip(begins, ends) if number[a] >= 0}
-
-
-def _matched_step(run: Run, command: Hold | Waveform, step: Step, rows: dict[int, slice]) -> FinishedStep:
-    if step.index not in rows:
+def _matched_step(run: Run, command: Hold | Waveform, step: Step) -> FinishedStep:
+    rows = run.rows(step)
+    if rows.start == rows.stop:
         raise DataError(f"{run.path.name}: step {step.index} has no samples; the record is damaged.")
-    commanded_A = run["current_command_A"][rows[step.index]]
+    commanded_A = run["current_command_A"][rows]
     expected_A = command.current_A if isinstance(command, Hold) else command.currents_A[-1]
     target = command.target if isinstance(command, Hold) else None
     same_target = (
@@ -128,7 +118,7 @@ def _matched_step(run: Run, command: Hold | Waveform, step: Step, rows: dict[int
             f"{run.path.name}: step {step.index} was '{step.branch}' at {_current_list(commanded_A)} A, but its protocol asks for "
             f"'{command.branch}' at {expected_A:g} A there now: rig file, settings or smarig have changed since."
         )
-    return FinishedStep(command, step, float(run["input"][rows[step.index]][-1]))
+    return FinishedStep(command, step, float(run["input"][rows][-1]))
 
 
 def _same_currents(command: Hold | Waveform, commanded_A: Array) -> bool:
@@ -146,16 +136,15 @@ def _current_list(commanded_A: Array) -> str:
     return ", ".join(f"{a:g}" for a in changes[:3]) + (", …" if changes.size > 3 else "")
 
 
-def _result(run: Run, step: Step, rows: dict[int, slice]) -> StepResult:
+def _result(run: Run, step: Step) -> StepResult:
     """What the protocol was answered then, from the samples of the step's window."""
-    counts = run["counts"][rows[step.index]][-step.n :] if step.n else np.empty(0)
+    counts = run["counts"][run.window(step)]
     if step.n < 0 or counts.size < max(step.n, 1):
         raise DataError(
             f"{run.path.name}: step {step.index} has {counts.size} samples of {step.n}; the record is damaged."
         )
     sd = float(counts.std(ddof=1)) if counts.size > 1 else 0.0
     position = np.nan if step.position is None else step.position
-    end_s = step.t_start_s if step.t_end_s is None else step.t_end_s
     return StepResult(
         step.index,
         StepVerdict(step.verdict),
@@ -164,5 +153,5 @@ def _result(run: Run, step: Step, rows: dict[int, slice]) -> StepResult:
         sd,
         step.n,
         step.t_start_s,
-        end_s,
+        step.end_s,
     )

@@ -13,7 +13,7 @@ from smarig.core.command import Hold, Settled, Waveform
 from smarig.core.errors import DataError
 from smarig.protocols._setup import Setup
 from smarig.record import Run, Step
-from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol, rows_by_step
+from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
 from smarig.runner.resume.restore_path import SAME_INPUT, RestorePath, StartState, find_restore_path
 from smarig.runner.shift import Shift
 
@@ -103,9 +103,9 @@ def _restore_path_or_reason(
         return "what the wire remembered before the interruption cannot be made again by settled holds", None
     was_restarted = any(e.data.get("start_over") for e in run.events)
     if path_K.from_start and (
-        same_device or not now.fresh_twin or was_restarted or run.meta.get("initial") != now.initial
+        same_device or not now.fresh_twin or was_restarted or run.info.initial != now.initial
     ):
-        return f"the state '{run.meta.get('initial')}' that it began in cannot be made again", None
+        return f"the state '{run.info.initial}' that it began in cannot be made again", None
     return "", path_K
 
 
@@ -129,12 +129,10 @@ def _settled_input(done: FinishedStep, setup: Setup) -> float | None:
 def _start(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState) -> StartState | None:
     """The state before the first finished step, None where nobody knows."""
     if setup.two_wire:
-        return "anhysteretic" if run.meta.get("initial") == "anhysteretic" and now.fresh_twin else None
-    if run.meta.get("initial") == "negative" or not replayed.done:
+        return "anhysteretic" if run.info.initial == "anhysteretic" and now.fresh_twin else None
+    if run.info.initial == "negative" or not replayed.done:
         return "negative"
-    first = replayed.done[0].step.index
-    rows = rows_by_step(run)
-    before = rows[first].start - 1 if rows[first].start else 0
+    before = max(run.rows(replayed.done[0].step).start - 1, 0)
     cold = abs(float(run["input"][before])) <= _COLD_SHARE * setup.upper_K
     return "negative" if cold else None
 
@@ -165,14 +163,13 @@ def _settle_rule(replayed: ReplayedProtocol) -> Settled:
 
 def _same_device(run: Run, now: RigState) -> bool:
     """Whether the device has gone on since: the same one, the same boot, and later."""
-    shift = run.meta.get("shift") or {}
     last = int(run["tick"][-1]) if len(run) else 0
-    return run.meta.get("device") == now.device and now.tick + int(shift.get("ticks", 0)) >= last
+    return run.info.device == now.device and now.tick + int(run.info.shift.get("ticks", 0)) >= last
 
 
 def _shift(run: Run, setup: Setup, now: RigState, same_device: bool) -> Shift:
     if same_device:
-        known = run.meta.get("shift") or {}
+        known = run.info.shift
         reference_s, zeroed_s = (
             max((e.t_s for e in run.events if e.kind == k), default=0.0) for k in ("shift", "zero")
         )
@@ -187,7 +184,7 @@ def _shift(run: Run, setup: Setup, now: RigState, same_device: bool) -> Shift:
 def _idle_s(run: Run) -> float:
     """How long ago hardware was last recorded; 0 for a twin, whose time is its own."""
     started = [e for e in run.events if "epoch" in e.data]
-    if run.meta.get("source") != "bench" or not started or not len(run):
+    if run.info.source != "bench" or not started or not len(run):
         return 0.0
     since_start_s = float(run["t_s"][-1]) - started[-1].t_s
     return time.time() - float(started[-1].data["epoch"]) - since_start_s
@@ -196,7 +193,7 @@ def _idle_s(run: Run) -> float:
 def _last_zero(run: Run) -> str:
     """Where the encoder was zeroed last, as far as the record knows."""
     zeroed = [e for e in run.events if e.kind == "zero"]
-    return f"zeroed at {zeroed[-1].t_s:g} s" if zeroed else str(run.meta.get("encoder_zero"))
+    return f"zeroed at {zeroed[-1].t_s:g} s" if zeroed else str(run.info.encoder_zero)
 
 
 def _reference(run: Run, replayed: ReplayedProtocol, path_K: RestorePath, setup: Setup) -> Step:

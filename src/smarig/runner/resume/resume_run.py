@@ -5,7 +5,7 @@ is made as a new attempt; whatever was done on the way stands in the record, voi
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,10 +24,9 @@ from smarig.rig.twin import TwinSettings
 from smarig.runner.listener import Listener
 from smarig.runner.own_files import check_drivers, check_own_files
 from smarig.runner.preview import Preview, preview
-from smarig.runner.resume.replay_protocol import replay_protocol, rows_by_step
+from smarig.runner.resume.replay_protocol import replay_protocol
 from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan, RigState, plan_resume
 from smarig.runner.run_control import RunControl
-from smarig.runner.run_metadata import CLOSED_LOOP, LAUNCH_ARGS
 from smarig.runner.session import Session, check_free_space
 
 
@@ -41,7 +40,7 @@ def session_for(
     check_rig(run, file)
     if not rig:
         check_drivers(file, run.path.name, f"to have it executed, say so with --rig {name}")
-    run_wire = str(run.meta.get("wire"))
+    run_wire = str(run.info.wire)
     expected_wire = (
         run_wire if run_wire != launch["rig_wire"] else file.wire
     )  # named when it began, or the rig file's
@@ -50,7 +49,7 @@ def session_for(
             f"{run.path.name} is of wire '{run_wire}', not of '{wire or expected_wire}': it cannot go on there."
         )
     with _damaged_record_as_data_error(run):
-        seed, noise = int(run.meta.get("seed") or 0), bool(launch["noise"])
+        seed, noise = int(run.info.seed or 0), bool(launch["noise"])
         twin = TwinSettings(seed, noise, effects=from_pairs(launch["effects"]))
     return Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control)
 
@@ -84,7 +83,7 @@ def resume_in(
     """
     run = load_run(run.path)  # now that the wire is ours: it may have ended by itself meanwhile
     launch = read_launch_args(run)
-    protocol, settings = str(run.meta["protocol"]), launch["settings"]
+    protocol, settings = str(run.info.protocol), launch["settings"]
     fresh_twin = session.source == "twin" and session.rig.tick == 0
     now = RigState(session.device, session.rig.tick, fresh_twin, session.initial)
     with _damaged_record_as_data_error(run):
@@ -126,7 +125,7 @@ class _ResumeExecution:
         session, run, plan = self.session, self.run, self.plan
         session.guard.arm()
         session.count_unsaved_wear(run)
-        first = 1 + max((*rows_by_step(run), *(s.index for s in run.steps)), default=-1)
+        first = 1 + max((*run.step_rows, *(s.index for s in run.steps)), default=-1)
         change = Continuation(tuple(self.interrupted), plan.start_over)
         recorder = Recorder(run.path, self._meta(), continuation=change, clock=session.clock())
         record = _AttemptRecorder(recorder, _attempts(run, plan, self.interrupted))
@@ -154,7 +153,7 @@ class _ResumeExecution:
 
         done = plan.replayed.pending is None and not plan.start_over
         full_protocol = rest if done else _restore_then(plan, rest, session.setup.tau_s, on_reference)
-        session.carry_out(recorder, runner, full_protocol, new_run="history_until_tick" not in run.meta)
+        session.carry_out(recorder, runner, full_protocol, new_run=not run.info.has("history_until_tick"))
 
     def _meta(self) -> dict[str, Any]:
         """Keys of the run table that are others from now on."""
@@ -208,11 +207,11 @@ def _interrupted_rows(run: Run, plan: ResumePlan) -> list[tuple]:
     recorded_indices = {s.index for s in run.steps}
     pending = plan.replayed.pending
     rows = []
-    for index, where in rows_by_step(run).items():
-        if index in recorded_indices:
+    for index, where in run.step_rows.items():
+        if index < 0 or index in recorded_indices:
             continue
         t_s = run["t_s"][where]
-        begin_s, end_s = float(t_s[0]) - float(run.meta.get("period_s") or 0.0), float(t_s[-1])
+        begin_s, end_s = float(t_s[0]) - float(run.info.period_s or 0.0), float(t_s[-1])
         in_restore_path = _in_restore_path(run, index)
         branch = (
             RE_ESTABLISH
@@ -268,18 +267,18 @@ class _AttemptRecorder:
 # --- refusals ---------------------------------------------------------------------------------------------------
 
 
-def read_launch_args(run: Run) -> dict[str, Any]:
+def read_launch_args(run: Run) -> Mapping[str, Any]:
     """What a run was begun with; a sentence where it is no run that can be gone on with."""
     name = run.path.name
     if run.cause == "done":
         raise UsageError(f"{name} is done: there is nothing to go on with.")
-    if run.meta.get(CLOSED_LOOP):
+    if run.info.closed_loop:
         raise UsageError(
             f"{name} was a closed loop: it is not gone on with, but closed anew on a prepared wire."
         )
-    launch = run.meta.get(LAUNCH_ARGS)
+    launch = run.info.launch_args
     wanted = {"rig", "rig_wire", "speed", "effects", "noise", "settings"}
-    if run.meta.get("source") == "simulation" or not isinstance(launch, dict) or not wanted <= set(launch):
+    if run.info.source == "simulation" or launch is None or not wanted <= set(launch):
         raise DataError(
             f"{name} does not say what it was begun with: only runs that this smarig records on a rig or a "
             "twin can be gone on with."
@@ -293,9 +292,9 @@ def read_launch_args(run: Run) -> dict[str, Any]:
 def check_rig(run: Run, file: RigFile) -> None:
     """UsageError where a run was made on another rig."""
     for what, then, now in (
-        ("rig", run.meta.get("rig"), file.name),
-        ("actuator", run.meta.get("actuator"), Actuator.named(file.actuator).name),
-        ("period_s", run.meta.get("period_s"), file.period_s),
+        ("rig", run.info.rig, file.name),
+        ("actuator", run.info.actuator, Actuator.named(file.actuator).name),
+        ("period_s", run.info.period_s, file.period_s),
     ):
         if then != now:
             raise UsageError(

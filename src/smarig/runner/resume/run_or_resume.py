@@ -21,9 +21,9 @@ def check_same_experiment(run: Run, session: Session, protocol: str, settings: M
     check_rig(run, session.file)
     requested = {key: str(value) for key, value in settings.items()}
     for what, then, now in (
-        ("protocol", run.meta.get("protocol"), protocol),
-        ("settings", run.meta.get("settings"), requested),
-        ("wire", run.meta.get("wire"), session.wire),
+        ("protocol", run.info.protocol, protocol),
+        ("settings", run.info.settings if run.info.has("settings") else None, requested),
+        ("wire", run.info.wire, session.wire),
     ):
         if then != now:
             raise UsageError(f"{run.path} is of {what} {then}, not of {now}: give another folder.")
