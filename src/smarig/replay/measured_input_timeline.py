@@ -114,7 +114,7 @@ class _MeasuredInputRun:
 
     def read(self, per_branch: int | None) -> Integers:
         """Rows to be read: ``per_branch`` of a branch (None: all), half by time and half by how much the output moves."""
-        first = 0 if self.steady or self.run.meta.get("initial") else 1
+        first = 0 if self.steady or self.run.info.initial else 1
         rows = [
             _reading_rows(self.y, a, b, per_branch) if per_branch else np.arange(a + 1, b + 1)
             for a, b in pairwise(self.turns[first:])

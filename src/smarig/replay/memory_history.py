@@ -99,9 +99,9 @@ def memory_histories(
 
 def continues_run(before: Run, run: Run) -> bool:
     """Whether a run goes on where the one before it ended: same sitting, no gap in its clock."""
-    if run.meta.get("initial") != CONTINUED or "start_epoch" not in run.meta:
+    if run.info.initial != CONTINUED or not run.info.has("start_epoch"):
         return False
-    if run.meta["start_epoch"] != before.meta.get("start_epoch") or not (len(run) and len(before)):
+    if run.info.start_epoch != before.info.start_epoch or not (len(run) and len(before)):
         return False
     return bool(0 <= run["t_s"][0] - before["t_s"][-1] <= LONGEST_GAP_S)
 
@@ -117,7 +117,7 @@ def _states_at_points(
 def recorded_start(run: Run, *, mirrored: bool = False) -> Start | None:
     """The state a run's record says it began in, None when it does not say."""
     for start in STARTS:
-        if run.meta.get("initial") == start:
+        if run.info.initial == start:
             return _MIRROR[start] if mirrored else start
     return None
 

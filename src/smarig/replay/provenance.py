@@ -9,22 +9,22 @@ from typing import Any
 
 from smarig.config import load_actuator
 from smarig.core.errors import UsageError
-from smarig.record import Run
+from smarig.record import Run, SignalInfo
 from smarig.replay.model_file import ActuatorRecord, Provenance, SignalDescription
 
 
 def provenance(run: Run) -> Provenance:
     """A run's identity: path, SHA-256 of the file, protocol, source, rows, sitting and encoder zero."""
-    epoch, zero = run.meta.get("start_epoch"), run.meta.get("encoder_zero")
+    epoch, zero = run.info.start_epoch, run.info.encoder_zero
     return Provenance(
         run=str(run.path),
         sha256=file_hash(run),
-        protocol=str(run.meta.get("protocol", "")),
-        source=str(run.meta.get("source", "")),
+        protocol=run.info.text_of("protocol", ""),
+        source=run.info.text_of("source", ""),
         rows=len(run),
-        start_epoch=float(epoch) if isinstance(epoch, int | float) else None,
-        encoder_zero=str(zero) if zero is not None else None,
-        wire=str(run.meta.get("wire") or ""),
+        start_epoch=None if epoch is None else float(epoch),
+        encoder_zero=zero,
+        wire=run.info.wire or "",
     )
 
 
@@ -38,15 +38,15 @@ def file_hash(run: Run) -> str:
 
 def model_metadata(runs: Sequence[Run]) -> dict[str, Any]:
     """Fields of a Model that the first run tells: rig, actuator, arrangement, input and output."""
-    meta = runs[0].meta
-    name = str(meta.get("actuator", ""))
+    info = runs[0].info
+    name = info.text_of("actuator", "")
     parameters, arrangement = _actuator(name)
     return {
-        "rig": str(meta.get("rig", "")),
+        "rig": info.text_of("rig", ""),
         "actuator": ActuatorRecord(name=name, parameters=parameters),
         "arrangement": arrangement,
-        "input": _channel(meta.get("input"), "input"),
-        "output": _channel(meta.get("output"), "output"),
+        "input": _channel(info.input, "input"),
+        "output": _channel(info.output, "output"),
     }
 
 
@@ -62,6 +62,5 @@ def _actuator(name: str) -> tuple[dict[str, Any], str]:
     return {key: getattr(file, key).model_dump(mode="json") for key in sections}, file.arrangement
 
 
-def _channel(entry: Any, fallback: str) -> SignalDescription:
-    entry = entry if isinstance(entry, dict) else {}
-    return SignalDescription(quantity=str(entry.get("quantity", fallback)), unit=str(entry.get("unit", "")))
+def _channel(signal: SignalInfo, fallback: str) -> SignalDescription:
+    return SignalDescription(quantity=signal.text_of("quantity", fallback), unit=signal.unit)

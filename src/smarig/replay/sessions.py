@@ -21,7 +21,7 @@ def join_sessions(timelines: Sequence[Timeline]) -> Timeline:
 
     A sitting whose first run is not given (it is ``continued``) is believed to have begun like the others.
     """
-    starts = {str(timeline.runs[0].meta.get("initial")) for timeline in timelines} - {CONTINUED}
+    starts = {str(timeline.runs[0].info.initial) for timeline in timelines} - {CONTINUED}
     if len(starts) > 1:
         raise DataError(
             f"The sittings begin in different states ({', '.join(sorted(starts))}): diagnose those that begin alike."

@@ -31,10 +31,10 @@ Array = NDArray[np.float64]
 def plant_model_of(model: Model, first: Run) -> PlantModel:
     """The wire as a model believes it to be, in the state the first run says it begins in."""
     actuator = actuator_for_run(model, first)
-    output = first.meta.get("output")
-    per_count = output.get("per_count") if isinstance(output, dict) else None
     start = recorded_start(first) or ("anhysteretic" if actuator.two_wire else "negative")
-    return PlantModel(actuator, model.hysteresis, start, from_json(model.effects), float(per_count or 0.0))
+    return PlantModel(
+        actuator, model.hysteresis, start, from_json(model.effects), first.info.output.resolution
+    )
 
 
 def actuator_of(model: Model) -> Actuator:
@@ -102,7 +102,7 @@ def missing_earlier_runs(model: Model, runs: Sequence[Run]) -> list[str]:
     known = [*runs, *earlier_runs(model, runs)]
     missing = [p.run for p in _same_session_provenance(model, known)]
     first = min(known, key=lambda run: float(run["t_s"][0]) if run.has("t_s") else 0.0)
-    if not missing and first.meta.get("initial") == CONTINUED:
+    if not missing and first.info.initial == CONTINUED:
         missing = [f"what was run before {first.path.name}"]
     return missing
 
@@ -128,5 +128,5 @@ def simulate_samples_with_effects(model: Model, run: Run) -> Array:
         y[known] = _simulate_measured_input(model, [run])[0]
         return y
     timeline = build_timeline([run], actuator_of(model).tau_s)
-    t = run["t_s"] - float(run["t_s"][0]) + float(run.meta.get("period_s") or 0.1)
+    t = run["t_s"] - float(run["t_s"][0]) + float(run.info.period_s or 0.1)
     return predict_positions(timeline.drive, plant_model_of(model, run), t)

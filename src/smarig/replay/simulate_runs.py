@@ -39,7 +39,7 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
     operator, known = model.preisach(), False
     for k, run in enumerate(runs):
         check_input(model, run)
-        if run.meta.get("protocol") == FORC_PROTOCOL:
+        if run.info.protocol == FORC_PROTOCOL:
             outputs.append(_reversal_curves(operator, run))
             known = False
             continue

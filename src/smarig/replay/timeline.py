@@ -178,7 +178,7 @@ def _runs_by_session(runs: Sequence[Run]) -> list[list[Run]]:
     """Runs of each sitting, in the order of their clocks; sittings in the order in which they began."""
     found: dict[tuple[float, str], list[Run]] = {}
     for run in runs:
-        epoch, zero = run.meta.get("start_epoch"), run.meta.get("encoder_zero")
+        epoch, zero = run.info.start_epoch, run.info.encoder_zero
         found.setdefault((float(epoch or 0.0), str(zero)), []).append(run)
     return [
         sorted(found[key], key=lambda r: float(r["t_s"][0]) if len(r) else 0.0)
@@ -199,7 +199,7 @@ def _session_timeline(ordered_runs: Sequence[Run], tau_s: float) -> Timeline:
         settled=settled,
         other_readings=tuple(_other_readings(parts, first)),
         target_K=target,
-        hold_s=np.array([(s.t_end_s or s.t_start_s) - s.t_start_s for p in parts for s in p.steps]),
+        hold_s=np.array([s.duration_s for p in parts for s in p.steps]),
         run=steps,
         block=_blocks(target, steps),
         runs=tuple(ordered_runs),
@@ -219,7 +219,7 @@ def _check_clock(runs: Sequence[Run]) -> None:
 
 def _period_s(run: Run) -> float:
     """Length of its ticks; a tenth of a second where it does not say."""
-    return float(run.meta.get("period_s") or 0.1)
+    return float(run.info.period_s or 0.1)
 
 
 def _growing_steps(begin: float, end: float, tau_s: float) -> Array:
@@ -255,7 +255,7 @@ class _TimelineRun:
         name = "current_command_A" if run.has("current_command_A") else "current_A"
         self.command = np.nan_to_num(run[name])
         self.steps: tuple[Step, ...] = run.settled
-        self.rows = self._rows()
+        self.rows = run.rows_by_clock(self.steps)
         self.reading_s = self._reading_times_s()
 
     @property
@@ -266,11 +266,6 @@ class _TimelineRun:
         return DriveProfile(
             np.append(begin, self.t[last]), np.append(np.zeros(begin.size), self.command[last])
         )
-
-    def _rows(self) -> list[slice]:
-        begin = np.searchsorted(self.t, [s.t_start_s - self.start_s + 1e-6 for s in self.steps])
-        end = np.searchsorted(self.t, [(s.t_end_s or s.t_start_s) - self.start_s + 1e-6 for s in self.steps])
-        return [slice(int(a), int(b)) for a, b in zip(begin, end)]
 
     def _window(self, step: Step, rows: slice) -> slice:
         """The rows over which a settled position is the mean."""
@@ -284,7 +279,7 @@ class _TimelineRun:
     def _reading_times_s(self) -> Array:
         """The middle of each settled window."""
         period = _period_s(self.run)
-        end = np.array([s.t_end_s or s.t_start_s for s in self.steps], dtype=float)
+        end = np.array([s.end_s for s in self.steps], dtype=float)
         begin = np.array([s.t_start_s for s in self.steps], dtype=float)
         half = 0.5 * period * np.array([max(s.n - 1, 0) for s in self.steps])
         return np.maximum(end - half, begin + period) - self.start_s
