@@ -93,7 +93,6 @@ def run_display_info(run: Run) -> DisplayInfo:
     actuator = _actuator_of(run, rig)
     input_K, position = run["input"], run["position"]
     period_s, per_count = run.info.period_s, run.info.output.per_count
-    initial = run.info.initial
     low, high = _finite_range(input_K)
     if actuator is not None and not actuator.two_wire:
         low = min(low, 0.0)
@@ -107,7 +106,7 @@ def run_display_info(run: Run) -> DisplayInfo:
         input_unit=run.input_unit,
         period_s=float(period_s) if period_s else None,
         per_count=float(per_count) if per_count else None,
-        initial=initial if initial in get_args(Start) else None,
+        initial=next((start for start in get_args(Start) if start == run.info.initial), None),
         actuator=actuator,
         twin_hysteresis=twin_hysteresis,
         settling_rule=settled(run.info.settings) if actuator and period_s else None,

@@ -1,6 +1,6 @@
 """The page of one run, whatever its kind: complete, interrupted, imported without time or current, or empty."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -72,16 +72,17 @@ def _figure_parts(run: Run) -> Iterator[Figure | Html]:
         return
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
         yield hysteresis_figure(run)
-    if run.info.protocol in _REPRESENTATION_TESTS:
-        yield from _representation_parts(run)
+    test = _REPRESENTATION_TESTS.get(run.info.protocol or "")
+    if test is not None:
+        yield from _representation_parts(run, test)
 
 
 _REPRESENTATION_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
 
 
-def _representation_parts(run: Run) -> Iterator[Figure | Html]:
+def _representation_parts(run: Run, tested: Callable[[Run], Representation]) -> Iterator[Figure | Html]:
     try:
-        test = _REPRESENTATION_TESTS[run.info.protocol](run)
+        test = tested(run)
     except DataError as error:
         yield notice("warning", paragraph(str(error)))
         return
