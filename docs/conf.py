@@ -74,9 +74,9 @@ html_theme_options = {
     },
     "dark_css_variables": {
         "color-brand-primary": "#e8eaee",
-        "color-brand-content": style.SURFACES["constant"],
-        "color-link--visited": style.SURFACES["constant"],
-        "color-api-name": style.SURFACES["constant"],
+        "color-brand-content": style.surface_colour("constant"),
+        "color-link--visited": style.surface_colour("constant"),
+        "color-api-name": style.surface_colour("constant"),
     },
 }
 

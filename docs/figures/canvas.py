@@ -20,7 +20,7 @@ _INKS = {
     "heat": (style.HEATING, "#ff8c42"),
     "cool": (style.COOLING, "#5db7f2"),
     "model": (style.MODEL, "#2ecc9c"),
-    "third": (style.SURFACES["exponential"], "#f0b53a"),
+    "third": (style.surface_colour("exponential"), "#f0b53a"),
     "ground": ("#ffffff", "#131416"),
 }
 PLAIN = (

@@ -19,6 +19,7 @@ from smarig.identification.calibration.calibrate import calibrate
 from smarig.identification.identify import Identification, identify
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
+from smarig.identification.surface.surface_kinds import surface_kinds
 from smarig.identification.verify import verify
 from smarig.plant.actuator import Actuator
 from smarig.protocols._settings import with_loaded_protocols
@@ -34,7 +35,6 @@ from smarig.runner.preview import Preview, preview
 from smarig.runner.resume.run_or_resume import run_or_resume
 from smarig.runner.session import Session
 
-SURFACES = ("constant", "parabolic", "exponential", "positive", "table")
 DIAGNOSIS = "diagnosis"  # its folder
 ListenerFactory = Callable[[Preview], AbstractContextManager[Listener | None]]
 
@@ -212,7 +212,7 @@ def _runs_for(plan: CampaignFile, runs: Mapping[str, Run], purpose: str) -> list
 def _identify_all(train: list[Run]) -> tuple[dict[str, Identification], list[str]]:
     results: dict[str, Identification] = {}
     identification_warnings: list[str] = []
-    for name in SURFACES:
+    for name in surface_kinds():
         try:
             results[name] = identify(train, surface=name)
         except DataError as error:

@@ -2,10 +2,12 @@
 
 M_PC: bounded and piecewise continuous on P_r. M_P: besides, μ ≥ 0. For analytic surfaces the extremes
 are those of ``preisach.properties``. For tables μ is judged by the mass of cells, never by differentiation.
-Computed, never stored. Knows no data.
+Computed, never stored.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import singledispatch
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.lattice import lattice
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.theory.properties.classes import classes
 
@@ -49,33 +52,49 @@ class DensityReport:
         return f"DensityReport(μ from {self.mu_min:.3g} to {self.mu_max:.3g}, {classes})"
 
 
+@singledispatch
 def density_report(hysteresis: Everett) -> DensityReport:
     """Extremes and classes of a surface, a table, or the mirror image of one (whose μ(α, β) is μ̃(−β, −α))."""
-    if isinstance(hysteresis, Mirrored):
-        return _mirrored_report(density_report(hysteresis.image))
-    if isinstance(hysteresis, FodSurface):
-        return _of_surface(hysteresis)
     return _of_cells(hysteresis)
 
 
-def _mirrored_report(r: DensityReport) -> DensityReport:
+@density_report.register
+def _of_mirrored(hysteresis: Mirrored) -> DensityReport:
+    r = density_report(hysteresis.image)
     low, high = ((-b, -a) for a, b in (r.mu_min_at, r.mu_max_at))
     return DensityReport(
         r.mu_min, low, r.mu_max, high, r.M_PC, r.M_P, r.g_min, r.reversible_share, r.negative_cells, r.cells
     )
 
 
-def _of_surface(surface: FodSurface) -> DensityReport:
-    c = classes(surface)
+@density_report.register
+def _of_surface(hysteresis: FodSurface) -> DensityReport:
+    c = classes(hysteresis)
     low, high = c.mu_min, c.mu_max
     return DensityReport(
         low.value, low.at, high.value, high.at, c.M_PC, c.M_P, c.g_min.value, c.reversible_share
     )
 
 
+@density_report.register
+def _of_curves(hysteresis: ForcTable) -> DensityReport:
+    """Interpolated curves are piecewise smooth: their seams are kinks, not jumps."""
+    return replace(_of_cells(hysteresis), M_PC=True)
+
+
+@density_report.register
+def _of_table(hysteresis: FodTable) -> DensityReport:
+    """A finite table is piecewise smooth; its diagonal cells are its reversible part."""
+    report = _of_cells(hysteresis)
+    if not report.cells:
+        return report
+    rises = [hysteresis.everett(high, low) for low, high in pairwise(hysteresis.nodes.tolist())]
+    return replace(report, M_PC=True, g_min=float(np.min(np.array(rises) / np.diff(hysteresis.nodes))))
+
+
 def _of_cells(table: Everett) -> DensityReport:
     """Mass of rectangles [α₁, α₂] × [β₁, β₂]: F(α₂, β₁) − F(α₁, β₁) − F(α₂, β₂) + F(α₁, β₂) = 2∬μ."""
-    nodes = table.nodes if isinstance(table, FodTable) else np.linspace(table.lower, table.upper, _CELLS + 1)
+    nodes = lattice(table, _CELLS)
     n = nodes.size
     inputs = nodes.tolist()
     F = np.array([[table.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
@@ -99,10 +118,9 @@ def _of_cells(table: Everett) -> DensityReport:
         mu_min_at=(float(middle[i]), float(middle[j])),
         mu_max=float(mu[k, m]),
         mu_max_at=(float(middle[k]), float(middle[m])),
-        # Interpolated finite tables are piecewise smooth; ForcTable's seams are kinks, not jumps.
-        M_PC=isinstance(table, FodTable | ForcTable),
+        M_PC=False,
         M_P=negative == 0,
-        g_min=float(np.min(np.diag(F, -1) / width)) if isinstance(table, FodTable) else _NAN,
+        g_min=_NAN,
         reversible_share=_NAN,
         negative_cells=negative,
         cells=int(off_diagonal.sum()),

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.surface.choose_surface import (
     MOST_OBSERVATIONS,
-    POSITIVE,
     SurfaceChoice,
     choose_surface,
     thinned,
@@ -41,20 +40,20 @@ from smarig.identification.surface.fit_figures import (
 )
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
-from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface
+from smarig.identification.surface.surface_kinds import BEST, POSITIVE, surface_kinds
+from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.surface_form import forms
 from smarig.record import FORC_PROTOCOL, Run, load_run
 from smarig.replay.model_file import Model, NoiseRecord
 from smarig.replay.provenance import file_hash, model_metadata, provenance
 
-SurfaceKind = Literal["constant", "parabolic", "exponential", "positive", "table", "best"]
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = (
     0.9  # of the output's standard deviation left over by a fit: it has not followed the output
 )
-SURFACE_KINDS: tuple[str, ...] = (*FORMS, POSITIVE, "table", "best")
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +144,7 @@ class _FittedHysteresis:
 
 def identify(
     runs: Run | str | Path | Sequence[Run | str | Path],
-    surface: SurfaceKind | str = "best",
+    surface: str = BEST,
     *,
     select: str | None = None,
     anchor: bool = False,
@@ -166,13 +165,13 @@ def identify(
     loaded = _loaded(runs)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
-    choice = choose_surface(data, anchor=anchor, weights=weights) if surface == "best" else None
+    choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST else None
     kind = choice.kind if choice else surface
     if kind == POSITIVE:
         found = _positive(loaded, data, select, weights, symmetric)
     else:
         fit = choice.fit if choice and choice.fit and choice.fit.points == len(data) else None
-        if kind in FORMS and fit is None:
+        if kind in forms() and fit is None:
             fit = fit_surface(data, kind, anchor=anchor, weights=weights)
         found = _surface(loaded, data, fit, select, weights)
     curves = curve_report(everything)  # a selection says nothing of the range
@@ -197,8 +196,9 @@ def identify(
 
 
 def _check_words(surface: str, weights: str, symmetric: bool) -> None:
-    if surface not in SURFACE_KINDS:
-        raise UsageError(f"No surface '{surface}'{suggestion(surface, list(SURFACE_KINDS))}.")
+    known = [*surface_kinds(), BEST]
+    if surface not in known:
+        raise UsageError(f"No surface '{surface}'{suggestion(surface, known)}.")
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     if symmetric and surface != POSITIVE:

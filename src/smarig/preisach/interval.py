@@ -1,6 +1,6 @@
 """Interval arithmetic: ranges instead of numbers, so that what is computed holds everywhere in a box.
 
-Holds to rounding of double precision. Knows one formula, the shift f of a surface (5.5).
+Holds to rounding of double precision.
 """
 
 from dataclasses import dataclass
@@ -51,9 +51,9 @@ class Interval:
 
 
 def shift(surface: FodSurface, alpha: Interval) -> tuple[Interval, Interval]:
-    """Ranges of f and f′ over α: f′ is monotone in every form, f too but for the parabola's vertex."""
-    (f0, d0), (f1, d1) = surface.shift(alpha.low), surface.shift(alpha.high)
-    turning = f0
-    if surface.form == "parabolic" and surface.x[3] != 0.0:
-        turning = surface.shift(np.clip(-surface.x[4] / (2 * surface.x[3]), alpha.low, alpha.high))[0]
-    return Interval.hull(f0, f1, turning), Interval.hull(d0, d1)
+    """Ranges of f and f′ over α: their values at the ends, and where the form says that they turn in between."""
+    form, x = surface.surface_form, surface.x[3:]
+    values, slopes = ([at(x, alpha.low), at(x, alpha.high)] for at in (form.value, form.slope))
+    values += [form.value(x, np.clip(u, alpha.low, alpha.high)) for u in form.value_turns(x)]
+    slopes += [form.slope(x, np.clip(u, alpha.low, alpha.high)) for u in form.slope_turns(x)]
+    return Interval.hull(*values), Interval.hull(*slopes)

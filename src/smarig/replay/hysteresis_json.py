@@ -1,50 +1,42 @@
-"""A hysteresis as plain JSON values and back: one entry per kind.
+"""A hysteresis as plain JSON values and back.
 
-Adding a kind is one line of ``_JSON_KINDS``. Knows no file.
+A kind is one function that dumps it and one line of ``_LOADERS``.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import singledispatch
+from typing import Any
 
 import numpy as np
 
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface
+from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.surface_form import find_form
 
 LARGEST = 1e12  # squares of it can still be computed with
 
 
-class _JsonKind(NamedTuple):
-    of: type
-    dump: Callable[[Any], dict[str, Any]]
-    load: Callable[[dict[str, Any]], Everett]
-
-
+@singledispatch
 def dump_hysteresis(hysteresis: Everett) -> dict[str, Any]:
     """Plain values with a ``kind``; UsageError for a hysteresis that has none."""
-    for name, kind in _JSON_KINDS.items():
-        if isinstance(hysteresis, kind.of):
-            return {"kind": name, **kind.dump(hysteresis)}
     raise UsageError(
-        f"A {type(hysteresis).__name__} cannot be kept in a model file; kinds: {', '.join(_JSON_KINDS)}."
+        f"A {type(hysteresis).__name__} cannot be kept in a model file; kinds: {', '.join(_LOADERS)}."
     )
 
 
 def load_hysteresis(data: Any) -> Everett:
     """The hysteresis of ``dump_hysteresis``, bit for bit; DataError says what is wrong."""
-    if not isinstance(data, dict) or data.get("kind") not in _JSON_KINDS:
+    if not isinstance(data, dict) or data.get("kind") not in _LOADERS:
         kind_found = data.get("kind") if isinstance(data, dict) else data
-        raise DataError(
-            f"unknown kind of hysteresis '{kind_found}'; expected one of {', '.join(_JSON_KINDS)}"
-        )
+        raise DataError(f"unknown kind of hysteresis '{kind_found}'; expected one of {', '.join(_LOADERS)}")
     _bounded(data)
     rest = {key: value for key, value in data.items() if key != "kind"}
     try:
-        return _JSON_KINDS[data["kind"]].load(rest)
+        return _LOADERS[data["kind"]](rest)
     except UsageError as error:  # a surface that cannot be: here the file is to blame
         raise DataError(str(error)) from None
     except KeyError as error:
@@ -53,16 +45,19 @@ def load_hysteresis(data: Any) -> Everett:
         raise DataError(f"the hysteresis is damaged: {error}") from None
 
 
-def _dump_surface(s: FodSurface) -> dict[str, Any]:
+@dump_hysteresis.register
+def _dump_surface(hysteresis: FodSurface) -> dict[str, Any]:
+    s = hysteresis
     ends = {"lower": s.lower, "upper": s.upper, "y_lower": s.y_lower, "y_upper": s.y_upper, "unit": s.unit}
-    return {"form": s.form, "x": dict(zip(FORMS[s.form], s.x)), **ends}
+    x = dict(zip(s.surface_form.parameters, s.x))
+    return {"kind": "fod_surface", "form": s.form, "x": x, **ends}
 
 
 def _load_surface(data: dict[str, Any]) -> FodSurface:
-    names = FORMS.get(data["form"], ())
+    names = find_form(data["form"]).parameters
     x = data.pop("x")
     if set(x) != set(names):
-        raise DataError(f"a {data['form']} surface has parameters {', '.join(names) or '(unknown form)'}")
+        raise DataError(f"a {data['form']} surface has parameters {', '.join(names)}")
     numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
     surface = FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
     with np.errstate(all="ignore"):
@@ -92,9 +87,11 @@ def _bounded(data: dict[str, Any]) -> None:
             raise DataError(f"hysteresis key {key} is {shown}, beyond any wire's")
 
 
-def _dump_table(t: FodTable) -> dict[str, Any]:
+@dump_hysteresis.register
+def _dump_table(hysteresis: FodTable) -> dict[str, Any]:
+    t = hysteresis
     rows = [row[: k + 1].tolist() for k, row in enumerate(t.values)]
-    return {"unit": t.unit, "nodes": t.nodes.tolist(), "rows": rows}
+    return {"kind": "fod_table", "unit": t.unit, "nodes": t.nodes.tolist(), "rows": rows}
 
 
 def _load_table(data: dict[str, Any]) -> FodTable:
@@ -107,13 +104,23 @@ def _load_table(data: dict[str, Any]) -> FodTable:
     return FodTable(nodes, values, str(data["unit"]))
 
 
+@dump_hysteresis.register
+def _dump_curves(hysteresis: ForcTable) -> dict[str, Any]:
+    return {"kind": "forc_table", **hysteresis.to_json()}
+
+
+@dump_hysteresis.register
+def _dump_mirrored(hysteresis: Mirrored) -> dict[str, Any]:
+    return {"kind": "mirrored", "image": dump_hysteresis(hysteresis.image)}
+
+
 def _load_mirrored(data: dict[str, Any]) -> Mirrored:
     return Mirrored(load_hysteresis(data["image"]))
 
 
-_JSON_KINDS: dict[str, _JsonKind] = {
-    "fod_surface": _JsonKind(FodSurface, _dump_surface, _load_surface),
-    "fod_table": _JsonKind(FodTable, _dump_table, _load_table),
-    "forc_table": _JsonKind(ForcTable, ForcTable.to_json, ForcTable.from_json),
-    "mirrored": _JsonKind(Mirrored, lambda m: {"image": dump_hysteresis(m.image)}, _load_mirrored),
+_LOADERS: dict[str, Callable[[dict[str, Any]], Everett]] = {
+    "fod_surface": _load_surface,
+    "fod_table": _load_table,
+    "forc_table": ForcTable.from_json,
+    "mirrored": _load_mirrored,
 }

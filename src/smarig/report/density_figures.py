@@ -12,7 +12,7 @@ from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.identification_plot_data import density_grid, density_map, density_report_of, reversible
 from smarig.report.numbers import number, raised
 from smarig.report.run_description import run_caption, source_label
-from smarig.report.style import DIVERGING, INK, SURFACES
+from smarig.report.style import DIVERGING, INK, surface_colour
 from smarig.report.surface_figure import SURFACE_MIN_PX, buttons, scene, surface_trace
 
 Array = NDArray[np.float64]
@@ -156,7 +156,7 @@ def _reversible(found: Mapping[str, Identification], names: Mapping[str, object]
     for name in names:
         part = reversible(found[name])
         if part is not None:
-            data.append(line(*part, name, SURFACES.get(name, INK), width=2))
+            data.append(line(*part, name, surface_colour(name), width=2))
     layout = {
         "xaxis": axis(f"β ({run.input_unit})"),
         "yaxis": axis(f"g ({run.unit}/{run.input_unit})", rangemode="tozero"),

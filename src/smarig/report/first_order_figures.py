@@ -6,6 +6,8 @@ import numpy as np
 
 from smarig.identification.identify import Identification
 from smarig.identification.surface.curve_fit import fit_curves
+from smarig.identification.surface.surface_kinds import POSITIVE
+from smarig.preisach.hysteresis.surface_form import forms
 from smarig.record import Run
 from smarig.replay.memory_history import recorded_start
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
@@ -21,17 +23,10 @@ from smarig.report.identification_plot_data import (
 from smarig.report.numbers import number
 from smarig.report.representation_figure import count_lines, count_text, noise_band
 from smarig.report.run_description import count_size, input_title, output_title, run_caption, source_label
-from smarig.report.style import GREY, INK, SEQUENCE, SURFACES, colours
+from smarig.report.style import GREY, INK, SEQUENCE, colours, surface_colour
 
 _MOST_CURVES = 30  # more are drawn every so many, and the caption says so
 _BANDS = "bands: 90 % intervals of a new reading, wide where the data is silent; "
-_MODEL_LABELS = {
-    "constant": "f constant",
-    "parabolic": "f parabolic",
-    "exponential": "f exponential",
-    "positive": "μ ≥ 0",
-    "table": "table",
-}
 
 
 def curves_figure(found: Identification, run: Run) -> Figure:
@@ -132,6 +127,10 @@ def _residual_panel(found: Identification, run: Run) -> Panel:
     )
 
 
+def _model_label(name: str) -> str:
+    return f"f {name}" if name in forms() else {POSITIVE: "μ ≥ 0"}.get(name, name)
+
+
 def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
     """The identification input simulated with every surface, over the data (Figs. 5.21, 5.22)."""
     inputs, outputs = run.points()
@@ -141,7 +140,7 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         data = [
             line(inputs, outputs, "measured, joined", GREY, dash="dash", width=1),
             dots(inputs, outputs, "measured", INK, size=4, showlegend=False),
-            line(u, y, f"model, {_MODEL_LABELS.get(name, name)}", SURFACES.get(name, INK), width=1.8),
+            line(u, y, f"model, {_model_label(name)}", surface_colour(name), width=1.8),
         ]
         layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
         panels.append(Panel(data, layout, 400))
@@ -194,13 +193,14 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
         if short
         else ""
     )
+    *others, last = forms()
     mirror = " Ascending curves: parameters of the mirrored data (−u, −y)." if found.data.mirrored else ""
     return Figure(
         panels,
         "Each curve by itself: its sigmoid's parameters against α.",
         [
             f"ȳ(β) = b₁/(1 + e^(−b₂(β + b₃))) + b₄ fitted to each of {alpha.size} curves (§5.4.2); bars are standard "
-            f"errors. What b₃ does decides between the constant, parabolic and exponential surface.{left_out}{mirror}",
+            f"errors. What b₃ does decides between the {', '.join(others)} and {last} surface.{left_out}{mirror}",
             run_caption(run),
         ],
         source_label(run),

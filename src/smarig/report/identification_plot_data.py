@@ -1,10 +1,11 @@
 """An identification as a reader sees it: mirrored fits turned back, values on grids, the input re-simulated.
 
 Surfaces are fitted to first-order curves that fall; rising ones are fitted in the mirror (u, y) → (−u, −y).
-Here everything is in the units and signs of the measurement. Knows models; refuses to know figures.
+Here everything is in the units and signs of the measurement.
 """
 
 from dataclasses import dataclass
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,12 @@ from numpy.typing import NDArray
 from smarig.core.errors import DataError
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.identify import Identification
+from smarig.identification.surface.choose_surface import FittedImage
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.lattice import lattice
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.replay.memory_history import Start
@@ -33,17 +36,36 @@ class FirstOrderCurve:
     y: Array
 
 
-def image(found: Identification) -> FodSurface | FodTable | ForcTable:
+def image(found: Identification) -> FittedImage:
     """The hysteresis as its first-order curves were taken: itself for descending ones, else its mirror image."""
-    hysteresis = found.model.hysteresis
-    if found.data.mirrored and isinstance(hysteresis, FodTable):
-        return mirrored_table(hysteresis)
-    fitted = hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
-    if not isinstance(fitted, FodSurface | FodTable | ForcTable):
-        raise DataError(
-            f"A {type(fitted).__name__} has no first-order curves to draw; identify a surface or a table."
-        )
-    return fitted
+    return _descending(found.model.hysteresis, found.data.mirrored)
+
+
+@singledispatch
+def _descending(hysteresis: Everett, mirrored: bool) -> FittedImage:
+    """What has descending curves; ``mirrored`` where the curves of a hysteresis that is not were ascending."""
+    del mirrored
+    raise DataError(
+        f"A {type(hysteresis).__name__} has no first-order curves to draw; identify a surface or a table."
+    )
+
+
+@_descending.register
+def _image_of_mirrored(hysteresis: Mirrored, mirrored: bool) -> FittedImage:
+    del mirrored
+    return _descending(hysteresis.image, False)
+
+
+@_descending.register
+def _image_of_table(hysteresis: FodTable, mirrored: bool) -> FittedImage:
+    return mirrored_table(hysteresis) if mirrored else hysteresis
+
+
+@_descending.register(FodSurface)
+@_descending.register(ForcTable)
+def _image_of_itself(hysteresis: FodSurface | ForcTable, mirrored: bool) -> FittedImage:
+    del mirrored
+    return hysteresis
 
 
 def mirrored_table(table: FodTable) -> FodTable:
@@ -123,13 +145,25 @@ def output_grid(found: Identification, n: int = 41) -> tuple[Array, Array, Array
 
 def density_grid(found: Identification, n: int = 81) -> tuple[Array, Array, Array] | None:
     """Grids of α, β, μ(α, β) over the half plane α ≥ β; None for tables, whose μ is a matter of cells."""
-    surface = image(found)
-    if not isinstance(surface, FodSurface):
+    surface = _analytic(image(found))
+    if surface is None:
         return None
     a, t = np.meshgrid(np.linspace(surface.lower, surface.upper, n), np.linspace(0, 1, n), indexing="ij")
     b = surface.lower + t * (a - surface.lower)
     mu = surface.density(a, b)
     return (-b, -a, mu) if found.data.mirrored else (a, b, mu)
+
+
+@singledispatch
+def _analytic(hysteresis: Everett) -> FodSurface | None:
+    """The hysteresis where its density is a formula, else None."""
+    del hysteresis
+    return None
+
+
+@_analytic.register
+def _itself(hysteresis: FodSurface) -> FodSurface | None:
+    return hysteresis
 
 
 def density_map(found: Identification) -> tuple[Array, Array, Array]:
@@ -142,38 +176,64 @@ def density_of(hysteresis: Everett, *, mirrored: bool = False, n: int = 121) -> 
 
     A cell's μ is its mass over its area, [F(α₂,β₁) − F(α₁,β₁) − F(α₂,β₂) + F(α₁,β₂)] / (2 Δα Δβ).
     """
-    if isinstance(hysteresis, Mirrored):
-        return density_of(hysteresis.image, mirrored=not mirrored, n=n)
-    if isinstance(hysteresis, FodSurface):
-        u = np.linspace(hysteresis.lower, hysteresis.upper, n)
-        a, b = np.meshgrid(u, u, indexing="ij")
-        mu = np.where(b <= a, hysteresis.density(a, b), np.nan)
-    else:
-        even = np.linspace(hysteresis.lower, hysteresis.upper, _MAP_CELLS + 1)
-        u = hysteresis.nodes if isinstance(hysteresis, FodTable) else even
-        inputs = u.tolist()
-        F = np.array([[hysteresis.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
-        mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
-        width = np.diff(u)
-        mu = np.where(np.tri(u.size - 1, k=-1, dtype=bool), mass / (2 * width[:, None] * width), np.nan)
+    u, mu = _density(hysteresis, n)
     if mirrored:  # μ(α, β) = μ̃(−β, −α)
         return -u[::-1], -u[::-1], mu[::-1, ::-1].T
     return u, u, mu
 
 
-_HYSTERESIS_NAMES = {
-    FodSurface: "surface",
-    FodTable: "table of first-order curves",
-    ForcTable: "first-order reversal curves",
-}
+@singledispatch
+def _density(hysteresis: Everett, n: int) -> tuple[Array, Array]:
+    """Edges u of cells, or nodes, and μ[α, β] on them."""
+    del n
+    u = lattice(hysteresis, _MAP_CELLS)
+    inputs = u.tolist()
+    F = np.array([[hysteresis.everett(a, b) if b <= a else np.nan for b in inputs] for a in inputs])
+    mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
+    width = np.diff(u)
+    return u, np.where(np.tri(u.size - 1, k=-1, dtype=bool), mass / (2 * width[:, None] * width), np.nan)
 
 
+@_density.register
+def _density_of_surface(hysteresis: FodSurface, n: int) -> tuple[Array, Array]:
+    u = np.linspace(hysteresis.lower, hysteresis.upper, n)
+    a, b = np.meshgrid(u, u, indexing="ij")
+    return u, np.where(b <= a, hysteresis.density(a, b), np.nan)
+
+
+@_density.register
+def _density_of_mirrored(hysteresis: Mirrored, n: int) -> tuple[Array, Array]:
+    u, _, mu = density_of(hysteresis.image, mirrored=True, n=n)
+    return u, mu
+
+
+@singledispatch
 def hysteresis_description(hysteresis: Everett) -> str:
     """What a model's hysteresis is, for readers: "exponential surface", "relays"."""
-    if isinstance(hysteresis, Mirrored):
-        return f"{hysteresis_description(hysteresis.image)}, mirrored"
-    form = getattr(hysteresis, "form", "")
-    return f"{form} {_HYSTERESIS_NAMES.get(type(hysteresis), 'relays')}".strip()
+    del hysteresis
+    return "relays"
+
+
+@hysteresis_description.register
+def _surface_description(hysteresis: FodSurface) -> str:
+    return f"{hysteresis.form} surface"
+
+
+@hysteresis_description.register
+def _table_description(hysteresis: FodTable) -> str:
+    del hysteresis
+    return "table of first-order curves"
+
+
+@hysteresis_description.register
+def _curves_description(hysteresis: ForcTable) -> str:
+    del hysteresis
+    return "first-order reversal curves"
+
+
+@hysteresis_description.register
+def _mirrored_description(hysteresis: Mirrored) -> str:
+    return f"{hysteresis_description(hysteresis.image)}, mirrored"
 
 
 def density_report_of(found: Identification) -> DensityReport:
@@ -183,8 +243,8 @@ def density_report_of(found: Identification) -> DensityReport:
 
 def reversible(found: Identification, n: int = 201) -> tuple[Array, Array] | None:
     """Input and g: the density of reversible relays on α = β; None for tables."""
-    surface = image(found)
-    if not isinstance(surface, FodSurface):
+    surface = _analytic(image(found))
+    if surface is None:
         return None
     u = np.linspace(surface.lower, surface.upper, n)
     return sign(found) * u, np.asarray(surface.reversible(u))

@@ -9,6 +9,7 @@ from smarig.identification.identify import Identification
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.verify import Verification
+from smarig.preisach.hysteresis.surface_form import forms
 from smarig.record import Run
 from smarig.report.density_figures import density_unit
 from smarig.report.html import Html, joined, paragraph, table, tag
@@ -130,18 +131,14 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
 
 
 def _units(found: Identification) -> dict[str, str]:
-    u, y = found.model.input.unit, found.model.unit
-    units = {"x2": f"1/{u}", "x3": u, "x4": f"1/{u}", "y_upper": y, "y_lower": y}
-    return units | {
-        "constant": {"x5": u},
-        "parabolic": {"x5": f"1/{u}", "x6": "1", "x7": u},
-        "exponential": {"x5": u, "x6": f"1/{u}", "x7": u},
-    }.get(found.surface, {})
+    form, y = forms().get(found.surface), found.model.unit
+    units = form.units(found.model.input.unit) if form else {}
+    return units | {"y_upper": y, "y_lower": y}
 
 
 def _display_name(name: str) -> str:
     return {"y_upper": "y(u₊, u₊)", "y_lower": "y(u₊, u₋)"}.get(
-        name, name.translate(str.maketrans("234567", "₂₃₄₅₆₇"))
+        name, name.translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     )
 
 

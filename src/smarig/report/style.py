@@ -6,18 +6,14 @@ Knows no data.
 
 from typing import Any
 
+from smarig.preisach.hysteresis.surface_form import forms
+
 INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
 HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion rises, blue falls
 CURRENT, TEMPERATURE, POSITION = "#E69F00", "#D55E00", "#0072B2"
 FIRST, SECOND, GOOD, BAD = "#0072B2", "#D55E00", "#009E73", "#D55E00"
 MODEL = "#009E73"
-SURFACES = {
-    "constant": "#56B4E9",
-    "parabolic": "#CC79A7",
-    "exponential": "#E69F00",
-    "table": "#6b7280",
-    "positive": "#009E73",
-}
+_OTHER_SURFACES = {"table": "#6b7280", "positive": "#009E73"}
 # Things compared, in the order in which they were named.
 COMPARED = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1f24", "#6b7280")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid", "dash")
@@ -43,6 +39,12 @@ DIVERGING = [
     [1.0, "#b2182b"],
 ]
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+
+
+def surface_colour(kind: str) -> str:
+    """The colour of a kind of surface, the same on every page; that of ink for any other name."""
+    form = forms().get(kind)
+    return form.colour if form else _OTHER_SURFACES.get(kind, INK)
 
 
 def colours(n: int) -> list[str]:

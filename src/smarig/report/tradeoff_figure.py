@@ -14,7 +14,7 @@ from smarig.report.html import Html, joined
 from smarig.report.identification_plot_data import density_report_of
 from smarig.report.model_tables import M_P, pooled_rms
 from smarig.report.run_description import run_caption, source_label
-from smarig.report.style import GOOD, GREY, INK, SURFACES
+from smarig.report.style import GOOD, GREY, surface_colour
 
 Coordinates = dict[str, tuple[float, float]]
 _MARGIN_SHARE = 0.12  # of the largest share, left of zero and right of it
@@ -111,7 +111,7 @@ def _panel(
 
 
 def _mark(name: str, share: float, rms: float, filled: bool, ends: tuple[float, float] | None) -> Trace:
-    colour = SURFACES.get(name, INK)
+    colour = surface_colour(name)
     bars = {}
     if ends is not None:
         spread = {"type": "data", "symmetric": False, "array": [ends[1] - rms], "arrayminus": [rms - ends[0]]}

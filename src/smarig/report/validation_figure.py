@@ -7,14 +7,14 @@ from smarig.record import Run
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.representation_figure import noise_band
 from smarig.report.run_description import input_title, output_title, run_caption, source_label
-from smarig.report.style import BAD, GREY, INK, SURFACES
+from smarig.report.style import BAD, GREY, INK, surface_colour
 
 
 def validation_figure(judged: RunVerification, run: Run, surface: str) -> Figure:
     """Measured and model in order of time; the residual against time and against the input."""
     order = np.arange(judged.input.size, dtype=float)
     t, t_title = _times(run, order)
-    colour = SURFACES.get(surface, INK)
+    colour = surface_colour(surface)
     data: list[Trace] = [
         line(t, judged.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
         dots(

@@ -8,8 +8,8 @@ from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.core.atomic_file import check_writable
 from smarig.core.file_content import MODEL
+from smarig.identification.surface.surface_kinds import BEST, surface_kinds
 
-SURFACES = ("constant", "parabolic", "exponential", "positive", "table", "best")
 EPILOG = """\b
 Examples:
   smarig identify fod.run.sqlite --surface exponential -o wire.model.json
@@ -21,7 +21,11 @@ Examples:
 @click.command("identify", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
-    "--surface", type=click.Choice(SURFACES), default="best", show_default=True, help="Kind of density."
+    "--surface",
+    type=click.Choice([*surface_kinds(), BEST]),
+    default=BEST,
+    show_default=True,
+    help="Kind of density.",
 )
 @click.option("--select", metavar="EXPR", help="Fit only where this holds, e.g. 'curve%2==0'.")
 @click.option(

@@ -20,16 +20,16 @@ from smarig.identification.positive.quadratic_programme import MeasureProblem
 from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
 from smarig.identification.surface.measured_table import curve_table, table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit, fit_surface
-from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface
+from smarig.identification.surface.surface_kinds import POSITIVE, kinds_by_freedom, surface_kinds
+from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.lattice import lattice
+from smarig.preisach.hysteresis.surface_form import forms
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 FittedImage = FodSurface | FodTable | ForcTable
-POSITIVE = "positive"
-KINDS_BY_FREEDOM = (("constant",), ("parabolic", "exponential"), (POSITIVE,), ("table",))  # by rising freedom
-SURFACE_KINDS = tuple(kind for level in KINDS_BY_FREEDOM for kind in level)
 # Over 25 seeds of the one-wire constant surface a freer kind was never luckier than 7 %.
 SIMPLER_TOLERANCE = 1.1
 GROUPS = 5
@@ -71,7 +71,7 @@ class _Candidate:
 def choose_surface(
     data: FodData, *, anchor: bool = False, weights: MajorLoopWeighting = "residual"
 ) -> SurfaceChoice:
-    """Compare constant, parabolic, exponential, positive and table by held-out curves.
+    """Compare all kinds of surface by held-out curves.
 
     Raises DataError when there are fewer than four curves, or no kind can be fitted.
     """
@@ -85,7 +85,7 @@ def choose_surface(
     errors: dict[str, Array] = {}
     shares: dict[str, float] = {}
     fits: dict[str, SurfaceFit | None] = {}
-    for kind in SURFACE_KINDS:
+    for kind in surface_kinds():
         try:
             candidate = _candidate(data, kind, anchor, weights)
             errors[kind] = _held_out_errors(candidate, held, data)
@@ -114,8 +114,7 @@ def rms_interval(squares: Array, level: float = INTERVAL_LEVEL) -> tuple[float, 
 
 def negative_share(hysteresis: FittedImage) -> float:
     """∬μ⁻/∬|μ|: from the masses of a table's own cells, or of a fine grid's; 0 where μ is 0 everywhere."""
-    even = np.linspace(hysteresis.lower, hysteresis.upper, _CELLS + 1)
-    u = hysteresis.nodes if isinstance(hysteresis, FodTable) else even
+    u = lattice(hysteresis, _CELLS)
     F = hysteresis.swept(np.maximum(u[:, None], u), np.minimum(u[:, None], u))
     mass = (F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:])[np.tri(u.size - 1, k=-1, dtype=bool)]
     whole = float(np.abs(mass).sum())
@@ -125,7 +124,7 @@ def negative_share(hysteresis: FittedImage) -> float:
 def _simplest(rms: dict[str, float]) -> str:
     """The best kind among the simplest that come within ``SIMPLER_TOLERANCE`` of the best of all."""
     enough = SIMPLER_TOLERANCE * min(rms.values())
-    for level in KINDS_BY_FREEDOM:
+    for level in kinds_by_freedom():
         good = [kind for kind in level if rms.get(kind, np.inf) <= enough]
         if good:
             return min(good, key=lambda kind: rms[kind])
@@ -145,7 +144,7 @@ def _held_out_errors(candidate: _Candidate, held: Array, data: FodData) -> Array
 
 
 def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighting) -> _Candidate:
-    if kind in FORMS:
+    if kind in forms():
         some = thinned(data, MOST_POINTS)
         whole = fit_surface(some, kind, anchor=anchor, weights=weights)
 

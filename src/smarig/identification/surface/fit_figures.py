@@ -3,6 +3,7 @@
 Knows the fits of every kind. Refuses to know runs' files and how a fit was made.
 """
 
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -139,11 +140,23 @@ def surface_warnings(
         found.append("The surface fit did not converge; compare with another surface before using it.")
     if fit and not fit.determined:
         found.append("The data does not determine all parameters of the surface; intervals cannot be given.")
-    if isinstance(image, ForcTable) and not data.mirrored:
-        found.append("The curves do not share one partition; between them the table is interpolated.")
+    if not data.mirrored:
+        found += _partition_warnings(image)
     if fit is None and density.negative_cells:
         found.append(
             f"{density.negative_cells} of the table's {density.cells} cells have negative mass; noise of the "
             "readings does that too, so this alone does not prove μ < 0."
         )
     return found
+
+
+@singledispatch
+def _partition_warnings(image: object) -> list[str]:
+    del image
+    return []
+
+
+@_partition_warnings.register
+def _interpolated_warnings(image: ForcTable) -> list[str]:
+    del image
+    return ["The curves do not share one partition; between them the table is interpolated."]

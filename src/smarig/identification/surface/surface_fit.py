@@ -21,14 +21,14 @@ from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
-from smarig.preisach.hysteresis.fod_surface import FORMS, FodSurface, Form
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.surface_form import Parameters, SurfaceForm, find_form
 
 Array = NDArray[np.float64]
 MajorLoopWeighting = Literal["residual", "square"]
 ROOT_WEIGHT: dict[MajorLoopWeighting, float] = {"residual": 2.0, "square": float(np.sqrt(2.0))}
 REFINED_STARTS = 3
-_STEEPEST = 500.0  # x₂, x₄ and |x₆| times the range stay below this
-_LARGEST_EXPONENT = 40.0
+_STEEPEST = 500.0  # x₂ and x₄ times the range stay below this
 _DEGENERATE_RESIDUAL = 1e3
 
 
@@ -80,17 +80,21 @@ class SurfaceFit:
 class _SurfaceProblem:
     """Data, form and ends: maps a parameter vector to a surface, residuals and their Jacobian."""
 
-    form: Form
+    form: str
     data: FodData
     ends: tuple[float, float] | None  # (y_upper, y_lower) when anchored
     root_weights: Array
 
     @property
+    def surface_form(self) -> SurfaceForm:
+        return find_form(self.form)
+
+    @property
     def names(self) -> tuple[str, ...]:
-        return FORMS[self.form] + (() if self.ends else ("y_upper", "y_lower"))
+        return self.surface_form.parameters + (() if self.ends else ("y_upper", "y_lower"))
 
     def surface(self, p: Array) -> FodSurface:
-        n = len(FORMS[self.form])
+        n = len(self.surface_form.parameters)
         y_upper, y_lower = self.ends or (float(p[n]), float(p[n + 1]))
         x = tuple(float(v) for v in p[:n])
         return FodSurface(self.form, x, self.data.lower, self.data.upper, y_lower, y_upper, self.data.unit)
@@ -110,34 +114,32 @@ class _SurfaceProblem:
     def bounds(self) -> tuple[Array, Array]:
         span = self.data.upper - self.data.lower
         steep = _STEEPEST / span
-        high = {"x2": steep, "x4": steep}
-        low = {"x2": 0.0, "x4": 0.0, "x3": -(self.data.upper + span)}
-        high["x3"] = -(self.data.lower - span)
-        if self.form == "exponential":
-            reach = _LARGEST_EXPONENT / max(abs(self.data.lower), abs(self.data.upper), span)
-            low["x6"], high["x6"] = -reach, reach
-        return (
-            np.array([low.get(name, -np.inf) for name in self.names]),
-            np.array([high.get(name, np.inf) for name in self.names]),
-        )
+        bounds = {
+            "x2": (0.0, steep),
+            "x3": (-(self.data.upper + span), -(self.data.lower - span)),
+            "x4": (0.0, steep),
+            **self.surface_form.bounds(self.data.lower, self.data.upper),
+        }
+        low, high = np.array([bounds.get(name, (-np.inf, np.inf)) for name in self.names]).T
+        return low, high
 
 
 def fit_surface(
     data: FodData,
-    form: Form = "exponential",
+    form: str = "exponential",
     *,
     anchor: bool = False,
     weights: MajorLoopWeighting = "residual",
     start: SurfaceFit | None = None,
 ) -> SurfaceFit:
-    """Fit (5.5) with f(α) constant, parabolic or exponential by least squares from several starts.
+    """Fit (5.5) with f(α) of a form by least squares from several starts.
 
     ``weights`` doubles the "residual" or the "square" on the major loop; ``anchor`` fixes y(u₊,u₊) and
     y(u₊,u₋) at their measured means; ``start`` is an earlier fit to begin at instead of searching.
-    Raises DataError when there are fewer points than parameters, or none at an anchor.
+    Raises UsageError for an unknown form, DataError when there are fewer points than parameters, or none at an
+    anchor.
     """
-    if form not in FORMS:
-        raise UsageError(f"Surface form '{form}' is not one of {', '.join(FORMS)}.")
+    find_form(form)
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     root_weights = np.where(data.major, ROOT_WEIGHT[weights], 1.0)
@@ -161,14 +163,16 @@ def fit_surface(
 
 def _starts(problem: _SurfaceProblem) -> list[Array]:
     data, root_weights = problem.data, problem.root_weights
-    around = None
-    if problem.form != "constant":
-        simple = _SurfaceProblem("constant", data, problem.ends, root_weights)
+    fitted: Parameters = ()
+    grows_from = problem.surface_form.grows_from
+    if grows_from is not None:
+        simple = _SurfaceProblem(grows_from, data, problem.ends, root_weights)
         trials = [_refined(simple, p) for p in _starts(simple)]
         if not trials:
             return []
-        around = tuple(min(trials, key=lambda trial: trial.cost).x[:4].tolist())
-    guesses = ranked_starts(problem.form, data, root_weights, around)
+        p = min(trials, key=lambda trial: trial.cost).x
+        fitted = tuple(p[: len(simple.surface_form.parameters)].tolist())
+    guesses = ranked_starts(problem.form, data, root_weights, fitted)
     # Neighbours in rank are often neighbours in space: every third keeps the starts apart.
     chosen = guesses[: 3 * REFINED_STARTS : 3]
     ends = [] if problem.ends else list(_rough_ends(data))

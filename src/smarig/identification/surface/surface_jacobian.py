@@ -1,9 +1,7 @@
 """Derivatives of the surface (5.5) by its parameters, in closed form.
 
-    y = y₋ + D s/S,   D = y₊ − y₋,   s = A(α) [σ(x₄(β + f)) − σ(x₄(u₋ + f))],   S = s(u₊, u₊)
-    ∂y/∂p = D (∂s/∂p · S − s · ∂S/∂p)/S²,   ∂y/∂y₊ = s/S,   ∂y/∂y₋ = 1 − s/S
-
-Knows no data.
+y = y₋ + D s/S,   D = y₊ − y₋,   s = A(α) [σ(x₄(β + f)) − σ(x₄(u₋ + f))],   S = s(u₊, u₊)
+∂y/∂p = D (∂s/∂p · S − s · ∂S/∂p)/S²,   ∂y/∂y₊ = s/S,   ∂y/∂y₋ = 1 − s/S
 """
 
 import numpy as np
@@ -35,15 +33,5 @@ def _shape_gradient(surface: FodSurface, a: Array, b: Array) -> Array:
     rise = amplitude * (1 - amplitude) * (here - rest)
     by_x4 = amplitude * (bell * (b + f) - bell_rest * (surface.lower + f))
     by_f = amplitude * x4 * (bell - bell_rest)
-    return np.column_stack([rise * (a + x3), rise * x2, by_x4, by_f[:, None] * _shift_gradient(surface, a)])
-
-
-def _shift_gradient(surface: FodSurface, a: Array) -> Array:
-    """∂f/∂(x₅…), shape (k, 1 or 3)."""
-    one = np.ones_like(a)
-    if surface.form == "constant":
-        return one[:, None]
-    if surface.form == "parabolic":
-        return np.column_stack([a * a, a, one])
-    decay = np.exp(-surface.x[4] * a)
-    return np.column_stack([decay, -surface.x[3] * a * decay, one])
+    by_own = by_f[:, None] * surface.surface_form.jacobian(surface.x[3:], a)
+    return np.column_stack([rise * (a + x3), rise * x2, by_x4, by_own])

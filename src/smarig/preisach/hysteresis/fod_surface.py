@@ -3,29 +3,21 @@
     y(α, β) = y₋ + (y₊ − y₋) · s(α, β) / s(u₊, u₊)
     s(α, β) = σ(x₂(α + x₃)) · [σ(x₄(β + f(α))) − σ(x₄(u₋ + f(α)))],     σ(z) = 1/(1 + e⁻ᶻ)
 
-which is (5.5) with its exponentials gathered into sigmoids. f is constant x₅, parabolic
-x₅α² + x₆α + x₇, or exponential x₅e^(−x₆α) + x₇. Knows no data and no fit.
+which is (5.5) with its exponentials gathered into sigmoids. f is that of a form in ``forms/``.
 """
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import DiagonalIntegrals
-from smarig.preisach.kernel import KeyedEverett, KeyedFunction, input_as_keys, inputs_as_keys
+from smarig.preisach.hysteresis.surface_form import SurfaceForm, find_form
+from smarig.preisach.kernel import KeyedEverett, input_as_keys, inputs_as_keys
 
-Form = Literal["constant", "parabolic", "exponential"]
 Array = NDArray[np.float64]
-FORMS: dict[Form, tuple[str, ...]] = {
-    "constant": ("x2", "x3", "x4", "x5"),
-    "parabolic": ("x2", "x3", "x4", "x5", "x6", "x7"),
-    "exponential": ("x2", "x3", "x4", "x5", "x6", "x7"),
-}
 
 
 def sigmoid(z: ArrayLike) -> Array:
@@ -37,9 +29,9 @@ def sigmoid(z: ArrayLike) -> Array:
 class FodSurface(DiagonalIntegrals):
     """Analytic FOD surface y(α, β), thesis (5.5).
 
-    ``x`` are x₂…x₅ (constant) or x₂…x₇; ``lower``/``upper`` the smallest/largest identification
-    input; ``y_lower``/``y_upper`` the outputs at negative and positive saturation. Inputs α ≥ β in
-    kelvin above ambient, outputs in ``unit``. All methods broadcast.
+    ``form`` is the name of the form of f, ``x`` are x₂, x₃, x₄ and the form's own; ``lower``/``upper`` the
+    smallest/largest identification input; ``y_lower``/``y_upper`` the outputs at negative and positive
+    saturation. Inputs α ≥ β in kelvin above ambient, outputs in ``unit``. All methods broadcast.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> one_e = surface("one_e")
@@ -47,7 +39,7 @@ class FodSurface(DiagonalIntegrals):
     (12.54, 0.0)
     """
 
-    form: Form
+    form: str
     x: tuple[float, ...]
     lower: float
     upper: float
@@ -56,11 +48,9 @@ class FodSurface(DiagonalIntegrals):
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if self.form not in FORMS:
-            raise UsageError(f"Surface form '{self.form}' is not one of {', '.join(FORMS)}.")
-        if len(self.x) != len(FORMS[self.form]):
-            names = ", ".join(FORMS[self.form])
-            raise UsageError(f"A {self.form} surface has parameters {names}; got {len(self.x)}.")
+        names = self.surface_form.parameters
+        if len(self.x) != len(names):
+            raise UsageError(f"A {self.form} surface has parameters {', '.join(names)}; got {len(self.x)}.")
         numbers = (*self.x, self.lower, self.upper, self.y_lower, self.y_upper)
         try:
             finite = bool(np.isfinite(numbers).all())
@@ -78,16 +68,17 @@ class FodSurface(DiagonalIntegrals):
 
     # --- the pieces -------------------------------------------------------------------------------
 
-    def shift(self, alpha: Array) -> tuple[Array, Array]:
+    @property
+    def surface_form(self) -> SurfaceForm:
+        """The form of f; UsageError where there is none of that name."""
+        return find_form(self.form)
+
+    def shift(self, alpha: ArrayLike) -> tuple[Array, Array]:
         """f(α) and f′(α)."""
-        alpha = np.asarray(alpha, dtype=float)
-        if self.form == "constant":
-            return np.full_like(alpha, self.x[3]), np.zeros_like(alpha)
-        x5, x6, x7 = self.x[3:]
-        if self.form == "parabolic":
-            return (x5 * alpha + x6) * alpha + x7, 2 * x5 * alpha + x6
-        decay = x5 * np.exp(-x6 * alpha)
-        return decay + x7, -x6 * decay
+        return self._shift(alpha), self.surface_form.slope(self.x[3:], np.asarray(alpha, dtype=float))
+
+    def _shift(self, alpha: ArrayLike) -> Array:
+        return self.surface_form.value(self.x[3:], np.asarray(alpha, dtype=float))
 
     @property
     def amplitude(self) -> float:
@@ -103,7 +94,7 @@ class FodSurface(DiagonalIntegrals):
     def shape(self, alpha: Array | float, beta: Array | float) -> Array:
         """s(α, β), dimensionless."""
         x2, x3, x4 = self.x[:3]
-        f, _ = self.shift(np.asarray(alpha))
+        f = self._shift(alpha)
         return sigmoid(x2 * (alpha + x3)) * (sigmoid(x4 * (beta + f)) - sigmoid(x4 * (self.lower + f)))
 
     # --- values and derivatives ---------------------------------------------------------------------
@@ -115,14 +106,14 @@ class FodSurface(DiagonalIntegrals):
     def strip_beta(self, alpha: Array | float, beta: Array | float) -> Array:
         """∂y/∂β, output per kelvin of a falling input."""
         x2, x3, x4 = self.x[:3]
-        f, _ = self.shift(np.asarray(alpha))
+        f = self._shift(alpha)
         s = sigmoid(x4 * (beta + f))
         return self.amplitude * sigmoid(x2 * (alpha + x3)) * x4 * s * (1 - s)
 
     def slope_alpha(self, alpha: Array | float, beta: Array | float) -> Array:
         """∂y/∂α, output per kelvin of the earlier peak."""
         x2, x3, x4 = self.x[:3]
-        f, df = self.shift(np.asarray(alpha))
+        f, df = self.shift(alpha)
         a = sigmoid(x2 * (alpha + x3))
         s, s0 = sigmoid(x4 * (beta + f)), sigmoid(x4 * (self.lower + f))
         return self.amplitude * a * (x2 * (1 - a) * (s - s0) + x4 * df * (s * (1 - s) - s0 * (1 - s0)))
@@ -135,7 +126,7 @@ class FodSurface(DiagonalIntegrals):
     def density(self, alpha: Array | float, beta: Array | float) -> Array:
         """μ(α, β) = ½ ∂²y/∂α∂β (3.5), output per K². The ½ is missing in print (theory.md §8.3)."""
         x2, x3, x4 = self.x[:3]
-        f, df = self.shift(np.asarray(alpha))
+        f, df = self.shift(alpha)
         a, s = sigmoid(x2 * (alpha + x3)), sigmoid(x4 * (beta + f))
         bell = x4 * s * (1 - s)
         return 0.5 * self.amplitude * a * bell * (x2 * (1 - a) + x4 * df * (1 - 2 * s))
@@ -149,9 +140,8 @@ class FodSurface(DiagonalIntegrals):
     @cached_property
     def keyed(self) -> KeyedEverett:
         """For the loop: inputs are their own keys, F in closed form."""
-        return KeyedEverett(
-            _BETWEEN[self.form], (*map(float, self.x), 0.25 * self.amplitude), input_as_keys, inputs_as_keys
-        )
+        params = (*map(float, self.x), 0.25 * self.amplitude)
+        return KeyedEverett(self.surface_form.between, params, input_as_keys, inputs_as_keys)
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β), scalar.
@@ -168,34 +158,6 @@ class FodSurface(DiagonalIntegrals):
         """F(α, β), arrays: the same products as ``everett``."""
         a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
         x2, x3, half = self.x[0], self.x[1], 0.5 * self.x[2]
-        f, _ = self.shift(a)
+        f = self._shift(a)
         rise = np.tanh(half * (a + f)) - np.tanh(half * (b + f))
         return 0.25 * self.amplitude * (1.0 + np.tanh(0.5 * x2 * (a + x3))) * rise
-
-
-# --- F(α, β) on plain numbers, one function for each form, because numba compiles functions ---------------
-
-
-def _constant(x: tuple[float, ...], alpha: float, beta: float) -> float:
-    f, half = x[3], 0.5 * x[2]
-    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
-    return x[4] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
-
-
-def _parabolic(x: tuple[float, ...], alpha: float, beta: float) -> float:
-    f, half = (x[3] * alpha + x[4]) * alpha + x[5], 0.5 * x[2]
-    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
-    return x[6] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
-
-
-def _exponential(x: tuple[float, ...], alpha: float, beta: float) -> float:
-    f, half = x[3] * math.exp(-x[4] * alpha) + x[5], 0.5 * x[2]
-    rise = math.tanh(half * (alpha + f)) - math.tanh(half * (beta + f))
-    return x[6] * (1.0 + math.tanh(0.5 * x[0] * (alpha + x[1]))) * rise
-
-
-_BETWEEN: dict[Form, KeyedFunction] = {
-    "constant": _constant,
-    "parabolic": _parabolic,
-    "exponential": _exponential,
-}

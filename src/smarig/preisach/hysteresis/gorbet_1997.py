@@ -6,12 +6,12 @@ in the third digit. One-wire outputs in mm, two-wire in degrees; inputs in kelvi
 
 from smarig.core.catalogue import suggestion
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.fod_surface import FodSurface, Form
+from smarig.preisach.hysteresis.fod_surface import FodSurface
 
 _ONE = {"lower": 0.0, "upper": 174.1, "y_lower": 0.0, "y_upper": 12.54, "unit": "mm"}
 _TWO = {"lower": -185.0, "upper": 185.0, "y_lower": -16.5234, "y_upper": 18.1055, "unit": "deg"}
 
-_TABLE_5_1: dict[str, tuple[Form, tuple[float, ...], dict]] = {
+_TABLE_5_1: dict[str, tuple[str, tuple[float, ...], dict]] = {
     "one_c": ("constant", (0.0483, -47.2120, 0.1041, -23.7060), _ONE),
     "one_p": ("parabolic", (0.0439, -44.1660, 0.0996, -0.0010, 0.2392, -36.3101), _ONE),
     "one_e": ("exponential", (0.0394, -43.0003, 0.1034, 269.6849, 0.0765, -23.6099), _ONE),

@@ -5,6 +5,7 @@ FOD curves of the mirrored hysteresis. Reflection keeps the measure: F(α, β) =
 """
 
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import cast
 
 import numpy as np
@@ -78,3 +79,25 @@ class Mirrored:
     def fall_from_diagonal(self, centre: float, u: float) -> float:
         """A fall here is a rise in the mirror."""
         return self.image.rise_from_diagonal(-centre, -u)
+
+
+@singledispatch
+def mirror_image(hysteresis: Everett) -> Everett:
+    """The hysteresis in the mirror; what a ``Mirrored`` mirrors, that it is not mirrored twice."""
+    return Mirrored(hysteresis)
+
+
+@mirror_image.register
+def _image(hysteresis: Mirrored) -> Everett:
+    return hysteresis.image
+
+
+@singledispatch
+def unmirrored(hysteresis: Everett) -> Everett:
+    """What stands in the mirror, however often mirrored; else the hysteresis itself."""
+    return hysteresis
+
+
+@unmirrored.register
+def _innermost(hysteresis: Mirrored) -> Everett:
+    return unmirrored(hysteresis.image)

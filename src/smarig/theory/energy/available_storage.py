@@ -11,6 +11,7 @@ best among inputs that turn on the levels, a lower bound that rises with n.
 
 import math
 from dataclasses import dataclass
+from functools import singledispatch
 from numbers import Integral
 
 import numpy as np
@@ -56,8 +57,8 @@ def available_storage(
             f"The number of levels must be a whole number from 2 to {_MAX_LEVELS}, got {levels!r:.40}."
         )
     state = initial_state(hysteresis, initial)
-    grid = _levels(hysteresis, state, levels)
-    exact = isinstance(hysteresis, RelayMeasure)
+    inner, exact = _inner_levels(hysteresis, levels)
+    grid = _levels(hysteresis, state, inner)
     rising, falling = moments_on(hysteresis, grid)
     if (rising - falling).min() < -rounding(hysteresis):
         return AvailableStorage(math.inf, grid.size, exact)
@@ -66,11 +67,21 @@ def available_storage(
     return AvailableStorage(value, grid.size, exact)
 
 
-def _levels(hysteresis: Everett, state: State, count: int) -> Array:
+@singledispatch
+def _inner_levels(hysteresis: Everett, count: int) -> tuple[Array, bool]:
+    """Levels of inputs that turn, and whether no input does better between them: so for thresholds of relays."""
+    even = np.linspace(hysteresis.lower, hysteresis.upper, count)
+    return np.concatenate([breaks(hysteresis), even]), False
+
+
+@_inner_levels.register
+def _thresholds(hysteresis: RelayMeasure, count: int) -> tuple[Array, bool]:
+    del count
+    return breaks(hysteresis), True
+
+
+def _levels(hysteresis: Everett, state: State, inner: Array) -> Array:
     """Levels with every corner of the boundary among them; in pairs about the centre of a diagonal one."""
-    inner = breaks(hysteresis)
-    if not isinstance(hysteresis, RelayMeasure):
-        inner = np.concatenate([inner, np.linspace(hysteresis.lower, hysteresis.upper, count)])
     levels = np.concatenate([inner, state.extrema, [state.u, 0.0]])
     if state.diagonal:
         levels = np.concatenate([levels, 2 * state.extrema[0] - levels])

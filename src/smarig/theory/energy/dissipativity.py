@@ -8,6 +8,7 @@ decided by an exact minimum, analytic surfaces by a verified lower bound. Refuse
 """
 
 from dataclasses import dataclass, replace
+from functools import singledispatch
 
 import numpy as np
 from scipy.optimize import minimize
@@ -79,23 +80,39 @@ def certify(hysteresis: Everett) -> DissipativityCertificate:
     >>> certify(surface("one_e")).dissipative, certify(surface("one_p")).dissipative
     (True, False)
     """
-    hysteresis = getattr(hysteresis, "hysteresis", hysteresis)  # an operator stands for what it runs on
-    if isinstance(hysteresis, Mirrored):
-        image = certify(hysteresis.image)
-        high, low = image.at
-        # magnetic curves come in the mirror: their inputs are no kelvin
-        return replace(image, at=(-low, -high), unit="", input_unit="")
-    if isinstance(hysteresis, RelayMeasure):
-        return _exact(*_least_of_relays(hysteresis), rounding(hysteresis))
-    if isinstance(hysteresis, FodTable):
-        cells = (hysteresis.nodes.size - 1) * (hysteresis.nodes.size - 2) // 2
-        return _in_units(_exact(*least_area(hysteresis), cells, rounding(hysteresis)), hysteresis.unit)
-    if isinstance(hysteresis, FodSurface):
-        return _in_units(_bounded(hysteresis, rounding(hysteresis)), hysteresis.unit)
+    return _certified(getattr(hysteresis, "hysteresis", hysteresis))  # an operator stands for what it runs on
+
+
+@singledispatch
+def _certified(hysteresis: Everett) -> DissipativityCertificate:
     raise UsageError(
         f"Dissipativity of a {type(hysteresis).__name__} cannot be decided exactly: "
         "give an analytic surface, a table on one partition, or a measure of relays."
     )
+
+
+@_certified.register
+def _certified_mirrored(hysteresis: Mirrored) -> DissipativityCertificate:
+    image = certify(hysteresis.image)
+    high, low = image.at
+    # magnetic curves come in the mirror: their inputs are no kelvin
+    return replace(image, at=(-low, -high), unit="", input_unit="")
+
+
+@_certified.register
+def _certified_relays(hysteresis: RelayMeasure) -> DissipativityCertificate:
+    return _exact(*_least_of_relays(hysteresis), rounding(hysteresis))
+
+
+@_certified.register
+def _certified_table(hysteresis: FodTable) -> DissipativityCertificate:
+    cells = (hysteresis.nodes.size - 1) * (hysteresis.nodes.size - 2) // 2
+    return _in_units(_exact(*least_area(hysteresis), cells, rounding(hysteresis)), hysteresis.unit)
+
+
+@_certified.register
+def _certified_surface(hysteresis: FodSurface) -> DissipativityCertificate:
+    return _in_units(_bounded(hysteresis, rounding(hysteresis)), hysteresis.unit)
 
 
 def _in_units(found: DissipativityCertificate, unit: str) -> DissipativityCertificate:

@@ -13,6 +13,7 @@ and for relay measures (piecewise constant), exact to rounding for surfaces. Kno
 """
 
 from collections.abc import Callable
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,29 +30,43 @@ _PANELS = (
 )
 
 
+@singledispatch
 def breaks(hysteresis: Everett) -> Array:
     """Where F is not smooth along either axis, with the ends of the range; rising, shape (n,).
 
     Relay thresholds, table nodes, or an even cut where derivatives never jump. A hysteresis that names no
     ``kinks`` is taken as smooth.
     """
-    if isinstance(hysteresis, RelayMeasure):
-        return np.unique(np.concatenate([hysteresis.alpha, hysteresis.beta]))
-    if isinstance(hysteresis, Mirrored):
-        return -breaks(hysteresis.image)[::-1]
     kinks = np.asarray(getattr(hysteresis, "kinks", ()), dtype=float)
     even = np.linspace(hysteresis.lower, hysteresis.upper, 2 if kinks.size else _PANELS + 1)
     return np.unique(np.concatenate([kinks[(kinks > even[0]) & (kinks < even[-1])], even]))
 
 
+@breaks.register
+def _breaks_of_relays(hysteresis: RelayMeasure) -> Array:
+    return np.unique(np.concatenate([hysteresis.alpha, hysteresis.beta]))
+
+
+@breaks.register
+def _breaks_of_mirrored(hysteresis: Mirrored) -> Array:
+    return -breaks(hysteresis.image)[::-1]
+
+
+@singledispatch
 def rounding(hysteresis: Everett) -> float:
     """What a computed work or loop area may be wrong by: 1e-13 of the largest output swing times the largest input."""
     u = breaks(hysteresis)
     output_changes = np.abs(np.tril(hysteresis.swept(np.maximum(u[:, None], u), u)))
-    largest = float(np.abs(u).max() + np.ptp(u))
-    if isinstance(hysteresis, RelayMeasure):
-        return 2e-13 * largest * float(np.abs(hysteresis.mass).sum())
-    return 1e-13 * largest * float(output_changes.max())
+    return 1e-13 * _largest_input(u) * float(output_changes.max())
+
+
+@rounding.register
+def _rounding_of_relays(hysteresis: RelayMeasure) -> float:
+    return 2e-13 * _largest_input(breaks(hysteresis)) * float(np.abs(hysteresis.mass).sum())
+
+
+def _largest_input(u: Array) -> float:
+    return float(np.abs(u).max() + np.ptp(u))
 
 
 def integral(f: Callable[[Array, NDArray[np.intp]], Array], a: Array, b: Array, cuts: Array) -> Array:

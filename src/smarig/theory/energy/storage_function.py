@@ -10,6 +10,7 @@ Then Q_r is the available storage too (the return to zero takes all of it), and 
 the model is passive with zero bias (Thm 8.1) whatever the sign of μ. Refuses to say no: False is "not proved".
 """
 
+from functools import singledispatch
 from numbers import Integral
 
 import numpy as np
@@ -25,6 +26,7 @@ from smarig.theory.energy.strip_moments import DensityCells
 Array = NDArray[np.float64]
 
 
+@singledispatch
 def recoverable_energy_is_storage(hysteresis: Everett, cells: int = 512) -> bool:
     """Whether Q_r is proved to be a storage function, by verified bounds (surface) or exactly (relays).
 
@@ -32,20 +34,22 @@ def recoverable_energy_is_storage(hysteresis: Everett, cells: int = 512) -> bool
     >>> recoverable_energy_is_storage(surface("two_e")), recoverable_energy_is_storage(surface("two_p"))
     (True, False)
     """
-    if isinstance(hysteresis, RelayMeasure):
-        return _relays(hysteresis)
-    if not (isinstance(cells, Integral) and cells >= 1):
-        raise UsageError(f"The number of cells must be a whole number, 1 or more, got {cells!r:.40}.")
-    if isinstance(hysteresis, FodSurface):
-        return _surface(hysteresis, cells)
+    _check_cells(cells)
     raise UsageError(
         f"Whether Q_r is a storage function of a {type(hysteresis).__name__} is not decided: "
         "give an analytic surface or a measure of relays."
     )
 
 
-def _surface(surface: FodSurface, n: int) -> bool:
-    cut = DensityCells.of(surface, n)
+def _check_cells(cells: int) -> None:
+    if not (isinstance(cells, Integral) and cells >= 1):
+        raise UsageError(f"The number of cells must be a whole number, 1 or more, got {cells!r:.40}.")
+
+
+@recoverable_energy_is_storage.register
+def _surface(hysteresis: FodSurface, cells: int = 512) -> bool:
+    _check_cells(cells)
+    cut = DensityCells.of(hysteresis, cells)
     below, above, h = cut.levels[:-1], cut.levels[1:], cut.h
     beta_up = (np.maximum(above, 0) ** 2 - np.maximum(below, 0) ** 2) / 2  # ∫ β⁺ over a cell
     alpha_down = (np.minimum(above, 0) ** 2 - np.minimum(below, 0) ** 2) / 2  # ∫ α⁻ over a cell
@@ -58,7 +62,7 @@ def _surface(surface: FodSurface, n: int) -> bool:
         np.maximum(alpha_down[:, None] - h * np.minimum(below, 0), 0.0),
     )
     verified = rise[above > 0].min(initial=0.0) >= 0 and fall[:, below < 0].min(initial=0.0) >= 0
-    return bool(verified and _strips_are_positive(surface, cut))
+    return bool(verified and _strips_are_positive(hysteresis, cut))
 
 
 def _strips_are_positive(surface: FodSurface, cut: DensityCells) -> bool:
@@ -71,20 +75,22 @@ def _strips_are_positive(surface: FodSurface, cut: DensityCells) -> bool:
     f = np.sort(np.stack([surface.shift(below)[0], surface.shift(above)[0]]), axis=0)
     z = np.stack([x4 * (below + f[0]), x4 * (above + f[1])])
     bell = np.minimum(*(0.25 / np.cosh(np.minimum(np.abs(z) / 2, 300.0)) ** 2))
-    reversible = (
-        surface.amplitude * x4 * first * bell if surface.form != "parabolic" else np.zeros(below.size)
-    )
+    # f at the ends of a cell is its range only where f does not turn
+    turns = bool(surface.surface_form.value_turns(surface.x[3:]))
+    reversible = np.zeros(below.size) if turns else surface.amplitude * x4 * first * bell
     whole = np.full(cut.low.shape, cut.h)
     strips = cut.across(whole, whole) + reversible[:, None]
     return bool(np.tril(strips)[above <= 0].min(initial=0.0) >= 0)
 
 
-def _relays(measure: RelayMeasure) -> bool:
+@recoverable_energy_is_storage.register
+def _relays(hysteresis: RelayMeasure, cells: int = 512) -> bool:
     """The same strips, threshold by threshold, from the triangle moments: nothing happens between thresholds."""
-    levels = np.unique(np.append(breaks(measure), 0.0))
+    del cells
+    levels = np.unique(np.append(breaks(hysteresis), 0.0))
     levels = np.concatenate([[levels[0] - 1], levels, [levels[-1] + 1]])
-    up, down = moments_on(measure, levels)
-    outputs = np.tril(measure.swept(np.maximum(levels[:, None], levels), levels))
+    up, down = moments_on(hysteresis, levels)
+    outputs = np.tril(hysteresis.swept(np.maximum(levels[:, None], levels), levels))
     zero, k = int(np.searchsorted(levels, 0.0)), np.arange(levels.size)
     rise = np.diff(up, axis=0) - np.diff(down[:, np.maximum(k, zero)], axis=0)
     fall = np.diff(down, axis=1) - np.diff(up[np.minimum(k, zero)], axis=1)
@@ -96,4 +102,4 @@ def _relays(measure: RelayMeasure) -> bool:
         np.where(above, np.diff(outputs, axis=0), 0.0)[:zero].min(initial=0.0),
         np.where(below, -np.diff(outputs, axis=1), 0.0)[:, zero:].min(initial=0.0),
     ]
-    return bool(min(least) >= -1e-12 * np.abs(measure.mass).sum() * np.abs(levels).max())
+    return bool(min(least) >= -1e-12 * np.abs(hysteresis.mass).sum() * np.abs(levels).max())

@@ -14,6 +14,7 @@ classical model, bit for bit. Knows no data.
 """
 
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -22,13 +23,13 @@ from scipy.optimize import brentq
 
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.lattice import lattice
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Initial, input_number
 from smarig.theory.extended.operator_base import ExtendedOperator
 
 Array = NDArray[np.float64]
-_LEVELS = 257
+_CELLS = 256
 _ROUNDING: Any = 9e-16  # the least brentq takes
 
 
@@ -48,22 +49,18 @@ class SlopeRange:
         return low, 1 / self.greatest if self.greatest > 0 else np.inf
 
 
+@singledispatch
 def slopes(hysteresis: Everett) -> SlopeRange:
     """Slopes ∂_αF(α, β) of rising and ∂_βy(α, β) of falling branches, as divided differences of F.
 
     Exact for a FOD table (its slopes are linear between nodes); for smooth surfaces on 257 levels, short of
     the true extremes by O(step²). Relays switch in steps: their slope has no bound (UsageError).
     """
-    if isinstance(hysteresis, RelayMeasure):
-        raise UsageError(
-            "A measure of relays switches in steps, so no feedback k ≠ 0 is well posed; use a FOD table or surface."
-        )
-    h = hysteresis
-    v = h.nodes if isinstance(h, FodTable) else np.linspace(h.lower, h.upper, _LEVELS)
+    v = lattice(hysteresis, _CELLS)
     on = np.tri(v.size, dtype=bool)
     F = np.zeros((v.size, v.size))
     i, j = np.nonzero(on)
-    F[i, j] = h.swept(v[i], v[j])
+    F[i, j] = hysteresis.swept(v[i], v[j])
     width = np.diff(v)
     rising = np.where(on[:-1], np.diff(F, axis=0) / width[:, None], np.nan)  # from β = v_j, near α = v_i
     falling = np.where(on[:, 1:], -np.diff(F, axis=1) / width, np.nan)  # from α = v_i, near β = v_j
@@ -73,6 +70,14 @@ def slopes(hysteresis: Everett) -> SlopeRange:
     low, high = int(np.nanargmin(every)), int(np.nanargmax(every))
     a, b = where[low].tolist(), where[high].tolist()
     return SlopeRange(float(every[low]), (a[0], a[1]), float(every[high]), (b[0], b[1]))
+
+
+@slopes.register
+def _slopes_of_relays(hysteresis: RelayMeasure) -> SlopeRange:
+    del hysteresis
+    raise UsageError(
+        "A measure of relays switches in steps, so no feedback k ≠ 0 is well posed; use a FOD table or surface."
+    )
 
 
 class MovingPreisach(ExtendedOperator):

@@ -8,6 +8,7 @@ said here.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +61,7 @@ class MeasureClasses:
         return _positive(self.mu_min, self.mu_max) and _positive(self.g_min, self.g_max)
 
 
+@singledispatch
 def classes(hysteresis: Everett) -> MeasureClasses:
     """Extremes and classes of any hysteresis: exact for tables and relays, bounded for surfaces.
 
@@ -68,13 +70,6 @@ def classes(hysteresis: Everett) -> MeasureClasses:
     >>> one_c.M_P, one_e.M_P, round(one_e.mu_min.value, 5), one_c.mu_min.bound > 0
     (True, False, -0.00189, True)
     """
-    if isinstance(hysteresis, Mirrored):
-        c = classes(hysteresis.image)
-        return _each(Extreme.mirrored_place, c)
-    if isinstance(hysteresis, FodSurface):
-        return _of_surface(hysteresis)
-    if isinstance(hysteresis, RelayMeasure):
-        return _of_relays(hysteresis)
     return _of_cells(TriangleGrid.of(hysteresis))
 
 
@@ -83,6 +78,12 @@ def _positive(low: Extreme, high: Extreme) -> bool:
     return not low.value < -_ZERO * max(abs(low.value), abs(high.value))
 
 
+@classes.register
+def _of_mirrored(h: Mirrored) -> MeasureClasses:
+    return _each(Extreme.mirrored_place, classes(h.image))
+
+
+@classes.register
 def _of_surface(s: FodSurface) -> MeasureClasses:
     def negated_mu(alpha: Array, beta: Array) -> Array:
         return -s.density(alpha, beta)
@@ -103,6 +104,7 @@ def _of_surface(s: FodSurface) -> MeasureClasses:
     )
 
 
+@classes.register
 def _of_relays(h: RelayMeasure) -> MeasureClasses:
     place, at = np.unique(np.stack([h.alpha, h.beta]), axis=1, return_inverse=True)
     mass = np.bincount(at.ravel(), h.mass)

@@ -12,16 +12,17 @@ Lemma 4.2 bounds K by the same C without G. Inputs beyond saturation are clipped
 """
 
 import math
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.mirrored import unmirrored
 from smarig.preisach.interval import Interval
 from smarig.theory.properties import enclosure
-from smarig.theory.properties.classes import classes
+from smarig.theory.properties.classes import MeasureClasses, classes
 from smarig.theory.properties.sweep_changes import ChangeBounds, largest_change
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses
 from smarig.theory.properties.variation import variation_masses
@@ -41,16 +42,13 @@ def lipschitz(hysteresis: Everett) -> float:
     >>> round(lipschitz(surface("two_c")), 3)                                # degrees per kelvin
     0.769
     """
-    h = hysteresis.image if isinstance(hysteresis, Mirrored) else hysteresis
-    if isinstance(h, Mirrored):
-        return lipschitz(h)
+    h = unmirrored(hysteresis)
     plane = TriangleGrid.of(h)
     if plane.kind == "relays":
         return math.inf
     c = classes(h)
     M = max(abs(c.mu_min.bound), abs(c.mu_max.bound))
-    G = _largest_g(h) if isinstance(h, FodSurface) else max(abs(c.g_min.bound), abs(c.g_max.bound))
-    return 2 * M * plane.span + G
+    return 2 * M * plane.span + _largest_g(h, c)
 
 
 def modulus(hysteresis: Everett, xi: float, levels: int = _LATTICE_LINES) -> ChangeBounds:
@@ -91,6 +89,15 @@ def _heaviest_band(cells: Array, width: int) -> float:
     return float(best.max())
 
 
-def _largest_g(surface: FodSurface) -> float:
-    u = np.linspace(surface.lower, surface.upper, _INTERVALS + 1)
-    return float(enclosure.reversible(surface, Interval(u[:-1], u[1:])).size.max())
+@singledispatch
+def _largest_g(hysteresis: Everett, c: MeasureClasses) -> float:
+    """G ≥ |g|."""
+    del hysteresis
+    return max(abs(c.g_min.bound), abs(c.g_max.bound))
+
+
+@_largest_g.register
+def _largest_g_of_surface(hysteresis: FodSurface, c: MeasureClasses) -> float:
+    del c
+    u = np.linspace(hysteresis.lower, hysteresis.upper, _INTERVALS + 1)
+    return float(enclosure.reversible(hysteresis, Interval(u[:-1], u[1:])).size.max())

@@ -7,6 +7,7 @@ and an inverse exists. Weaker than μ ≥ 0. Knows no data: measured curves with
 """
 
 from dataclasses import dataclass
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,7 @@ class Crossing:
     depth: float
 
 
+@singledispatch
 def monotone(hysteresis: Everett) -> Monotonicity:
     """The slopes of all branches and the largest setback of any hysteresis.
 
@@ -64,16 +66,22 @@ def monotone(hysteresis: Everett) -> Monotonicity:
     >>> m.holds, round(m.rising.value, 4), m.falling.bound >= 0
     (False, -0.0367, True)
     """
-    if isinstance(hysteresis, Mirrored):
-        m = monotone(hysteresis.image)
-        return Monotonicity(m.falling.mirrored_place(), m.rising.mirrored_place(), m.setback)
+    plane = TriangleGrid.of(hysteresis)
+    rising, falling = _least_rise(plane), _least_rise(plane.mirrored()).mirrored_place()
+    return Monotonicity(rising, falling, largest_setback(hysteresis))
+
+
+@monotone.register
+def _mirrored_slopes(hysteresis: Mirrored) -> Monotonicity:
+    m = monotone(hysteresis.image)
+    return Monotonicity(m.falling.mirrored_place(), m.rising.mirrored_place(), m.setback)
+
+
+@monotone.register
+def _enclosed_slopes(hysteresis: FodSurface) -> Monotonicity:
     s = hysteresis
-    if isinstance(s, FodSurface):
-        rising = least(s.strip_alpha, lambda a, b: enclosure.rise(s, a, b), s.lower, s.upper)
-        falling = least(s.strip_beta, lambda a, b: enclosure.fall(s, a, b), s.lower, s.upper)
-    else:
-        plane = TriangleGrid.of(s)
-        rising, falling = _least_rise(plane), _least_rise(plane.mirrored()).mirrored_place()
+    rising = least(s.strip_alpha, lambda a, b: enclosure.rise(s, a, b), s.lower, s.upper)
+    falling = least(s.strip_beta, lambda a, b: enclosure.fall(s, a, b), s.lower, s.upper)
     return Monotonicity(rising, falling, largest_setback(s))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.mirrored import unmirrored
 from smarig.theory.properties.classes import MeasureClasses, classes
 from smarig.theory.properties.continuity import lipschitz, modulus
 from smarig.theory.properties.extreme import Extreme
@@ -124,7 +124,7 @@ def properties(hysteresis: Everett) -> Properties:
         foa_crossing=crossing_ascending(h),
         lipschitz=lipschitz(h),
         changes=tuple(_change(h, share * plane.span) for share in INPUT_SHARES),
-        unit=getattr(h.image if isinstance(h, Mirrored) else h, "unit", ""),
+        unit=getattr(unmirrored(h), "unit", ""),
     )
 
 

@@ -7,6 +7,7 @@ a density. Which of them a hysteresis is decides what can be said exactly. Knows
 """
 
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Literal
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.mirrored import Mirrored, mirror_image
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 
 Array = NDArray[np.float64]
@@ -39,26 +40,11 @@ class TriangleGrid:
     @classmethod
     def of(cls, hysteresis: Everett, levels: int = LEVELS) -> "TriangleGrid":
         """Cut the triangle of any hysteresis; ``levels`` is the number of cells a side where it is free."""
-        h = hysteresis
-        if isinstance(h, Mirrored):
-            return cls.of(h.image, levels).mirrored()
-        if isinstance(h, FodTable):
-            return cls(h, h.nodes, "table")
-        if isinstance(h, RelayMeasure):
-            return cls(h, np.unique(np.concatenate([h.alpha, h.beta])), "relays")
-        even = np.linspace(h.lower, h.upper, levels + 1)
-        if isinstance(h, FodSurface):
-            return cls(h, even, "surface")
-        kinks = np.asarray(getattr(h, "kinks", ()), dtype=float)
-        some = kinks[:: max(1, kinks.size // levels)]
-        return cls(h, np.unique(np.clip(np.concatenate([even, some]), h.lower, h.upper)), "sampled")
+        return _cut(hysteresis, levels)
 
     def mirrored(self) -> "TriangleGrid":
         """The plane seen in the mirror (u, y) → (−u, −y): falls become rises."""
-        h = self.hysteresis
-        return TriangleGrid(
-            h.image if isinstance(h, Mirrored) else Mirrored(h), -self.levels[::-1], self.kind
-        )
+        return TriangleGrid(mirror_image(self.hysteresis), -self.levels[::-1], self.kind)
 
     @property
     def span(self) -> float:
@@ -72,25 +58,66 @@ class TriangleGrid:
         return float(np.abs(self.hysteresis.swept(a, b)).max()) or 1.0
 
 
+@singledispatch
+def _cut(hysteresis: Everett, levels: int) -> TriangleGrid:
+    kinks = np.asarray(getattr(hysteresis, "kinks", ()), dtype=float)
+    some = kinks[:: max(1, kinks.size // levels)]
+    lines = np.concatenate([_even(hysteresis, levels), some])
+    return TriangleGrid(hysteresis, np.unique(np.clip(lines, hysteresis.lower, hysteresis.upper)), "sampled")
+
+
+@_cut.register
+def _cut_mirrored(hysteresis: Mirrored, levels: int) -> TriangleGrid:
+    return _cut(hysteresis.image, levels).mirrored()
+
+
+@_cut.register
+def _cut_table(hysteresis: FodTable, levels: int) -> TriangleGrid:
+    del levels
+    return TriangleGrid(hysteresis, hysteresis.nodes, "table")
+
+
+@_cut.register
+def _cut_relays(hysteresis: RelayMeasure, levels: int) -> TriangleGrid:
+    del levels
+    return TriangleGrid(hysteresis, np.unique(np.concatenate([hysteresis.alpha, hysteresis.beta])), "relays")
+
+
+@_cut.register
+def _cut_surface(hysteresis: FodSurface, levels: int) -> TriangleGrid:
+    return TriangleGrid(hysteresis, _even(hysteresis, levels), "surface")
+
+
+def _even(hysteresis: Everett, levels: int) -> Array:
+    return np.linspace(hysteresis.lower, hysteresis.upper, levels + 1)
+
+
+@singledispatch
 def masses(hysteresis: Everett, levels: Array) -> Array:
     """ν of the cells of a lattice, (n − 1, n − 1): row i is α in [u_i, u_{i+1}], column j ≤ i is β; else 0.
 
     By inclusion and exclusion of F; diagonal cells (j = i) carry the reversible part. Relays are counted
     one by one, those on a level with the cell above it. Levels beyond the range hold nothing.
     """
-    if isinstance(hysteresis, Mirrored):
-        return masses(hysteresis.image, -levels[::-1])[::-1, ::-1].T
-    if isinstance(hysteresis, RelayMeasure):
-        cells = np.zeros((levels.size - 1, levels.size - 1))
-        row, column = (
-            np.clip(np.searchsorted(levels, x, side="right") - 1, 0, levels.size - 2)
-            for x in (hysteresis.alpha, hysteresis.beta)
-        )
-        np.add.at(cells, (row, column), 2 * hysteresis.mass)
-        return cells
     u = np.clip(levels, hysteresis.lower, hysteresis.upper)
     F = hysteresis.swept(u[:, None], np.minimum(u, u[:, None]))
     return np.tril(F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:])
+
+
+@masses.register
+def _masses_of_mirrored(hysteresis: Mirrored, levels: Array) -> Array:
+    return masses(hysteresis.image, -levels[::-1])[::-1, ::-1].T
+
+
+@masses.register
+def _masses_of_relays(hysteresis: RelayMeasure, levels: Array) -> Array:
+    cells = np.zeros((levels.size - 1, levels.size - 1))
+    row, column = (
+        np.clip(np.searchsorted(levels, x, side="right") - 1, 0, levels.size - 2)
+        for x in (hysteresis.alpha, hysteresis.beta)
+    )
+    np.add.at(cells, (row, column), 2 * hysteresis.mass)
+    return cells
 
 
 def table_of(levels: Array, cells: Array, unit: str = "") -> FodTable:

@@ -6,6 +6,8 @@ for every region Ω a sweep can cover, ν_h being ν spread evenly over each cel
 of Ω crosses count, so that it shrinks with the square of the cell. Knows no operator.
 """
 
+from functools import singledispatch
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,26 +25,57 @@ Array = NDArray[np.float64]
 
 def variation(plane: TriangleGrid) -> Everett:
     """|ν| as a hysteresis of its own: relays of |mass|, or a table of 2∬|μ| + ∫|g| cell by cell."""
-    h = plane.hysteresis
-    if isinstance(h, RelayMeasure):
-        return RelayMeasure.from_arrays(h.alpha, h.beta, np.abs(h.mass))
-    if isinstance(h, Mirrored) and plane.kind == "relays":
+    return _variation(plane.hysteresis, plane)
+
+
+@singledispatch
+def _variation(hysteresis: Everett, plane: TriangleGrid) -> Everett:
+    del hysteresis
+    return table_of(plane.levels, variation_masses(plane, plane.levels))
+
+
+@_variation.register
+def _variation_of_relays(hysteresis: RelayMeasure, plane: TriangleGrid) -> Everett:
+    del plane
+    return RelayMeasure.from_arrays(hysteresis.alpha, hysteresis.beta, np.abs(hysteresis.mass))
+
+
+@_variation.register
+def _variation_of_mirrored(hysteresis: Mirrored, plane: TriangleGrid) -> Everett:
+    del hysteresis
+    if plane.kind == "relays":
         return Mirrored(variation(plane.mirrored()))
     return table_of(plane.levels, variation_masses(plane, plane.levels))
 
 
 def variation_masses(plane: TriangleGrid, levels: Array) -> Array:
     """|ν| of the cells of any lattice, (n − 1, n − 1), as ``plane.masses``; NaN for a sampled plane."""
-    h = plane.hysteresis
-    if isinstance(h, Mirrored):
-        return variation_masses(plane.mirrored(), -levels[::-1])[::-1, ::-1].T
-    if isinstance(h, FodSurface):
-        return _of_surface(h, levels)
-    if isinstance(h, RelayMeasure):
-        return masses(variation(plane), levels)
-    if isinstance(h, FodTable):
-        return masses(table_of(h.nodes, np.abs(masses(h, h.nodes))), levels)
+    return _variation_masses(plane.hysteresis, plane, levels)
+
+
+@singledispatch
+def _variation_masses(hysteresis: Everett, plane: TriangleGrid, levels: Array) -> Array:
+    del hysteresis, plane
     return np.where(np.tri(levels.size - 1, dtype=bool), np.nan, 0.0)
+
+
+@_variation_masses.register
+def _masses_of_mirrored(hysteresis: Mirrored, plane: TriangleGrid, levels: Array) -> Array:
+    del hysteresis
+    return variation_masses(plane.mirrored(), -levels[::-1])[::-1, ::-1].T
+
+
+@_variation_masses.register
+def _masses_of_relays(hysteresis: RelayMeasure, plane: TriangleGrid, levels: Array) -> Array:
+    del hysteresis
+    return masses(variation(plane), levels)
+
+
+@_variation_masses.register
+def _masses_of_table(hysteresis: FodTable, plane: TriangleGrid, levels: Array) -> Array:
+    del plane
+    nodes = hysteresis.nodes
+    return masses(table_of(nodes, np.abs(masses(hysteresis, nodes))), levels)
 
 
 def uncertainty(plane: TriangleGrid) -> float:
@@ -51,28 +84,42 @@ def uncertainty(plane: TriangleGrid) -> float:
     The edge of Ω is a falling staircase, which crosses a chain of cells each next to, above or left of the
     last, and at most two whole rows (or columns) with the diagonal cells in them.
     """
-    h = plane.hysteresis
-    if isinstance(h, Mirrored):
-        return uncertainty(plane.mirrored())
-    if not isinstance(h, FodSurface):
-        return float("nan") if plane.kind == "sampled" else 0.0
-    mu, area = _densities(h, plane.levels)
+    return _uncertainty(plane.hysteresis, plane)
+
+
+@singledispatch
+def _uncertainty(hysteresis: Everett, plane: TriangleGrid) -> float:
+    del hysteresis
+    return float("nan") if plane.kind == "sampled" else 0.0
+
+
+@_uncertainty.register
+def _uncertainty_of_mirrored(hysteresis: Mirrored, plane: TriangleGrid) -> float:
+    del hysteresis
+    return uncertainty(plane.mirrored())
+
+
+@_uncertainty.register
+def _uncertainty_of_surface(hysteresis: FodSurface, plane: TriangleGrid) -> float:
+    mu, area = _densities(hysteresis, plane.levels)
     cell_uncertainty = np.tril(mu.width * area / 2, k=-1)  # ½∬|2μ − mean| ≤ area · (range of 2μ)/4
     u = plane.levels
     w = np.diff(u)
-    g = enclosure.reversible(h, Interval(u[:-1], u[1:]))
+    g = enclosure.reversible(hysteresis, Interval(u[:-1], u[1:]))
     on_diagonal = 2 * w**2 * np.diag(mu.size) + w * g.width / 4
     rows = np.maximum(cell_uncertainty.sum(axis=1), cell_uncertainty.sum(axis=0)) + on_diagonal
     return _heaviest_chain(cell_uncertainty) + 2 * float(rows.max())
 
 
-def _of_surface(surface: FodSurface, levels: Array) -> Array:
-    cells = np.sign(surface.y_upper - surface.y_lower) * masses(surface, levels)
-    mu, area = _densities(surface, levels)
+@_variation_masses.register
+def _masses_of_surface(hysteresis: FodSurface, plane: TriangleGrid, levels: Array) -> Array:
+    del plane
+    cells = np.sign(hysteresis.y_upper - hysteresis.y_lower) * masses(hysteresis, levels)
+    mu, area = _densities(hysteresis, levels)
     one_sign = (mu.low >= 0) | (mu.high <= 0)
     off_diagonal = np.where(one_sign, np.abs(cells), 2 * area * mu.size)
     # On the diagonal F = 2∬μ + ∫g over half a cell, with g of one sign.
-    positive = mu.low >= 0 if surface.y_upper >= surface.y_lower else mu.high <= 0
+    positive = mu.low >= 0 if hysteresis.y_upper >= hysteresis.y_lower else mu.high <= 0
     on_diagonal = np.where(positive, cells, cells + 2 * area * mu.size)
     return np.tril(off_diagonal, k=-1) + np.diag(np.diag(on_diagonal))
 

@@ -1,0 +1,24 @@
+"""The kinds of surface that can be identified: the forms of (5.5), a positive measure, a table; the only list."""
+
+from itertools import groupby
+
+from smarig.preisach.hysteresis.surface_form import forms
+
+POSITIVE = "positive"
+TABLE = "table"
+BEST = "best"  # whichever of them predicts held-out curves best
+
+
+def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
+    """The kinds in levels of rising freedom; forms with as many parameters share a level.
+
+    >>> kinds_by_freedom()
+    (('constant',), ('parabolic', 'exponential'), ('positive',), ('table',))
+    """
+    by_parameters = groupby(forms().items(), key=lambda item: len(item[1].parameters))
+    return (*(tuple(name for name, _ in level) for _, level in by_parameters), (POSITIVE,), (TABLE,))
+
+
+def surface_kinds() -> tuple[str, ...]:
+    """The kinds, by rising freedom."""
+    return tuple(kind for level in kinds_by_freedom() for kind in level)

@@ -1,0 +1,26 @@
+"""The lattice on which the mass of a hysteresis is added up cell by cell."""
+
+from functools import singledispatch
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_table import FodTable
+
+
+@singledispatch
+def lattice(hysteresis: Everett, cells: int) -> NDArray[np.float64]:
+    """Rising inputs from u₋ to u₊: a FOD table's own nodes, else ``cells`` + 1 even ones.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> lattice(surface("two_c"), 2).tolist()
+    [-185.0, 0.0, 185.0]
+    """
+    return np.linspace(hysteresis.lower, hysteresis.upper, cells + 1)
+
+
+@lattice.register
+def _lattice_of_table(hysteresis: FodTable, cells: int) -> NDArray[np.float64]:
+    del cells
+    return hysteresis.nodes

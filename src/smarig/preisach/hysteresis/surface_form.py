@@ -1,0 +1,111 @@
+"""A form of the analytic surface (5.5): its shift f(α) and what a fit and a page need of it; forms by name.
+
+Each form is one file of ``forms/``, an object with the file's name. Everything that differs between forms
+stands there.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.catalogue import find, names, own
+from smarig.core.errors import UsageError
+
+Array = NDArray[np.float64]
+Parameters = tuple[float, ...]
+PACKAGE = "smarig.preisach.hysteresis.forms"
+_COMMON_POWERS = {"x2": -1, "x3": 1, "x4": -1}
+
+
+class SurfaceForm(ABC):
+    """One f(α) of (5.5), α in kelvin above ambient; ``x`` are its own parameters x₅….
+
+    f must be smooth. The verified bounds of the theory hold for every form that names its turning points.
+    """
+
+    powers: ClassVar[
+        Mapping[str, int]
+    ]  # own parameters x5… in order, each with its power of the input's unit
+    colour: ClassVar[str]  # on every page
+    place: ClassVar[int]  # in lists, among forms with as many parameters
+    grows_from: ClassVar[str | None] = "constant"  # the form that is fitted first, for ``starts``
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all x: x₂, x₃, x₄, which every form has, and its own."""
+        return (*_COMMON_POWERS, *self.powers)
+
+    def units(self, input_unit: str) -> dict[str, str]:
+        """Units of all x by name, for inputs in a unit."""
+        unit_of_power = {-1: f"1/{input_unit}", 0: "1", 1: input_unit}
+        powers = {**_COMMON_POWERS, **self.powers}
+        return {name: unit_of_power.get(power, f"{input_unit}^{power}") for name, power in powers.items()}
+
+    @abstractmethod
+    def value(self, x: Parameters, alpha: Array) -> Array:
+        """f(α), shape of α."""
+
+    @abstractmethod
+    def slope(self, x: Parameters, alpha: Array) -> Array:
+        """f′(α), shape of α."""
+
+    @abstractmethod
+    def jacobian(self, x: Parameters, alpha: Array) -> Array:
+        """∂f/∂x at α (k,), shape (k, len(x))."""
+
+    @staticmethod
+    @abstractmethod
+    def between(params: Any, alpha: float, beta: float) -> float:
+        """F(α, β) on plain numbers, ``params`` being x₂, x₃, x₄, x… and a quarter of the amplitude.
+
+        The loop of the operator calls it once a sample and numba compiles it, so that it calls nothing but math.
+        """
+
+    def value_turns(self, x: Parameters) -> tuple[float, ...]:
+        """Inputs between which f is monotone: where it can turn; none for a monotone f."""
+        del x
+        return ()
+
+    def slope_turns(self, x: Parameters) -> tuple[float, ...]:
+        """Inputs between which f′ is monotone."""
+        del x
+        return ()
+
+    @abstractmethod
+    def starts(self, lower: float, upper: float, fitted: Parameters) -> list[Parameters]:
+        """Guesses of all x for data over [u₋, u₊]; ``fitted`` are all x of the fitted form ``grows_from``."""
+
+    def bounds(self, lower: float, upper: float) -> dict[str, tuple[float, float]]:
+        """Least and largest value of own parameters in a fit over [u₋, u₊], for those that need any."""
+        del lower, upper
+        return {}
+
+
+def find_form(name: str) -> SurfaceForm:
+    """The form of that name; UsageError lists the known ones."""
+    shipped = _shipped_forms().get(name)
+    if shipped is not None:
+        return shipped
+    known = forms()
+    if name not in known:
+        raise UsageError(f"Surface form '{name}' is not one of {', '.join(known)}.")
+    return known[name]
+
+
+def forms() -> dict[str, SurfaceForm]:
+    """Every form by name, by rising number of parameters, own files that were loaded included.
+
+    >>> list(forms())
+    ['constant', 'parabolic', 'exponential']
+    """
+    found = _shipped_forms() | {name: file.found for name, file in own(PACKAGE).items()}
+    return dict(sorted(found.items(), key=lambda item: (len(item[1].parameters), item[1].place)))
+
+
+@cache
+def _shipped_forms() -> dict[str, SurfaceForm]:
+    return {name: find(PACKAGE, name) for name in names(PACKAGE) if name not in own(PACKAGE)}
