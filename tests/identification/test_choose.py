@@ -12,14 +12,13 @@ from smarig.core.errors import DataError
 from smarig.identification.fod_data import FodData, fod_data
 from smarig.identification.positive import Observations, fit_positive
 from smarig.identification.surface.choose_surface import (
-    KINDS_BY_FREEDOM,
     SIMPLER_TOLERANCE,
-    SURFACE_KINDS,
     choose_surface,
     negative_share,
     rms_interval,
     thinning_mask,
 )
+from smarig.identification.surface.surface_kinds import kinds_by_freedom, surface_kinds
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
@@ -62,7 +61,7 @@ def test_every_kind_has_an_error_an_interval_and_a_share(compared):
             tuple(choice.held_out_rms)
             == tuple(choice.held_out_interval)
             == tuple(choice.negative_share)
-            == SURFACE_KINDS
+            == surface_kinds()
         )
         for kind, rms in choice.held_out_rms.items():
             low, high = choice.held_out_interval[kind]
@@ -95,7 +94,7 @@ def test_a_shape_of_no_form_is_best_met_by_the_positive_measure():
 
 
 def test_a_simpler_kind_is_chosen_unless_a_freer_one_predicts_a_tenth_better(compared):
-    levels = {kind: k for k, level in enumerate(KINDS_BY_FREEDOM) for kind in level}
+    levels = {kind: k for k, level in enumerate(kinds_by_freedom()) for kind in level}
     assert (
         levels["constant"]
         < levels["parabolic"]
@@ -106,7 +105,7 @@ def test_a_simpler_kind_is_chosen_unless_a_freer_one_predicts_a_tenth_better(com
     for name, choice in compared.items():
         enough = SIMPLER_TOLERANCE * min(choice.held_out_rms.values())
         assert choice.held_out_rms[choice.kind] <= enough
-        simpler = [k for k in SURFACE_KINDS if levels[k] < levels[choice.kind]]
+        simpler = [k for k in surface_kinds() if levels[k] < levels[choice.kind]]
         assert all(choice.held_out_rms[k] > enough for k in simpler), name
 
 
@@ -137,7 +136,7 @@ def test_one_spoilt_curve_spoils_its_own_prediction_not_the_fit_that_knows_it():
     alpha = np.unique(data.alpha)[5]
     spoilt = data.y + 2.0 * ((data.alpha == alpha) & (data.beta < alpha) & (data.beta > data.lower))
     rms = choose_surface(replace(data, y=spoilt)).held_out_rms
-    for kind in SURFACE_KINDS:
+    for kind in surface_kinds():
         assert rms[kind] > 1.5 * np.sqrt(0.75 / 8)  # one curve of eight, most of its points 2 mm off
 
 
