@@ -49,6 +49,7 @@ class ModelSource:
         """Read and hash a model file; errors of ``load_model``."""
         _check_path("The model", path)
         model = load_model(path)
+        model.check_classical("A loop or its certificate")
         return cls(model, Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest())
 
     def settings(self) -> dict[str, str]:

@@ -38,6 +38,7 @@ def simulate_protocol(
     model: Model, protocol: str, settings: Mapping[str, Any], out: Path, *, rig: str = "", force: bool = False
 ) -> Path:
     """A protocol on the noise-free twin of the model's rig, with the model in place of its hysteresis."""
+    model.check_classical("Driving a twin")
     name = rig or model.rig
     if not name:
         raise UsageError("The model names no rig; give one with --rig to simulate a protocol.")

@@ -17,6 +17,12 @@ from numpy.typing import NDArray
 from smarig.core.catalogue import suggestion
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.density_report import DensityReport, density_report
+from smarig.identification.extended.choose_extension import (
+    NONE,
+    ExtensionChoice,
+    choose_extension,
+    extension_names,
+)
 from smarig.identification.fod_data import FodData, first_order_points, fod_data
 from smarig.identification.fod_data import select as selected
 from smarig.identification.forc.forc_curves import curves_from_run
@@ -41,6 +47,7 @@ from smarig.identification.surface.fit_figures import (
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import BEST, POSITIVE, surface_kinds
+from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
@@ -62,7 +69,8 @@ class Identification:
 
     ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the runs'
     first-order curves: none where the runs of a positive measure hold none; its own points are
-    ``model.fit["points"]``. ``choice`` says how "best" was found, None when the kind was asked for by name.
+    ``model.fit["points"]``. ``choice`` says how "best" was found, None when the kind was asked for by name;
+    ``extension`` what was found of the extended models of §3.5, None when none was asked for.
     """
 
     model: Model
@@ -73,6 +81,7 @@ class Identification:
     curves: CurveReport
     choice: SurfaceChoice | None
     positive: PositiveFit | None = None
+    extension: ExtensionChoice | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -111,6 +120,7 @@ class Identification:
             "negative_share": choice.negative_share if choice else None,
             "twin": model.twin,
             "warnings": list(self.warnings),
+            **({"extension": self.extension.to_json()} if self.extension else {}),
         }
 
     def __repr__(self) -> str:
@@ -150,6 +160,7 @@ def identify(
     anchor: bool = False,
     weights: MajorLoopWeighting = "residual",
     symmetric: bool = False,
+    extension: str = NONE,
 ) -> Identification:
     """Identify a Preisach model from runs (or paths), by any protocol.
 
@@ -158,10 +169,13 @@ def identify(
     by held-out curves. ``select`` keeps the points where an expression on curve, alpha, beta holds;
     ``anchor`` and ``weights`` as in ``fit_surface``; ``symmetric``: the positive measure is its own image
     under (u, y) → (−u, −y), as that of a magnet. Surfaces and tables of ascending curves, and all models of
-    magnetic reversal curves, are fitted in that mirror.
+    magnetic reversal curves, are fitted in that mirror. ``extension``: one of the extended models of §3.5 on top, or
+    the "best" of them on runs left out; the model predicts with it.
     Raises UsageError for unknown names, DataError when the runs hold too little.
     """
     _check_words(surface, weights, symmetric)
+    if extension not in extension_names():
+        raise UsageError(f"No extension '{extension}'{suggestion(extension, list(extension_names()))}.")
     loaded = _loaded(runs)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
@@ -192,7 +206,27 @@ def identify(
         warnings=(*curves.warnings, *found.warnings, *late),
         **model_metadata(loaded),
     )
-    return Identification(model, kind, data, fit, found.density, curves, choice, found.positive)
+    plain = Identification(model, kind, data, fit, found.density, curves, choice, found.positive)
+    return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
+
+
+def _extended(
+    plain: Identification,
+    runs: Sequence[Run],
+    extension: str,
+    anchor: bool,
+    weights: MajorLoopWeighting,
+    symmetric: bool,
+) -> Identification:
+    """With an extended model on top, judged on runs left out."""
+
+    def refit(kept: Sequence[Run]) -> Everett:
+        again = identify(kept, plain.surface, anchor=anchor, weights=weights, symmetric=symmetric)
+        return again.model.hysteresis
+
+    model = plain.model
+    chosen = choose_extension(runs, model.hysteresis, model.unit, extension, refit)
+    return replace(plain, model=replace(model, extension=chosen.values), extension=chosen)
 
 
 def _check_words(surface: str, weights: str, symmetric: bool) -> None:

@@ -212,7 +212,7 @@ def known_offset(model: Model, run: Run) -> float | None:
         return 0.0
     start = recorded_start(run)
     if start is not None and run.info.text_of("encoder_zero", "power-up") == "power-up":
-        return -model.preisach(start).y
+        return -model.operator().reset(start)
     return None
 
 

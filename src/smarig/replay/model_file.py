@@ -19,6 +19,7 @@ from smarig.core.notebook_display import NotebookDisplay
 from smarig.plant.effect_catalogue import from_json
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
+from smarig.replay.extended_model import Operator, extended_operator
 from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 
 VERSION = 1
@@ -79,6 +80,9 @@ class _ModelFileSchema(_FrozenSchema):
     mirrored: bool  # it is the mirror image of what was fitted
     hysteresis: dict[str, Any]  # kind and values
     effects: list[dict[str, Any]]  # name and parameters of each, after a diagnosis
+    extension: dict[
+        str, Any
+    ] = {}  # kind and values of an extended model (§3.5); left out where there is none
     parameters: list[str]  # names of the covariance's rows
     covariance: list[list[float | None]]  # of the parameters
     intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
@@ -94,7 +98,8 @@ class Model(NotebookDisplay):
 
     ``parameters`` (p,) names the rows of ``covariance`` (p, p); ``intervals`` are 95 %; both are empty for
     tables. ``mirrored`` means the hysteresis is the mirror image of what was fitted. ``effects`` are plain
-    values {name, parameters}: none for the pure hysteresis.
+    values {name, parameters}: none for the pure hysteresis. ``extension``: kind and values of an extended
+    model (§3.5), empty for the classical one; ``hysteresis`` is the classical one either way.
     """
 
     name: str
@@ -115,6 +120,7 @@ class Model(NotebookDisplay):
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
     effects: tuple[dict[str, Any], ...] = ()
     warnings: tuple[str, ...] = ()
+    extension: dict[str, Any] = field(default_factory=dict)
 
     @property
     def unit(self) -> str:
@@ -122,18 +128,35 @@ class Model(NotebookDisplay):
         return self.output.unit
 
     def preisach(self, initial: Initial = "negative") -> Preisach:
-        """The operator of the hysteresis, in an initial state."""
+        """The classical operator of the hysteresis, in an initial state."""
         return Preisach(self.hysteresis, initial)
+
+    def operator(self, initial: Initial = "negative") -> Operator:
+        """What predicts: the extended operator where the model has an extension, else the classical one."""
+        if not self.extension:
+            return self.preisach(initial)
+        return extended_operator(self.extension, self.hysteresis, initial)
+
+    def check_classical(self, purpose: str) -> None:
+        """UsageError where the model is an extended one, which ``purpose`` does not take."""
+        if self.extension:
+            raise UsageError(
+                f"{purpose} takes classical models; '{self.name}' has the extension '{self.extension['kind']}' "
+                "(§3.5), which only verify and predictions along runs take: identify it with --extension none."
+            )
 
     def predict(self, u: ArrayLike, initial: Initial = "negative") -> NDArray[np.float64]:
         """Outputs (n,) for inputs u (n,), in the model's units, from an initial state."""
-        return self.preisach().simulate(u, initial)
+        return self.operator().simulate(u, initial)
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
         target = Path(path)
         with atomic_file(target, force=force) as part:
-            part.write_text(_pretty(_to_file(self).model_dump(mode="json")), encoding="utf-8")
+            data = _to_file(self).model_dump(mode="json")
+            if not self.extension:
+                del data["extension"]
+            part.write_text(_pretty(data), encoding="utf-8")
         return target
 
     def __repr__(self) -> str:
@@ -193,7 +216,7 @@ def _to_file(model: Model) -> _ModelFileSchema:
             name: getattr(model, name)
             for name in (
                 *("name", "created", "twin", "rig", "actuator", "arrangement"),
-                *("input", "output", "mirrored", "fit", "noise_floor"),
+                *("input", "output", "mirrored", "fit", "noise_floor", "extension"),
             )
         },
     )
@@ -216,6 +239,8 @@ def _from_file(file: _ModelFileSchema) -> Model:
         "intervals": {name: (_float(a), _float(b)) for name, (a, b) in file.intervals.items()},
         **{name: tuple(rest[name]) for name in ("parameters", "provenance", "warnings", "effects")},
     }
+    if file.extension:
+        extended_operator(file.extension, rest["hysteresis"])  # raises where it is none
     return Model(**rest)
 
 

@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 
 def plant_model_of(model: Model, first: Run) -> PlantModel:
     """The wire as a model believes it to be, in the state the first run says it begins in."""
+    model.check_classical("A simulation in time, by effects and heating,")
     actuator = actuator_for_run(model, first)
     start = recorded_start(first) or ("anhysteretic" if actuator.two_wire else "negative")
     return PlantModel(

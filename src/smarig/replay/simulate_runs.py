@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core.errors import DataError, UsageError
-from smarig.preisach.operator import Preisach
+from smarig.preisach.everett import Everett
 from smarig.record import FORC_PROTOCOL, Run
+from smarig.replay.extended_model import Operator
 from smarig.replay.memory_history import INPUT_TOLERANCE, SATURATION_TOLERANCE, continues_run, recorded_start
 from smarig.replay.model_file import Model
 from smarig.replay.simulate_effects import simulate_runs_with_effects, simulate_samples_with_effects
@@ -36,7 +37,7 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
             check_input(model, run)
         return simulate_runs_with_effects(model, runs)
     outputs: list[Array] = []
-    operator, known = model.preisach(), False
+    operator, known, h = model.operator(), False, model.hysteresis
     for k, run in enumerate(runs):
         check_input(model, run)
         if run.info.protocol == FORC_PROTOCOL:
@@ -44,9 +45,9 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
             known = False
             continue
         is_continued = known and continues_run(runs[k - 1], run)
-        known = is_continued or _set_initial_state(operator, run)
+        known = is_continued or _set_initial_state(operator, h, run)
         inputs, settled = input_path(run)
-        y, known = _simulate_inputs(operator, _snapped_to_saturation(operator, inputs), known)
+        y, known = _simulate_inputs(operator, h, _snapped_to_saturation(h, inputs), known)
         outputs.append(y[settled])
         end = run["input"][-1:]  # the memory goes on from the last input, not from the last settled one
         if end.size and np.isfinite(end[0]):
@@ -62,14 +63,14 @@ def simulate_samples(model: Model, run: Run) -> Array:
     check_input(model, run)
     if model.effects:
         return simulate_samples_with_effects(model, run)
-    operator = model.preisach()
-    known = _set_initial_state(operator, run)
+    operator, h = model.operator(), model.hysteresis
+    known = _set_initial_state(operator, h, run)
     inputs = run["input"]
     last = np.maximum.accumulate(np.where(np.isfinite(inputs), np.arange(inputs.size), -1))
     first = int(np.argmax(last >= 0))
     y = np.full(inputs.size, np.nan)
     if last.size and last[-1] >= 0:
-        y[first:], _ = _simulate_inputs(operator, inputs[last[first:]], known)
+        y[first:], _ = _simulate_inputs(operator, h, inputs[last[first:]], known)
     return y
 
 
@@ -97,9 +98,8 @@ def check_input(model: Model, run: Run) -> None:
         )
 
 
-def _set_initial_state(operator: Preisach, run: Run) -> bool:
+def _set_initial_state(operator: Operator, h: Everett, run: Run) -> bool:
     """Put the operator into the run's initial state; False when that is unknown."""
-    h = operator.hysteresis
     start = recorded_start(run)
     first = run["input"][:1]
     tolerance = SATURATION_TOLERANCE * (h.upper - h.lower)
@@ -111,9 +111,9 @@ def _set_initial_state(operator: Preisach, run: Run) -> bool:
     return start is not None
 
 
-def _simulate_inputs(operator: Preisach, inputs: Array, known: bool) -> tuple[Array, bool]:
+def _simulate_inputs(operator: Operator, h: Everett, inputs: Array, known: bool) -> tuple[Array, bool]:
     """Outputs along inputs, NaN until the memory is known; and whether it is in the end."""
-    h, step = operator.hysteresis, operator.step
+    step = operator.step
     y = np.fromiter((step(u) for u in inputs.tolist()), dtype=float, count=inputs.size)
     if not known:
         saturated = (inputs <= h.lower) | (inputs >= h.upper)
@@ -122,15 +122,14 @@ def _simulate_inputs(operator: Preisach, inputs: Array, known: bool) -> tuple[Ar
     return y, known
 
 
-def _snapped_to_saturation(operator: Preisach, inputs: Array) -> Array:
+def _snapped_to_saturation(h: Everett, inputs: Array) -> Array:
     """Inputs at saturation but for rounding, made to saturate."""
-    h = operator.hysteresis
     near = INPUT_TOLERANCE * (h.upper - h.lower)
     inputs = np.where(np.abs(inputs - h.upper) <= near, h.upper, inputs)
     return np.where(np.abs(inputs - h.lower) <= near, h.lower, inputs)
 
 
-def _reversal_curves(operator: Preisach, run: Run) -> Array:
+def _reversal_curves(operator: Operator, run: Run) -> Array:
     """Each curve by itself, from positive saturation down to its lowest input; calibration points apart."""
     u, y, step = run["input"], run["position"], run["step"]
     predicted = np.full(u.size, np.nan)

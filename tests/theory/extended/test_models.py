@@ -37,8 +37,8 @@ ZERO_STRENGTH = {
     "moving": MovingPreisach(WIRE, 0.0),
     "accommodation, no amount": AccommodatingPreisach(WIRE, 0.0, 1.0),
     "accommodation, endless path": AccommodatingPreisach(WIRE, 1.0, np.inf),
-    "restricted, all extrema": RestrictedPreisach(WIRE, None),
-    "restricted, more than there are": RestrictedPreisach(WIRE, 100),
+    "restricted, no extremum": RestrictedPreisach(WIRE, []),
+    "restricted": RestrictedPreisach.first_order(WIRE, some_excess(0.0)),
 }
 STRONG = {
     "non-linear": NonlinearPreisach(WIRE, some_excess(0.5)),
@@ -46,7 +46,7 @@ STRONG = {
     "moving": MovingPreisach(WIRE, 1.5),
     "moving back": MovingPreisach(WIRE, -3.0),
     "accommodation": AccommodatingPreisach(WIRE, 0.8, 0.5),
-    "restricted": RestrictedPreisach(WIRE, 2),
+    "restricted": RestrictedPreisach.first_order(WIRE, some_excess(0.5)),
 }
 
 
@@ -84,7 +84,7 @@ def test_a_run_may_go_on_where_another_ended(name, u, split):
     assert np.array_equal(model.simulate(u[split:], state), whole[split:])
 
 
-@pytest.mark.parametrize("name", ["non-linear", "reversible", "moving", "moving back"])
+@pytest.mark.parametrize("name", ["non-linear", "reversible", "moving", "moving back", "restricted"])
 @given(peak=st.floats(60, 160), dips=st.lists(st.floats(0.05, 0.95), min_size=2, max_size=8))
 def test_wiping_out_survives(name, peak, dips):
     model = STRONG[name]
@@ -99,25 +99,19 @@ def test_accommodation_gives_wiping_out_up():
     assert abs(y[-1] - y[1]) > 0.01
 
 
-def test_order_two_forgets_all_but_the_last_loop():
-    model = RestrictedPreisach(WIRE, 2)
-    y = model.simulate([120.0, 30.0, 100.0, 40.0, 90.0, 50.0, 90.0, 100.0, 120.0])
-    assert y[6] == y[4]  # the loop 90 – 50 – 90 is remembered
-    assert abs(y[7] - y[2]) > 0.01  # 100 was forgotten
+def test_loops_of_a_restricted_wire_are_congruent_after_one_maximum_and_differ_after_another():
+    model = STRONG["restricted"]
+    alike = [loop_heights(model, 40.0, 75.0, [130.0, 20.0, *inner]) for inner in ([90.0], [80.0, 30.0, 78.0])]
+    shapes = [np.append(up - up[0], down - up[0]) for up, down, _ in alike]
+    assert shapes[0] == pytest.approx(shapes[1], abs=1e-12)
+    up, down, _ = loop_heights(model, 40.0, 75.0, [110.0, 20.0, 90.0])
+    assert np.max(np.abs(np.append(up - up[0], down - up[0]) - shapes[0])) > 0.02
 
 
-@given(u=MANY, order=st.integers(1, 5))
-def test_a_restricted_model_saturates_where_preisach_does(u, order):
-    y = RestrictedPreisach(WIRE, order).simulate([*u, 174.1, *u, 0.0])
-    assert (y[len(u)], y[-1]) == (pytest.approx(12.54, abs=1e-12), 0.0)
-
-
-@given(u=MANY)
-def test_saturation_makes_a_restricted_model_whole_again(u):
-    model, turns = RestrictedPreisach(WIRE, 2), [30.0, 90.0, 60.0]
-    assert np.array_equal(
-        model.simulate([*u, 180.0, *turns])[-3:], Preisach(WIRE).simulate(turns, "positive")
-    )
+def test_vertical_chords_of_a_restricted_wire_may_differ():
+    up, down, gaps = zip(*(loop_heights(STRONG["restricted"], 25.0, 80.0, [peak]) for peak in (150.0, 90.0)))
+    assert np.max(np.ptp(np.array(down) - np.array(up), axis=0)) > 0.02
+    assert np.array(gaps) == pytest.approx(0, abs=1e-12)
 
 
 @given(u=MANY)
@@ -245,15 +239,29 @@ def test_accommodation_agrees_with_relays_that_drift_one_by_one():
     assert np.max(np.abs(truth - truths.classical(u, m=9))) > 0.5
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_the_restricted_model_agrees_with_written_down_turning_points(order):
-    rng = np.random.default_rng(order)  # nested, so that there is something to forget
-    inward = [75 + 70 * rng.uniform(0.9, 1, 12) * (-0.85) ** np.arange(12) for _ in range(4)]
-    u = np.concatenate([np.append(turns, turns[-2::-1]) for turns in inward])
-    y = RestrictedPreisach(relay_measure(), order).simulate(u) + truths.STROKE / 2
+@pytest.mark.parametrize("order", [0, 1, 2, 3])
+def test_the_restricted_model_agrees_with_relays_weighted_after_past_extrema(order):
+    wire = truths.Wire(m=9)
+
+    def mass(extrema, beta, alpha):
+        inside = (wire.alpha <= alpha) & (wire.beta >= beta)
+        return truths.weights(wire, extrema, 0.5)[inside].sum()
+
+    def excess(extrema, beta, alpha):
+        return mass(extrema[:-1], beta, alpha) - mass(extrema, beta, alpha)
+
+    rng = np.random.default_rng(order)  # nested, so that there is something to depend on
+    inward = [75 + 70 * rng.uniform(0.9, 1, 12) * (-0.85) ** np.arange(12) for _ in range(3)]
+    u = np.concatenate([*(np.append(turns, turns[-2::-1]) for turns in inward), rng.uniform(0, 150, 60)])
+    ends = RelayMeasure.from_arrays(
+        [*wire.alpha, truths.UPPER], [*wire.beta, truths.LOWER], [wire.share / 2] * wire.alpha.size + [0.0]
+    )  # a relay without mass, so that both remember over one range
+    model = RestrictedPreisach(ends, [excess] * order)
     truth = truths.restricted(u, order, m=9)
-    assert y == pytest.approx(truth, abs=1e-9)
-    assert np.max(np.abs(truth - truths.classical(u, m=9))) > 0.1
+    assert model.order == order
+    assert model.simulate(u) + truths.STROKE / 2 == pytest.approx(truth, abs=1e-9)
+    fewer = truths.restricted(u, order - 1, m=9) if order else truths.classical(u, m=9) + 1
+    assert np.max(np.abs(truth - fewer)) > 0.1
 
 
 def test_mistakes_are_answered_in_one_sentence():
@@ -271,11 +279,11 @@ def test_mistakes_are_answered_in_one_sentence():
             SecondOrderExcess.from_nodes([-185.0, 185.0], np.zeros((2,) * 3)),
             "anhysteretic",
         )
-    for order in (0, -1, 1.5, np.nan, np.inf, "two"):
-        with pytest.raises(UsageError, match="at least one extremum, a whole number"):
-            RestrictedPreisach(WIRE, order)
-    with pytest.raises(DataError, match="ranges over"):
-        NonlinearPreisach(WIRE, SecondOrderExcess.from_nodes([0.0, 100.0], np.zeros((2,) * 3)))
+    with pytest.raises(UsageError, match="one function Q_j"):
+        RestrictedPreisach(WIRE, [0.5])
+    for model in (NonlinearPreisach, RestrictedPreisach.first_order):
+        with pytest.raises(DataError, match="ranges over"):
+            model(WIRE, SecondOrderExcess.from_nodes([0.0, 100.0], np.zeros((2,) * 3)))
     hole = np.zeros((4, 4, 4))
     hole[3, 1, 2] = np.nan
     with pytest.raises(DataError, match="α = 3, β = 1, u = 2"):

@@ -86,26 +86,37 @@ def accommodating(inputs, amount, path, steps=60, **kw):
     return np.array(out)
 
 
-def restricted(inputs, order, **kw):
-    """Only the last turning points are written down; every branch is stretched to where it must arrive."""
-    wire = Wire(**kw)
-
-    def nu(a, b):
-        return wire.share * ((wire.alpha <= a) & (wire.beta >= b)).sum()
-
-    notes, (u, y), rising, out = [], (LOWER, 0.0), True, []
+def past_extrema(inputs):
+    """After each input, the turning points it has not passed again since negative saturation, oldest first."""
+    turns, before, rising = [], LOWER, True
     for v in inputs:
-        if v != u and (v > u) != rising:
-            notes = (notes + [(u, y)] if LOWER < u < UPPER else notes)[-order:]
-            rising = v > u
-        anchor = (u, y)
-        while len(notes) > 1 and (v >= notes[-2][0] if rising else v <= notes[-2][0]):
-            anchor, notes = notes[-2], notes[:-2]
-        origin = notes[-1][0] if notes else (LOWER if rising else UPPER)
-        goal = notes[-2] if len(notes) > 1 else ((UPPER, STROKE) if rising else (LOWER, 0.0))
-        there, here, at = (nu(x, origin) if rising else nu(origin, x) for x in (goal[0], anchor[0], v))
-        y = anchor[1] + (goal[1] - anchor[1]) * (at - here) / (there - here) if there > here else anchor[1]
-        u, y = v, (0.0 if v <= LOWER else y)
-        notes = notes if v > LOWER else []
-        out.append(y)
+        if v != before and (v > before) != rising:
+            turns, rising = [*turns, before], v > before
+        while len(turns) > 1 and (v >= turns[-2] if rising else v <= turns[-2]):
+            turns = turns[:-2]
+        turns, before = ([] if v <= LOWER else turns), v
+        yield tuple(turns)
+
+
+def weights(wire, extrema, strength):
+    """Each extremum weights the relays of its triangle anew, by where they sit; the triangle keeps its sum."""
+    w, corner = np.full(wire.alpha.size, wire.share), LOWER
+    for j, e in enumerate(extrema):
+        inside = (wire.alpha <= max(e, corner)) & (wire.beta >= min(e, corner))
+        place = wire.alpha - wire.beta - 32 if j % 2 == 0 else wire.alpha + wire.beta - 150
+        tilt = np.tanh(place / 15) * (e - 75) / 75
+        new = w * (1 + strength * tilt)
+        if inside.any():
+            w = np.where(inside, new * w[inside].sum() / new[inside].sum(), w)
+        corner = e
+    return w
+
+
+def restricted(inputs, order, strength=0.5, **kw):
+    """Relays counted one by one, with weights that depend on the first ``order`` of the past extrema."""
+    wire, out, before = Wire(**kw), [], -np.inf
+    for u, extrema in zip(inputs, past_extrema(inputs)):
+        wire.on = wire.moved(u, u > before) if u != before else wire.on
+        before = u
+        out.append((weights(wire, extrema[:order], strength) * wire.on).sum())
     return np.array(out)

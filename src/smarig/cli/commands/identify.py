@@ -10,10 +10,13 @@ from smarig.core.atomic_file import check_writable
 from smarig.core.file_content import MODEL
 from smarig.identification.surface.surface_kinds import BEST, surface_kinds
 
+
+EXTENSIONS = ("none", "accommodating", "moving", "nonlinear", "restricted", "reversible", "best")
 EPILOG = """\b
 Examples:
   smarig identify fod.run.sqlite --surface exponential -o wire.model.json
   smarig identify fod.run.sqlite loops.run.sqlite --surface positive -o wire.model.json
+  smarig identify fod.run.sqlite loops.run.sqlite --surface exponential --extension best -o wire.model.json
   smarig identify forc.run.sqlite --surface table --select 'curve%2==0' -o half.model.json
 """
 
@@ -34,6 +37,13 @@ Examples:
 @click.option(
     "--symmetric", is_flag=True, help="The positive surface is its own mirror image (u, y) → (−u, −y)."
 )
+@click.option(
+    "--extension",
+    type=click.Choice(EXTENSIONS),
+    default="none",
+    show_default=True,
+    help="An extended model (thesis §3.5) on top; best: by runs left out.",
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
 @json_option
@@ -43,6 +53,7 @@ def command(
     select: str | None,
     anchor: bool,
     symmetric: bool,
+    extension: str,
     out: Path,
     force: bool,
 ) -> None:
@@ -51,9 +62,12 @@ def command(
 
     check_distinct(out, *runs)
     check_writable(out, force=force, kind=MODEL)
-    result = identify(runs, surface=surface, select=select, anchor=anchor, symmetric=symmetric)
+    result = identify(
+        runs, surface=surface, select=select, anchor=anchor, symmetric=symmetric, extension=extension
+    )
     result.model.save(out, force=force)
     for warning in result.warnings:
         show_message(f"Warning: {warning}")
     found = {**result.to_json(), "model": str(out)}
-    emit(found, f"{result!r}\nModel: {out}")
+    extended = f"{result.extension.text}\n" if result.extension else ""
+    emit(found, f"{result!r}\n{extended}Model: {out}")

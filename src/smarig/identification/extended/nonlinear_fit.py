@@ -3,7 +3,13 @@
     Q(α, β, u) = y(α, β) + y(u, u) − y(u, β) − y_αβ(u)
 
 is measured node by node on one partition: the first-order surface by falling from α, y_αβ(u) by rising again
-from β (Mayergoyz, ch. 2; thesis §3.5). Repeats are averaged. Knows no interpolation and no operator.
+from β (Mayergoyz, ch. 2; thesis §3.5). Repeats are averaged. Where the first-order surface is known already, by the
+Everett function F of an identified hysteresis,
+
+    Q(α, β, u) = F(u, β) − [y_αβ(u) − y(α, β)]
+
+needs the second-order curves only, each from the point at which it began. The same Q is that of the restricted model
+of first order: the two differ in what they make of deeper memories.
 """
 
 from collections.abc import Sequence
@@ -15,9 +21,11 @@ from scipy.stats import chi2, norm
 
 from smarig.core.errors import DataError
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
+from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.record import Run
 from smarig.theory.extended.nonlinear_operator import NonlinearPreisach, SecondOrderExcess, second_order_mask
+from smarig.theory.extended.restricted_operator import RestrictedPreisach
 
 Array = NDArray[np.float64]
 
@@ -29,7 +37,7 @@ class NonlinearFit:
     ``p_value``: of Q ≡ 0, the classical model, from the second-order curves against ``noise`` (one settled point).
     """
 
-    hysteresis: FodTable
+    hysteresis: Everett
     excess: SecondOrderExcess
     error: Array
     noise: float
@@ -39,51 +47,74 @@ class NonlinearFit:
         """The identified operator."""
         return NonlinearPreisach(self.hysteresis, self.excess)
 
+    def restricted(self) -> RestrictedPreisach:
+        """The restricted operator of first order with the same curves."""
+        return RestrictedPreisach.first_order(self.hysteresis, self.excess)
+
     def interval(self) -> tuple[Array, Array]:
         """95 % interval of every Q."""
         half = float(norm.ppf(0.975)) * self.error
         return self.excess.values - half, self.excess.values + half
 
 
-def identify_nonlinear(runs: Sequence[Run], noise: float) -> NonlinearFit:
+def identify_nonlinear(runs: Sequence[Run], noise: float, hysteresis: Everett | None = None) -> NonlinearFit:
     """From runs whose settled points cover all first- and second-order curves of one partition.
 
+    ``hysteresis``: the first-order surface where it is known; it is tabulated from the runs where it is not given.
     ``noise``: standard deviation of one settled output (see ``noise_floor``). DataError names what is missing.
     """
     record = extremum_chains(runs)
-    nodes, sums, counts = _first_order(record)
-    table = FodTable(
-        nodes, np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0), record.unit
-    )
+    nodes, sums, counts = _first_order(record, _second_order_nodes(record, hysteresis))
+    y = np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0)
+    base = FodTable(nodes, y, record.unit) if hysteresis is None else hysteresis
     second, repeats = _second_order(record, nodes)
     i, j, k = np.nonzero(second_order_mask(nodes.size) & (repeats > 0))
     missing = second_order_mask(nodes.size) & (repeats == 0)
     if missing.any():
         a, b, at = nodes[np.argwhere(missing)[0]]
         raise DataError(f"No second-order point at α = {a:g}, β = {b:g}, u = {at:g}: measure that curve too.")
-    y = table.values
     q, error = np.zeros(missing.shape), np.full(missing.shape, np.nan)
-    q[i, j, k] = y[i, j] + y[k, k] - y[k, j] - second[i, j, k]
+    if hysteresis is None:
+        q[i, j, k] = y[i, j] + y[k, k] - y[k, j] - second[i, j, k]
+    else:
+        q[i, j, k] = hysteresis.swept(nodes[k], nodes[j]) - (second[i, j, k] - y[i, j])
     # Each Q is one linear form of means: their inverse counts add, and shared first-order points correlate the Qs.
-    forms = _forms(i, j, k, nodes.size)
-    variance = noise**2 / np.concatenate([counts[np.tril_indices(nodes.size)], repeats[i, j, k]])
+    forms = _forms(i, j, k, nodes.size, known=hysteresis is not None)
+    n = np.concatenate([counts[np.tril_indices(nodes.size)], repeats[i, j, k]])
+    variance = noise**2 / np.where(n > 0, n, np.inf)
     covariance = (forms * variance) @ forms.T
     error[i, j, k] = np.sqrt(np.diag(covariance))
     statistic = float(q[i, j, k] @ np.linalg.solve(covariance, q[i, j, k]))
     return NonlinearFit(
-        table, SecondOrderExcess.from_nodes(nodes, q), error, noise, float(chi2.sf(statistic, i.size))
+        base, SecondOrderExcess.from_nodes(nodes, q), error, noise, float(chi2.sf(statistic, i.size))
     )
 
 
-def _first_order(record: ExtremumChains) -> tuple[Array, Array, Array]:
+def _second_order_nodes(record: ExtremumChains, hysteresis: Everett | None) -> Array | None:
+    """The inputs of the second-order curves and both ends; None where the first-order curves set the partition."""
+    if hysteresis is None:
+        return None
+    found, peak = _second_order_points(record)
+    if not found.size:
+        raise DataError(
+            "The runs hold no second-order curves, which rise again from a fall after the first rise: run "
+            "second_order_transition."
+        )
+    inputs = np.concatenate([record.u[found], record.u[record.origin[found]], record.u[peak[found]]])
+    inner = inputs[(inputs > hysteresis.lower) & (inputs < hysteresis.upper)]
+    return np.unique([hysteresis.lower, *inner, hysteresis.upper])
+
+
+def _first_order(record: ExtremumChains, partition: Array | None) -> tuple[Array, Array, Array]:
     """Partition (n,), sums and counts (n, n) of y(α, β), the ascending branch on the diagonal."""
     up = record.origin < 0
     down = ~up & (np.append(record.origin, -1)[record.origin] < 0)
-    nodes = np.unique(record.u[up | down])
     alpha = np.where(up, record.u, record.u[record.origin])
-    i, j = np.searchsorted(nodes, alpha[up | down]), np.searchsorted(nodes, record.u[up | down])
+    nodes = np.unique(record.u[up | down]) if partition is None else partition
+    used = (up | down) & np.isin(alpha, nodes) & np.isin(record.u, nodes)
+    i, j = np.searchsorted(nodes, alpha[used]), np.searchsorted(nodes, record.u[used])
     sums, counts = np.zeros((nodes.size,) * 2), np.zeros((nodes.size,) * 2)
-    np.add.at(sums, (i, j), record.y[up | down])
+    np.add.at(sums, (i, j), record.y[used])
     np.add.at(counts, (i, j), 1)
     # Negative saturation is one state, however it was reached.
     sums[:, 0], counts[:, 0] = sums[:, 0].sum(), counts[:, 0].sum()
@@ -92,9 +123,7 @@ def _first_order(record: ExtremumChains) -> tuple[Array, Array, Array]:
 
 def _second_order(record: ExtremumChains, nodes: Array) -> tuple[Array, Array]:
     """Means and counts (n, n, n) of y_αβ(u): points whose origin β has an origin α on the ascending branch."""
-    beyond = np.append(record.origin, -1)
-    peak = beyond[record.origin]
-    found = np.flatnonzero((record.origin >= 0) & (peak >= 0) & (beyond[peak] < 0))
+    found, peak = _second_order_points(record)
     places = [record.u[peak[found]], record.u[record.origin[found]], record.u[found]]
     known = np.all([np.isin(p, nodes) for p in places], axis=0)
     index = tuple(np.searchsorted(nodes, p[known]) for p in places)
@@ -104,13 +133,26 @@ def _second_order(record: ExtremumChains, nodes: Array) -> tuple[Array, Array]:
     return np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0), counts
 
 
-def _forms(i: NDArray[np.intp], j: NDArray[np.intp], k: NDArray[np.intp], n: int) -> Array:
-    """Q = y(α, β) + y(u, u) − y(u, β) − y_αβ(u) as rows over the first-order means, then the second-order ones."""
+def _second_order_points(record: ExtremumChains) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Points of second-order curves, and of every point the extremum before its last one."""
+    beyond = np.append(record.origin, -1)
+    peak = beyond[record.origin]
+    return np.flatnonzero((record.origin >= 0) & (peak >= 0) & (beyond[peak] < 0)), peak
+
+
+def _forms(
+    i: NDArray[np.intp], j: NDArray[np.intp], k: NDArray[np.intp], n: int, *, known: bool = False
+) -> Array:
+    """Q = y(α, β) + y(u, u) − y(u, β) − y_αβ(u) as rows over the first-order means, then the second-order ones.
+
+    ``known``: y(u, u) − y(u, β) is not from the data.
+    """
     place = np.zeros((n, n), dtype=int)
     place[np.tril_indices(n)] = np.arange(n * (n + 1) // 2)
     first = np.zeros((i.size, n * (n + 1) // 2))
     row = np.arange(i.size)
     first[row, place[i, j]] += 1
-    first[row, place[k, k]] += 1
-    first[row, place[k, j]] -= 1
+    if not known:
+        first[row, place[k, k]] += 1
+        first[row, place[k, j]] -= 1
     return np.hstack([first, -np.eye(i.size)])

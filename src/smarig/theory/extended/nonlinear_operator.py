@@ -8,7 +8,7 @@ first-order curves, (α_k, β_k) the corners of the staircase, and the excess
     Q(α, β, u) = P(α, β, u) − [F(α, β) − F(α, u) − F(u, β)],     P(α, β, u) = y_α(u) − y_αβ(u)
 
 is how far a second-order curve (saturation → α → β → u) lies below the congruent one. Q ≡ 0 is the
-classical model, bit for bit. Wiping-out holds, congruency does not. Knows no data.
+classical model, bit for bit. Wiping-out holds, congruency does not.
 """
 
 from bisect import bisect_right
@@ -82,6 +82,16 @@ def _checked_tensor(nodes: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
     return u, table
 
 
+def check_excess_range(excess: SecondOrderExcess, hysteresis: Everett) -> None:
+    """DataError where the excess is not known over the whole range of the hysteresis."""
+    first, last = excess.nodes[0], excess.nodes[-1]
+    if first > hysteresis.lower or last < hysteresis.upper:
+        raise DataError(
+            f"The excess is known on [{first:g}, {last:g}] only; the hysteresis ranges over "
+            f"[{hysteresis.lower:g}, {hysteresis.upper:g}]."
+        )
+
+
 def second_order_mask(n: int) -> NDArray[np.bool_]:
     """Where a second-order curve is news: index triples (α, β, u) with 0 < j < k < i, shape (n, n, n)."""
     i, j, k = np.indices((n, n, n))
@@ -109,12 +119,7 @@ class NonlinearPreisach(ExtendedOperator):
     """
 
     def __init__(self, hysteresis: Everett, excess: SecondOrderExcess, initial: Initial = "negative") -> None:
-        first, last = excess.nodes[0], excess.nodes[-1]
-        if first > hysteresis.lower or last < hysteresis.upper:
-            raise DataError(
-                f"The excess is known on [{first:g}, {last:g}] only; the hysteresis ranges over "
-                f"[{hysteresis.lower:g}, {hysteresis.upper:g}]."
-            )
+        check_excess_range(excess, hysteresis)
         self.excess = excess
         super().__init__(hysteresis, initial)
 

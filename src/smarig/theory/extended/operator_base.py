@@ -1,7 +1,4 @@
-"""What the extensions of §3.5 share: the classical memory with its corners, and one way to drive a model.
-
-Knows no output law.
-"""
+"""What the extensions of §3.5 share: the classical memory with its corners, and one way to drive a model."""
 
 from collections.abc import Sequence
 from typing import Any, Protocol
@@ -64,14 +61,25 @@ def simulate_steps(model: SteppedOperator, u: Sequence[float] | ArrayLike, initi
 
 
 def corners(state: State) -> list[tuple[float, float]]:
-    """(M₁, u₋), (M₁, m₁), (M₂, m₁), …: the corners (α, β) of the staircase, oldest first.
+    """(M₁, u₋), (M₁, m₁), (M₂, m₁), …: the corners (α, β) of the staircase, oldest first; see ``reduced_memory``."""
+    _check_steps(state)
+    e = state.extrema
+    return [(e[k], e[k - 1]) if k % 2 else (e[k - 1], e[k]) for k in range(1, len(e))]
 
-    Only for a memory that began in saturation: a diagonal boundary B_ℓ has no corners (UsageError).
+
+def reduced_memory(state: State) -> tuple[float, ...]:
+    """(u₋, M₁, m₁, …, u): remembered extrema, oldest first, and the present input where it is none of them.
+
+    Only for a memory that began in saturation: a diagonal boundary B_ℓ has no steps (UsageError).
     """
+    _check_steps(state)
+    e = state.extrema
+    return e if e[-1] == state.u else (*e, state.u)
+
+
+def _check_steps(state: State) -> None:
     if state.diagonal:
         raise UsageError(
             "This extension needs a memory of steps; drive to saturation before using it "
             "(the anhysteretic state has a slanted boundary)."
         )
-    e = state.extrema
-    return [(e[k], e[k - 1]) if k % 2 else (e[k - 1], e[k]) for k in range(1, len(e))]

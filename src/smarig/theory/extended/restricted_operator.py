@@ -1,132 +1,83 @@
-"""The restricted Preisach model of order n: only the last n dominant extrema are remembered.
+"""The restricted Preisach model of order n: the weighting function depends on n past dominant extrema.
 
-Two minor loops are comparable here when the same n extrema precede them (thesis §3.5, where the weights
-depend on those). A branch from the last extremum e runs towards a target t: the extremum before e, or, when
-that is forgotten, saturation. Where nothing has been forgotten since saturation the branch is Preisach's,
+    y(t) = ∬ μ(α, β; e_1 … e_n) γ_αβ u dα dβ
 
-    y = y_e + F(u, e) rising,  y = y_e − F(e, u) falling;     else, from the present point (v, y_v), it is
-    y = y_v + (y_t − y_v) [F_e(u) − F_e(v)] / [F_e(t) − F_e(v)],      F_e(x) = F(x, e) or F(e, x),
+e_1 = M_1, e_2 = m_1, e_3 = M_2, …: the dominant extrema since negative saturation, oldest first (thesis §3.5;
+Mayergoyz & Friedman, IEEE Trans. Magn. 24:212, 1988). Loops are comparable when they run between the same inputs
+after the same e_1 … e_n: those are congruent, others need not be. As changes of output along the reduced memory
+p_0 = u₋, p_1 = e_1, …, p_K = e_K, p_K+1 = u, with F the Everett function of the first-order curves,
 
-the Preisach branch scaled to arrive at (t, y_t); e is the end of the range when it is forgotten too. So loops
-between remembered extrema close and wipe out, saturation is the same for all, and order None (∞) is the
-classical model, bit for bit. Knows no data.
+    y = Γ[u] − Σ_k s_k Σ_{j ≤ min(n, k−1)} Q_j(e_1 … e_j; b_k, a_k),   a_k, b_k = max, min of p_k−1, p_k,   s_k = ±1
+
+s_k is the direction of the k-th move. Q_j says by how much a curve of order j + 1 inside the triangle e_j … e_j−1 rises
+less than one that follows e_1 … e_j−1 only. Q_j vanishes at a = b, and over the whole triangle (a, b = e_j−1, e_j in
+their order), so that loops close: wiping-out holds. Without Q the model is the classical one, bit for bit.
+
+Why the oldest extrema: if the n most recent ones decided instead, a branch e_K → u that closes a loop at e_K−1 would
+have to undo e_K−1 → e_K, which depends on one extremum more; by induction nothing but the Everett function of the
+classical model has wiping-out then.
 """
 
-from dataclasses import dataclass
-from numbers import Integral
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from collections.abc import Callable, Sequence
 
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, State, input_number
-from smarig.theory.extended.operator_base import simulate_steps
+from smarig.preisach.operator import Initial
+from smarig.theory.extended.nonlinear_operator import SecondOrderExcess, check_excess_range
+from smarig.theory.extended.operator_base import ExtendedOperator, reduced_memory
 
-Array = NDArray[np.float64]
-Point = tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class RestrictedState:
-    """The last extrema (u, y), oldest first; the present point; whether anything older was forgotten."""
-
-    extrema: tuple[Point, ...]
-    u: float
-    y: float
-    rising: bool
-    forgotten: bool
+Excess = Callable[[tuple[float, ...], float, float], float]
 
 
-class RestrictedPreisach:
-    """Preisach with a memory of ``order`` n ≥ 1 extrema, None for all; see the module.
+class RestrictedPreisach(ExtendedOperator):
+    """Γ of the first-order curves less the excess of inner curves; see the module.
 
+    ``excesses``: Q_1 … Q_n, each (extrema (j,), β, α) → output; as many as the order n. Histories begin in saturation.
+
+    >>> import numpy as np
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> turns = [120.0, 30.0, 100.0, 40.0, 90.0, 50.0, 80.0, 50.0]
-    >>> y = RestrictedPreisach(surface("one_c"), order=2).simulate([*turns, 120.0])
-    >>> bool(y[5] == y[7]), bool(y[8] == y[0])      # the last loop closes, the forgotten one does not
-    (True, False)
+    >>> from smarig.preisach.operator import Preisach
+    >>> none, u = [lambda extrema, beta, alpha: 0.0], [120.0, 40.0, 90.0, 60.0]
+    >>> plain = Preisach.from_surface(surface("one_e")).simulate(u)
+    >>> bool(np.all(RestrictedPreisach(surface("one_e"), none).simulate(u) == plain))
+    True
     """
 
     def __init__(
-        self, hysteresis: Everett, order: int | None, initial: Initial | RestrictedState = "negative"
+        self, hysteresis: Everett, excesses: Sequence[Excess], initial: Initial = "negative"
     ) -> None:
-        if order is not None and not (isinstance(order, Integral) and order >= 1):
-            raise UsageError(
-                "A restricted model remembers at least one extremum, a whole number of them or None for all; "
-                f"got order {order!r:.40}."
-            )
-        self.hysteresis, self.order = hysteresis, order
-        h = hysteresis
-        self._ends = (h.lower, h.y_lower), (h.upper, h.y_lower + h.everett(h.upper, h.lower))
-        self.reset(initial)
+        if not all(callable(q) for q in excesses):
+            raise UsageError("A restricted model needs one function Q_j(extrema, β, α) for each order.")
+        self.excesses = tuple(excesses)
+        super().__init__(hysteresis, initial)
+
+    @classmethod
+    def first_order(
+        cls, hysteresis: Everett, excess: SecondOrderExcess, initial: Initial = "negative"
+    ) -> "RestrictedPreisach":
+        """n = 1, from second-order curves: Q_1(M_1; β, α) is their excess Q(M_1, β, α)."""
+        check_excess_range(excess, hysteresis)
+        return cls(hysteresis, [_first_order_excess(excess)], initial)
 
     @property
-    def state(self) -> RestrictedState:
-        """A frozen copy of the memory."""
-        return RestrictedState(tuple(self._points), self.u, self.y, self._rising, self._forgotten)
+    def order(self) -> int:
+        """The number of extrema that the weights depend on."""
+        return len(self.excesses)
 
-    def reset(self, initial: Initial | RestrictedState = "negative") -> float:
-        """Go to negative or positive saturation or to a state; returns y."""
-        if isinstance(initial, RestrictedState):
-            self._points, self._rising = list(initial.extrema), initial.rising
-            self.u, self.y, self._forgotten = initial.u, initial.y, initial.forgotten
-        elif initial in ("negative", "positive"):
-            self._saturate(initial == "positive")
-        else:
-            what = "a classical memory" if isinstance(initial, State) else f"'{initial}'"
-            raise UsageError(
-                f"A restricted model starts negative, positive or from its own state, not {what}."
-            )
-        return self.y
+    def _read_out(self, y: float) -> float:
+        """Cost grows with the depth of the memory."""
+        path = reduced_memory(self._memory.state)
+        extrema = path[1:-1]
+        for k in range(2, len(path)):
+            low, high = sorted(path[k - 1 : k + 1])
+            sign = 1.0 if path[k] > path[k - 1] else -1.0
+            for j, excess in enumerate(self.excesses[: k - 1], 1):
+                y -= sign * excess(extrema[:j], low, high)
+        return y
 
-    def step(self, u: float) -> float:
-        """Move monotonically to u; returns y."""
-        u = input_number(u)
-        if not self.hysteresis.lower < u < self.hysteresis.upper:
-            self._saturate(u >= self.hysteresis.upper)
-        elif u != self.u:
-            self._move(u)
-        return self.y
 
-    def simulate(self, u: ArrayLike, initial: Initial | RestrictedState = "negative") -> Array:
-        """Outputs (n,) for inputs u (n,)."""
-        return simulate_steps(self, u, initial)
+def _first_order_excess(excess: SecondOrderExcess) -> Excess:
+    def of_first_maximum(extrema: tuple[float, ...], beta: float, alpha: float) -> float:
+        return excess.at(extrema[0], beta, alpha)
 
-    def _saturate(self, upper: bool) -> None:
-        """At an end of the range nothing is remembered, and nothing needs to be."""
-        self.u, self.y = self._ends[upper]
-        self._points: list[Point] = []
-        self._rising, self._forgotten = upper, False
-
-    def _move(self, u: float) -> None:
-        rising = u > self.u
-        points = self._points
-        if rising != self._rising and (self.u, self.y) not in self._ends:
-            points.append((self.u, self.y))
-            if self.order is not None and len(points) > self.order:
-                del points[0]
-                self._forgotten = True
-        self._rising = rising
-        sign = 1 if rising else -1
-        while len(points) > 1 and sign * u >= sign * points[-2][0]:
-            self.u, self.y = points[-2]
-            del points[-2:]
-        if self._forgotten:
-            self.y = self._scaled(u)
-        else:
-            origin, y = points[-1] if points else self._ends[not rising]
-            self.y = y + sign * self._branch(u, origin)
-        self.u = u
-
-    def _scaled(self, u: float) -> float:
-        """From the present point along the shape of the branch to where it must arrive."""
-        origin = self._points[-1][0] if self._points else self._ends[not self._rising][0]
-        target, y = self._points[-2] if len(self._points) > 1 else self._ends[self._rising]
-        done = self._branch(self.u, origin)
-        ahead = self._branch(target, origin) - done
-        return self.y + (y - self.y) * ((self._branch(u, origin) - done) / ahead if ahead else 0.0)
-
-    def _branch(self, u: float, origin: float) -> float:
-        F = self.hysteresis.everett
-        return F(u, origin) if self._rising else F(origin, u)
+    return of_first_maximum

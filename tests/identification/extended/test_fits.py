@@ -9,11 +9,11 @@ import pytest
 from identification.made_runs import made_run
 from smarig.core.errors import DataError
 from smarig.identification.extended.accommodation_fit import identify_accommodation
-from smarig.identification.extended.memory_order import choose_order
 from smarig.identification.extended.moving_fit import identify_moving
 from smarig.identification.extended.nonlinear_fit import identify_nonlinear
 from smarig.identification.extended.reversible_fit import identify_reversible
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach.operator import Preisach
 from theory.extended import truths
 
 SEEDS = range(10)
@@ -210,24 +210,30 @@ def test_branches_that_differ_in_width_are_not_explained_by_a_reversible_part():
 # --- restricted ---------------------------------------------------------------------------------------------
 
 
-def nested(seed):
-    """Turning points inwards and out again."""
-    inward = 75 + 70 * np.random.default_rng(seed).uniform(0.9, 1, 12) * (-0.85) ** np.arange(12)
-    return [0.0, *inward, *inward[-2::-1], 0.0]
+def test_the_identified_restricted_model_is_exact_on_its_partition_where_the_non_linear_one_is_not():
+    fit = identify_nonlinear([record(CURVES, truths.restricted(CURVES, 1, m=12))], NOISE)
+    u = np.append(0, COARSE[np.random.default_rng(1).integers(0, len(COARSE), 200)])
+    truth = truths.restricted(u, 1, m=12)
+    assert fit.restricted().simulate(u) == pytest.approx(truth, abs=1e-10)
+    assert np.max(np.abs(fit.model().simulate(u) - truth)) > 0.05
 
 
-@pytest.mark.parametrize("order", [1, 2, 4, None])
-def test_the_order_of_a_restricted_wire_comes_back(order):
-    chosen = []
+def test_beyond_a_known_hysteresis_second_order_curves_alone_hold_the_excess():
+    known = identify_nonlinear([record(CURVES, truths.restricted(CURVES, 1, m=12))], NOISE).hysteresis
+    inner = second_order(COARSE)
+    y = truths.restricted(inner, 1, m=12)
+    p = []
     for seed in SEEDS:
-        inputs = [nested(10 * seed + r) for r in range(4)]
-        wire = (
-            (lambda u: truths.classical(u, m=9))
-            if order is None
-            else (lambda u: truths.restricted(u, order, m=9))
-        )
-        fit = choose_order([record(u, wire(u), 100 * seed + r) for r, u in enumerate(inputs)], relays())
-        chosen.append(fit.order == order)
-        assert order in fit.compatible
-        assert fit.held_out_rms < 1.5 * NOISE
-    assert np.mean(chosen) >= 0.8
+        fit = identify_nonlinear([record(inner, y, seed)], NOISE, known)
+        assert fit.p_value < 1e-4
+        classical = Preisach(known).simulate(inner)
+        p.append(identify_nonlinear([record(inner, classical, seed)], NOISE, known).p_value)
+    assert 0.2 < np.mean(p) < 0.8
+    exact = identify_nonlinear([record(inner, y)], NOISE, known)
+    assert exact.restricted().simulate(inner) == pytest.approx(y, abs=1e-10)
+
+
+def test_a_run_without_second_order_curves_names_the_protocol():
+    wire = relays()
+    with pytest.raises(DataError, match="second_order_transition"):
+        identify_nonlinear([record(BRANCHES, truths.classical(BRANCHES, m=9))], NOISE, wire)

@@ -1,0 +1,15 @@
+"""Weights that depend on the present input: loops keep equal vertical chords only. From second-order curves."""
+
+from smarig.identification.extended.excess_run import excess_values, fitted_excess, largest_excess
+from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
+
+
+def nonlinear(data: ExtensionData) -> FittedExtension:
+    """An excess Q(α, β, u) at every corner of the staircase."""
+    fit = fitted_excess(data)
+    return FittedExtension(
+        "weights that depend on the present input",
+        {"largest_excess": largest_excess(fit, data.unit)},
+        fit.p_value,
+        {"kind": "nonlinear", **excess_values(fit)},
+    )

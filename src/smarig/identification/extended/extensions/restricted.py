@@ -1,0 +1,18 @@
+"""Weights that depend on the first past maximum (order 1): loops are congruent only after the same one.
+
+Of second-order curves, as the non-linear model; a higher order n needs curves of order n + 1, which no protocol drives.
+"""
+
+from smarig.identification.extended.excess_run import excess_values, fitted_excess, largest_excess
+from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
+
+
+def restricted(data: ExtensionData) -> FittedExtension:
+    """An excess Q(M_1; β, α) of every move inside the first triangle."""
+    fit = fitted_excess(data)
+    return FittedExtension(
+        "weights that depend on the first past maximum",
+        {"largest_excess": largest_excess(fit, data.unit)},
+        fit.p_value,
+        {"kind": "restricted", **excess_values(fit)},
+    )

@@ -1,0 +1,50 @@
+"""What an extension is identified from, and what comes of it: the two values that the catalogue exchanges."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from smarig.core.errors import DataError
+from smarig.identification.interval_estimate import Estimate
+from smarig.identification.noise_floor import noise_floor
+from smarig.preisach.everett import Everett
+from smarig.record import Run
+
+
+@dataclass(frozen=True, eq=False)
+class ExtensionData:
+    """Runs, and the classical hysteresis identified from them."""
+
+    runs: Sequence[Run]
+    hysteresis: Everett
+    unit: str
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of one settled output; DataError where the runs do not tell it."""
+        value = noise_floor(self.runs).value
+        if not value:
+            raise DataError("The noise of a settled point is not known; repeat some memory states first.")
+        return value
+
+
+@dataclass(frozen=True, eq=False)
+class FittedExtension:
+    """An identified extension.
+
+    ``parameters`` with 95 % intervals; ``p_value`` of the classical model, which the extension must beat; ``values``:
+    what the model file keeps, as ``replay.extended_model`` reads it.
+    """
+
+    adds: str
+    parameters: dict[str, Estimate]
+    p_value: float
+    values: dict[str, Any]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values, without those of the model file."""
+        return {
+            "adds": self.adds,
+            "p_value": self.p_value,
+            "parameters": {name: estimate.to_json() for name, estimate in self.parameters.items()},
+        }

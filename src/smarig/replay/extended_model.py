@@ -1,0 +1,70 @@
+"""The extension of a model (thesis §3.5) as plain values in its file, and the operator they describe.
+
+Adding a kind is one line of ``_OPERATORS``. ``hysteresis`` is the model's own, the classical one; the moving model has
+another, in terms of u + k y.
+"""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.core.errors import DataError
+from smarig.preisach.everett import Everett
+from smarig.preisach.operator import Initial
+from smarig.replay.hysteresis_json import load_hysteresis
+from smarig.theory.extended.accommodating_operator import AccommodatingPreisach
+from smarig.theory.extended.moving_operator import MovingPreisach
+from smarig.theory.extended.nonlinear_operator import NonlinearPreisach, SecondOrderExcess
+from smarig.theory.extended.restricted_operator import RestrictedPreisach
+from smarig.theory.extended.reversible_operator import ReversiblePart, ReversiblePreisach
+
+Array = NDArray[np.float64]
+
+
+class Operator(Protocol):
+    """What predicts: the classical operator or an extended one. ``reset`` and ``step`` return the output."""
+
+    def reset(self, initial: Initial = "negative") -> float: ...
+    def step(self, u: float) -> float: ...
+    def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array: ...
+
+
+def extended_operator(extension: dict[str, Any], hysteresis: Everett, initial: Initial = "negative") -> Any:
+    """The operator that ``extension`` = {"kind", values …} makes of a hysteresis; DataError says what is wrong."""
+    kind = extension.get("kind")
+    if kind not in _OPERATORS:
+        raise DataError(f"unknown extension '{kind}'; expected one of {', '.join(_OPERATORS)}")
+    try:
+        operator = _OPERATORS[kind](extension, hysteresis)
+    except KeyError as error:
+        raise DataError(f"extension key {error} is missing") from None
+    except (TypeError, ValueError) as error:
+        raise DataError(f"the extension is damaged: {error}") from None
+    operator.reset(initial)
+    return operator
+
+
+def _moving(x: dict[str, Any], _hysteresis: Everett) -> MovingPreisach:
+    return MovingPreisach(load_hysteresis(x["hysteresis"]), _number(x["feedback"]))
+
+
+def _excess(x: dict[str, Any]) -> SecondOrderExcess:
+    return SecondOrderExcess(np.array(x["nodes"], dtype=float), np.array(x["values"], dtype=float))
+
+
+def _number(value: Any) -> float:
+    number = float(value)
+    if not np.isfinite(number):
+        raise ValueError(f"{number} is no number of an extension")
+    return number
+
+
+_OPERATORS: dict[str, Callable[[dict[str, Any], Everett], Any]] = {
+    "accommodating": lambda x, h: AccommodatingPreisach(h, _number(x["amount"]), _number(x["path"])),
+    "moving": _moving,
+    "nonlinear": lambda x, h: NonlinearPreisach(h, _excess(x)),
+    "restricted": lambda x, h: RestrictedPreisach.first_order(h, _excess(x)),
+    "reversible": lambda x, h: ReversiblePreisach(h, ReversiblePart(x["nodes"], x["values"])),
+}

@@ -1,0 +1,102 @@
+"""``identify(extension=…)``: the catalogue, what a model file keeps of it, and the choice on runs left out."""
+
+import numpy as np
+import pytest
+
+import smarig
+from identification.extended.test_fits import AGAIN, COARSE, NOISE, first_order, record, second_order
+from smarig.cli.commands.identify import EXTENSIONS
+from smarig.core.errors import DataError, UsageError
+from smarig.identification.extended.choose_extension import extension_names
+from smarig.identification.identify import identify
+from smarig.identification.verify import verify
+from smarig.replay.model_file import load_model
+from theory.extended import truths
+
+FIRST = first_order(COARSE)
+SECOND = second_order(COARSE)
+DEEP = [
+    [0.0, 125.0, 50.0, 75.0, 50.0, 100.0, 25.0, 75.0, 50.0, 0.0],
+    [0.0, 100.0, 25.0, 75.0, 50.0, 75.0, 0.0],
+]
+INPUTS = [FIRST, SECOND, *DEEP, FIRST]
+
+
+def runs(wire, inputs=INPUTS):
+    return [record(u, wire(u), seed) for seed, u in enumerate(inputs)]
+
+
+def restricted(u):
+    return truths.restricted(u, 1, strength=0.8, m=10)
+
+
+def test_the_command_offers_every_file_of_the_catalogue():
+    assert sorted(EXTENSIONS) == sorted(extension_names())
+    with pytest.raises(UsageError, match="did you mean moving"):
+        identify(runs(restricted)[:1], "table", extension="movin")
+
+
+@pytest.mark.parametrize("name", ["restricted", "nonlinear"])
+def test_an_extension_is_kept_in_the_file_and_predicts_from_it(name, tmp_path):
+    trained = runs(restricted)
+    result = identify(trained, "table", extension=name)
+    path = result.model.save(tmp_path / "m.model.json")
+    again = load_model(path)
+    assert again.extension["kind"] == name
+    assert np.array_equal(again.predict(DEEP[0]), result.model.predict(DEEP[0]))
+    assert not np.array_equal(again.predict(DEEP[0]), again.preisach().simulate(DEEP[0]))
+    assert (
+        verify(again, trained[2]).runs[0].settled.rms
+        < verify(identify(trained, "table").model, trained[2]).runs[0].settled.rms
+    )
+    with pytest.raises(UsageError, match="takes classical models"):
+        again.check_classical("A loop")
+
+
+def test_the_best_extension_of_a_restricted_wire_is_the_restricted_model():
+    result = identify(runs(restricted), "table", extension="best")
+    found = result.to_json()["extension"]
+    assert found["chosen"] == "restricted"
+    scores = {name: fit["held_out"] for name, fit in found["fits"].items()}
+    assert scores["restricted"]["gain_ci95"][0] > 0
+    assert scores["restricted"]["extended"] < scores["restricted"]["classical"]
+    assert "restricted: largest_excess" in result.extension.text
+
+
+def test_of_a_classical_wire_no_extension_is_chosen_and_the_file_says_nothing_of_one(tmp_path):
+    result = identify(runs(lambda u: truths.classical(u, m=10)), "table", extension="best")
+    assert result.to_json()["extension"]["chosen"] == "none"
+    assert result.model.extension == {}
+    assert "extension" not in result.model.save(tmp_path / "m.model.json").read_text()
+
+
+def test_accommodation_is_identified_by_its_name():
+    def wire(u):
+        return truths.accommodating(u, 0.6, 0.4, m=9)
+
+    result = identify(runs(wire, [FIRST, AGAIN, AGAIN]), "table", extension="accommodating")
+    low, high = result.extension.fits["accommodating"].parameters["amount"].ci95
+    assert low < 0.6 < high
+    held_out = result.extension.to_json()["fits"]["accommodating"]["held_out"]
+    assert held_out["runs"] == 2
+    assert held_out["gain_ci95"][0] > 0.5
+
+
+def test_what_the_runs_do_not_hold_is_said():
+    with pytest.raises(DataError, match="second_order_transition"):
+        identify(runs(restricted, [FIRST, FIRST]), "table", extension="restricted")
+    result = identify(runs(restricted, [FIRST, FIRST]), "table", extension="best")
+    assert {"moving", "accommodating", "nonlinear", "restricted"} <= set(result.extension.refused)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"kind": "vector"}, {"kind": "moving"}, {"kind": "accommodating", "amount": 2, "path": 1}]
+)
+def test_a_damaged_extension_is_named(wrong, tmp_path):
+    from dataclasses import replace
+
+    path = replace(identify(runs(restricted)[:1], "table").model, extension=wrong).save(
+        tmp_path / "m.model.json"
+    )
+    with pytest.raises((DataError, UsageError), match="m.model.json"):
+        smarig.load_model(path)
