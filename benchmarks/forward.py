@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.batch import simulate_many
 from smarig.preisach.compiled import available
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
@@ -84,7 +83,6 @@ def run(quick: bool = False) -> dict[str, Any]:
         "ratio_to_relay_array": plain["measure"]["random_walk_per_s"] / baseline,
         "agreement_of_range": float(np.max(np.abs(here - exact)) / (2 * measure.mass.sum())),
         "peak_memory_MB": _peak_MB(measure, n),
-        "batch": _batch(n),
         "numba": _numba(measure, 1 if quick else 100) if available() else None,
     }
 
@@ -126,22 +124,6 @@ def _peak_MB(measure: RelayMeasure, n: int) -> float:
         return tracemalloc.get_traced_memory()[1] / 1e6
     finally:
         tracemalloc.stop()
-
-
-def _batch(n: int) -> dict[str, float]:
-    """Twenty-one surfaces along one input, against one after the other."""
-    hystereses = [surface(name) for name in NAMES if name.startswith("two")] * 7
-    u = random_walk(n // 2) * 185.0
-    together = simulate_many(hystereses, u)
-    alone = np.array([Preisach(h, compiled=False).simulate(u) for h in hystereses])
-    ratio = _best(lambda: [Preisach(h, compiled=False).simulate(u) for h in hystereses], 1) / _best(
-        lambda: simulate_many(hystereses, u), 1
-    )
-    return {
-        "hystereses": len(hystereses),
-        "speed_up": ratio,
-        "agreement_of_range": float(np.max(np.abs(together - alone)) / np.ptp(alone)),
-    }
 
 
 def _numba(measure: RelayMeasure, scale: int) -> dict[str, Any]:

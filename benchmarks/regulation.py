@@ -1,7 +1,7 @@
 """``smarig benchmark regulation``: §8.3 as numbers, both rigs, on the operator and on the twin.
 
 Set-points spread over the output range; from B_ℓ and from both states of the outer branches a disturbance of ±d is
-corrected. On the operator as ``control.regulation.disturbance`` defines it, on the twin as the protocol ``regulate``
+corrected. On the operator as ``disturbance_comparison`` defines it, on the twin as the protocol ``regulate``
 through runner and guard, with lag, noise, quantisation and the gentle PI; deviations there are the wire's own, not the
 encoder's. ``approach`` compares predicted with reached distances from B_ℓ, with the right τ and with a wrong one.
 """
@@ -15,7 +15,7 @@ import numpy as np
 
 from smarig.config import load_rig
 from smarig.control.regulation import BoundaryPlane, Psi, plan, regulate
-from smarig.control.regulation.disturbance_comparison import (
+from benchmarks.disturbance_comparison import (
     FIGURES,
     STATE_KINDS,
     DisturbanceComparison,

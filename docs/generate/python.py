@@ -71,7 +71,6 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.certify.velocity.rig_loop",
             "smarig.control.regulation.psi",
             "smarig.control.regulation.approach",
-            "smarig.control.regulation.disturbance_comparison",
             "smarig.control.regulation.setpoint_pi",
             "smarig.control.regulation.regulation_protocol",
             "smarig.control.tracking.controller_model",

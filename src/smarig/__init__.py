@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from smarig.app.closed_loop import regulate as regulate
     from smarig.app.closed_loop import track as track
     from smarig.diagnosis.diagnose import diagnose as diagnose
+    from smarig.identification.forc.forc_density import forc_density as forc_density
     from smarig.identification.identify import identify as identify
     from smarig.preisach.hysteresis.fod_surface import FodSurface as FodSurface
     from smarig.preisach.operator import Preisach as Preisach
@@ -29,6 +30,7 @@ _HOME = {
     "Preisach": "smarig.preisach.operator",
     "Twin": "smarig.rig.twin",
     "diagnose": "smarig.diagnosis.diagnose",
+    "forc_density": "smarig.identification.forc.forc_density",
     "identify": "smarig.identification.identify",
     "load_model": "smarig.replay.model_file",
     "load_run": "smarig.record.run",
@@ -43,6 +45,7 @@ __all__ = [
     "Preisach",
     "Twin",
     "diagnose",
+    "forc_density",
     "identify",
     "load_model",
     "load_run",

@@ -6,7 +6,7 @@ import pytest
 from benchmarks import regulation
 from preisach.relay_reference import Printed, cells, lower_half
 from smarig.control.regulation import BoundaryPlane, Psi
-from smarig.control.regulation.disturbance_comparison import (
+from benchmarks.disturbance_comparison import (
     FIGURES,
     STATE_KINDS,
     _recovery_inputs,

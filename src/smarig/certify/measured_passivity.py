@@ -10,6 +10,7 @@ predicted wrongly: u is taken as given.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -60,6 +61,20 @@ class SegmentPassivity:
         """The row of the worst sample: farthest below the bound, or of least energy where none is below it."""
         return self.first + int(np.argmin(self.slack if self.within is False else self.supplied))
 
+    def to_json(self) -> dict[str, Any]:
+        """Plain values: rows, least and last supplied energy, its deviation in the end, and the bound."""
+        return {
+            "first": self.first,
+            "samples": self.supplied.size,
+            "least": float(self.supplied.min()),
+            "end": float(self.supplied[-1]),
+            "end_deviation": float(self.spread[-1]),
+            "bound": self.bound if math.isfinite(self.bound) else None,
+            "proved": self.proven,
+            "within": self.within,
+            "reason": self.why,
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPassivity:
@@ -97,6 +112,16 @@ class MeasuredPassivity:
             f"{head}: {self._energy_at(worst, k)} at worst, at sample {worst.worst}, and {self._energy_at(worst, -1)} in the end; "
             f"the noise of a reading is {noise}. {self._verdict(worst)}"
         )
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; what is not finite is None."""
+        return {
+            "within": self.within,
+            "noise": self.noise,
+            "unit": self.unit,
+            "text": self.text,
+            "segments": [s.to_json() for s in self.segments],
+        }
 
     def _energy_at(self, s: SegmentPassivity, k: int) -> str:
         value, spread = with_unit(s.supplied[k], self.unit), with_unit(s.spread[k], self.unit, 2)

@@ -22,6 +22,7 @@ from smarig.certify.certificate_units import Units, with_unit
 from smarig.certify.hypothesis import Hypothesis, all_hold, coverage, failing
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
 from smarig.certify.passivity import PassivityCounterexample, counterexample
+from smarig.certify.position_assumptions import IndistinguishableStates, indistinguishable_states
 from smarig.certify.storage_bound import StorageBound, storage_bound
 from smarig.certify.velocity.stability import Stability, basis, controller_stability
 from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers
@@ -66,7 +67,8 @@ class ModelCertificate:
     """Of one hysteresis, from the state ``initial`` at u(0) = 0.
 
     ``dissipativity`` is None where it cannot be decided for this kind, ``undecided`` says why; ``counterexample`` is an input
-    that takes energy out in every cycle, where there is one.
+    that takes energy out in every cycle, where there is one. ``indistinguishable``: two states that zero input never
+    tells apart, where u = 0 leaves more than one.
     """
 
     initial: Initial
@@ -77,6 +79,7 @@ class ModelCertificate:
     counterexample: PassivityCounterexample | None
     controllers: tuple[ControllerResult, ...]
     scope: CertificateScope
+    indistinguishable: IndistinguishableStates | None = None
 
     @property
     def units(self) -> Units:
@@ -153,6 +156,7 @@ class ModelCertificate:
             *(f"  {result.text}" for result in self.controllers),
             self.scheduling,
             self.position_controllers,
+            *([self.indistinguishable.text] if self.indistinguishable else []),
             "Limits:",
             *(f"  {limit.text}" for limit in self.limits),
             f"  (see {FINDINGS})",
@@ -229,6 +233,7 @@ class ModelCertificate:
             },
             "gain_scheduling": self.scheduling,
             "position_controllers": self.position_controllers,
+            "indistinguishable_states": self.indistinguishable and self.indistinguishable.to_json(),
             "limits": [asdict(limit) for limit in self.limits],
         }
 
@@ -283,6 +288,7 @@ def certificate(
             all_hold(basis_of_model.hypotheses),
             hysteresis_analysis.units,
         ),
+        indistinguishable_states(hysteresis) if initial == "anhysteretic" else None,
     )
 
 

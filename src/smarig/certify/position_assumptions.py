@@ -4,6 +4,7 @@
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 from smarig.control.argument_checks import finite, not_negative
 from smarig.core.errors import UsageError
@@ -47,6 +48,24 @@ class IndistinguishableStates:
     second: State
     distance: float
     most: float
+
+    @property
+    def text(self) -> str:
+        """What it means, in a sentence."""
+        path = " → ".join(f"{u:.4g}" for u in (*self.second.extrema[1:], 0.0))
+        return (
+            f"Zero-state detectability (§9.2) fails: from saturation along {path} the output is that of B*, and at zero "
+            f"input both states stay as they are (distance {self.distance / self.most:.1%} of 2û²)."
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "turning_points": list(self.second.extrema),
+            "output": self.first.y,
+            "distance_share": self.distance / self.most,
+            "text": self.text,
+        }
 
 
 def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:

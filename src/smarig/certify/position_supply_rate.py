@@ -15,6 +15,7 @@ hysteresis, which has b = 0 if any, stands in docs/explanation/control_findings.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -64,6 +65,42 @@ class PositionController:
         if len(np.trim_zeros(n, "b")) > len(d) + 1:
             raise UsageError("A position controller may differentiate its error once, not more often.")
         return cls(n, d)
+
+    @classmethod
+    def parse(cls, text: str) -> "PositionController":
+        """From text "numerator/denominator", coefficients of 1, s, s² with commas; UsageError for any other.
+
+        >>> PositionController.parse("10,20/1,0.5").denominator
+        (1.0, 0.5)
+        """
+        numerator, _, denominator = text.partition("/")
+        try:
+            n, d = ([float(c) for c in part.split(",")] for part in (numerator, denominator or "1"))
+        except ValueError:
+            raise UsageError(
+                f"'{text}' is no K(s): give numerator/denominator by coefficients of 1, s, s², as in 10,20/1,0.5."
+            ) from None
+        return cls.of(n, d)
+
+    def to_json(self) -> dict[str, Any]:
+        """Coefficients, whether it matches a = b = c = 0, and the largest a it matches (None: any)."""
+        largest = self.largest_a()
+        return {
+            "numerator": list(self.numerator),
+            "denominator": list(self.denominator),
+            "matches": self.matches(SupplyRate()),
+            "largest_a": largest if np.isfinite(largest) else None,
+        }
+
+    @property
+    def text(self) -> str:
+        """What §9.2 says of it, in a sentence."""
+        name = "K(s) = ({})/({})".format(
+            *(", ".join(f"{c:g}" for c in part) for part in (self.numerator, self.denominator))
+        )
+        if not self.matches(SupplyRate()):
+            return f"Position controller {name}: not in the class of §9.2."
+        return f"Position controller {name}: in the marginal class of §9.2 (a = b = c = 0); largest a {self.largest_a():.3g}."
 
     @property
     def static_gain(self) -> float:

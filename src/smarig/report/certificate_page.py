@@ -8,7 +8,9 @@ from typing import Any
 from smarig.certify.certificate_scope import FINDINGS
 from smarig.certify.certificate_units import Units
 from smarig.certify.hypothesis import Hypothesis
+from smarig.certify.measured_passivity import MeasuredPassivity
 from smarig.certify.model_certificate import ModelCertificate
+from smarig.certify.position_supply_rate import PositionController
 from smarig.certify.storage_bound import StorageBound
 from smarig.replay.model_file import Model
 from smarig.report.certificate_figures import certificate_figure
@@ -77,8 +79,33 @@ def units_of(model: Model) -> Units:
     return Units(model.unit, model.input.unit)
 
 
-def certificate_page(model: Model, found: ModelCertificate, about: CertifiedModel) -> str:
-    """The whole page (HTML)."""
+@dataclass(frozen=True)
+class Further:
+    """Asked for besides the model's certificate: passivity of runs by name, and position controllers of §9.2."""
+
+    measured: dict[str, MeasuredPassivity]
+    position_controllers: tuple[PositionController, ...]
+
+    @property
+    def text(self) -> list[str]:
+        """A line each."""
+        lines = [f"{name}: {m.text}" for name, m in self.measured.items()]
+        return lines + [k.text for k in self.position_controllers]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; keys only for what was asked."""
+        measured = [{"run": name} | m.to_json() for name, m in self.measured.items()]
+        return ({"measured": measured} if measured else {}) | (
+            {"position_supply": [k.to_json() for k in self.position_controllers]}
+            if self.position_controllers
+            else {}
+        )
+
+
+def certificate_page(
+    model: Model, found: ModelCertificate, about: CertifiedModel, further: Further | None = None
+) -> str:
+    """The whole page (HTML); ``further``: what was asked of it besides."""
     label = "TWIN" if model.twin else ""
     sections = [
         Section(
@@ -92,7 +119,8 @@ def certificate_page(model: Model, found: ModelCertificate, about: CertifiedMode
             [certificate_figure(model, found, _caption(about), label)],
         ),
         Section("Limits", "Limits", [limits_table(found)]),
-        Section("Other loops", "Other loops", [*other_loops(found)]),
+        Section("Other loops", "Other loops", [*other_loops(found), *_position_controllers(further)]),
+        *_measured_section(further),
         Section("What it rests on", "Provenance", [provenance(about)]),
     ]
     simulated = "the model was identified from a software simulation. No wire was measured."
@@ -206,7 +234,44 @@ def other_loops(found: ModelCertificate) -> list[Html]:
     return [
         paragraph(with_subscripts(found.scheduling)),
         paragraph(with_subscripts(found.position_controllers)),
+        *([paragraph(found.indistinguishable.text)] if found.indistinguishable else []),
     ]
+
+
+def _position_controllers(further: Further | None) -> list[Html]:
+    return [paragraph(k.text) for k in further.position_controllers] if further else []
+
+
+def _measured_section(further: Further | None) -> list[Section]:
+    """Supplied energy of each run against the model's bound."""
+    if further is None or not further.measured:
+        return []
+    rows = [
+        (
+            name,
+            s.first,
+            s.supplied.size,
+            number(float(s.supplied.min())),
+            number(float(s.supplied[-1])),
+            number(s.bound),
+            {True: "holds", False: "broken", None: s.why}[s.within],
+        )
+        for name, m in further.measured.items()
+        for s in m.segments
+    ]
+    unit = display_unit(next(iter(further.measured.values())).unit)
+    header = (
+        "Run",
+        "From row",
+        "Samples",
+        f"Least ∫u dy ({unit})",
+        f"In the end ({unit})",
+        f"Bound ({unit})",
+        "Bound",
+    )
+    words = "Supplied energy of the readings along the predicted input, of every stretch without a gap."
+    parts = [paragraph(f"{name}: {m.text}") for name, m in further.measured.items()]
+    return [Section("Measured runs", "Measured runs", [*parts, table(header, rows, words)])]
 
 
 def hypotheses_table(found: ModelCertificate) -> Html:

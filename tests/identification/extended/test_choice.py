@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import smarig
-from identification.extended.test_fits import AGAIN, COARSE, NOISE, first_order, record, second_order
+from identification.extended.test_fits import AGAIN, COARSE, first_order, record, second_order
 from smarig.cli.commands.identify import EXTENSIONS
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.extended.choose_extension import extension_names

@@ -14,6 +14,7 @@ EPILOG = """\b
 Examples:
   smarig certify wire.model.json
   smarig certify wire.model.json --controller leaky_pi --set gain=50 -o certificate.html
+  smarig certify wire.model.json --run validation.run.sqlite --position-controller 10,20/1,0.5
 """
 
 
@@ -25,33 +26,56 @@ Examples:
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A number of --controller; repeatable."
 )
+@click.option(
+    "--run", "runs", multiple=True, type=FILE, help="A run whose readings are held against the bound."
+)
+@click.option(
+    "--position-controller",
+    "laws",
+    multiple=True,
+    metavar="N/D",
+    help="A controller K(s) of §9.2 by coefficients of 1, s, s²: 10,20/1,0.5.",
+)
 @click.option("-o", "--out", type=FILE, help="HTML page to write.")
 @click.option("--force", is_flag=True, help="Replace an existing page.")
 @json_option
 def command(
-    model: Path, controller: str | None, pairs: tuple[str, ...], out: Path | None, force: bool
+    model: Path,
+    controller: str | None,
+    pairs: tuple[str, ...],
+    runs: tuple[Path, ...],
+    laws: tuple[str, ...],
+    out: Path | None,
+    force: bool,
 ) -> None:
     """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ, γ and k_e
     (Thm 8.2) with every hypothesis that fails. It speaks of the hysteresis alone, and says how far that reaches: the
     loops of track and regulate are not covered. Where passivity fails, the input that breaks it is given."""
     from smarig.app.closed_loop import ModelSource
     from smarig.certify.model_certificate import certificate
+    from smarig.certify.position_supply_rate import PositionController
     from smarig.core.atomic_file import check_writable
-    from smarig.report.certificate_page import certificate_page, certified_model, units_of
+    from smarig.identification.run_passivity import passivity_of_run
+    from smarig.record import load_run
+    from smarig.report.certificate_page import Further, certificate_page, certified_model, units_of
     from smarig.report.page import write_page
 
     if pairs and not controller:
         raise UsageError("--set belongs to one controller: name it with --controller.")
     source = ModelSource.of(model)
     if out is not None:
-        check_distinct(out, model)
+        check_distinct(out, model, *runs)
         check_writable(out, force=force, kind=PAGE)
     numbers = {controller: parse_pairs(pairs)} if controller else None
     found = certificate(source.model.hysteresis, numbers, units_of(source.model))
     model_origin = certified_model(source.model, source.name, source.sha256)
+    further = Further(
+        {path.name: passivity_of_run(load_run(path), source.model) for path in runs},
+        tuple(PositionController.parse(text) for text in laws),
+    )
     page = {}
     if out is not None:
-        write_page(certificate_page(source.model, found, model_origin), out, force=force)
+        write_page(certificate_page(source.model, found, model_origin, further), out, force=force)
         page = {"report": str(out)}
-    sentences = [model_origin.summary_text(), found.text, *([f"Page: {out}"] if out else [])]
-    emit(model_origin.to_json() | found.to_json() | page, "\n".join(sentences))
+    sentences = [model_origin.summary_text(), found.text, *further.text, *([f"Page: {out}"] if out else [])]
+    emit(model_origin.to_json() | found.to_json() | further.to_json() | page, "\n".join(sentences))
