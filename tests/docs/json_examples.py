@@ -28,10 +28,12 @@ resume stopped.run.sqlite
 identify fod.run.sqlite --surface exponential -o wire.model.json
 identify fod.run.sqlite --surface positive -o positive.model.json
 identify fod.run.sqlite -o best.model.json
+identify fod.run.sqlite validation.run.sqlite --surface exponential --extension best -o extended.model.json
 verify wire.model.json validation.run.sqlite
 simulate wire.model.json --along validation.run.sqlite -o simulated.run.sqlite
 calibrate validation.run.sqlite --actuator gorbet_one_wire
 certify wire.model.json
+certify wire.model.json --run validation.run.sqlite --position-controller 10,20/1,0.5
 track wire.model.json --reference ramps --set seconds=10 {RIG} -o tracked.run.sqlite
 regulate wire.model.json --setpoint 6 --hold-s 60 {RIG} -o held.run.sqlite
 list

@@ -94,7 +94,9 @@ def past_extrema(inputs):
             turns, rising = [*turns, before], v > before
         while len(turns) > 1 and (v >= turns[-2] if rising else v <= turns[-2]):
             turns = turns[:-2]
-        turns, before = ([] if v <= LOWER else turns), v
+        if v <= LOWER:
+            turns, rising = [], True
+        before = v
         yield tuple(turns)
 
 
