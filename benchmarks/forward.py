@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from smarig.preisach.compiled import available
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 

@@ -13,8 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from smarig.config import load_rig
-from smarig.control.regulation import BoundaryPlane, Psi, plan, regulate
 from benchmarks.disturbance_comparison import (
     FIGURES,
     STATE_KINDS,
@@ -24,6 +22,8 @@ from benchmarks.disturbance_comparison import (
     disturbance_cost,
     setpoints,
 )
+from smarig.config import load_rig
+from smarig.control.regulation import BoundaryPlane, Psi, plan, regulate
 from smarig.core.sample import Sample
 from smarig.plant.actuator import Actuator
 from smarig.preisach.everett import Everett

@@ -22,7 +22,7 @@ from smarig.identification.identify import identify
 from smarig.plant.effect import Effect
 from smarig.plant.effect_catalogue import from_json, from_pairs
 from smarig.record import load_run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 

@@ -16,8 +16,7 @@ from smarig.diagnosis.diagnose import diagnose
 from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient
 from smarig.identification.identify import identify
 from smarig.record import Run
-from smarig.replay.prediction import predict
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, predict
 
 NULLS = 40
 EARLY = 6500  # rows of the cycles: the first 25
@@ -63,7 +62,7 @@ def loops(shared_data, tmp_path):
 
 def test_a_loop_at_one_hertz_does_not_predict_slower_ones(loops):
     model = identify(loops[1.0], "positive").model
-    from smarig.replay.simulate_effects import plant_model_of
+    from smarig.replay import plant_model_of
 
     timeline = build_timeline(list(loops.values()), 1.0)
     error = (

@@ -21,8 +21,7 @@ from smarig.plant.effect_catalogue import effect_types, from_pairs
 from smarig.protocols._setup import Setup
 from smarig.protocols.first_order_descending import first_order_descending
 from smarig.protocols.validation import validation
-from smarig.replay.simulate_effects import actuator_for_run, plant_model_of
-from smarig.replay.timeline import build_timeline
+from smarig.replay import actuator_for_run, build_timeline, plant_model_of
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.listener import CallbackListener

@@ -56,7 +56,7 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.identification.identify",
             "smarig.replay.model_file",
             "smarig.identification.verify",
-            "smarig.replay.simulate_runs",
+            "smarig.replay.simulation",
             "smarig.identification.calibration.calibrate",
             "smarig.identification.forc.forc_density",
             "smarig.identification.positive",

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from smarig.preisach.hysteresis.gorbet_1997 import surface
-from smarig.replay.model_file import ActuatorRecord, Model, NoiseRecord, Provenance, SignalDescription
+from smarig.replay import Model, NoiseRecord
+from smarig.replay.model_file import ActuatorRecord, Provenance, SignalDescription
 
 RIGS = {"one": ("mm", "gorbet_one_wire"), "two": ("deg", "gorbet_two_wire")}
 

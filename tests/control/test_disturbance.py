@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from benchmarks import regulation
-from preisach.relay_reference import Printed, cells, lower_half
-from smarig.control.regulation import BoundaryPlane, Psi
 from benchmarks.disturbance_comparison import (
     FIGURES,
     STATE_KINDS,
@@ -15,6 +13,8 @@ from benchmarks.disturbance_comparison import (
     setpoints,
     state_of_output,
 )
+from preisach.relay_reference import Printed, cells, lower_half
+from smarig.control.regulation import BoundaryPlane, Psi
 from smarig.control.regulation.setpoint_pi import SetpointPI, steepest
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure

@@ -3,7 +3,7 @@
 import numpy as np
 
 from smarig.preisach.operator import Initial, Preisach
-from smarig.replay.prediction import Prediction
+from smarig.replay import Prediction
 
 
 def prediction_for_inputs(hysteresis, inputs, t_s=None, initial: Initial = "negative"):

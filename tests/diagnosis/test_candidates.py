@@ -11,8 +11,7 @@ from smarig.diagnosis.explain.candidates import Candidate, _smooth, generic, nam
 from smarig.plant.effects.backlash import backlash
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking
-from smarig.replay.prediction import predict
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, predict
 
 N = 30
 

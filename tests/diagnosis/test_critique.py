@@ -11,7 +11,7 @@ from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS, CandidateScore, 
 from smarig.diagnosis.critique.critique import critique as module
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking
-from smarig.replay.plant_model import PlantModel
+from smarig.replay import PlantModel
 
 NAMES = "abcdefgh"
 TIMELINE: Any = "a story"

@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from smarig.diagnosis.explain import signed_density
@@ -16,9 +17,10 @@ from smarig.diagnosis.explain.search import (
 )
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.plant.effects.walking import walking
-from smarig.replay.plant_model import PlantModel
+from smarig.replay import MeasuredInput, PlantModel
 
 WIRE: Any = None
+EMPTY = np.empty(0)
 ORIGINAL: Any = "the model's"
 PLAIN = 1000.0  # nats of the positive density without effects
 NEVER = float("-inf")
@@ -40,13 +42,13 @@ class World:
         single=NEVER,
         several=None,
         beside=NEVER,
-        given="",
+        measured=False,
         silent=False,
         loud=False,
     ):
         self.signed, self.single, self.several, self.beside = signed, single, several or single, beside
         self.silent, self.loud = silent, loud
-        self.timeline: Any = SimpleNamespace(given=given)
+        self.timeline: Any = SimpleNamespace(drive=MeasuredInput(EMPTY, EMPTY) if measured else None)
         self.searches, self.densities, self.critiques, self.said = [], [], [], []
         monkeypatch.setattr(
             signed_density, "joint_density_from_best_start", self.joint_density_from_best_start
@@ -194,7 +196,7 @@ def test_a_large_effect_that_passed_for_noise_is_found_and_must_beat_the_signed_
 
 @pytest.mark.parametrize(("silent", "loud"), [(False, False), (True, False), (True, True)])
 def test_where_the_input_was_measured_no_signed_density_is_tried(monkeypatch, silent, loud):
-    world = World(monkeypatch, 9999.0, single=1100.0, given="clock", silent=silent, loud=loud)
+    world = World(monkeypatch, 9999.0, single=1100.0, measured=True, silent=silent, loud=loud)
     seen, searches = world.find_explanations()
     assert best_evidence(seen) == (None if silent and not loud else 1100.0)
     assert searches == world.densities == ["positive"]

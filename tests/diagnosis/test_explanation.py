@@ -19,7 +19,7 @@ from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.slip import slip
 from smarig.plant.effects.walking import walking
-from smarig.replay.plant_model import PlantModel
+from smarig.replay import PlantModel
 
 WIRE: Any = None
 TIMELINE: Any = "a story"

@@ -10,8 +10,7 @@ from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slo
 from smarig.diagnosis.critique.refit import NoiseEstimate
 from smarig.diagnosis.explain.density_prior import density_prior
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
-from smarig.replay.prediction import predict
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, predict
 
 
 def gain(base, extended, block, floor):

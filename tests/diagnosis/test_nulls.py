@@ -12,7 +12,7 @@ from smarig.diagnosis.critique.null_data import null_data
 from smarig.diagnosis.critique.refit import NoiseEstimate
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
-from smarig.replay.plant_model import PlantModel
+from smarig.replay import PlantModel
 
 WIRE = surface("one_e")
 ACTUATOR: Any = None

@@ -10,8 +10,7 @@ from smarig.diagnosis.critique.refit import refit
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking
-from smarig.replay.prediction import predict
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, predict
 
 START = (walking(0.2), settling(2.0, time_constant_s=600.0))
 

@@ -9,8 +9,7 @@ from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.diagnosis.critique.refit import refit
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import surface
-from smarig.replay.prediction import predict
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, predict
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from smarig.plant.effects.fatigue import fatigue
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.slip import slip
 from smarig.plant.effects.walking import walking
-from smarig.replay.plant_model import PlantModel
+from smarig.replay import PlantModel
 
 WIRE: Any = None
 ORIGINAL: Any = "the model's density"

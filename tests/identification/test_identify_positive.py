@@ -13,7 +13,7 @@ from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
-from smarig.replay.model_file import load_model
+from smarig.replay import load_model
 
 EXTRA = {
     *("smoothing", "freedom", "cells", "at_zero", "rank", "null_space", "sigma", "held_out_rms"),

@@ -9,7 +9,7 @@ from identification.made_runs import driven_run, fod_run
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
 from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.replay.model_file import load_model
+from smarig.replay import load_model
 
 WALK = np.random.default_rng(3).uniform(-10, 180, 300)
 

@@ -11,7 +11,7 @@ from smarig.identification.identify import identify
 from smarig.identification.verify import verify
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
-from smarig.replay.simulate_runs import simulate, simulate_samples
+from smarig.replay import simulate, simulate_samples
 
 WALK = [0.0, *np.random.default_rng(5).uniform(0, 174.1, 40)]
 TWO_WALK = [*np.random.default_rng(6).uniform(-185, 185, 40)]

@@ -13,9 +13,8 @@ from smarig.identification.verify import verify
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.record import load_run
-from smarig.replay.memory_history import memory_histories
-from smarig.replay.model_file import Model
-from smarig.replay.waypoints import input_path, reversals_between
+from smarig.replay import Model, memory_histories
+from smarig.replay.memory_history import input_path, reversals_between
 from smarig.runner.session import Session
 
 

@@ -10,7 +10,7 @@ from smarig.identification.identify import identify
 from smarig.identification.verify import verify
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import load_run
-from smarig.replay.model_file import load_model
+from smarig.replay import load_model
 from smarig.runner.session import Session
 
 

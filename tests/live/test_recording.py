@@ -105,7 +105,8 @@ def test_view_saves_models_beside_one_another(one_wire, tmp_path, capsys):
 def a_model():
     """The twin's own surface, as a model file would hold it."""
     from smarig.preisach.hysteresis.gorbet_1997 import surface
-    from smarig.replay.model_file import ActuatorRecord, Model, NoiseRecord, SignalDescription
+    from smarig.replay import Model, NoiseRecord
+    from smarig.replay.model_file import ActuatorRecord, SignalDescription
 
     return Model(
         name="own",

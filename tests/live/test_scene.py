@@ -23,12 +23,12 @@ from smarig.live.primitives import (
     TimeSeries,
     Transform,
 )
-from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor
 from smarig.live.scene_renderer import SceneRenderer
 from smarig.live.view_layout import Split, View
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
+from smarig.replay import HysteresisPredictor, NamedPredictor
 from smarig.report import style
 
 

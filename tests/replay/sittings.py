@@ -5,7 +5,7 @@ from smarig.plant.actuator import Actuator
 from smarig.plant.effect_catalogue import from_pairs
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import load_run
-from smarig.replay.plant_model import PlantModel
+from smarig.replay import PlantModel
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 

@@ -7,9 +7,10 @@ import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.plant.effect_catalogue import effect_types, from_pairs
+from smarig.replay import ReadingSeries, build_timeline
 from smarig.replay import trajectory as life
-from smarig.replay.input_trajectory import hysteresis_input
-from smarig.replay.timeline import DriveProfile, ReadingSeries, build_timeline
+from smarig.replay.timeline import CurrentProfile
+from smarig.replay.trajectory import hysteresis_input
 
 OUTPUT_DEPENDENT = {
     "accommodation",
@@ -80,7 +81,7 @@ def test_backlash_starts_from_its_rest_position(cases):
     at = np.array([0.1, 1.0, 5.0, 19.0])
     settled = ReadingSeries("settled", np.zeros(4), at, np.arange(4), timeline.unit)
     at_once = replace(
-        timeline, drive=DriveProfile(at[-1:], np.array([1.5])), settled=settled, other_readings=()
+        timeline, drive=CurrentProfile(at[-1:], np.array([1.5])), settled=settled, other_readings=()
     )
     a, b = by_parts_and_by_ticks(at_once, plant_model, from_pairs(["backlash"]))
     assert_the_same(a, b)

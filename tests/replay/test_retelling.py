@@ -7,8 +7,8 @@ import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.preisach.operator import Preisach
-from smarig.replay.prediction import numerics, predict, predict_positions
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, numerics, predict
+from smarig.replay.prediction import predict_positions
 
 WITHIN = 0.05  # counts
 EFFECTS = {

@@ -10,8 +10,7 @@ from smarig.core.errors import DataError
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.critique.refit import refit
 from smarig.plant.effect_catalogue import from_pairs
-from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS, predict
-from smarig.replay.timeline import build_timeline
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, build_timeline, predict
 
 TAU_S = 5.3
 FEW = ("step_currents", {"temperatures_K": (0.0, 75.0, 30.0, 95.0, 20.0)})

@@ -7,7 +7,7 @@ import pytest
 
 from replay.sittings import EXCURSIONS, LISTED, LONG, session_runs
 from smarig.core.errors import DataError
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline
 
 TAU_S = 5.3
 
@@ -32,7 +32,7 @@ def test_drive_profile_carries_the_charge_that_was_commanded_at_every_sample(run
     commanded = np.cumsum(np.concatenate([run["current_command_A"] for run in runs])) * 0.1
     drive = timeline.drive
     ends = np.concatenate([[0.0], drive.end_s])
-    charge = np.concatenate([[0.0], np.cumsum(drive.current_A * np.diff(ends))])
+    charge = np.concatenate([[0.0], np.cumsum(drive.value * np.diff(ends))])
     np.testing.assert_allclose(np.interp(t, ends, charge), commanded, atol=1e-6)
     assert drive.end_s.size < 0.01 * t.size
 
@@ -51,7 +51,7 @@ def test_ticks_carry_the_same_charge_and_stop_at_every_time_that_is_wanted(timel
     assert np.all(np.diff(t) > 0)
     assert np.isin(at_s, t).all()
     ends = np.concatenate([[0.0], drive.end_s])
-    charge = np.concatenate([[0.0], np.cumsum(drive.current_A * np.diff(ends))])
+    charge = np.concatenate([[0.0], np.cumsum(drive.value * np.diff(ends))])
     np.testing.assert_allclose(
         np.cumsum(current * np.diff(t, prepend=0.0)), np.interp(t, ends, charge), atol=1e-5
     )
@@ -72,7 +72,7 @@ def test_without_a_command_the_measured_current_is_the_drive(runs):
     drive = build_timeline([bare], TAU_S).drive
     assert drive.end_s[-1] == pytest.approx(len(bare) * 0.1)
     length = np.diff(drive.end_s, prepend=0.0)
-    assert drive.current_A @ length == pytest.approx(np.sum(bare["current_A"]) * 0.1)
+    assert drive.value @ length == pytest.approx(np.sum(bare["current_A"]) * 0.1)
 
 
 def test_settled_readings_are_the_settled_steps(runs, timeline):
@@ -139,7 +139,7 @@ def test_runs_in_any_order_give_the_same_timeline(runs, timeline):
     for name in ("target_K", "hold_s", "run", "block"):
         assert getattr(again, name).tolist() == getattr(timeline, name).tolist()
     assert again.drive.end_s.tolist() == timeline.drive.end_s.tolist()
-    assert again.drive.current_A.tolist() == timeline.drive.current_A.tolist()
+    assert again.drive.value.tolist() == timeline.drive.value.tolist()
     for a, b in zip(again.all_readings, timeline.all_readings, strict=True):
         assert (a.kind, a.value.tolist(), a.t_s.tolist()) == (b.kind, b.value.tolist(), b.t_s.tolist())
 
@@ -180,5 +180,5 @@ def test_a_run_without_clock_or_current_is_refused_by_name(runs, missing):
 def test_two_wires_are_driven_both_ways(tmp_path):
     run = session_runs(tmp_path, ("validation", {"points": 4}), rig="two_wire_twin")[0]
     drive = build_timeline([run], TAU_S).drive
-    assert drive.current_A.min() == run["current_command_A"].min() < -0.5
-    assert drive.current_A.max() == run["current_command_A"].max() > 0.5
+    assert drive.value.min() == run["current_command_A"].min() < -0.5
+    assert drive.value.max() == run["current_command_A"].max() > 0.5

@@ -21,9 +21,8 @@ from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.held_out_gain import held_out_gain
 from smarig.plant.effect_catalogue import effect_types, from_pairs
 from smarig.record import load_run
-from smarig.replay.prediction import predict
-from smarig.replay.simulate_effects import actuator_of, plant_model_of
-from smarig.replay.timeline import build_timeline
+from smarig.replay import build_timeline, plant_model_of, predict
+from smarig.replay.plant_model import actuator_of
 from smarig.report.diagnosis_page import diagnosis_page
 from smarig.report.diagnosis_predictions import DiagnosisPredictions, diagnosis_caption
 from smarig.report.figure import AXIS_MARGIN

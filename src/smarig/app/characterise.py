@@ -24,7 +24,7 @@ from smarig.identification.verify import verify
 from smarig.plant.actuator import Actuator
 from smarig.protocols._settings import with_loaded_protocols
 from smarig.record import Run, load_run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.characterisation_page import characterisation_page
 from smarig.report.diagnosis_page import diagnosis_page
 from smarig.report.evidence import Evidence

@@ -25,7 +25,7 @@ from smarig.plant.actuator import Actuator
 from smarig.plant.effect_catalogue import from_json
 from smarig.protocols._setup import Setup
 from smarig.record import Run, load_run
-from smarig.replay.model_file import Model, load_model
+from smarig.replay import Model, load_model
 from smarig.runner.preview import ProtocolFactory
 from smarig.runner.session import Session
 

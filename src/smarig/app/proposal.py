@@ -25,7 +25,7 @@ from smarig.diagnosis.explain.explanation import Explanation
 from smarig.diagnosis.explain.joint_density import joint_density
 from smarig.diagnosis.explain.parameter_fit import fit_parameters
 from smarig.record import load_run
-from smarig.replay.timeline import Timeline, build_timeline
+from smarig.replay import Timeline, build_timeline
 from smarig.runner.preview import preview
 
 DECISIVE_NATS = 12.0  # nats ahead: the odds of being wrong are then a twentieth, even tempered

@@ -14,8 +14,7 @@ from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import from_json
 from smarig.record import Run, Step
 from smarig.record.recorder import write_run
-from smarig.replay.model_file import Model
-from smarig.replay.simulate_runs import simulate, simulate_samples
+from smarig.replay import Model, simulate, simulate_samples
 from smarig.rig.twin import TwinSettings
 from smarig.runner.own_files import check_drivers
 from smarig.runner.session import Session

@@ -17,8 +17,8 @@ from smarig.runner.listener import StepStartListener
 
 if TYPE_CHECKING:
     from smarig.config import RigFile
-    from smarig.live.sample_predictors import NamedPredictor
     from smarig.preisach.everett import Everett
+    from smarig.replay import NamedPredictor
     from smarig.runner.listener import Listener
 
 
@@ -85,9 +85,8 @@ def live_view(
 def _live_predictions(
     paths: Sequence[Path], rig: "RigFile", actuator: Any
 ) -> "tuple[list[NamedPredictor], Everett | None]":
-    from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor, PlantPredictor
     from smarig.plant.effect_catalogue import from_json
-    from smarig.replay.model_file import load_model
+    from smarig.replay import HysteresisPredictor, NamedPredictor, PlantPredictor, load_model
 
     found, initial = [], actuator.file.hysteresis.initial
     models = [(legend_name(path), load_model(path)) for path in paths]

@@ -27,14 +27,20 @@ from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.plant.effect import EffectType
 from smarig.plant.effect_catalogue import effect_types, effect_types_only_on
-from smarig.plant.measured_input import MeasuredInput, is_testable
+from smarig.plant.measured_input import PassThroughActuator
 from smarig.record import Run, load_run
-from smarig.replay.model_file import Model, load_model
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import numerics
-from smarig.replay.provenance import file_hash, provenance
-from smarig.replay.simulate_effects import actuator_for_run, plant_model_of
-from smarig.replay.timeline import Timeline, build_timeline
+from smarig.replay import (
+    Model,
+    PlantModel,
+    Timeline,
+    actuator_for_run,
+    build_timeline,
+    file_hash,
+    load_model,
+    numerics,
+    plant_model_of,
+    provenance,
+)
 
 NORMAL_95 = 1.96
 MIN_ALPHA = 1e-6
@@ -278,7 +284,9 @@ def _timeline_and_subject(model: Model, runs: list[Run]) -> tuple[Timeline, Plan
 
 def _catalogue(plant_model: PlantModel, without: Sequence[str]) -> list[EffectType]:
     all_types = effect_types("two_wire" if plant_model.actuator.two_wire else "one_wire")
-    all_types += effect_types_only_on("untrained") if isinstance(plant_model.actuator, MeasuredInput) else ()
+    all_types += (
+        effect_types_only_on("untrained") if isinstance(plant_model.actuator, PassThroughActuator) else ()
+    )
     names = [k.name for k in effect_types()]
     for name in without:
         if name not in names:
@@ -290,12 +298,7 @@ def _visible_effect_types(
     all_types: list[EffectType], timeline: Timeline, plant_model: PlantModel
 ) -> tuple[list[EffectType], list[str]]:
     """(effects that these data could show, names of those that act before the input was measured)."""
-    clock = timeline.measured_input == "clock"
-    seen = [
-        k
-        for k in all_types
-        if not timeline.measured_input or is_testable(k, plant_model.hysteresis, clock=clock)
-    ]
+    seen = [k for k in all_types if timeline.drive.can_show(k, plant_model.hysteresis)]
     return seen, [k.name for k in all_types if k not in seen]
 
 

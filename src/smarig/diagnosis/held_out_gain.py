@@ -14,15 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis import measured_input as given
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.critique.reading_noise import FREE_ZERO_SD
 from smarig.diagnosis.critique.refit import NoiseEstimate
+from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.explain.density_prior import density_prior
 from smarig.record import Run
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import Prediction, predict
-from smarig.replay.timeline import Timeline, build_timeline
+from smarig.replay import PlantModel, Prediction, Timeline, build_timeline, predict
 
 Array = NDArray[np.float64]
 DRAWS = 2000
@@ -105,18 +103,19 @@ def held_out_gain(
     """
     timeline = build_timeline([*train, *held_out], base.actuator.tau_s).positions_only
     if not noise.moving:  # how well a position on its way is known, nobody knows
-        timeline = replace(timeline, others=())
+        timeline = replace(timeline, other_readings=())
     held_out_ids = {id(run) for run in held_out}
     step = np.concatenate([r.step for r in timeline.all_readings])
     is_held_out = np.isin(
         timeline.run, [k for k, run in enumerate(timeline.runs) if id(run) in held_out_ids]
     )[step]
     value, session = np.concatenate([r.value for r in timeline.all_readings]), timeline.session[step]
-    weighted = bool(timeline.measured_input) or len(timeline.all_readings) > 1 or variances is not None
+    positive_only = drive_statistics(timeline).positive_measure_only
+    weighted = positive_only or len(timeline.all_readings) > 1 or variances is not None
     extended_prediction = predict(timeline, extended)
     covariance = _noise(timeline, extended_prediction, extended, noise)
     square = np.diag(covariance).copy()
-    if variances is not None and not timeline.measured_input:
+    if variances is not None and not positive_only:
         square[is_held_out] = _predictive_variance(
             extended_prediction, extended, covariance, variances, is_held_out
         )
@@ -153,9 +152,8 @@ def _noise(
     own_sd = [
         np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in timeline.all_readings
     ]
-    square = np.concatenate(own_sd) ** 2
-    if timeline.measured_input:
-        square = square + given.input_scatter(timeline, extended_prediction, plant_model) ** 2
+    scatter = drive_statistics(timeline).input_scatter(plant_model, extended_prediction)
+    square = np.concatenate(own_sd) ** 2 + scatter**2
     return noise.temperature_K**2 * memory_covariance(J, times, noise.correlation_s) + np.diag(square)
 
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from smarig.core.errors import DataError
 from smarig.record import Run, Step
-from smarig.replay.model_file import Model
-from smarig.replay.simulate_runs import check_output
+from smarig.replay import Model, check_output
 
 MAX_DURATION_S = 3.2e8  # ten years
 MAX_READING = 1e9  # of a position in any unit, a current, a target

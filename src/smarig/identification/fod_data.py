@@ -16,7 +16,7 @@ from smarig.core.errors import DataError, UsageError
 from smarig.identification.point_selection import matches
 from smarig.preisach.operator import State
 from smarig.record import FORC_PROTOCOL, Run
-from smarig.replay.memory_history import MemoryHistory, memory_histories
+from smarig.replay import MemoryHistory, memory_histories
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -54,8 +54,7 @@ from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.surface_form import forms
 from smarig.record import FORC_PROTOCOL, Run, load_run
-from smarig.replay.model_file import Model, NoiseRecord
-from smarig.replay.provenance import file_hash, model_metadata, provenance
+from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provenance
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = (

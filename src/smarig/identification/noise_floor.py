@@ -12,7 +12,7 @@ import numpy as np
 
 from smarig.identification.settled_points import settled_points
 from smarig.record import Run
-from smarig.replay.memory_history import MemoryHistory, memory_histories
+from smarig.replay import MemoryHistory, memory_histories
 
 FEWEST_PAIRS = 3
 FEWEST_ENDS = 8

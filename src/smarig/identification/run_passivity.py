@@ -17,9 +17,7 @@ from smarig.core.errors import DataError
 from smarig.preisach.operator import Preisach
 from smarig.preisach.state import State
 from smarig.record import FORC_PROTOCOL, Run
-from smarig.replay.memory_history import SATURATION_TOLERANCE, Start, recorded_start
-from smarig.replay.model_file import Model
-from smarig.replay.simulate_runs import check_input, check_output
+from smarig.replay import SATURATION_TOLERANCE, Model, Start, check_input, check_output, recorded_start
 
 _UNKNOWN = "the state at the start of the run is not known, and the input has not saturated since"
 _INPUT_MISSING = "the input was missing, so the memory is not known until it saturates"

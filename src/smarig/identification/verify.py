@@ -17,11 +17,17 @@ from smarig.identification.fod_data import first_order_points
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
 from smarig.record import FORC_PROTOCOL, Run
-from smarig.replay.memory_history import recorded_start
-from smarig.replay.model_file import Model
-from smarig.replay.provenance import file_hash, provenance
-from smarig.replay.simulate_effects import missing_earlier_runs
-from smarig.replay.simulate_runs import check_output, out_of_range, simulate_runs, simulate_samples
+from smarig.replay import (
+    Model,
+    check_output,
+    file_hash,
+    missing_earlier_runs,
+    out_of_range,
+    provenance,
+    recorded_start,
+    simulate_runs,
+    simulate_samples,
+)
 
 Array = NDArray[np.float64]
 Offset = Literal["auto", "known", "fitted"]

@@ -14,11 +14,11 @@ from smarig.live.display_info import DisplayInfo, run_display_info
 from smarig.live.draw_queue import DrawQueue
 from smarig.live.live_items import QueueListener
 from smarig.live.playback import batches, replay
-from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor
 from smarig.live.scene_renderer import SceneRenderer
 from smarig.live.viewer_process import WEB_REMARK, ViewerProcess, address, free_port, web_page
 from smarig.preisach.everett import Everett
 from smarig.record import Run
+from smarig.replay import HysteresisPredictor, NamedPredictor
 
 if TYPE_CHECKING:
     from smarig.live.rerun_output import RerunOutput

@@ -28,13 +28,13 @@ from smarig.live.primitives import (
     TimeSeries,
     Transform,
 )
-from smarig.live.sample_predictors import HysteresisPredictor, NamedPredictor, ZeroedPredictor
 from smarig.live.settling_monitor import SettlingMonitor
 from smarig.live.state_lanes import StateTracker
 from smarig.live.view_description import description_markdown
 from smarig.live.view_layout import Split, layout
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.replay import HysteresisPredictor, NamedPredictor, ZeroedPredictor
 
 STILL_FRACTION = 300
 NOISE_COUNTS = 2.5  # less is the encoder's noise, not a move

@@ -1,7 +1,7 @@
-"""The wire where its input itself was measured: nothing is heated, what drives the hysteresis is given.
+"""The wire where its input itself was measured: nothing is heated, and the hysteresis is driven by what was measured.
 
-Stands in a plant where an actuator and its heating stand otherwise. Knows no constant of any wire: an effect that
-asks for one cannot be judged.
+Takes the place of the actuator and its heating in a plant. No constant of the wire is known, so an effect that needs
+one cannot be tested.
 """
 
 from smarig.config import ActuatorFile
@@ -24,7 +24,7 @@ class WireConstantsUnknown(UsageError):
     """An effect asked for a constant of a wire of which only the input is known."""
 
 
-class MeasuredInput(Actuator):
+class PassThroughActuator(Actuator):
     """In place of an actuator: the drive is the input, in whatever unit; one wire, no time constant."""
 
     def __init__(self) -> None:
@@ -50,19 +50,19 @@ class MeasuredInput(Actuator):
         return 1.0
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, MeasuredInput)
+        return isinstance(other, PassThroughActuator)
 
     def __hash__(self) -> int:
-        return hash(MeasuredInput)
+        return hash(PassThroughActuator)
 
     def __repr__(self) -> str:
-        return "GivenInput()"
+        return "PassThroughActuator()"
 
 
 class PassThroughHeating(JouleHeating):
     """In place of the heating: the given input passes through, whatever the time.
 
-    >>> Passing(0.1).step(35.0)
+    >>> PassThroughHeating(0.1).step(35.0)
     35.0
     """
 
@@ -86,7 +86,11 @@ class PassThroughHeating(JouleHeating):
 
 def heating_for(actuator: Actuator, dt_s: float) -> JouleHeating:
     """Of a wire: heating by a current, or the given input as it is."""
-    return PassThroughHeating(dt_s) if isinstance(actuator, MeasuredInput) else JouleHeating(actuator, dt_s)
+    return (
+        PassThroughHeating(dt_s)
+        if isinstance(actuator, PassThroughActuator)
+        else JouleHeating(actuator, dt_s)
+    )
 
 
 def is_testable(kind: EffectType, hysteresis: Everett, *, clock: bool) -> bool:
@@ -95,7 +99,7 @@ def is_testable(kind: EffectType, hysteresis: Everett, *, clock: bool) -> bool:
     Without a clock nothing can be said of effects of time.
     """
     try:
-        hooks = kind().hooks(EffectContext(MeasuredInput(), hysteresis, "negative"))
+        hooks = kind().hooks(EffectContext(PassThroughActuator(), hysteresis, "negative"))
     except WireConstantsUnknown:
         return False
     return set(hooks) <= set(AFTER_INPUT) and (clock or kind.name not in CLOCK_DEPENDENT)

@@ -1,7 +1,7 @@
 """From the current to what the hysteresis feels: room, amplifier, heat, and the effects on the way.
 
-Looks at the hysteresis only where an effect does (its moment tells the output); under a moment that is ``Blind`` what
-is felt is the same whatever the hysteresis. Knows no output map and no sensor.
+The output of the hysteresis matters only to effects that look at it; with a ``ThermalState``, which holds none, the
+input is the same whatever the hysteresis.
 """
 
 from collections.abc import Mapping

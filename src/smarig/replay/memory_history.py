@@ -1,7 +1,7 @@
 """What a Preisach memory holds at each point of a record: the remembered extrema, and nothing else.
 
-The bookkeeping is the operator's own (wiping-out, §3.3.1), run on a hysteresis without output. Knows no
-curve, no model and no rig.
+The bookkeeping is the operator's own (wiping-out, §3.3.1), run on a hysteresis without output. Reversals between
+settled points count as well: a waveform or a closed loop leaves its extrema like any step.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,7 +15,6 @@ from smarig.core.errors import DataError
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach, State
 from smarig.record import CONTINUED, Run
-from smarig.replay.waypoints import input_path
 
 Array = NDArray[np.float64]
 Start = Literal["negative", "positive", "anhysteretic"]
@@ -25,6 +24,7 @@ SATURATION_TOLERANCE = (
     1e-3  # an estimated input this close to saturation, as a part of the range, is in saturation
 )
 LONGEST_GAP_S = 2.0
+MIN_REVERSAL = 0.01  # of the range of settled inputs: smaller reversals are noise of the current
 _MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
 
 
@@ -98,7 +98,7 @@ def memory_histories(
 
 
 def continues_run(before: Run, run: Run) -> bool:
-    """Whether a run goes on where the one before it ended: same sitting, no gap in its clock."""
+    """Whether a run goes on where the one before it ended: same session, no gap in its clock."""
     if run.info.initial != CONTINUED or not run.info.has("start_epoch"):
         return False
     if run.info.start_epoch != before.info.start_epoch or not (len(run) and len(before)):
@@ -115,7 +115,7 @@ def _states_at_points(
 
 
 def recorded_start(run: Run, *, mirrored: bool = False) -> Start | None:
-    """The state a run's record says it began in, None when it does not say."""
+    """The state a run's record says it began in, None when it records none."""
     for start in STARTS:
         if run.info.initial == start:
             return _MIRROR[start] if mirrored else start
@@ -160,3 +160,76 @@ def merged_inputs(inputs: Array) -> Array:
     values, where = np.unique(inputs, return_inverse=True)
     first = np.concatenate([[True], np.diff(values) > INPUT_TOLERANCE * (values[-1] - values[0])])
     return values[first][np.cumsum(first) - 1][where]
+
+
+def input_path(run: Run) -> tuple[Array, NDArray[np.intp]]:
+    """Inputs (m,) in the order of time, turning points between settled points included, and where these are (k,).
+
+    A reversal within ``MIN_REVERSAL`` of a settled level is taken for a visit to it: a predicted input only nears its target.
+    """
+    points = run.points()[0]
+    if not run.settled:
+        return points, np.arange(points.size)
+    min_reversal = MIN_REVERSAL * float(np.ptp(points))
+    inputs: list[float] = []
+    where = []
+    for before, point, traversed in zip([None, *points[:-1]], points.tolist(), _inputs_before_points(run)):
+        inputs += _snapped_to_levels(
+            reversals_between(traversed, before, point, min_reversal), points, min_reversal
+        )
+        where.append(len(inputs))
+        inputs.append(point)
+    inputs += _snapped_to_levels(
+        reversals_between(_inputs_after_last_point(run), inputs[-1], None, min_reversal), points, min_reversal
+    )
+    return np.array(inputs), np.array(where)
+
+
+def _snapped_to_levels(found: list[float], levels: Array, min_reversal: float) -> list[float]:
+    nearest = [float(levels[np.argmin(np.abs(levels - u))]) for u in found]
+    return [level if abs(level - u) <= min_reversal else u for u, level in zip(found, nearest)]
+
+
+def reversals_between(
+    traversed: Array, before: float | None, after: float | None, min_reversal: float
+) -> list[float]:
+    """Where a record (n,) between two inputs turns by more than ``min_reversal``, its ends left out.
+
+    >>> reversals_between(np.array([0.0, 5.0, 80.0, 41.0, 20.0, 40.0]), 0.0, 43.0, 1.0)
+    [80.0, 20.0]
+    """
+    ends = [[] if u is None else [u] for u in (before, after)]
+    u = np.concatenate([ends[0], traversed[np.isfinite(traversed)], ends[1]])
+    if u.size < 3 or _is_monotone(u, min_reversal) or min_reversal <= 0:
+        return []
+    found = [float(u[0])]
+    up = None
+    for v in u[1:].tolist():
+        if up is None:
+            if abs(v - found[0]) > min_reversal:
+                up = v > found[0]
+                found.append(v)
+        elif (v > found[-1]) == up:
+            found[-1] = v
+        elif abs(v - found[-1]) > min_reversal:
+            found.append(v)
+            up = not up
+    return found[1:] if after is None else found[1:-1]
+
+
+def _is_monotone(u: Array, min_reversal: float) -> bool:
+    """Whether it never goes back by more than ``min_reversal``: true of most steps, and quickly found."""
+    back = (np.maximum.accumulate(u) - u).max() if u[-1] >= u[0] else (u - np.minimum.accumulate(u)).max()
+    return bool(back <= min_reversal)
+
+
+def _inputs_before_points(run: Run) -> list[Array]:
+    """Predicted inputs since the settled point before, up to the end of each."""
+    t, inputs = run["t_s"], run["input"]
+    ends = np.searchsorted(t, [s.t_end_s if s.t_end_s is not None else np.nan for s in run.settled], "left")
+    return np.split(inputs, ends)[:-1]
+
+
+def _inputs_after_last_point(run: Run) -> Array:
+    last = run.settled[-1].t_end_s
+    return run["input"][run["t_s"] > last] if last is not None else np.empty(0)

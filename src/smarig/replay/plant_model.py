@@ -1,18 +1,27 @@
-"""Who lives through a story: what is believed of the wire, and of the state it begins in. Knows no story."""
+"""The plant that is simulated along a timeline: wire, hysteresis, initial state and effects."""
 
 from dataclasses import dataclass
 
+from smarig.config import ActuatorFile
+from smarig.core.errors import DataError
+from smarig.core.toml_file import check
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Effect, SupportsHooks
+from smarig.plant.effect_catalogue import from_json
+from smarig.plant.measured_input import PassThroughActuator
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial
+from smarig.record import Run
+from smarig.replay.measured_input import driven_by_input
+from smarig.replay.memory_history import recorded_start
+from smarig.replay.model_file import Model
 
 
 @dataclass(frozen=True, eq=False)
 class PlantModel:
-    """Constants, hysteresis, the state the story begins in, known effects; output units per count, 0 where unknown.
+    """Constants, hysteresis, the state a timeline starts in, known effects; output units per count, 0 where unknown.
 
-    ``signed``: whether its density is believed to be negative somewhere, as surfaces of Table 5.1 are (Prop. 4.6).
+    ``signed``: whether its density may be negative somewhere, as surfaces of Table 5.1 are (Prop. 4.6).
     """
 
     actuator: Actuator
@@ -24,7 +33,7 @@ class PlantModel:
 
     @property
     def planted(self) -> tuple[Effect, ...]:
-        """Its effects that the catalogue knows."""
+        """Its effects that are in the catalogue."""
         return tuple(e for e in self.effects if isinstance(e, Effect))
 
     @property
@@ -32,3 +41,41 @@ class PlantModel:
         """Output between both saturations."""
         h = self.hysteresis
         return h.everett(h.upper, h.lower) or 1.0
+
+
+def plant_model_of(model: Model, first: Run) -> PlantModel:
+    """The plant that a model describes, in the state that the first run records."""
+    model.check_classical("A simulation in time, by effects and heating,")
+    actuator = actuator_for_run(model, first)
+    start = recorded_start(first) or ("anhysteretic" if actuator.two_wire else "negative")
+    return PlantModel(
+        actuator, model.hysteresis, start, from_json(model.effects), first.info.output.resolution
+    )
+
+
+def actuator_of(model: Model) -> Actuator:
+    """The wire's constants as the model file holds them; DataError when it holds none."""
+    record = model.actuator
+    if not record.parameters:
+        raise DataError(
+            f"Model '{model.name}' does not know its wire's constants: effects act through heating, so identify "
+            "from runs that name their actuator."
+        )
+    return Actuator(
+        check(
+            ActuatorFile,
+            {
+                "name": record.name,
+                "arrangement": model.arrangement,
+                "source": "model file",
+                "hysteresis": {"surface": "one_e", "initial": "negative"},  # not used: the model has its own
+                **record.parameters,
+            },
+            f"model '{model.name}'",
+        )
+    )
+
+
+def actuator_for_run(model: Model, run: Run) -> Actuator:
+    """What drives a model's hysteresis along a run: the wire, or the input as it was measured."""
+    return PassThroughActuator() if driven_by_input([run]) else actuator_of(model)

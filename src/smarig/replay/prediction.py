@@ -1,8 +1,8 @@
-"""What a model would have shown along a story, with and without effects: the plant retold on the critic's own ticks.
+"""What a model predicts for the readings of a timeline, with and without effects.
 
 Every effect acts in the very plant the twin runs, so there is one place where an effect is written. The ticks are
-fine after each change of the current and coarse later (``story.DriveProfile``); ``numerics`` says what that costs.
-Knows no data: predictions come from commands alone, so measured positions cannot explain themselves.
+fine after each change of the current and coarse later (``CurrentProfile``); ``numerics`` gives the error of that.
+Predictions come from the drive alone, so measured positions cannot explain themselves.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,8 +16,7 @@ from smarig.plant.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach, State
 from smarig.replay.plant_model import PlantModel
-from smarig.replay.sessions import session_offsets_s
-from smarig.replay.timeline import DriveProfile, Timeline
+from smarig.replay.timeline import DriveProfile, Timeline, session_offsets_s
 from smarig.replay.trajectory import Trajectory, simulate_timeline
 
 Array = NDArray[np.float64]
@@ -31,7 +30,7 @@ OUTPUT_DEPENDENT_KINDS = (
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) the path of what the hysteresis felt.
+    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) the input of the hysteresis at every tick.
 
     ``states``, ``output`` and ``tick_index`` (n,) are the operator's memory, its output and the tick at each reading
     that depends on them (settled and moving positions, resistances); position minus output is what effects after
@@ -49,15 +48,15 @@ class Prediction:
 
     @property
     def session(self) -> NDArray[np.int64]:
-        """Which sitting each coupled reading (n,) is of."""
+        """Which session each coupled reading (n,) is of."""
         return np.searchsorted(self.session_starts, self.tick_index, side="right") - 1
 
     def outputs_along(
         self, hysteresis: Everett, initial: Initial, hysteresis_input_K: Array, repetitions: int = 1
     ) -> Array:
-        """Outputs (m,) of a hysteresis along a path felt, (m,), from the initial state in every sitting.
+        """Outputs (m,) of a hysteresis along inputs (m,), from the initial state in every session.
 
-        ``repetitions``: how many such paths are to be lived.
+        ``repetitions``: how many such paths will be simulated.
         """
         operator = Preisach(hysteresis, initial, samples=repetitions * hysteresis_input_K.size)
         return np.concatenate(
@@ -91,12 +90,12 @@ class Prediction:
         return slice(sum(before), sum(before) + self.values[kind].size)
 
     def stacked(self, timeline: Timeline) -> Array:
-        """All predictions in the order of the story's readings, (N,)."""
+        """All predictions in the order of the timeline's readings, (N,)."""
         return np.concatenate([self.values[r.kind] for r in timeline.all_readings])
 
 
 def predict(timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks] = ()) -> Prediction:
-    """The story as the subject would have lived it, with further effects; in every sitting anew."""
+    """What a plant with further effects predicts for the readings of a timeline, session by session."""
     if not timeline.sessions:
         return _predict_session(timeline, plant_model, effects)
     return _join_predictions(
@@ -135,7 +134,7 @@ def _predict_session(
 
 
 def _resistance_ohm(trajectory: Trajectory, plant_model: PlantModel, *, by_command: bool) -> Array:
-    """Resistance (n,) of the wire that carries the current; over the current asked for, where none was measured."""
+    """Resistance (n,) of the wire that carries the current; over the commanded current, where none was measured."""
     wire, h, command = plant_model.actuator, plant_model.hysteresis, trajectory["command_A"]
     austenite = (trajectory["output"] - h.y_lower) / plant_model.stroke
     austenite = np.where((command < 0) & wire.two_wire, 1 - austenite, austenite)
@@ -168,7 +167,7 @@ def predict_positions(drive: DriveProfile, plant_model: PlantModel, at_s: Array)
 
 
 def _join_predictions(timeline: Timeline, parts: Sequence[Prediction]) -> Prediction:
-    """Retellings of all sittings as one, in the order of the joined story's readings."""
+    """Predictions of all sessions as one, in the order of the joined timeline's readings."""
     ticks = np.cumsum([0, *[part.t_s.size for part in parts]])
     coupled = [
         (k, part.of(kind))
@@ -198,7 +197,7 @@ def _join_predictions(timeline: Timeline, parts: Sequence[Prediction]) -> Predic
 
 
 def with_hysteresis(prediction: Prediction, plant_model: PlantModel, centre: Everett) -> Prediction:
-    """The same path felt, with the outputs of another hysteresis along it."""
+    """The same inputs, with the outputs of another hysteresis along them."""
     if centre is plant_model.hysteresis:
         return prediction
     output = prediction.outputs_along(centre, plant_model.initial, prediction.hysteresis_input_K)[
@@ -214,7 +213,7 @@ def with_hysteresis(prediction: Prediction, plant_model: PlantModel, centre: Eve
 
 
 def numerics(timeline: Timeline, plant_model: PlantModel) -> float:
-    """Largest difference of settled positions between the critic's ticks and ones a quarter as long, output units."""
+    """Largest difference of settled positions between the timeline's ticks and ones a quarter as long, output units."""
     if timeline.sessions:
         return max(numerics(session, plant_model) for session in timeline.sessions)
     coarse = predict(timeline, plant_model).values["settled"]

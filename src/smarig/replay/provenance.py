@@ -1,20 +1,18 @@
-"""Where a model comes from: what the runs say of their rig, wire and units, and which files they are.
-
-Knows the description of a run. Refuses to know what was fitted.
-"""
+"""Where a model comes from: what the runs record of their rig, wire and units, and which files they are."""
 
 import hashlib
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from smarig.config import load_actuator
 from smarig.core.errors import UsageError
-from smarig.record import Run, SignalInfo
-from smarig.replay.model_file import ActuatorRecord, Provenance, SignalDescription
+from smarig.record import CONTINUED, Run, SignalInfo, load_run
+from smarig.replay.model_file import ActuatorRecord, Model, Provenance, SignalDescription
 
 
 def provenance(run: Run) -> Provenance:
-    """A run's identity: path, SHA-256 of the file, protocol, source, rows, sitting and encoder zero."""
+    """A run's identity: path, SHA-256 of the file, protocol, source, rows, session and encoder zero."""
     epoch, zero = run.info.start_epoch, run.info.encoder_zero
     return Provenance(
         run=str(run.path),
@@ -37,7 +35,7 @@ def file_hash(run: Run) -> str:
 
 
 def model_metadata(runs: Sequence[Run]) -> dict[str, Any]:
-    """Fields of a Model that the first run tells: rig, actuator, arrangement, input and output."""
+    """Fields of a Model that the first run records: rig, actuator, arrangement, input and output."""
     info = runs[0].info
     name = info.text_of("actuator", "")
     parameters, arrangement = _actuator(name)
@@ -64,3 +62,32 @@ def _actuator(name: str) -> tuple[dict[str, Any], str]:
 
 def _channel(signal: SignalInfo, fallback: str) -> SignalDescription:
     return SignalDescription(quantity=signal.text_of("quantity", fallback), unit=signal.unit)
+
+
+def earlier_runs(model: Model, runs: Sequence[Run]) -> list[Run]:
+    """Other runs of the same session that the model was made from, where their files are still found."""
+    found = [(p, load_run(p.run)) for p in _same_session_provenance(model, runs) if Path(p.run).is_file()]
+    return [run for p, run in found if file_hash(run) == p.sha256]
+
+
+def missing_earlier_runs(model: Model, runs: Sequence[Run]) -> list[str]:
+    """What came earlier in the sessions of runs, but is neither among them nor found where it was."""
+    known = [*runs, *earlier_runs(model, runs)]
+    missing = [p.run for p in _same_session_provenance(model, known)]
+    first = min(known, key=lambda run: float(run["t_s"][0]) if run.has("t_s") else 0.0)
+    if not missing and first.info.initial == CONTINUED:
+        missing = [f"what was run before {first.path.name}"]
+    return missing
+
+
+def _same_session_provenance(model: Model, runs: Sequence[Run]) -> list[Provenance]:
+    """What the model was made from in the sessions of runs, apart from those runs."""
+    sessions = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
+    given_hashes = {file_hash(run) for run in runs}
+    return [
+        p
+        for p in model.provenance
+        if p.start_epoch is not None
+        and (p.start_epoch, p.encoder_zero) in sessions
+        and p.sha256 not in given_hashes
+    ]

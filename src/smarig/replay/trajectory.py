@@ -1,32 +1,60 @@
-"""How a subject lives through a story: what there was to read at each time of a reading.
+"""A model simulated along a timeline: its state at each time of a reading.
 
-By parts of ticks where what is felt is known beforehand (``hysteresis_input``), else tick by tick with the whole plant; either
-gives the same numbers. Knows no kinds of readings.
+Where the input of the hysteresis follows without its output, it is computed once for all densities
+(``hysteresis_input``) and the outputs follow along it; else the whole plant is simulated tick by tick. Either gives
+the same numbers.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.plant.effect import Effect, EffectContext, Hook, PlantState, Stage, SupportsHooks, chains
+from smarig.plant.actuator import Actuator
+from smarig.plant.effect import (
+    Effect,
+    EffectContext,
+    EffectType,
+    Hook,
+    PlantState,
+    Stage,
+    SupportsHooks,
+    ThermalState,
+    chains,
+)
 from smarig.plant.plant import Plant
-from smarig.plant.thermal_stages import apply_hooks
-from smarig.preisach.operator import Preisach, State
-from smarig.replay.input_trajectory import InputTrajectory, hysteresis_input
+from smarig.plant.thermal_stages import EARLY_STAGES, ThermalStages, apply_hooks
+from smarig.preisach.operator import Initial, Preisach, State
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import Timeline
 
 Array = NDArray[np.float64]
+Values = tuple[tuple[EffectType, tuple[tuple[str, float], ...]], ...]
+CACHE_SIZE = 24  # trajectories kept
+INPUT_COLUMNS = (
+    "t_s",
+    "dt_s",
+    "command_A",
+    "current_A",
+    "resistance",
+    "ambient_K",
+    "source_K",
+    "input_K",
+    "hysteresis_input_K",
+)
 TRAJECTORY_COLUMNS = ("counts", "output", "resistance", "command_A", "current_A", "ambient_K")
 AFTER_HYSTERESIS = (Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
+_row = attrgetter(*INPUT_COLUMNS)
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """At each time of a reading (n,): columns as in ``TRAJECTORY_COLUMNS`` (6, n) and the memory; ``hysteresis_input_K`` (ticks,) in between.
+    """At each time of a reading (n,): ``columns`` (6, n) as in ``TRAJECTORY_COLUMNS`` and the memory.
 
+    ``hysteresis_input_K`` (ticks,) is the input of the hysteresis at every tick.
     ``resistance`` is a factor of the wire's own at its austenite.
     """
 
@@ -38,10 +66,24 @@ class Trajectory:
         return self.columns[TRAJECTORY_COLUMNS.index(name)]
 
 
+@dataclass(frozen=True, eq=False)
+class InputTrajectory:
+    """Thermal states at the ends of parts of ticks, ``columns`` (9, m) as in ``INPUT_COLUMNS``.
+
+    ``ends`` (ticks,) is the last part of each tick.
+    """
+
+    columns: Array
+    ends: NDArray[np.int64]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.columns[INPUT_COLUMNS.index(name)]
+
+
 def simulate_timeline(
     timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
 ) -> Trajectory:
-    """The life of a subject with these effects, in one sitting."""
+    """A plant with these effects along one session."""
     inputs = hysteresis_input(timeline, plant_model, effects)
     return (
         _by_ticks(timeline, plant_model, effects)
@@ -109,7 +151,7 @@ def _outputs_and_states(
 
 
 def _late_effects_memoryless(effects: Sequence[SupportsHooks], context: EffectContext) -> bool:
-    """Whether nothing that acts after the hysteresis remembers."""
+    """Whether nothing that acts after the hysteresis has a memory of its own."""
     remembering = [e for e in effects if not (isinstance(e, Effect) and e.kind.memoryless)]
     return not any(stage in AFTER_HYSTERESIS for e in remembering for stage in e.hooks(context))
 
@@ -120,13 +162,13 @@ def _sensor_counts(
     inputs: InputTrajectory,
     requested: NDArray[np.int64],
 ) -> Array:
-    """What the sensor shows at the ends of parts (m,), 0 where it is not asked; between whole ticks it never is."""
+    """Sensor counts at the ends of parts (m,), 0 where none is requested or the part ends within a tick."""
     per_count, maps, added, sensor = (
         plant_model.per_count or 1.0,
         *(late[stage] for stage in AFTER_HYSTERESIS),
     )
     counts = np.zeros(inputs["t_s"].size)
-    for k, (now, whole_s) in zip(requested.tolist(), _moments(plant_model, inputs, maps, requested)):
+    for k, (now, whole_s) in zip(requested.tolist(), _plant_states(plant_model, inputs, maps, requested)):
         position = apply_hooks(added, apply_hooks(maps, now.output, now), now)
         if whole_s:
             now.dt_s = whole_s
@@ -134,10 +176,10 @@ def _sensor_counts(
     return counts
 
 
-def _moments(
+def _plant_states(
     plant_model: PlantModel, inputs: InputTrajectory, maps: tuple[Hook, ...], requested: NDArray[np.int64]
 ) -> Iterator[tuple[PlantState, float]]:
-    """(the moment at the end of each part that is asked, the length of the tick that ends there or 0)."""
+    """(state at the end of each requested part, length of the tick that ends there or 0)."""
     h = plant_model.hysteresis
     operator = Preisach(h, plant_model.initial)
     span, began, y = h.everett(h.upper, h.lower), operator.y, operator.follow(inputs["hysteresis_input_K"])
@@ -166,3 +208,57 @@ def _moments(
             ends_s,
         ) = row
         yield now, ends_s
+
+
+@dataclass(frozen=True)
+class _HysteresisRange:
+    """All that an effect ahead of the hysteresis may depend on."""
+
+    lower: float
+    upper: float
+
+
+def hysteresis_input(
+    timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
+) -> InputTrajectory | None:
+    """The input of the hysteresis along a timeline, or None where an effect makes it depend on the output.
+
+    An effect says that it does not (``EffectType.output_independent``); any other that acts ahead of the hysteresis
+    is taken to depend on it.
+    """
+    h, initial = plant_model.hysteresis, plant_model.initial
+    context, early = EffectContext(plant_model.actuator, h, initial), []
+    for effect in effects:
+        stages = set(effect.hooks(context))
+        if Stage.FEEDBACK in stages:
+            return None
+        if not stages & set(EARLY_STAGES):
+            continue
+        if stages - set(EARLY_STAGES) or not (isinstance(effect, Effect) and effect.kind.output_independent):
+            return None
+        early.append((effect.kind, tuple(effect.values.items())))
+    return _cached_trajectory(timeline, plant_model.actuator, (h.lower, h.upper), initial, tuple(early))
+
+
+@lru_cache(maxsize=CACHE_SIZE)
+def _cached_trajectory(
+    timeline: Timeline, actuator: Actuator, input_range: tuple[float, float], initial: Initial, early: Values
+) -> InputTrajectory:
+    context = EffectContext(actuator, _HysteresisRange(*input_range), initial)  # pyright: ignore[reportArgumentType]
+    hooks = chains([kind(**dict(values)) for kind, values in early], context)
+    return _computed_trajectory(timeline, ThermalStages(actuator, hooks, ThermalState()))  # pyright: ignore[reportArgumentType]
+
+
+def _computed_trajectory(timeline: Timeline, thermal_stages: ThermalStages) -> InputTrajectory:
+    t, current, _ = timeline.ticks
+    now, before, rows, ends = thermal_stages.now, 0.0, [], []
+    for end, command_A in zip(t.tolist(), current.tolist()):
+        dt_s, start_s = end - before, now.t_s
+        parts = thermal_stages.parts(command_A, dt_s)
+        now.dt_s = dt_s / parts
+        for k in range(1, parts + 1):
+            thermal_stages.hysteresis_input(command_A, 0.0, start_s + dt_s * k / parts)
+            rows.append(_row(now))
+        ends.append(len(rows) - 1)
+        before = end
+    return InputTrajectory(np.array(rows).T.copy(), np.array(ends))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from smarig.certify.model_certificate import ModelCertificate
 from smarig.control.regulation.psi import Psi
 from smarig.identification.density_report import DensityReport, density_report
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.density_figures import map_panel, per_square
 from smarig.report.figure import Figure, Panel, axis, dots, line
 from smarig.report.identification_plot_data import density_of

@@ -12,7 +12,7 @@ from smarig.certify.measured_passivity import MeasuredPassivity
 from smarig.certify.model_certificate import ModelCertificate
 from smarig.certify.position_supply_rate import PositionController
 from smarig.certify.storage_bound import StorageBound
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.certificate_figures import certificate_figure
 from smarig.report.html import Html, cards, escaped, joined, notice, paragraph, table, tag
 from smarig.report.model_tables import M_P, M_PC

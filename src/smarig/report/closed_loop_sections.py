@@ -8,7 +8,7 @@ import math
 from smarig.certify.model_certificate import certificate
 from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
 from smarig.record import Run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.certificate_page import certificate_parts, certified_model, units_of
 from smarig.report.closed_loop_figures import loop_hysteresis_figure, regulation_figure, tracking_figure
 from smarig.report.closed_loop_text import unsteady_text, zero_below_resolution

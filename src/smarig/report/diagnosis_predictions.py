@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.preisach.sensitivity import sensitivities
-from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS, Prediction, predict
-from smarig.replay.simulate_effects import plant_model_of
-from smarig.replay.timeline import ReadingSeries, Timeline
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.numbers import number
 from smarig.report.run_description import protocol_name, source_label
 from smarig.report.style import INK, MODEL
@@ -48,7 +47,7 @@ class DiagnosisPredictions:
         error = readings(timeline, kind).value - told.values[kind]
         if kind == "current":
             return error
-        zero = timeline.zero if timeline.measured_input else np.zeros(error.size)
+        zero = drive_statistics(timeline).residual_zeros(readings(timeline, kind))
         return error - np.array([error[zero == z].mean() for z in zero])
 
 

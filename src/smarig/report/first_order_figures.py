@@ -9,7 +9,7 @@ from smarig.identification.surface.curve_fit import fit_curves
 from smarig.identification.surface.surface_kinds import POSITIVE
 from smarig.preisach.hysteresis.surface_form import forms
 from smarig.record import Run
-from smarig.replay.memory_history import recorded_start
+from smarig.replay import recorded_start
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.identification_plot_data import (
     FirstOrderCurve,

@@ -21,7 +21,7 @@ from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.lattice import lattice
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
-from smarig.replay.memory_history import Start
+from smarig.replay import Start
 
 Array = NDArray[np.float64]
 _MAP_CELLS = 40

@@ -7,7 +7,7 @@ import numpy as np
 from smarig.identification.density_report import density_report
 from smarig.identification.verify import RunVerification
 from smarig.record import Run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.density_figures import map_panel, per_square
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.identification_plot_data import density_of

@@ -8,7 +8,7 @@ import numpy as np
 from smarig.identification.density_report import density_report
 from smarig.identification.verify import PredictionErrors, RunVerification, verify
 from smarig.record import Run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.comparison_labels import banner, check_comparable_count
 from smarig.report.density_figures import per_square
 from smarig.report.html import Html, bullets, joined, notice, paragraph, table

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from smarig.diagnosis.critique.critique import Critique
-from smarig.diagnosis.critique.variance_components import MIN_COUNT_SD
 from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.drive_statistics import MIN_COUNT_SD
 from smarig.report.diagnosis_predictions import input_slopes, rms_noise
 from smarig.report.html import Html, paragraph, table
 from smarig.report.numbers import number

@@ -14,7 +14,7 @@ from smarig.diagnosis.diagnose import Diagnosis
 from smarig.identification.density_report import density_report
 from smarig.identification.verify import verify
 from smarig.record import Run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.decimate import path
 from smarig.report.density_figures import map_panel
 from smarig.report.diagnosis_predictions import DiagnosisPredictions

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from smarig.diagnosis.diagnose import Diagnosis
-from smarig.replay.timeline import Timeline
+from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.replay import Timeline
 from smarig.report.diagnosis_predictions import Array, readings
 from smarig.report.figure import AXIS_MARGIN, axis
 from smarig.report.numbers import number
@@ -43,15 +44,12 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
         return (target - before)[r.step], axis(f"Change of target that led here ({u})")
     if name == "hold":
         return np.maximum(timeline.hold_s, 1.0)[r.step], axis("Length of the hold (s)", type="log")
-    if name == "rate" and timeline.measured_input:
-        return timeline.speed, axis(f"Rate of the input on its branch ({u}/s)", type="log")
     if name == "rate":
-        since = (r.t_s - _step_start_s(timeline)[r.step]) * np.sign(target - before)[r.step]
-        return since, axis("Time since the step began, < 0: cooling steps (s)")
-    if name == "history" and timeline.measured_input:
-        return timeline.last_reversal, axis(f"Input at the last reversal ({u})")
+        values, label, is_logarithmic = drive_statistics(timeline).rate_axis(r, u)
+        return values, axis(label, type="log") if is_logarithmic else axis(label)
     if name == "history":
-        return before[r.step], axis(f"Target of the step before ({u})")
+        values, label = drive_statistics(timeline).history_axis(r, u)
+        return values, axis(label)
     if name == "reversals":
         turned = np.abs(np.diff(np.sign(np.diff(target)), prepend=1)) > 0
         return np.concatenate([[0.0], np.cumsum(turned)])[r.step], axis("Reversals so far")
@@ -59,16 +57,9 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
     return t, axis(f"Clock time of the sitting ({t_unit})")
 
 
-def _step_start_s(timeline: Timeline) -> Array:
-    """When each settled step began, on the story's clock (k,)."""
-    first = timeline.runs[0]
-    zero = float(first["t_s"][0]) - float(first.info.period_s or 0.1)
-    return np.array([step.t_start_s for run in timeline.runs for step in run.settled]) - zero
-
-
 def _display_time(timeline: Timeline, t_s: Array) -> tuple[Array, str]:
     """Times in hours or minutes with the unit, or samples where there is no clock."""
-    if timeline.measured_input == "samples":
+    if not timeline.drive.has_clock:
         return t_s, "samples"
     return (t_s / 3600, "h") if timeline.drive.end_s[-1] > 7200 else (t_s / 60, "min")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from smarig.diagnosis.critique.critique import CandidateScore
 from smarig.diagnosis.diagnose import Diagnosis
-from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS
+from smarig.replay import OUTPUT_DEPENDENT_KINDS
 from smarig.report.diagnosis_predictions import (
     Array,
     DiagnosisPredictions,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from smarig.core.errors import UsageError
 from smarig.identification.noise_floor import noise_floor
 from smarig.record import Run
-from smarig.replay.provenance import provenance
+from smarig.replay import provenance
 
 Array = NDArray[np.float64]
 _SAME = 1e-6  # of the input's range: one target is the other, rounded

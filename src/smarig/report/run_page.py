@@ -7,7 +7,7 @@ import numpy as np
 from smarig.core.errors import DataError
 from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
 from smarig.record import Run
-from smarig.replay.model_file import Model
+from smarig.replay import Model
 from smarig.report.closed_loop_sections import loop_sections
 from smarig.report.figure import Figure
 from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag

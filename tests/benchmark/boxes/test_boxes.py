@@ -11,7 +11,7 @@ import smarig
 from benchmarks.boxes import Label, draw_box, write_box
 from benchmarks.boxes.box_effects import EFFECTS
 from smarig.core.errors import UsageError
-from smarig.replay.memory_history import memory_histories
+from smarig.replay import memory_histories
 
 EVERY = ("transients", "current", "voltage", "ambient")
 

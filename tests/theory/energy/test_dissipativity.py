@@ -10,7 +10,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from theory.energy.test_chapter_7 import integral_of_u_dy, run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -38,6 +37,7 @@ from smarig.theory.energy.strip_moments import DensityCells
 from smarig.theory.energy.surface_bounds import area_bound, negative_small_loop
 from smarig.theory.energy.table_bounds import AreaPolynomial
 from theory.energy.relay_energy import LEVELS, Game, histories, relays
+from theory.energy.test_chapter_7 import integral_of_u_dy, run
 
 PASS = ("one_c", "one_e", "two_c", "two_e")
 SMALL = LEVELS[[0, 1, 3, 5, 6]]

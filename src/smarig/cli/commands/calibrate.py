@@ -29,7 +29,7 @@ def command(
     """Estimate hA, time constant and resistances from what the runs measured; say what they cannot give."""
     from smarig.identification.calibration.calibrate import calibrate
     from smarig.record import load_run
-    from smarig.replay.model_file import load_model
+    from smarig.replay import load_model
 
     base = Actuator.named(actuator) if actuator else None
     hysteresis = load_model(model).hysteresis if model else None

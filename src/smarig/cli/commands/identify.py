@@ -10,7 +10,6 @@ from smarig.core.atomic_file import check_writable
 from smarig.core.file_content import MODEL
 from smarig.identification.surface.surface_kinds import BEST, surface_kinds
 
-
 EXTENSIONS = ("none", "accommodating", "moving", "nonlinear", "restricted", "reversible", "best")
 EPILOG = """\b
 Examples:

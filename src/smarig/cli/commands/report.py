@@ -102,7 +102,7 @@ def _compared(files: list[Path], out: Path | None, force: bool) -> None:
 
 def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force: bool) -> None:
     from smarig.record import load_run
-    from smarig.replay.model_file import load_model
+    from smarig.replay import load_model
     from smarig.report.comparison_labels import distinct_names
     from smarig.report.model_comparison_page import models_page
     from smarig.report.page import write_page

@@ -40,7 +40,7 @@ def command(
     """Simulate a model along a run, or a protocol on its twin, into a run file."""
     from smarig.app.simulated_run import simulate_protocol, simulate_run
     from smarig.record import load_run
-    from smarig.replay.model_file import load_model
+    from smarig.replay import load_model
 
     if (along is None) == (protocol is None):
         raise UsageError("Give either --along RUN or --protocol P.")

@@ -18,7 +18,7 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     """Judge a model on runs: settled points simulated along the whole history of each run."""
     from smarig.identification.verify import verify
     from smarig.record import load_run
-    from smarig.replay.model_file import load_model
+    from smarig.replay import load_model
 
     found = verify(load_model(model), [load_run(r) for r in runs], select=select).to_json()
     unit = found["unit"]

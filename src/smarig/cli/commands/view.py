@@ -38,10 +38,8 @@ def command(
     """
     from smarig.core.atomic_file import atomic_file
     from smarig.live.live_view import save, view
-    from smarig.live.sample_predictors import NamedPredictor, PrecomputedPredictor
     from smarig.record import load_run
-    from smarig.replay.model_file import load_model
-    from smarig.replay.simulate_runs import check_output, simulate_samples
+    from smarig.replay import NamedPredictor, PrecomputedPredictor, check_output, load_model, simulate_samples
 
     _check(out, web, speed)
     recorded = load_run(run)

@@ -16,9 +16,7 @@ from smarig.diagnosis.critique.refit import Refit, refit
 from smarig.diagnosis.explain.candidates import Candidate, generic, named, whitened
 from smarig.plant.effect import EffectType
 from smarig.preisach.sensitivity import sensitivities
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import Prediction, predict
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
 NULLS = 400

@@ -14,7 +14,7 @@ from scipy.sparse import csr_matrix
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.sensitivity import sensitivities
-from smarig.replay.prediction import Prediction
+from smarig.replay import Prediction
 
 Array = NDArray[np.float64]
 

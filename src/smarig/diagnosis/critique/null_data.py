@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from smarig.diagnosis.critique.refit import Refit
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import Prediction
+from smarig.replay import PlantModel, Prediction
 
 Array = NDArray[np.float64]
 

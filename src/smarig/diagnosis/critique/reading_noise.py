@@ -4,15 +4,11 @@ Positions of one sitting share a zero, a resistance has a zero and a scale of it
 Knows neither density nor draughts.
 """
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis import measured_input
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import Prediction
-from smarig.replay.timeline import ReadingSeries, Timeline
+from smarig.diagnosis.drive_statistics import drive_statistics, raw_noise
+from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
 FREE_ZERO_SD = 30.0  # sd of a zero, in ranges of the output: whatever it likes
@@ -20,7 +16,6 @@ EFFECT_ERROR_SHARE = 0.01  # of what an effect adds: no mechanism is exactly its
 UNOBSERVED_SHARE = (
     0.03  # of the stroke: what may lie beyond the farthest hold, and is part of what a resistance tells
 )
-JITTER_S = 0.02  # of a time stamp: what moves fast is known no better
 
 
 def reading_scales(
@@ -33,23 +28,18 @@ def reading_scales(
 ) -> tuple[Array, Array, Array, Array]:
     """Per coupled reading: own white noise (scaled), covariance of free zeros, scale, slope to y (scaled)."""
     raw, span = raw_noise(timeline, plant_model), plant_model.stroke
+    timing_noise = drive_statistics(timeline).timing_noise(plant_model, prediction, output_rate)
     white, scale, zero, at = [], [], [], 0
     for k, r in enumerate(coupled):
         y = r.value - prediction.values[r.kind]
         known_noise = {"settled": 0.0, "moving": raw}.get(r.kind)
         noise = max(_local_noise(y), _MIN_NOISE["resistance"]) if known_noise is None else known_noise
         scale.append(np.full(len(r), noise if known_noise is None else span))
-        timing_noise = JITTER_S * output_rate[at : at + len(r)] if r.kind == "moving" else np.zeros(len(r))
-        timing_noise = (
-            measured_input.input_scatter(timeline, prediction, plant_model)
-            if timeline.measured_input
-            else timing_noise
-        )
         effect_error = EFFECT_ERROR_SHARE * np.abs(effect_contribution[at : at + len(r)])
         white.append(
             np.full(len(r), 1.0)
             if known_noise is None
-            else np.sqrt(noise**2 + timing_noise**2 + effect_error**2) / span
+            else np.sqrt(noise**2 + timing_noise[at : at + len(r)] ** 2 + effect_error**2) / span
         )
         at += len(r)
         session_zero = timeline.zero[r.step] if timeline.zero.size else np.zeros(len(r), dtype=np.int64)
@@ -71,23 +61,6 @@ def output_rate(prediction: Prediction, path: Array) -> Array:
     """Output per second at each coupled reading, over the tick before it; ``path`` (m,) is the output at ticks."""
     at, before = prediction.tick_index, np.maximum(prediction.tick_index - 1, 0)
     return np.abs(path[at] - path[before]) / np.maximum(prediction.t_s[at] - prediction.t_s[before], 1e-9)
-
-
-def raw_noise(timeline: Timeline, plant_model: PlantModel) -> float:
-    """Sd of a single position reading, from the scatter within settled windows; half a count at least."""
-    return float(np.sqrt(max(_scatter(timeline), (0.5 * plant_model.per_count) ** 2, 1e-12)))
-
-
-@lru_cache(maxsize=8)
-def _scatter(timeline: Timeline) -> float:
-    """Variance of neighbours in settled windows, the usual one; it is asked for at every refit."""
-    spread = []
-    for run in timeline.runs:
-        for step in run.settled[:: max(1, len(run.settled) // 40)]:
-            y = run["position"][run.window(step)]
-            if y.size > 20:
-                spread.append(float(np.var(np.diff(y)) / 2))
-    return float(np.median(spread)) if spread else 0.0
 
 
 _MIN_NOISE = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: no instrument is better

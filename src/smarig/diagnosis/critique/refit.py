@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis import measured_input
 from smarig.diagnosis.critique.density_posterior import DensityPosterior
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.critique.nuisance_terms import likeliest_nuisance
@@ -29,13 +28,11 @@ from smarig.diagnosis.critique.variance_components import (
     ReadingCovariance,
     bounds_of,
 )
+from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.explain.density_prior import density_prior
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS, Prediction, predict
-from smarig.replay.timeline import Timeline
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
-CORRELATIONS_S = (120.0, 30.0, 300.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +187,7 @@ def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[flo
     """Correlation times of remembered noise worth trying."""
     if warm_start is not None:
         return (warm_start.noise.correlation_s,)
-    return measured_input.correlations_s(timeline) if timeline.measured_input else CORRELATIONS_S
+    return drive_statistics(timeline).correlations_s()
 
 
 def _likeliest_components(

@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.optimize import OptimizeResult, minimize
 
-from smarig.diagnosis import measured_input
-from smarig.diagnosis.critique.reading_noise import raw_noise
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.timeline import Timeline
+from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.replay import PlantModel, Timeline
 
 Array = NDArray[np.float64]
 AT_BOUND, LOG_FLUCTUATION_STILL = 0.05, -2.0  # log₁₀: of a bound of s_T; and of s_T in still air
@@ -30,9 +28,6 @@ MOVING_ERROR_BOUNDS = (
     1e-5,
     0.1,
 )  # ranges: what moving positions may miss besides; wrong heat must not bend the density
-MAX_FLUCTUATION_K = 0.4  # what is more is no draught
-MIN_COUNT_SD = 0.1  # counts: no encoder's marks lie better
-MAX_COUNT_SD = 0.6  # counts: no mean of settled samples is worse, unless they scatter
 
 
 def noise_covariance(memory: Array, own_variances: Array, s_T: float, slope: Array) -> Array:
@@ -140,16 +135,7 @@ class ReadingCovariance:
 
 def bounds_of(timeline: Timeline, plant_model: PlantModel) -> tuple[Array, Array]:
     """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
-    if timeline.measured_input:
-        span = plant_model.hysteresis.upper - plant_model.hysteresis.lower
-        return _with_density(*measured_input.noise_bounds(timeline, span, plant_model.stroke))
-    samples = max(float(np.median([step.n for run in timeline.runs for step in run.settled])), 1.0)
-    sample_noise = raw_noise(timeline, plant_model)
-    minimised, most = (
-        max(sample_noise / np.sqrt(samples), MIN_COUNT_SD * plant_model.per_count) / plant_model.stroke,
-        max(MAX_COUNT_SD * plant_model.per_count, sample_noise) / plant_model.stroke,
-    )
-    return _with_density((minimised, most), (10**-2.5, MAX_FLUCTUATION_K))
+    return _with_density(*drive_statistics(timeline).noise_bounds(plant_model))
 
 
 def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:

@@ -12,12 +12,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis import measured_input
 from smarig.diagnosis.critique.refit import Refit
+from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.plant.effect import Effect, EffectType, Parameter
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import Prediction, predict
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
 WEAK_SHARE = 0.25  # of the typical strength: where a trace is still in proportion
@@ -163,12 +161,8 @@ def generic(
                 traces[at : at + len(r)] = EXPECTED_SHARE * (float(np.ptp(r.value)) or 1.0) * _smooth(z)
                 yield Candidate(f"?{name} of {r.kind}", traces, depends_on=name)
         at += len(r)
-    variables = (
-        measured_input.plain_variables(timeline, base)
-        if timeline.measured_input
-        else _variables(timeline, base)
-    )
-    for name, z in variables.items():
+    statistics = drive_statistics(timeline)
+    for name, z in statistics.variables(base).items():
         basis = _smooth(z)
         if not basis.shape[1]:
             continue
@@ -176,43 +170,8 @@ def generic(
         traces = np.zeros((total, both.shape[1]))
         traces[: z.size] = both
         yield Candidate(f"?{name}", traces, depends_on=name)
-    for name, traces in (
-        measured_input.rate_traces(timeline, base, output_change, input_change * slope)
-        if timeline.measured_input
-        else ()
-    ):
+    for name, traces in statistics.rate_traces(base, output_change, input_change * slope):
         yield Candidate(f"?{name}", traces, depends_on=name)
-
-
-def _variables(timeline: Timeline, base: Prediction) -> dict[str, Array]:
-    """Variables (n,) at settled and moving positions."""
-    step = np.concatenate([r.step for r in timeline.all_readings if r.kind in ("settled", "moving")])
-    t = np.concatenate([r.t_s for r in timeline.all_readings if r.kind in ("settled", "moving")])
-    target = timeline.target_K
-    before = np.concatenate([[target[0]], target[:-1]])
-    level = np.concatenate([base.values[k] for k in ("settled", "moving") if k in base.values])
-    travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
-    reversal_count = np.concatenate(
-        [[0.0], np.cumsum(np.abs(np.diff(np.sign(np.diff(target)), prepend=1)) > 0)]
-    )
-    elapsed = (
-        t - np.array([s.t_start_s for r in timeline.runs for s in r.settled])[step] + _start_time_s(timeline)
-    )
-    return {
-        "time": t,
-        "cycle": travel[step],
-        "level": level,
-        "step": (target - before)[step],
-        "hold": np.log(np.maximum(timeline.hold_s, 1.0))[step],
-        "rate": np.exp(-np.maximum(elapsed, 0.0) / 10.0) * np.sign(target - before)[step],
-        "history": before[step],
-        "reversals": reversal_count[: target.size][step],
-    }
-
-
-def _start_time_s(timeline: Timeline) -> float:
-    run = timeline.runs[0]
-    return float(run["t_s"][0]) - float(run.info.period_s or 0.1)
 
 
 def _smooth(z: Array, functions: int = 5) -> Array:

@@ -18,7 +18,7 @@ from smarig.identification.positive.adapted_partition import SAME, adapted_nodes
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.everett import Everett
-from smarig.replay.prediction import Prediction
+from smarig.replay import Prediction
 
 Array = NDArray[np.float64]
 MIN_INTERVALS, MAX_INTERVALS = (

@@ -15,8 +15,7 @@ from smarig.diagnosis.explain.joint_density import joint_density, joint_density_
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant.effect import Effect
 from smarig.preisach.everett import Everett
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Timeline
 
 MAX_ROUNDS = 4  # of effects, then density
 OVERSTEP, OVERSTEP_GROWTH = 1.7, 1.4  # what a fit says, times; and that again after a step that was right

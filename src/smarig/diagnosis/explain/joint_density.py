@@ -10,15 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from smarig.diagnosis import measured_input as given
 from smarig.diagnosis.critique.refit import Refit, refit
+from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import fit_table
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import Prediction, predict
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 START_SMOOTHING = 1e-14  # λ of the measure that begins it
 MAX_ROUNDS = 5
@@ -33,7 +31,7 @@ def joint_density(
     Positions alone make the density: what another channel says against it is the effects' business. Where the input
     was measured it is a positive measure, as smooth as held-out excursions want it.
     """
-    if timeline.measured_input:
+    if drive_statistics(timeline).positive_measure_only:
         plant_model = replace(
             plant_model, hysteresis=_positive_fit(timeline, predict(timeline, plant_model), plant_model, None)
         )
@@ -50,7 +48,7 @@ def joint_density_from_best_start(
 
     Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
     """
-    if timeline.measured_input:
+    if drive_statistics(timeline).positive_measure_only:
         return joint_density(timeline, plant_model, warm_start)
     fitted = _positive_fit(timeline, predict(timeline, plant_model), plant_model, START_SMOOTHING)
     starts = [_start(timeline, replace(plant_model, hysteresis=h), warm_start) for h in (original, fitted)]
@@ -59,7 +57,7 @@ def joint_density_from_best_start(
 
 def with_posterior_density(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> PlantModel:
     """The subject with the density that its refitted readings speak for, or its own where that is nearer to them."""
-    if timeline.measured_input:
+    if drive_statistics(timeline).positive_measure_only:
         return plant_model
     both = plant_model, replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
     return min(both, key=lambda s: settled_rms(timeline, s))
@@ -119,9 +117,8 @@ def _positive_fit(
     rows = Observations.of_states(prediction.states[:n], y, timeline.block, (h.lower, h.upper), timeline.unit)
     if timeline.zero.size:
         rows = replace(rows, zero=timeline.zero - 1)
-    if timeline.measured_input:
-        rows = _weighted(rows, given.reading_weights(timeline, prediction, plant_model))
-    return fit_table(rows, smoothing)
+    weight = drive_statistics(timeline).reading_weights(plant_model, prediction)
+    return fit_table(_weighted(rows, weight), smoothing)
 
 
 def _weighted(rows: Observations, weight: np.ndarray) -> Observations:

@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis.critique.refit import Refit
 from smarig.plant.effect import Effect, Parameter
 from smarig.preisach.everett import Everett
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.prediction import predict, with_hysteresis
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Timeline, predict, with_hysteresis
 
 Array = NDArray[np.float64]
 MAX_ITERATIONS = 10

@@ -22,8 +22,7 @@ from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant.effect import Effect
 from smarig.preisach.everett import Everett
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Timeline
 
 CritiqueFunction = Callable[[PlantModel], Critique]
 EffectSet = tuple[Effect, ...]

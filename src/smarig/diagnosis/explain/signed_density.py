@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from smarig.diagnosis.critique.critique import Critique
 from smarig.diagnosis.critique.refit import Refit
+from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.explain.search import (
     MIN_GAIN_NATS,
@@ -19,8 +20,7 @@ from smarig.diagnosis.explain.search import (
     search_explanations,
 )
 from smarig.preisach.everett import Everett
-from smarig.replay.plant_model import PlantModel
-from smarig.replay.timeline import Timeline
+from smarig.replay import PlantModel, Timeline
 
 CritiqueFunction = Callable[..., Critique]
 ProgressFunction = Callable[[str], None]
@@ -55,9 +55,10 @@ def find_explanations(
     original = plant_model.hysteresis
     base, plain = joint_density_from_best_start(timeline, plant_model, original)
     positive_result = DensitySearchResult(base, plain, criticise(base), [])
-    if positive_result.first.silent or timeline.measured_input:
+    positive_only = drive_statistics(timeline).positive_measure_only
+    if positive_result.first.silent or positive_only:
         positive_result = _with_levels(positive_result, original, criticise, report_progress)
-        if positive_result.first.silent or timeline.measured_input:
+        if positive_result.first.silent or positive_only:
             return positive_result
     signed = joint_density_from_best_start(timeline, replace(plant_model, signed=True), original)
     return _choose_density(positive_result, signed, original, criticise, report_progress)

@@ -21,7 +21,7 @@ from smarig.plant.heating import JouleHeating
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Preisach
 from smarig.record.run import Run
-from smarig.replay.memory_history import continues_run, recorded_start
+from smarig.replay import continues_run, recorded_start
 
 Array = NDArray[np.float64]
 _LONGEST = 40_000  # samples replayed: enough for dozens of holds, and seconds of work

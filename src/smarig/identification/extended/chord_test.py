@@ -20,7 +20,7 @@ from scipy.stats import f as fisher
 from smarig.core.errors import DataError
 from smarig.identification.noise_floor import NoiseFloor
 from smarig.record import Run
-from smarig.replay.memory_history import memory_histories
+from smarig.replay import memory_histories
 
 Array = NDArray[np.float64]
 ChordVerdict = Literal["Preisach", "non-linear Preisach", "neither"]

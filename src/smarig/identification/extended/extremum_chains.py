@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from smarig.core.errors import DataError
 from smarig.record import Run
-from smarig.replay.memory_history import MemoryHistory, memory_histories
+from smarig.replay import MemoryHistory, memory_histories
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]

@@ -17,7 +17,7 @@ from smarig.core.errors import DataError
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
-from smarig.replay.memory_history import memory_histories
+from smarig.replay import memory_histories
 from smarig.theory.extended.reversible_operator import ReversiblePart, ReversiblePreisach
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ from smarig.identification.fod_data import FodData
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.operator import State
 from smarig.record import Run
-from smarig.replay.memory_history import MemoryHistory, memory_histories
+from smarig.replay import MemoryHistory, memory_histories
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

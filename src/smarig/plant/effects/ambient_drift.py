@@ -43,4 +43,5 @@ ambient_drift = EffectType(
         Parameter("phase", "turn", 0.0, 1.0, 0.0, "where in its period the run begins", tries=(0.0, 0.25)),
     ),
     act=_act,
+    output_independent=True,
 )

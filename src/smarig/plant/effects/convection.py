@@ -54,4 +54,5 @@ convection = EffectType(
         ),
     ),
     act=_act,
+    output_independent=True,
 )

@@ -32,4 +32,5 @@ coulomb_friction = EffectType(
     separated_by="a push by hand in the middle of a branch; another pulley",
     parameters=(Parameter("half_width_K", "K", 0.0, 8.0, 2.0, "1 N on a 0.2 mm wire is 4.5 K"),),
     act=_act,
+    output_independent=True,
 )

@@ -45,4 +45,5 @@ cross_talk = EffectType(
     ),
     act=_act,
     arrangement="two_wire",
+    output_independent=True,
 )

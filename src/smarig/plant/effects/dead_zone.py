@@ -40,4 +40,5 @@ dead_zone = EffectType(
         ),
     ),
     act=_act,
+    output_independent=True,
 )

@@ -37,4 +37,5 @@ saturation = EffectType(
         ),
     ),
     act=_act,
+    output_independent=True,
 )

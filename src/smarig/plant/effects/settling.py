@@ -44,4 +44,5 @@ settling = EffectType(
         ),
     ),
     act=_act,
+    output_independent=True,
 )

@@ -59,4 +59,5 @@ temperature_memory = EffectType(
         Parameter("width_K", "K", 1.0, 15.0, 4.0, "1–5 K, engineering estimate", tries=(2.0, 4.0, 9.0)),
     ),
     act=_act,
+    output_independent=True,
 )

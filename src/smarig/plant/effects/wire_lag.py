@@ -36,4 +36,5 @@ wire_lag = EffectType(
         ),
     ),
     act=_act,
+    output_independent=True,
 )

@@ -1,8 +1,7 @@
-"""What a model says along the samples, one at a time, in the zero of the encoder.
+"""What a model predicts along the samples of a run, one at a time, in the zero of the encoder.
 
-A model that has not seen the whole history keeps silent (NaN) until saturation has wiped out what it missed.
-The zero is the model's mean distance from the data over the first samples after the encoder was zeroed: nobody knows
-it better. Knows hysteresis and plants; refuses to know where models come from.
+A predictor that missed a part of the history returns NaN until saturation has wiped out what it missed. The zero is
+the model's mean distance from the data over the first samples after the encoder was zeroed, for lack of a better one.
 """
 
 import math
@@ -10,8 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from smarig.core.sample import Sample
-from smarig.live.primitives import Array
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import SupportsHooks
 from smarig.plant.plant import Plant
@@ -19,12 +20,13 @@ from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
 from smarig.preisach.state import State
 
+Array = NDArray[np.float64]
 NAN = float("nan")
 OFFSET_SAMPLES = 50  # samples
 
 
 class SamplePredictor(Protocol):
-    """Something that goes along with a run."""
+    """Predicts the output after each sample of a run."""
 
     def after(self, s: Sample, input_value: float) -> float:
         """Output after a sample, in a zero of its own; NaN where it cannot be known."""
@@ -36,7 +38,7 @@ class SamplePredictor(Protocol):
 
 
 class HysteresisPredictor:
-    """The hysteresis alone, along the input; ``initial`` None: what it remembers is not known yet."""
+    """The hysteresis alone, along the input; ``initial`` None: its memory is not known yet."""
 
     def __init__(self, hysteresis: Everett, initial: Initial | None) -> None:
         self.operator = Preisach(hysteresis, initial or "negative")
@@ -54,7 +56,7 @@ class HysteresisPredictor:
         return y if self._known else NAN
 
     def invalidate(self) -> None:
-        """Silent until saturation."""
+        """NaN until saturation."""
         self._known = False
 
     @property
@@ -84,7 +86,7 @@ class PlantPredictor:
         return NAN if self._invalid else y
 
     def invalidate(self) -> None:
-        """Silent from now on: time that passed unseen cannot be made up for."""
+        """NaN from now on: the thermal state after a gap cannot be known."""
         self._invalid = True
 
 
@@ -100,26 +102,26 @@ class PrecomputedPredictor:
         return next(self._outputs, NAN)
 
     def invalidate(self) -> None:
-        """Nothing is missed by what was computed before."""
+        """No effect: every output was computed before."""
 
 
 @dataclass(frozen=True)
 class NamedPredictor:
-    """A name for the legend, and who predicts."""
+    """A predictor with its name in the legend."""
 
     name: str
     predictor: SamplePredictor
 
 
 class ZeroedPredictor:
-    """A follower in the encoder's zero."""
+    """A predictor in the encoder's zero."""
 
     def __init__(self, predictor: SamplePredictor) -> None:
         self._predictor = predictor
         self.zeroed()
 
     def zeroed(self) -> None:
-        """The encoder was zeroed: begin anew to find the distance."""
+        """The encoder was zeroed: start the mean distance anew."""
         self._sum, self._n, self._offset = 0.0, 0, NAN
 
     def after(self, s: Sample, input_value: float) -> float:

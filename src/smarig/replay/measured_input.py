@@ -1,27 +1,29 @@
-"""Runs whose input itself was measured, as one story: samples are the path, and a thinned set of them is read.
+"""Runs whose input itself was measured, on one clock: samples are the path, and a thinned set of them is read.
 
 For others' data without current and without settled steps: temperature → strain, field → polarisation. Between
 its reversals the input is taken as monotone (isotonic least squares), because a hysteresis takes a sensor's noise
 for reversals; reversals smaller than five times that noise are noise. Runs without a clock count samples instead.
-Knows no model.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
 
 from smarig.core.errors import DataError
+from smarig.plant.effect import EffectType
+from smarig.plant.measured_input import is_testable
+from smarig.preisach.everett import Everett
 from smarig.preisach.turning_points import turning_points
 from smarig.record import Run
 from smarig.replay.timeline import DriveProfile, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-MAX_READINGS = 240  # readings of a story
+MAX_READINGS = 240  # readings of a timeline
 MIN_BRANCH_READINGS = 4  # of a branch
 REVERSAL_THRESHOLD = 5.0  # noises of the input
 CLOSURE_TOLERANCE = (
@@ -30,13 +32,36 @@ CLOSURE_TOLERANCE = (
 PAUSE_SAMPLES = 1.0  # samples between two runs
 
 
+@final
 @dataclass(frozen=True, eq=False)
-class MeasuredInputProfile(DriveProfile):
-    """Inputs (m,) in place of currents, each reached at ``end_s`` (m,): nothing happens in between."""
+class MeasuredInput(DriveProfile):
+    """Inputs (m,) in their unit, each reached at ``end_s`` (m,): nothing happens in between.
+
+    At each reading (k,): ``speed`` is the |du/dt| of its branch, ``scatter`` that of the input about the branch,
+    ``last_reversal`` the input at which the branch began. ``clock``: whether times are seconds, not samples.
+    """
+
+    clock: bool = True
+    speed: Array = field(default_factory=lambda: np.empty(0))
+    scatter: Array = field(default_factory=lambda: np.empty(0))
+    last_reversal: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def has_clock(self) -> bool:
+        """Whether every run has one."""
+        return self.clock
 
     def ticks(self, at_s: Array) -> tuple[Array, Array]:  # noqa: ARG002
         """The path's own points: whatever is read is one of them."""
-        return self.end_s, self.current_A
+        return self.end_s, self.value
+
+    def unrecorded_gap_s(self, sessions: Sequence[Sequence[Run]]) -> float:  # noqa: ARG002
+        """None: runs are joined as they are given, and time between them is of no effect."""
+        return 0.0
+
+    def can_show(self, effect_type: EffectType, hysteresis: Everett) -> bool:
+        """Only what acts after the input was measured; without a clock no effect of time."""
+        return is_testable(effect_type, hysteresis, clock=self.clock)
 
 
 def driven_by_input(runs: Sequence[Run]) -> bool:
@@ -51,9 +76,9 @@ def driven_by_input(runs: Sequence[Run]) -> bool:
 
 
 def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None = MAX_READINGS) -> Timeline:
-    """Runs in the order given, one after another, as one story.
+    """Runs in the order given, one after another, on one clock.
 
-    A run that ends where it began, half way on a branch, is a steady loop measured by itself: it is lived through once
+    A run that ends where it began, half way on a branch, is a steady loop measured by itself: it is simulated once
     before, unread, and its output has a zero of its own.
     Any other run of unknown beginning is read from its first reversal on. ``max_readings`` readings, None: every sample.
     Raises DataError when nothing is left.
@@ -77,7 +102,7 @@ def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None 
 
 @dataclass(frozen=True, eq=False)
 class _PlacedRun:
-    """One run on the story's clock: its path, and rows of it that are read."""
+    """One run on the timeline's clock: its path, and rows of it that are read."""
 
     end_s: Array
     input: Array
@@ -103,14 +128,21 @@ class _MeasuredInputRun:
         self.turns = (
             turning_points(self.raw, REVERSAL_THRESHOLD * input_noise_sd(self.raw)) if t.size > 2 else [0]
         )
-        self.u = self.raw.copy()
-        for a, b in pairwise(self.turns):
-            rising = bool(self.raw[b] > self.raw[a])
-            self.u[a : b + 1] = isotonic_regression(self.raw[a : b + 1], increasing=rising).x
-        for k in self.turns:
-            self.u[k] = self.raw[k]
+        self.u = self._monotone_branches()
         back = abs(self.u[-1] - self.u[0]) <= CLOSURE_TOLERANCE * np.ptp(self.u) if t.size else False
         self.steady = bool(back and len(self.turns) == 4)
+
+    def _monotone_branches(self) -> Array:
+        """The input, isotonic between its reversals."""
+        from scipy.optimize import isotonic_regression  # here: half a second that only measured inputs need
+
+        u = self.raw.copy()
+        for a, b in pairwise(self.turns):
+            rising = bool(self.raw[b] > self.raw[a])
+            u[a : b + 1] = isotonic_regression(self.raw[a : b + 1], increasing=rising).x
+        for k in self.turns:
+            u[k] = self.raw[k]
+        return u
 
     def read(self, per_branch: int | None) -> Integers:
         """Rows to be read: ``per_branch`` of a branch (None: all), half by time and half by how much the output moves."""
@@ -121,7 +153,7 @@ class _MeasuredInputRun:
         ]
         return np.unique(np.concatenate(rows)) if rows else np.empty(0, dtype=np.int64)
 
-    def _jitter(self) -> Array:
+    def _branch_scatter(self) -> Array:
         """Scatter of the input about each branch, (branches,)."""
         scatter = self.raw - self.u
         return np.array([float(np.sqrt(np.mean(scatter[a : b + 1] ** 2))) for a, b in pairwise(self.turns)])
@@ -129,7 +161,7 @@ class _MeasuredInputRun:
     def place_on_clock(
         self, rows: Integers, at: float, clock: bool, number: int, block: int
     ) -> tuple[float, _PlacedRun]:
-        """(end, piece) of this run, begun at time ``at``."""
+        """(end, this run placed on the clock), begun at time ``at``."""
         own = self.t - self.t[0] if clock else np.arange(float(self.t.size))
         pause = PAUSE_SAMPLES * float(np.median(np.diff(own)))
         path = np.unique(np.concatenate([rows, self.turns]))
@@ -148,7 +180,7 @@ class _MeasuredInputRun:
             value=self.y[rows],
             target=self.u[rows],
             speed=speed[branch],
-            input_scatter=self._jitter()[branch],
+            input_scatter=self._branch_scatter()[branch],
             last_reversal=self.u[ends[:-1]][branch],
             zero=np.full(rows.size, number if self.steady else 0, dtype=np.int64),
             block=block + branch // 2,
@@ -162,7 +194,7 @@ def input_noise_sd(u: Array) -> float:
 
     Never quite none: 1e-9 of the range.
 
-    >>> float(round(noise_of(np.linspace(0, 1, 50)), 12))
+    >>> float(round(input_noise_sd(np.linspace(0, 1, 50)), 12))
     1e-09
     """
     second_differences = np.abs(u[:-2] - 2 * u[1:-1] + u[2:])
@@ -187,7 +219,14 @@ def _assembled_timeline(placed_runs: Sequence[_PlacedRun], runs: Sequence[Run], 
     t = np.round(joined("t_s"), 6)
     readings = ReadingSeries("settled", value, t, np.arange(value.size), runs[0].unit)
     return Timeline(
-        drive=MeasuredInputProfile(np.round(joined("end_s"), 6), joined("input")),
+        drive=MeasuredInput(
+            np.round(joined("end_s"), 6),
+            joined("input"),
+            clock,
+            speed=joined("speed"),
+            scatter=joined("input_scatter"),
+            last_reversal=joined("last_reversal"),
+        ),
         settled=readings,
         other_readings=(),
         target_K=joined("target"),
@@ -195,9 +234,5 @@ def _assembled_timeline(placed_runs: Sequence[_PlacedRun], runs: Sequence[Run], 
         run=joined("run").astype(np.int64),
         block=joined("block").astype(np.int64),
         runs=tuple(runs),
-        measured_input="clock" if clock else "samples",
-        speed=joined("speed"),
-        input_scatter=joined("input_scatter"),
-        last_reversal=joined("last_reversal"),
         zero=joined("zero").astype(np.int64),
     )

@@ -1,7 +1,8 @@
-"""What a model says along measured runs: at their settled points, or at every sample.
+"""A model along measured runs: its outputs at their settled points, or at every sample.
 
-The whole history counts, turns between settled points as well: simulation starts in the state a run names, or goes on
-from the run before it; where neither is known, in saturation when the run gets there. Knows no measured output.
+The whole history counts, reversals between settled points as well: simulation starts in the state a run names, or goes
+on from the run before it; where neither is known, in saturation when the run gets there. A model with effects is
+simulated as a plant along the commands, in the order of the clocks.
 """
 
 from collections.abc import Sequence
@@ -13,10 +14,19 @@ from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay.extended_model import Operator
-from smarig.replay.memory_history import INPUT_TOLERANCE, SATURATION_TOLERANCE, continues_run, recorded_start
+from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input
+from smarig.replay.memory_history import (
+    INPUT_TOLERANCE,
+    SATURATION_TOLERANCE,
+    continues_run,
+    input_path,
+    recorded_start,
+)
 from smarig.replay.model_file import Model
-from smarig.replay.simulate_effects import simulate_runs_with_effects, simulate_samples_with_effects
-from smarig.replay.waypoints import input_path
+from smarig.replay.plant_model import actuator_of, plant_model_of
+from smarig.replay.prediction import predict, predict_positions
+from smarig.replay.provenance import earlier_runs
+from smarig.replay.timeline_from_runs import build_timeline
 
 Array = NDArray[np.float64]
 
@@ -30,12 +40,12 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs of the model at the settled points of runs that may follow one another, (k,) each.
 
     NaN before the memory is known. Raises UsageError when the inputs are of another unit. A model with effects
-    lives through the runs in the order of their clocks.
+    is simulated along the runs in the order of their clocks.
     """
     if model.effects:
         for run in runs:
             check_input(model, run)
-        return simulate_runs_with_effects(model, runs)
+        return _simulate_runs_with_effects(model, runs)
     outputs: list[Array] = []
     operator, known, h = model.operator(), False, model.hysteresis
     for k, run in enumerate(runs):
@@ -62,7 +72,7 @@ def simulate_samples(model: Model, run: Run) -> Array:
     """
     check_input(model, run)
     if model.effects:
-        return simulate_samples_with_effects(model, run)
+        return _simulate_samples_with_effects(model, run)
     operator, h = model.operator(), model.hysteresis
     known = _set_initial_state(operator, h, run)
     inputs = run["input"]
@@ -82,7 +92,7 @@ def out_of_range(model: Model, inputs: Array) -> NDArray[np.bool_]:
 
 
 def check_output(model: Model, run: Run) -> None:
-    """DataError when a run measures in another unit than the model speaks."""
+    """DataError when a run measures in another unit than the model's output."""
     if run.unit != model.unit:
         raise DataError(
             f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
@@ -141,3 +151,41 @@ def _reversal_curves(operator: Operator, run: Run) -> Array:
         for k in members[np.argsort(u[members], kind="stable")]:
             predicted[k] = operator.step(float(u[k]))
     return predicted[known]
+
+
+def _simulate_runs_with_effects(model: Model, runs: Sequence[Run]) -> list[Array]:
+    """Outputs at the settled points of runs of one session, (k,) each, in the model's zero.
+
+    Earlier runs of that session that the model was made from are simulated first, where their files are still found.
+    """
+    if driven_by_input(runs):
+        return _simulate_measured_input(model, runs)
+    timeline = build_timeline([*earlier_runs(model, runs), *runs], actuator_of(model).tau_s)
+    plant_model = plant_model_of(model, timeline.runs[0])
+    values = predict(timeline, plant_model).values["settled"]
+    by_run = {id(run): values[timeline.run == k] for k, run in enumerate(timeline.runs)}
+    return [by_run[id(run)] for run in runs]
+
+
+def _simulate_measured_input(model: Model, runs: Sequence[Run]) -> list[Array]:
+    """Outputs at every sample of runs whose input was measured, NaN before the memory is known."""
+    timeline = build_measured_input_timeline([*earlier_runs(model, runs), *runs], None)
+    values = predict(timeline, plant_model_of(model, timeline.runs[0])).values["settled"]
+    outputs = []
+    for run in runs:
+        k = next(k for k, r in enumerate(timeline.runs) if r is run)
+        own, whole = values[timeline.run == k], run.points()[1].size
+        outputs.append(np.concatenate([np.full(whole - own.size, np.nan), own]))
+    return outputs
+
+
+def _simulate_samples_with_effects(model: Model, run: Run) -> Array:
+    """Outputs (n,) at every sample of a run, in the model's zero; the run is simulated by itself."""
+    if driven_by_input([run]):
+        known = np.isfinite(run["input"]) & np.isfinite(run["position"])
+        y = np.full(len(run), np.nan)
+        y[known] = _simulate_measured_input(model, [run])[0]
+        return y
+    timeline = build_timeline([run], actuator_of(model).tau_s)
+    t = run["t_s"] - float(run["t_s"][0]) + float(run.info.period_s or 0.1)
+    return predict_positions(timeline.drive, plant_model_of(model, run), t)
