@@ -5,9 +5,10 @@ import numpy as np
 from control.driven import drive
 from smarig.certify.position_assumptions import indistinguishable_states
 from smarig.certify.position_supply_rate import PositionController, SupplyRate
-from smarig.certify.velocity import k_e, velocity_feedback, velocity_loop
+from smarig.certify.velocity import k_e, velocity_loop
 from smarig.control.position_feedback import SwitchedGain, position_loop
 from smarig.control.velocity.controllers.constant_gain import constant_gain
+from smarig.control.velocity.velocity_protocol import velocity_feedback
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.protocols._setup import Setup
 from smarig.rig.twin import Twin

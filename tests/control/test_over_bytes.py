@@ -3,21 +3,25 @@
 import numpy as np
 import pytest
 
+from control.model_files import model_of
 from rig.bench.broken_rig import LEASE_S, rig_file
+from smarig.certify.model_certificate import certificate
+from smarig.certify.rig_assessment import RigAssessment
 from smarig.config import load_rig
-from smarig.control.controller_settings import TRACKING, default_numbers
+from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers
 from smarig.control.regulation import regulate
 from smarig.control.tracking import ControllerModel, reference, track
 from smarig.control.tracking.tuning import controller_factory
-from smarig.core.catalogue import names
-from smarig.core.command import Settled
+from smarig.control.velocity.velocity_protocol import velocity_feedback
+from smarig.core.catalogue import find, names
+from smarig.core.command import Drive, Settled
 from smarig.core.errors import SmarigError
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import load_run
 from smarig.runner.preview import Preview
 from smarig.runner.session import Session
 
-CONTROLLERS = names(TRACKING)
+CONTROLLERS, VELOCITY_CONTROLLERS = names(TRACKING), names(VELOCITY)
 COLUMNS = (
     "tick",
     "t_s",
@@ -55,6 +59,21 @@ def following(name, rig):
     return make
 
 
+def velocity_following(name, rig):
+    """A velocity controller along 10 s of rising and falling, from where the wire is, the rig's own assessment kept."""
+    file = load_rig(rig)
+
+    def make(setup):
+        model = model_of("two_e" if setup.two_wire else "one_e")
+        rates = [0.4] * 60 + [-0.2] * 40
+        proved = certificate(model.hysteresis, {name: {}}).controllers[0]
+        assess = RigAssessment(proved, setup, 10 * file.period_s).to_json
+        yield Drive(0.0)  # as in ``velocity_tracking``: a bench's first sample may have been waiting
+        yield from velocity_feedback(setup, find(VELOCITY, name)(), rates, 20.0, assess=assess)
+
+    return make
+
+
 def holding(setup):
     """A set-point held from an outer branch, with short holds before."""
     quick = Settled(window_s=1.0, timeout_s=2.0, approach_K=100.0, band_counts=400.0)
@@ -65,6 +84,8 @@ def holding(setup):
 
 def recorded(rig, folder, wire):
     """Every controller in one sitting."""
+    loops = {name: following(name, rig) for name in CONTROLLERS}
+    loops |= {name: velocity_following(name, rig) for name in VELOCITY_CONTROLLERS}
     with Session(rig, seed=3, wire=wire) as session:
         return {
             name: load_run(
@@ -73,10 +94,10 @@ def recorded(rig, folder, wire):
                     {},
                     folder / f"{name}.run.sqlite",
                     expected=KNOWN_COST,
-                    protocol_factory=following(name, rig),
+                    protocol_factory=loop,
                 )
             )
-            for name in CONTROLLERS
+            for name, loop in loops.items()
         }
 
 
@@ -98,6 +119,8 @@ def test_bytes_make_no_difference_to_any_controller(twins, link, tmp_path):
         assert np.unique(twin["current_command_A"]).size > 20, "it is a loop"
         for column in COLUMNS:
             np.testing.assert_array_equal(runs[name][column], twin[column], err_msg=f"{name}, {column}")
+        marks = [[(e.text, e.data) for e in run.events if e.kind == "mark"] for run in (runs[name], twin)]
+        assert marks[0] == marks[1], "k_e, the measured ratio and the hypotheses, too"
 
 
 LOSSES = [

@@ -35,6 +35,7 @@ calibrate validation.run.sqlite --actuator gorbet_one_wire
 certify wire.model.json
 certify wire.model.json --run validation.run.sqlite --position-controller 10,20/1,0.5
 track wire.model.json --reference ramps --set seconds=10 {RIG} -o tracked.run.sqlite
+track wire.model.json --reference ramps --set seconds=10 --controller leaky_pi --offset-K 30 {RIG} -o velocity.run.sqlite
 regulate wire.model.json --setpoint 6 --hold-s 60 {RIG} -o held.run.sqlite
 list
 list protocols --settings

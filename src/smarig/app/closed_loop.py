@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from smarig.app.velocity_loop import checked_offset, refuse_offset, velocity_factory, velocity_reference
 from smarig.config import RigFile, load_rig
-from smarig.control.controller_settings import TRACKING, controller_numbers, finite_number
+from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers, finite_number
 from smarig.control.regulation import SetpointPI
 from smarig.control.regulation import regulate as regulation_protocol
 from smarig.control.regulation.regulation_protocol import START_STATES, check_times
@@ -73,36 +74,65 @@ def tracking(
     settings: Mapping[str, Any] | None = None,
     controller: str = "inverse",
     numbers: Mapping[str, Any] | None = None,
+    offset_K: float | None = None,
 ) -> ClosedLoop:
     """Follow a reference: steps, ramps, multisine with ``settings``, or a CSV file. UsageError says what is wrong.
 
-    ``controller`` is a name or the path of an own file, which is executed.
+    ``controller`` is a name or the path of an own file, which is executed. One of the velocity controllers follows the
+    reference's velocity alone, and takes ``offset_K``, u_o of Thm 8.2.
     """
     _check_arguments(controller, numbers)
     _check_path("The reference", wanted)
     controller_model = _controller_model(source.model, rig)
     controller = resolve_name(TRACKING, controller)
-    pairs = controller_numbers(TRACKING, controller, numbers or {})
+    package = _controller_package(controller)
+    pairs = controller_numbers(package, controller, numbers or {})
     followed = _reference(wanted, settings or {}, controller_model, source.model.unit)
     _check_length(followed, rig.period_s)
     _check_reach(followed, controller_model, source.model.unit)
+    velocity_numbers: dict[str, float] = {}
+    if package == VELOCITY:
+        velocity_numbers = {"offset_K": checked_offset(offset_K, controller_model.setup)}
+        given_s, followed = followed.duration_s, velocity_reference(followed, controller, **velocity_numbers)
+        velocity_numbers["lead_in_s"] = followed.duration_s - given_s
+    else:
+        refuse_offset(offset_K, controller)
     recorded_settings = {
         **source.settings(),
         "reference": followed.name,
         **(settings or {}),
         "controller": controller,
+        **velocity_numbers,
     }
     for key in pairs:
         if key in recorded_settings or key in _REFERENCE_SETTINGS:
             raise UsageError(
                 f"Controller '{controller}': '{key}' means something else in the record; rename it."
             )
-    return ClosedLoop(
-        "track",
-        lambda _: tracking_protocol(
-            controller_model, controller_factory(controller, pairs), followed, name=controller
-        ),
-        recorded_settings | pairs,
+    if package == VELOCITY:
+        make = velocity_factory(
+            source.model, controller_model.setup, controller, pairs, followed, **velocity_numbers
+        )
+    else:
+        make = _position_factory(controller_model, controller, pairs, followed)
+    return ClosedLoop("track", make, recorded_settings | pairs)
+
+
+def _position_factory(
+    controller_model: ControllerModel, controller: str, pairs: Mapping[str, float], followed: Reference
+) -> ProtocolFactory:
+    factory = controller_factory(controller, pairs)
+    return lambda _: tracking_protocol(controller_model, factory, followed, name=controller)
+
+
+def _controller_package(controller: str) -> str:
+    """The catalogue a controller stands in: of positions, an own file's too, or of velocities."""
+    known = {package: names(package) for package in (TRACKING, VELOCITY)}
+    for package, there in known.items():
+        if controller in there:
+            return package
+    raise UsageError(
+        f"No controller '{controller}'{suggestion(controller, [*known[TRACKING], *known[VELOCITY]])}."
     )
 
 
@@ -337,6 +367,7 @@ def track(
     out: str | Path,
     controller: str = "inverse",
     numbers: Mapping[str, Any] | None = None,
+    offset_K: float | None = None,
     seed: int = 0,
     wire: str = "",
     force: bool = False,
@@ -344,9 +375,10 @@ def track(
 ) -> Run:
     """Follow a reference (steps, ramps, multisine with its settings, or a CSV file) on a rig and return the run.
 
-    ``controller`` is a name (``smarig list controllers``) or the path of an own file; ``numbers`` are the controller's.
+    ``controller`` is a name (``smarig list controllers``) or the path of an own file; ``numbers`` are the controller's,
+    ``offset_K`` is u_o of a velocity controller.
     """
-    loop = tracking(ModelSource.of(model), load_rig(rig), wanted, settings, controller, numbers)
+    loop = tracking(ModelSource.of(model), load_rig(rig), wanted, settings, controller, numbers, offset_K)
     return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)
 
 

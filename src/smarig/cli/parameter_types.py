@@ -86,7 +86,7 @@ own_effects = click.option(
 )
 RIG = CatalogueName("rigs")
 PROTOCOL = CatalogueName("protocols")
-CONTROLLER = CatalogueName("tracking")
+CONTROLLER = CatalogueName("tracking", "velocity")
 VELOCITY = CatalogueName("velocity")
 EXPERIMENT = CatalogueName("protocols", "campaigns")
 FILE = click.Path(path_type=Path, dir_okay=False)

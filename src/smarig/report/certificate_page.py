@@ -20,7 +20,7 @@ from smarig.report.numbers import number
 from smarig.report.page import Section, page
 from smarig.report.run_description import display_unit
 
-_HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}
+HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}
 _INDEX = re.compile(r"\b(Q|S|k|u|Δy|M)_(PC|P|r|a|e|o|k)\b")
 _BOX_STYLES = {True: "good", False: "bad", None: "warning"}
 
@@ -276,9 +276,9 @@ def _measured_section(further: Further | None) -> list[Section]:
 
 def hypotheses_table(found: ModelCertificate) -> Html:
     """Each hypothesis of both theorems, whether it holds, and why."""
-    rows = [("Thm 8.1", h.name, _HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in found.hypotheses]
+    rows = [("Thm 8.1", h.name, HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in found.hypotheses]
     rows += [
-        ("Thm 8.2", with_subscripts(h.name), _HOLDS_TEXT[h.holds], with_subscripts(h.why))
+        ("Thm 8.2", with_subscripts(h.name), HOLDS_TEXT[h.holds], with_subscripts(h.why))
         for h in _common_hypotheses(found)
     ]
     return table(

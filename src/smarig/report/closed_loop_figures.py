@@ -31,7 +31,7 @@ from smarig.report.style import CURRENT, GREY, INK, POSITION, TEMPERATURE
 from smarig.report.time_figures import time_unit
 
 Array = NDArray[np.float64]
-ROWS = ("y", "y2", "y3", "y4")
+ROWS = ("y", "y2", "y3", "y4", "y5")
 _SHARES = (0.34, 0.26, 0.18, 0.22)  # of the height, from above
 _MIN_HALF_RANGE_COUNTS, _QUANTILE_FACTOR = (
     12.0,

@@ -4,8 +4,10 @@ Knows runs, and a model where one is at hand. Refuses to run anything.
 """
 
 import math
+from typing import Any
 
 from smarig.certify.model_certificate import certificate
+from smarig.control.controller_settings import VELOCITY, default_numbers
 from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
 from smarig.record import Run
 from smarig.replay import Model
@@ -18,6 +20,7 @@ from smarig.report.numbers import counts, number, signed
 from smarig.report.page import Section
 from smarig.report.regulation_plane_figure import B_ELL, regulation_plane_figure
 from smarig.report.run_description import display_unit
+from smarig.report.velocity_sections import velocity_parts
 
 
 def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> list[Section]:
@@ -37,6 +40,8 @@ def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> 
 def _tracking_parts(run: Run, found: TrackingResult) -> list:
     if found.measures is None or found.loop.t_s.size < 2:
         return [paragraph("The loop ended before anything could be measured.")]
+    if found.velocity is not None:
+        return velocity_parts(run, found, found.velocity)
     return [
         _tracking_cards(run, found),
         tracking_figure(run, found),
@@ -143,6 +148,15 @@ def _unsteady_notice(run: Run, found: RegulationResult) -> list[Html]:
 def _certificate_scope_notice(run: Run, found: TrackingResult | RegulationResult) -> Html:
     """That the loop on the page is none of those a theorem is about, before the table that says "covered"."""
     settings = run.info.settings
+    if isinstance(found, TrackingResult) and found.velocity is not None:
+        return notice(
+            "warning",
+            paragraph(
+                tag("b", "This certificate is of the operator, without delay, noise and quantum. "),
+                f"The loop on this page ({found.controller}) has all three: what of the hypotheses it keeps is in the "
+                "table of its own section.",
+            ),
+        )
     name = found.controller if isinstance(found, TrackingResult) else str(settings.get("controller") or "pi")
     held = f"followed {found.reference.name}" if isinstance(found, TrackingResult) else "held a set-point"
     return notice(
@@ -167,7 +181,15 @@ def _certificate_section(
     if used and used != sha256:
         words = f"{name} is not the model this loop was run with ({run.info.settings.get('model')})."
         parts.append(notice("warning", paragraph(words)))
-    parts += certificate_parts(
-        certificate(model.hysteresis, units=units_of(model)), certified_model(model, name, sha256)
-    )
+    proved = certificate(model.hysteresis, _controllers_run(run, found), units_of(model))
+    parts += certificate_parts(proved, certified_model(model, name, sha256))
     return [Section("Certificate of the model", "Certificate", parts)]
+
+
+def _controllers_run(run: Run, found: TrackingResult | RegulationResult) -> dict[str, dict[str, Any]] | None:
+    """The velocity controller of the run with its numbers; None, for all of them, where it fed back the position."""
+    if not isinstance(found, TrackingResult) or found.velocity is None:
+        return None
+    settings = run.info.settings
+    numbers = default_numbers(VELOCITY, found.controller)
+    return {found.controller: {key: settings[key] for key in numbers if key in settings}}

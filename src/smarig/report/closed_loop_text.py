@@ -7,6 +7,7 @@ from smarig.report.hold_end import HoldEnd
 from smarig.report.loop_result import RegulationResult, TrackingResult
 from smarig.report.numbers import counts, number, signed
 from smarig.report.run_description import display_unit
+from smarig.report.velocity_result import VelocityResult, velocity_verdict
 
 
 def result_text(found: TrackingResult | RegulationResult, unit: str) -> str:
@@ -18,6 +19,8 @@ def _tracking_text(found: TrackingResult, unit: str) -> str:
     f, count = found.measures, found.loop.count
     if f is None:
         return f"{found.controller} along {found.reference.name}: ended before anything could be measured."
+    if found.velocity is not None:
+        return _velocity_text(found, found.velocity, unit)
     after = f", from {found.skip_s:g} s on" if found.skip_s else ""
     lines = [
         f"{found.controller} along {found.reference.name}: error {f.rms:.3g} {unit} rms ({f.rms / count:.2f} counts), "
@@ -31,6 +34,24 @@ def _tracking_text(found: TrackingResult, unit: str) -> str:
         for k, (settled, over) in enumerate(zip(f.settle_s, f.overshoot), start=1)
     ]
     return "\n".join(lines)
+
+
+def _velocity_text(found: TrackingResult, velocity: VelocityResult, unit: str) -> str:
+    f, off = found.measures, float(found.loop.position[-1] - found.loop.wanted[-1])
+    spent = f"; {f.energy_J:.0f} J, peak {f.peak_K:.0f} K above ambient" if f else ""
+    clipped = (
+        "" if velocity.clipped_share is None else f", {velocity.clipped_share:.0%} of the samples clipped"
+    )
+    broken = ", ".join(h.name for h in velocity.failing)
+    return "\n".join(
+        [
+            f"{found.controller} along {found.reference.name}: {velocity_verdict(velocity)}",
+            f"Unfiltered velocity: {number(velocity.raw_ratio)}{clipped}; δ = {number(velocity.delta)}, γ = "
+            f"{number(velocity.gamma)} {velocity.gain_unit}, u_o = {number(velocity.offset_K)} K{spent}.",
+            *([f"Hypotheses of Thm 8.2 that this loop does not keep: {broken}."] if broken else []),
+            f"The position is not fed back: at the end {offset_text(off, unit, found.loop.count)} from its path.",
+        ]
+    )
 
 
 def _regulation_text(found: RegulationResult, unit: str) -> str:

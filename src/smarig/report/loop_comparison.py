@@ -11,6 +11,7 @@ import numpy as np
 
 from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
 from smarig.record import Run
+from smarig.report.certificate_page import with_subscripts
 from smarig.report.closed_loop_text import zero_below_resolution
 from smarig.report.html import Html, joined, notice, paragraph, table, tag
 from smarig.report.loop_comparison_figures import (
@@ -31,6 +32,7 @@ from smarig.report.page import Section
 from smarig.report.regulation_plane_figure import B_ELL
 from smarig.report.run_comparison_figures import coloured_name
 from smarig.report.run_description import display_unit
+from smarig.report.velocity_result import RATIO
 
 _MISSING = "–"
 
@@ -72,7 +74,7 @@ def _tracking_parts(loops: Sequence[ComparedTracking]) -> list[Any]:
 
 def _tracking_table(loops: Sequence[ComparedTracking]) -> Html:
     unit, held = display_unit(loops[0].run.unit), loops[0].result.reference.held
-    header = [
+    header: list[Any] = [
         "Run",
         "Controller",
         f"Error, rms ({unit})",
@@ -82,6 +84,9 @@ def _tracking_table(loops: Sequence[ComparedTracking]) -> Html:
     ]
     if held:
         header += ["Steps settled", "Settled after (s), median", "Overshoot (counts), largest"]
+    fed_back = any(each.result.velocity for each in loops)
+    if fed_back:
+        header += [with_subscripts(f"Velocity, {RATIO}"), with_subscripts("k_e (Thm 8.2)")]
     header += ["Energy (J)", "Peak temperature (K)"]
     skip_s = max(each.result.skip_s for each in loops)
     words = "Errors are those of readings, encoder noise included; temperatures are predicted, above ambient."
@@ -89,14 +94,17 @@ def _tracking_table(loops: Sequence[ComparedTracking]) -> Html:
         words += f" Errors from {skip_s:g} s on: the way to the first point is no tracking."
     if held:
         words += f" Settled: within {SETTLING_BAND_COUNTS:g} counts and 5 s there; the median is over the steps that settled."
-    return table(header, [_tracking_row(each, held=held) for each in loops], words, stacked=True)
+    if fed_back:
+        words += " Velocity feedback does not follow the position."
+    rows = [_tracking_row(each, held=held, fed_back=fed_back) for each in loops]
+    return table(header, rows, words, stacked=True)
 
 
-def _tracking_row(each: ComparedTracking, *, held: bool) -> tuple[Any, ...]:
-    f, count = each.result.measures, each.count
+def _tracking_row(each: ComparedTracking, *, held: bool, fed_back: bool) -> tuple[Any, ...]:
+    f, count, velocity = each.result.measures, each.count, each.result.velocity
     start = (coloured_name(each.k, each.name), each.result.controller)
     if f is None:
-        return (*start, *[_MISSING] * (9 if held else 6))
+        return (*start, *[_MISSING] * (6 + 3 * held + 2 * fed_back))
     errors = (number(f.rms), number(f.rms / count), number(f.largest), number(f.largest / count))
     steps: tuple[str, ...] = ()
     if held:
@@ -104,7 +112,10 @@ def _tracking_row(each: ComparedTracking, *, held: bool) -> tuple[Any, ...]:
         median = number(float(np.median(settled))) if settled else "never"
         over = number(max(f.overshoot) / count) if f.overshoot else _MISSING
         steps = (f"{len(settled)} of {len(f.settle_s)}", median, over)
-    return (*start, *errors, *steps, number(f.energy_J), number(f.peak_K))
+    ratios: tuple[str, ...] = ()
+    if fed_back:
+        ratios = (number(velocity.ratio), number(velocity.k_e)) if velocity else (_MISSING, _MISSING)
+    return (*start, *errors, *steps, *ratios, number(f.energy_J), number(f.peak_K))
 
 
 def _lead_time_note(loops: Sequence[ComparedTracking]) -> list[Html]:

@@ -17,11 +17,13 @@ from smarig.control.regulation.regulation_protocol import DISTURBED, MARK, OPENE
 from smarig.control.tracking.reference import Reference
 from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
 from smarig.control.tracking.tracking_protocol import CLOSED as TRACKED
+from smarig.control.velocity.velocity_protocol import MEASURED, STARTED
 from smarig.core.errors import SmarigError
 from smarig.plant.actuator import Actuator
 from smarig.record import Event, Run
 from smarig.report.hold_end import HoldEnd, hold_end
 from smarig.report.run_description import count_size
+from smarig.report.velocity_result import VelocityResult
 
 Array = NDArray[np.float64]
 SKIP_S = 20.0  # the way to the first point of a moving reference is no tracking
@@ -46,13 +48,17 @@ class LoopSegment:
 
 @dataclass(frozen=True, eq=False)
 class TrackingResult:
-    """A run along a reference; ``measures`` is None for one that ended before there were any."""
+    """A run along a reference; ``measures`` is None for one that ended before there were any.
+
+    ``velocity`` is what the loop did by Thm 8.2 where it fed back the velocity, None where it fed back the position.
+    """
 
     controller: str
     reference: Reference
     skip_s: float
     loop: LoopSegment
     measures: TrackingPerformance | None
+    velocity: VelocityResult | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Figures in the rig's unit, and errors in counts besides."""
@@ -61,6 +67,8 @@ class TrackingResult:
             "reference": self.reference.name,
             "skip_s": self.skip_s,
         }
+        if self.velocity is not None:
+            plain["velocity"] = self.velocity.to_json()
         if self.measures is None:
             return plain
         count = self.loop.count
@@ -146,7 +154,10 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
         measures = tracking_performance(
             reference, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s
         )
-    return TrackingResult(str(mark.data.get("controller") or "unnamed"), reference, skip_s, loop, measures)
+    name = str(mark.data.get("controller") or "unnamed")
+    measured = _mark(run, MEASURED) or _mark(run, STARTED)
+    velocity = VelocityResult.of(measured.data) if measured else None
+    return TrackingResult(name, reference, skip_s, loop, measures, velocity)
 
 
 def _lead_time_s(setting: Any) -> float:

@@ -1,20 +1,17 @@
-"""Velocity feedback (thesis §8.2): controllers from velocity error to input, the loop, and what Thm 8.2 says of it."""
+"""Velocity feedback (thesis §8.2): δ and γ of controllers, the loop on the operator, and what Thm 8.2 says of it."""
 
 from smarig.certify.velocity.passivity_indices import inequalities, violating_signal
-from smarig.certify.velocity.rig_loop import RigLoopResult, velocity_feedback
 from smarig.certify.velocity.sampled_loop import VelocityLoop, velocity_loop
 from smarig.certify.velocity.stability import Stability, k_e, stability
 from smarig.control.velocity.velocity_controller import VelocityController
 
 __all__ = [
-    "RigLoopResult",
     "Stability",
     "VelocityController",
     "VelocityLoop",
     "inequalities",
     "k_e",
     "stability",
-    "velocity_feedback",
     "velocity_loop",
     "violating_signal",
 ]

@@ -58,7 +58,7 @@ Examples:
   smarig list protocols
   smarig list protocols ./my_protocol.py --settings
 """
-_CONTROLLER_PACKAGES = {"track": TRACKING, "certify": VELOCITY}  # the command that takes them
+_CONTROLLER_PACKAGES = {"track": TRACKING, "track, certify": VELOCITY}  # the commands that take them
 _SETPOINT_PI_NAME = "pi (regulate)"  # there is another pi, which tracks
 _LISTINGS = {
     "effects": _effects,

@@ -6,7 +6,7 @@ import click
 
 from smarig.cli.closed_loop_run import run_closed_loop
 from smarig.cli.output import json_option
-from smarig.cli.parameter_types import CONTROLLER, FILE
+from smarig.cli.parameter_types import CONTROLLER, FILE, FiniteNumber
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, run_options
 from smarig.protocols._settings import parse_pairs
@@ -20,6 +20,8 @@ Examples:
       --controller pi --controller-set gain_share=10 --rig one_wire_twin -o pi.run.sqlite
   smarig track wire.model.json --reference wanted.csv --rig one_wire_serial -o wanted.run.sqlite
   smarig track wire.model.json --reference ramps --controller ./mine.py --rig one_wire_twin -o mine.run.sqlite
+  smarig track wire.model.json --reference multisine --controller leaky_pi --controller-set gain=300 \\
+      --rig one_wire_twin -o velocity.run.sqlite
 """
 
 
@@ -44,7 +46,7 @@ Examples:
     type=CONTROLLER,
     default="inverse",
     show_default=True,
-    help="A name ('smarig list controllers'), or your own file, ./NAME.py.",
+    help="A name ('smarig list controllers'), or your own file, ./NAME.py. Of the position or the velocity.",
 )
 @click.option(
     "--controller-set",
@@ -52,6 +54,12 @@ Examples:
     multiple=True,
     metavar="KEY=VALUE",
     help="A number of the controller ('smarig list controllers --settings'); repeatable.",
+)
+@click.option(
+    "--offset-K",
+    "offset_K",
+    type=FiniteNumber(),
+    help="u_o of a velocity controller, K, added to its output (thesis §8.2).",
 )
 @run_options
 @json_option
@@ -62,17 +70,23 @@ def command(
     pairs: tuple[str, ...],
     controller: str,
     numbers: tuple[str, ...],
+    offset_K: float | None,
     options: RunOptions,
 ) -> None:
     """Initialise the wire, close a loop, follow a reference, let go; record it, and say how well it went.
 
     Positions are in the rig's unit from where initialisation zeroes the encoder. Limits, trips and lease hold as in any
-    run, and a loop that diverges ends at zero current with status 3. The model's effects are in the feed-forward.
+    run, and a loop of the position that diverges ends at zero current with status 3. The model's effects are in the
+    feed-forward.
+
+    A velocity controller (constant_gain, lead_lag, leaky_pi, saturating_gain, scheduled_gain; thesis §8.2) follows the
+    reference's velocity and not its position. Its k_e (Thm 8.2) is held against the measured ratio
+    ‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖), with every hypothesis that this rig keeps or breaks.
     """
     from smarig.app.closed_loop import ModelSource, tracking
     from smarig.config import load_rig
 
     source = ModelSource.of(model)
-    chosen = (parse_pairs(pairs), controller, parse_pairs(numbers))
+    chosen = (parse_pairs(pairs), controller, parse_pairs(numbers), offset_K)
     loop = tracking(source, load_rig(options.rig), reference, *chosen)
     run_closed_loop(loop, options, out, model, Path(reference))

@@ -1,0 +1,236 @@
+"""Velocity feedback on a rig (Fig. 8.2): a controller of the velocity error as a protocol, and what it measures.
+
+    e_k = ṙ_k − v_{k−1},   ũ_k = H₁e,   u_k = ũ_k + u_o,   i_k = sgn(u_k) √(|u_k| hA/R), within the limits
+
+The current follows from u by the steady law (5.3). v is the velocity of the readings: one difference of positions per
+tick through a first-order filter. The current of a tick is decided from the samples before it, so Thm 8.2's algebra
+does not hold here; what of it is left is measured.
+"""
+
+import math
+from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.control.argument_checks import not_negative
+from smarig.control.current_limits import limited_current, ramp_to_zero
+from smarig.control.tracking.reference import Reference
+from smarig.control.tracking.tracking_protocol import CLOSED, OPENED
+from smarig.control.velocity.velocity_controller import VelocityController
+from smarig.core.command import Command, Drive, Mark, Protocol
+from smarig.core.errors import UsageError
+from smarig.core.sample import Sample
+from smarig.protocols._setup import Setup
+from smarig.protocols.initialise import initialise as initialise_wire
+
+Array = NDArray[np.float64]
+# What is known of Thm 8.2 for this loop, for the record; of the share of clipped samples, None before it is measured.
+Assessment = Callable[[float | None], Mapping[str, Any]]
+
+STARTED, MEASURED = "velocity_feedback", "velocity_feedback_outcome"  # labels of the marks
+FILTER_TICKS = 10  # time constant of the velocity filter, unless it is given
+LEAD_IN_S = 20.0  # from the encoder's zero to the first position of a reference
+ROUNDING_K = 1e-9  # between a temperature asked for and that of the current which makes it
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityMeasurement:
+    """What a loop on a rig did, (n,) each: ``rate`` ṙ, ``offset`` u_o, ``velocity`` as filtered, ``commanded_K`` u,
+    ``applied_K`` the temperature the current stands for, ``position``, ``current_A``.
+    """
+
+    controller: VelocityController
+    dt_s: float
+    rate: Array
+    offset: Array
+    velocity: Array
+    commanded_K: Array
+    applied_K: Array
+    position: Array
+    current_A: Array
+
+    @property
+    def ratio(self) -> float:
+        """‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖) over the run, v the filtered velocity; NaN when nothing drove the loop."""
+        return self._ratio(self.velocity)
+
+    @property
+    def raw_ratio(self) -> float:
+        """The same with v the plain differences of positions: encoder noise and quantum included."""
+        return self._ratio(np.diff(self.position, prepend=self.position[0]) / self.dt_s)
+
+    @property
+    def rest_ratio(self) -> float:
+        """What a wire that stands still would have: ‖ṙ‖/(‖ṙ‖ + ‖u_o‖), 1 without an offset."""
+        return self._ratio(np.zeros_like(self.velocity))
+
+    @property
+    def bound_share(self) -> float:
+        """‖ṙ − v‖ as a share of [(γ + δ)‖ṙ‖ + ‖u_o‖]/δ, Thm 8.2's bound from rest in any units; NaN like ``ratio``."""
+        delta, gamma = self.controller.delta, self.controller.gamma
+        bound = ((gamma + delta) * np.linalg.norm(self.rate) + np.linalg.norm(self.offset)) / delta
+        return float(np.linalg.norm(self.rate - self.velocity) / bound) if bound else math.nan
+
+    @property
+    def clipped_share(self) -> float:
+        """Share of samples at which the limits gave another input than was asked for."""
+        return float(np.mean(np.abs(self.commanded_K - self.applied_K) > ROUNDING_K))
+
+    def _ratio(self, velocity: Array) -> float:
+        drive_norm = np.linalg.norm(self.rate) + np.linalg.norm(self.offset)
+        return float(np.linalg.norm(self.rate - velocity) / drive_norm) if drive_norm else math.nan
+
+    def data(self) -> dict[str, Any]:
+        """For a mark in the record: plain values."""
+        return {
+            "ratio": _finite_or_none(self.ratio),
+            "raw_ratio": _finite_or_none(self.raw_ratio),
+            "rest_ratio": _finite_or_none(self.rest_ratio),
+            "bound_share": _finite_or_none(self.bound_share),
+            "clipped_share": self.clipped_share,
+        }
+
+
+def _finite_or_none(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+class VelocityFilter:
+    """v_k = v_{k−1} + c ((y_k − y_{k−1})/dt − v_{k−1}), c = dt/(dt + filter_s), from v = 0.
+
+    >>> velocity = VelocityFilter(0.1, 0.1)
+    >>> [round(velocity.after(position), 3) for position in (0.0, 1.0, 2.0)]
+    [0.0, 5.0, 7.5]
+    """
+
+    def __init__(self, dt_s: float, filter_s: float) -> None:
+        self._dt_s, self._share = dt_s, dt_s / (dt_s + filter_s)
+        self._velocity, self._position = 0.0, math.nan
+
+    def after(self, position: float) -> float:
+        """The velocity once a position was read; the first one has no difference yet."""
+        moved = 0.0 if math.isnan(self._position) else position - self._position
+        self._velocity += self._share * (moved / self._dt_s - self._velocity)
+        self._position = position
+        return self._velocity
+
+
+def with_lead_in(reference: Reference, seconds: float = LEAD_IN_S) -> Reference:
+    """The same, led there in a straight line from zero, where the encoder is when the loop is closed.
+
+    >>> with_lead_in(Reference("r", (0.0, 10.0), (3.0, 4.0))).t_s
+    (0.0, 20.0, 30.0)
+    """
+    if reference.position[0] == 0:
+        return reference
+    t_s, position = (seconds + t for t in reference.t_s), reference.position
+    return Reference(reference.name, (0.0, *t_s), (0.0, *position), reference.held)
+
+
+def reference_rates(reference: Reference, dt_s: float) -> Array:
+    """ṙ of each tick, (n,): what the reference moves in it, over ``dt_s``."""
+    ticks = max(1, round(reference.duration_s / dt_s))
+    return np.diff([reference.at(k * dt_s) for k in range(ticks + 1)]) / dt_s
+
+
+def running_ratio(rate: Array, velocity: Array, offset: Array) -> Array:
+    """‖ṙ − v‖_T/(‖ṙ‖_T + ‖u_o‖_T) up to every sample T, (n,); NaN while nothing drives the loop."""
+    error, rates, offsets = (np.sqrt(np.cumsum(x**2)) for x in (rate - velocity, rate, offset))
+    drive_norm = rates + offsets
+    return np.divide(error, drive_norm, out=np.full_like(error, math.nan), where=drive_norm > 0)
+
+
+def velocity_tracking(
+    setup: Setup,
+    controller: VelocityController,
+    reference: Reference,
+    offset_K: float = 0.0,
+    *,
+    name: str = "",
+    filter_s: float | None = None,
+    assess: Assessment | None = None,
+) -> Protocol:
+    """Initialise (§5.2.2), feed back the velocity along a reference's, and let go.
+
+    Only the reference's velocity is followed: the position is where the wire took it. ``offset_K`` is u_o, ``name``
+    the controller's in the record; further arguments are those of ``velocity_feedback``.
+    """
+    yield from initialise_wire(setup)
+    first: Sample = yield Drive(0.0)
+    yield Mark(CLOSED, {"controller": name, "start_s": first.t_s, "reference": reference.as_data()})
+    rates = reference_rates(reference, setup.period_s).tolist()
+    measured = yield from velocity_feedback(
+        setup, controller, rates, offset_K, filter_s=filter_s, assess=assess
+    )
+    yield Mark(OPENED)
+    yield from ramp_to_zero(setup, float(measured.current_A[-1]))
+
+
+def velocity_feedback(
+    setup: Setup,
+    controller: VelocityController,
+    rate: Sequence[float],
+    offset: float | Sequence[float] = 0.0,
+    *,
+    initialise: Literal["none", "planned", "thesis"] = "none",
+    filter_s: float | None = None,
+    assess: Assessment | None = None,
+) -> Generator[Command, Any, VelocityMeasurement]:
+    """Drive a rig along velocities ``rate`` (one a tick, rig unit per second), and return the ``VelocityMeasurement``.
+
+    ``offset`` u_o in kelvin (one, or one a tick) makes up for what the controller does not start from: an ambient
+    that has drifted since the identification, or a temperature other than zero at the start. ``initialise``
+    brings the wire to its initial state first (u(0) = 0, §5.2.2). ``filter_s`` is the time constant of the
+    velocity filter, by default ten ticks. What ``assess`` says stands in the marks at the beginning and at the end.
+    Yields Drive commands and wants Samples in answer. UsageError for rates and offsets that are none.
+    """
+    rates = [float(r) for r in rate]
+    constant = isinstance(offset, int | float)
+    offsets = [float(offset)] * len(rates) if isinstance(offset, int | float) else [float(o) for o in offset]
+    if not rates or len(rates) != len(offsets) or not np.isfinite([*rates, *offsets]).all():
+        raise UsageError("Velocity feedback needs a finite rate for every tick, and one offset or as many.")
+    filter_s = not_negative("filter_s", FILTER_TICKS * setup.period_s if filter_s is None else filter_s)
+    if initialise != "none":
+        yield from initialise_wire(setup, method=initialise)
+    known = {
+        "delta": controller.delta,
+        "gamma": controller.gamma,
+        "offset_K": offsets[0] if constant else None,
+        "filter_s": filter_s,
+    }
+    yield Mark(STARTED, known | (dict(assess(None)) if assess else {}))
+    signals = yield from _drive(setup, controller, rates, offsets, VelocityFilter(setup.period_s, filter_s))
+    measured = VelocityMeasurement(controller, setup.period_s, np.array(rates), np.array(offsets), *signals)
+    assessed = dict(assess(measured.clipped_share)) if assess else {}
+    yield Mark(MEASURED, known | measured.data() | assessed)
+    return measured
+
+
+def _drive(
+    setup: Setup,
+    controller: VelocityController,
+    rates: list[float],
+    offsets: list[float],
+    velocity_filter: VelocityFilter,
+) -> Generator[Command, Any, Array]:
+    """Velocities, inputs asked for and given, positions and currents, shape (5, n)."""
+    running, signals = controller.start(setup.period_s), np.empty((5, len(rates)))
+    velocity, current_A = 0.0, 0.0
+    for k, (rate, offset) in enumerate(zip(rates, offsets, strict=True)):
+        error = rate - velocity
+        commanded_K = running.output(error) + offset
+        running.advance(error)
+        current_A = limited_current(setup, setup.current_for(commanded_K), current_A)
+        sample: Sample = yield Drive(current_A)
+        velocity = velocity_filter.after(sample.position)
+        signals[:, k] = (
+            velocity,
+            commanded_K,
+            setup.actuator.input_for(current_A),
+            sample.position,
+            current_A,
+        )
+    return signals
