@@ -16,7 +16,7 @@ from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import from_pairs
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.record import load_run
-from smarig.replay.model_file import SignalDescription
+from smarig.replay.model_file import SignalDescription, load_model
 from smarig.report.loop_result import closed_loop
 from smarig.runner.run_control import RunControl
 
@@ -148,6 +148,54 @@ def test_from_a_notebook(one, tmp_path):
         smarig.regulate(one, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", start="diagnal")
 
 
+def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
+    from smarig.report.run_page import run_page
+
+    out_file = tmp_path / "v.run.sqlite"
+    words = (*LEAKY, "--controller-set", "gain=50", "--offset-K", 30, "-o", out_file)
+    status, out, _ = call(capsys, "track", one, *RAMPS, *words, *ON, "--json")
+    found, run = json.loads(out)["track"]["velocity"], load_run(out_file)
+    assert status == 0
+    assert (found["delta"], found["gamma"], found["k_e"]) == (50.0, 350.0, 8.0)
+    assert (found["offset_K"], found["lead_in_s"], found["coverage"]) == (30.0, 20.0, "covered")
+    assert 0 < found["ratio"] < found["rest_ratio"] < found["k_e"]
+    assert found["ratio"] < found["raw_ratio"], "noise and quantum are in the unfiltered velocity"
+    broken = [h["name"] for h in found["hypotheses"] if h["holds"] is False]
+    assert set(broken) - {"input as asked for"} == {"no delay", "velocity as it is"}
+    assert ("input as asked for" in broken) == (found["clipped_share"] > 0)
+    page = run_page(run, certified=(load_model(one), one.name, ""))
+    for words in ("Measured ratio", "of the operator, not of this rig", "velocity as it is", "350"):
+        assert words in page
+    assert page.count("<td>leaky_pi</td>") + page.count(">leaky_pi</th>") == 1, (
+        "its certificate, and no other's"
+    )
+    assert "constant_gain" not in page
+    assert "which was not run" not in page
+
+
+def test_a_velocity_loop_is_read_again_from_its_samples(one, tmp_path):
+    """The ratio of the record is the last point of the one that is drawn."""
+    import smarig
+    from smarig.report.velocity_result import VelocitySignals
+
+    out_file = tmp_path / "v.run.sqlite"
+    path = {"seconds": 20.0, "low": 2.0, "high": 8.0}
+    run = smarig.track(
+        one,
+        "ramps",
+        rig="one_wire_twin",
+        out=out_file,
+        controller="constant_gain",
+        numbers={"gain": 1000},
+        **path,
+    )
+    found = closed_loop(run)
+    signals = VelocitySignals.of(found.reference, found.loop.t_s, found.loop.position, found.velocity)
+    assert signals.ratio[-1] == pytest.approx(found.velocity.ratio, rel=1e-6)
+    assert np.abs(np.diff(signals.rate)).max() > 0.01, "it turns"
+    assert found.velocity.rest_ratio == pytest.approx(1.0)
+
+
 def test_a_file_gives_the_reference(capsys, one, tmp_path):
     wanted = tmp_path / "wanted.csv"
     wanted.write_text("time_s,position_mm\n0,3\n10,6\n", encoding="utf-8")
@@ -216,6 +264,8 @@ def test_a_loop_that_diverges_ends_at_zero_with_status_3(capsys, one, tmp_path, 
 IMPATIENT = loop.DivergenceLimits(share=0.04, seconds=5.0)
 
 
+LEAKY = ("--controller", "leaky_pi")
+VELOCITY_STEPS = ("--reference", "steps", *LEAKY)
 MISTAKES = [
     (2, ["certify", "nowhere.json"], "nowhere.json"),
     (2, ["certify", "ONE", "--controller", "leaky"], "did you mean leaky_pi"),
@@ -232,6 +282,13 @@ MISTAKES = [
     (2, ["run", "regulate", "-o", "x", *ON], "'smarig regulate MODEL …'"),
     (2, ["check", "one_wire_twin", "--protocol", "regulate"], "'smarig regulate MODEL …'"),
     (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),
+    (2, ["track", "ONE", *RAMPS, "--controller", "leaky_p", "-o", "x", *ON], "did you mean leaky_pi"),
+    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "that of steps is infinite where they jump"),
+    (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "500", "-o", "x", *ON], "whole range, 174.1 K"),
+    (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "nan", "-o", "x", *ON], "not a finite number"),
+    (2, ["track", "ONE", *RAMPS, "--offset-K", "5", "-o", "x", *ON], "'inverse' feeds back the position"),
+    (2, ["track", "ONE", *RAMPS, *LEAKY, "--controller-set", "gane=1", "-o", "x", *ON], "did you mean gain"),
+    (2, ["track", "ONE", "--reference", "STILL", *LEAKY, "-o", "x", *ON], "nothing drives a loop"),
     (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "speaks in deg"),
     (2, ["track", "ONE", "--reference", "stepps", "-o", "x", *ON], "did you mean steps"),
     (2, ["track", "ONE", "--reference", "nowhere.csv", "-o", "x", *ON], "nowhere.csv"),
@@ -274,7 +331,9 @@ def test_a_mistake_gets_one_sentence_and_leaves_nothing(capsys, tmp_path, monkey
         "ONE": model_file(tmp_path, "one_e").name,
         "DEGREES": in_degrees(tmp_path).name,
         "BROKEN": "broken.json",
+        "STILL": "still.csv",
     }
+    (tmp_path / "still.csv").write_text("time_s,position_mm\n0,0\n10,0\n", encoding="utf-8")
     (tmp_path / "broken.json").write_text("{}", encoding="utf-8")
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
     got, _, err = call(capsys, *(files.get(word, word) for word in words))
@@ -297,7 +356,7 @@ def test_controllers_are_listed_with_their_numbers(capsys):
     found = json.loads(out)
     assert status == 0
     assert found["controllers"]["inverse"].startswith("track: ")
-    assert found["controllers"]["leaky_pi"].startswith("certify: ")
+    assert found["controllers"]["leaky_pi"].startswith("track, certify: ")
     assert found["controllers"]["pi (regulate)"].startswith("regulate: ")
     assert found["settings"]["pi (regulate)"] == {"gain": None, "band": 0.0}
     assert set(found["settings"]) == set(found["controllers"])
