@@ -15,60 +15,35 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy
 import argparse
-import json
-import lzma
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
-from fnmatch import fnmatch
+from collections.abc import Iterator
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from frozen import boxes, others, rigs  # noqa: E402
-from frozen.asking import Answer, private, tidy  # noqa: E402
-from frozen.comparing import differences  # noqa: E402
-
-KEPT = HERE / "answers.json.xz"
-SLOW = ("box/[1-4]?/diagnose", "box/[1-4]?/best", "data/loops/diagnose")  # twice as long as all else together
+from frozen.answers import KEPT, SLOW, Questions, load, save, wanted
+from frozen.asking import Answer
+from frozen.comparing import differences
 
 
-def wanted(names: Iterable[str], globs: list[str], everything: bool) -> list[str]:
-    """The names that are asked for: those of the globs, or all but the slowest."""
-    if globs:
-        return [name for name in names if any(fnmatch(name, glob) for glob in globs)]
-    return [name for name in names if everything or not any(fnmatch(name, glob) for glob in SLOW)]
-
-
-def computed(globs: list[str], everything: bool = False) -> Iterator[tuple[str, Answer]]:
-    """Name and answer of each question asked, one after the other."""
+def computed(globs: list[str], everything: bool) -> Iterator[tuple[str, Answer]]:
+    """Name and answer of each question asked, one after the other; the time each took on stderr."""
     with tempfile.TemporaryDirectory() as folder:
-        work = Path(folder).resolve()
-        questions = rigs.questions(work) | others.questions(work) | boxes.questions(work)
-        for number, name in enumerate(wanted(questions, globs, everything)):
-            with private(work / f"private/{number}"):
-                answer = questions[name]()
-            yield name, json.loads(json.dumps(tidy(answer, work)))
-
-
-def load(path: Path = KEPT) -> dict[str, Answer]:
-    """Answers by name."""
-    return json.loads(lzma.decompress(path.read_bytes()))
-
-
-def save(answers: dict[str, Answer], path: Path) -> None:
-    """Compact, keys sorted; numbers as they are, to the last bit."""
-    text = json.dumps(answers, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    path.write_bytes(lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME))
+        questions = Questions(Path(folder))
+        for name in wanted(questions.names, globs, everything):
+            before = time.process_time()
+            answer = questions.answer(name)
+            print(f"{name}: {time.process_time() - before:.1f} s", file=sys.stderr, flush=True)
+            yield name, answer
 
 
 def make(out: Path, globs: list[str], everything: bool, add: bool) -> int:
     """Compute and write; ``add`` keeps what else the file holds."""
     answers = load(out) if add and out.is_file() else {}
     try:
-        for name, answer in _told(computed(globs, everything)):
+        for name, answer in computed(globs, everything):
             answers[name] = answer
     finally:  # what is computed is kept
         save(answers, out)
@@ -79,13 +54,9 @@ def make(out: Path, globs: list[str], everything: bool, add: bool) -> int:
 def compare(kept: Path, globs: list[str], everything: bool, exact: bool) -> int:
     """Compute again and print every difference; 1 where there is one."""
     before, asked, found = load(kept), [], 0
-    for name, answer in _told(computed(globs, everything)):
+    for name, answer in computed(globs, everything):
         asked.append(name)
-        for line in (
-            [f"{name}: not kept"]
-            if name not in before
-            else differences(before[name], answer, name, exact=exact)
-        ):
+        for line in differences(before.get(name), answer, name, exact=exact):
             found += 1
             print(line, flush=True)
     missing = [name for name in wanted(before, globs, everything) if name not in asked]
@@ -93,16 +64,6 @@ def compare(kept: Path, globs: list[str], everything: bool, exact: bool) -> int:
         f"{len(asked)} answers compared, {found} differences; {len(missing)} kept ones not asked {missing[:3]}"
     )
     return int(found > 0 or not asked)
-
-
-def _told(answers: Iterable[tuple[str, Answer]]) -> Iterator[tuple[str, Answer]]:
-    """The same, with the time each took on stderr."""
-    before = time.process_time()
-    for name, answer in answers:
-        now = time.process_time()
-        print(f"{name}: {now - before:.1f} s", file=sys.stderr, flush=True)
-        before = now
-        yield name, answer
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import cached_property
 from pathlib import Path
 
-from frozen.asking import Answer, ask, digest, model, must, table
+from frozen.asking import Answer, ask, digest, model, must, private, table
 
 TWINS = ("one_wire", "two_wire")
 BENCHES = ("one_wire_serial", "one_wire_modbus_tcp", "one_wire_modbus_rtu", "two_wire_serial")
@@ -130,6 +130,7 @@ class Loops:
     @cached_property
     def _model(self) -> Path:
         curves, kept = self._folder / "curves.run.sqlite", self._folder / "wire.model.json"
-        must("run", "first_order_descending", "--rig", f"{self._twin}_twin", "-o", curves, "--force")
+        with private(self._folder / "before"):  # else the next wire has a past, or none, by who asks first
+            must("run", "first_order_descending", "--rig", f"{self._twin}_twin", "-o", curves, "--force")
         must("identify", curves, "--surface", "exponential", "-o", kept, "--force")
         return kept
