@@ -131,5 +131,6 @@ def _model_file() -> str:
 
 def _kinds() -> list[tuple[str, str]]:
     return [
-        (name, f"{kind.of.__module__}.{kind.hysteresis_type.__name__}") for name, kind in hysteresis_json._JSON_KINDS.items()
+        (name, f"{kind.of.__module__}.{kind.hysteresis_type.__name__}")
+        for name, kind in hysteresis_json._JSON_KINDS.items()
     ]

@@ -199,10 +199,7 @@ def test_the_noise_of_a_mean_is_its_scatter_or_a_whole_count_without_dither(sd, 
 def test_the_predicted_error_shrinks_with_more_readings_and_is_of_the_true_size():
     truth = random_truth(2)
     few, many = (FOD_LIKE[:12], FOD_LIKE)
-    predicted = [
-        informed(ONE, seen_at(truth, inputs), Settled()).predicted_share
-        for inputs in (few, many)
-    ]
+    predicted = [informed(ONE, seen_at(truth, inputs), Settled()).predicted_share for inputs in (few, many)]
     assert predicted[1] < predicted[0] / 2
     desk = Desk(truth)
     desk.run(Hold(0.0, Settled(), target=u) for u in many)
@@ -302,10 +299,7 @@ def test_choosing_pays_against_chance_and_against_a_fixed_order():
 
 def test_it_stops_earlier_at_a_larger_target_error():
     truth = random_truth(2)
-    held = [
-        len(Desk(truth).run(adaptive_fod(ONE, informed, target_share=t)).inputs)
-        for t in (0.1, 0.02)
-    ]
+    held = [len(Desk(truth).run(adaptive_fod(ONE, informed, target_share=t)).inputs) for t in (0.1, 0.02)]
     assert 2 < held[0] < held[1] < 60
 
 

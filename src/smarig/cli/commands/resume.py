@@ -76,9 +76,7 @@ def command(
         with with_watchers(
             progress(what, session.control, quiet=quiet, keys=listening), watchers
         ) as listener:
-            plan = resume_in(
-                session, before, listeners=[listener], expected=cost, chooser=informed
-            )
+            plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed)
     after = load_run(run)
     show_message(plan.sentence())
     print_warnings(after)
