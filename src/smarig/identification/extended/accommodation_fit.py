@@ -70,6 +70,11 @@ def identify_accommodation(runs: Sequence[Run], hysteresis: Everett) -> Accommod
     least = squares(best)
     noise = least / freedom
     d = drift(best)
+    if not (noise > 0 and float(d @ d) > 0):
+        raise DataError(
+            "The memory states that the record repeats cannot drift (saturations, say), or repeat without any noise; "
+            "accommodation needs a minor loop driven several times between the same inputs."
+        )
     gradient = (drift(best + 1e-3) - drift(best - 1e-3)) / 2e-3
     amount = float(d @ y) / float(d @ d)
     # The amount's error includes that of l: the part of D outside ∂D/∂log l.
