@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import smarig
-from identification.extended.test_fits import AGAIN, COARSE, first_order, record, second_order
+from identification.extended.test_fits import AGAIN, COARSE, LEVELS, first_order, record, second_order
 from smarig.cli.commands.identify import EXTENSIONS
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.extended.choose_extension import extension_names
@@ -74,7 +74,7 @@ def test_accommodation_is_identified_by_its_name():
     def wire(u):
         return truths.accommodating(u, 0.6, 0.4, m=9)
 
-    result = identify(runs(wire, [FIRST, AGAIN, AGAIN]), "table", extension="accommodating")
+    result = identify(runs(wire, [first_order(LEVELS), AGAIN, AGAIN]), "table", extension="accommodating")
     low, high = result.extension.fits["accommodating"].parameters["amount"].ci95
     assert low < 0.6 < high
     held_out = result.extension.to_json()["fits"]["accommodating"]["held_out"]
