@@ -70,16 +70,19 @@ def test_of_a_classical_wire_no_extension_is_chosen_and_the_file_says_nothing_of
     assert "extension" not in result.model.save(tmp_path / "m.model.json").read_text()
 
 
-def test_accommodation_is_identified_by_its_name():
+def test_accommodation_is_found_and_the_runs_left_out_say_what_the_drift_in_the_first_order_curves_costs():
     def wire(u):
         return truths.accommodating(u, 0.6, 0.4, m=9)
 
     result = identify(runs(wire, [first_order(LEVELS), AGAIN, AGAIN]), "table", extension="accommodating")
-    low, high = result.extension.fits["accommodating"].parameters["amount"].ci95
-    assert low < 0.6 < high
+    fit = result.extension.fits["accommodating"]
+    assert fit.p_value < 1e-6
+    assert 0.4 < fit.parameters["amount"].value < 0.9
     held_out = result.extension.to_json()["fits"]["accommodating"]["held_out"]
-    assert held_out["runs"] == 2
-    assert held_out["gain_ci95"][0] > 0.5
+    assert (held_out["runs"], held_out["points"]) == (2, 108)
+    assert held_out["extended"] > held_out["classical"], (
+        "the table has the drift of its own curves in it already"
+    )
 
 
 def test_what_the_runs_do_not_hold_is_said():
