@@ -61,7 +61,7 @@ def following(name, rig):
 
 
 def velocity_following(name, rig):
-    """A velocity controller along 10 s up and down, from where the wire is; what is proved is computed before the run."""
+    """A velocity controller along 10 s up and down from where the wire is; what is proved is computed beforehand."""
     setup = Setup.of(rig)
     model = model_of("two_e" if setup.two_wire else "one_e")
     (proved,) = certificate(model.hysteresis, {name: {}}).controllers
