@@ -1,7 +1,4 @@
-"""A model as a value and as a file: ``*.model.json``, readable by eye, versioned, checked on load.
-
-Knows what a model consists of and where it came from. Refuses to know how it was identified.
-"""
+"""A model as a value and as a file: ``*.model.json``, readable by eye, versioned, checked on load."""
 
 import json
 import re
