@@ -43,7 +43,7 @@ def critique_of(monkeypatch):
         )
 
     replacements = {
-        "retold": lambda timeline, plant_model: prediction,
+        "predict": lambda timeline, plant_model: prediction,
         "sensitivities": lambda hysteresis, states: [],
         "generic": lambda *args: [],
         "refit": refit,

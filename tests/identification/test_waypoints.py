@@ -65,7 +65,7 @@ def test_steps_have_no_turns_between_them():
 
 
 @pytest.mark.parametrize(
-    ("passed", "before", "after", "found"),
+    ("traversed", "before", "after", "found"),
     [
         ([1.0, 30.0, 43.0], 0.0, 43.0, []),
         ([10.0, 80.0, 20.0, 70.0, 40.0], 0.0, 43.0, [80.0, 20.0, 70.0, 40.0]),

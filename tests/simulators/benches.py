@@ -45,7 +45,7 @@ class Bench:
         """As over a line of text; None for silence."""
         request = lines.request(exchange)[:-1]
         self.world.exchanges[name] += 1
-        self.pace.asked(name, request)
+        self.pace.before_answer(name, request)
         reply = self.world.answer(name, request)
         return None if reply is None else lines.find(exchange, reply)
 

@@ -6,7 +6,7 @@ import tty
 from benches import Bench
 
 from simulators.faults import Delayed
-from simulators.line import Line
+from simulators.line import DeviceLine
 from simulators.line_troubles import LineFaults
 from simulators.lines import TextFraming
 from simulators.server import Server
@@ -21,7 +21,7 @@ class Once(Bench):
     def __init__(self, now_s: float) -> None:
         super().__init__()
         self.port = Pty()
-        line = Line("amplifier", self.port, TextFraming(), self.world, LineFaults([]))
+        line = DeviceLine("amplifier", self.port, TextFraming(), self.world, LineFaults([]))
         self._reading, self._writing = os.pipe()
         self.server = Server(self.world, [line], self.pace, self._reading, 0.0, clock=lambda: now_s)
 
@@ -47,7 +47,7 @@ def test_devices_that_were_kept_waiting_do_not_take_their_host_for_gone():
     """Both processes stood still for a minute; the host's request lies there."""
     bench = Once(now_s=160.0)
     bench.armed(300_000)
-    bench.pace.heard(100.0)
+    bench.pace.host_active(100.0)
     host = os.open(bench.port.url, os.O_RDWR | os.O_NOCTTY)
     tty.setraw(host)
     os.write(host, lines.request(Exchange(8, 1)))
@@ -74,7 +74,7 @@ class Kept:
 def test_a_late_reply_keeps_back_those_after_it_and_no_others():
     bench, port = Bench(), Kept()
     second = Delayed(kind="delayed", device="amplifier", delay_s=0.3, from_exchange=2, to_exchange=3)
-    line = Line("amplifier", port, TextFraming(), bench.world, LineFaults([second]))
+    line = DeviceLine("amplifier", port, TextFraming(), bench.world, LineFaults([second]))
     for now_s, reply in ((10.0, b"1"), (10.1, b"2"), (10.2, b"3")):
         bench.world.exchanges["amplifier"] += 1
         line.send(1, reply, now_s)

@@ -17,7 +17,7 @@ from smarig.core.atomic_file import atomic_file
 from smarig.core.catalogue import names
 from smarig.core.errors import UsageError
 
-_TEMPLATES = Path(__file__).parent / "starting_points"
+_TEMPLATES = Path(__file__).parents[1] / "starting_points"
 _PACKAGES = {
     "protocol": "smarig.protocols",
     "controller": "smarig.control.tracking.controllers",
