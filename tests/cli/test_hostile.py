@@ -96,7 +96,7 @@ def test_a_run_being_recorded_is_not_replaced(tmp_path):
     out = tmp_path / "r.run.sqlite"
     base = [sys.executable, "-m", "smarig", "run", "validation", "--rig", "one_wire_twin", "-o", str(out)]
     first = subprocess.Popen(
-        [*base, "--speed", "50"], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [*base, "--speed", "5"], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
     try:
         while first.poll() is None and not recording(out):
@@ -274,7 +274,7 @@ def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
         str(out),
     ]
     process = subprocess.Popen(
-        [*recording_one, "--speed", "50"], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+        [*recording_one, "--speed", "5"], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
     )
     try:
         while process.poll() is None and not recording(out):

@@ -15,11 +15,12 @@ import pytest
 from smarig.record import load_run
 
 CLOSE_TIMEOUT_S = 60.0
+SLOW = "5"  # × real time: a step stands on the screen for five seconds and more
 TRIPPING = """name = "tripping"
 base = "one_wire_serial"
 wire = "tripping"
 [simulator]
-speed = 20.0
+speed = 0.0
 faults = "{faults}"
 """
 BROKEN_WIRE = '[[fault]]\nkind = "open_wire"\ndevice = "amplifier"\nfrom_s = 30\n'
@@ -78,7 +79,7 @@ def _kept(name, text):
 
 
 def test_a_run_a_pause_and_a_safe_stop(screen, tmp_path):
-    screen.run("run", "validation", "--rig", "one_wire_twin", "-o", "v.run.sqlite", "--speed", "20")
+    screen.run("run", "validation", "--rig", "one_wire_twin", "-o", "v.run.sqlite", "--speed", SLOW)
     running = screen.shows(r"● running", r"step +2 of 42 +validation +to \+23\.4 K", "to go", "real time")
     _kept("run", running)
     for part in (
@@ -122,7 +123,7 @@ def test_a_trip_stays_on_the_screen_in_words_and_in_red(screen, tmp_path):
 
 
 def test_a_narrow_and_short_terminal_without_colours(screen):
-    wish = ("run", "validation", "--rig", "two_wire_twin", "-o", "v.run.sqlite", "--speed", "20")
+    wish = ("run", "validation", "--rig", "two_wire_twin", "-o", "v.run.sqlite", "--speed", SLOW)
     screen.run(*wish, size=(60, 8), environment=("NO_COLOR=1", "COLUMNS=200"))
     text = screen.shows("running", r"step +1 of 42")
     assert max(map(len, text.splitlines())) == 60

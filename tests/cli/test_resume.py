@@ -5,6 +5,7 @@ import os
 import select
 import subprocess
 import sys
+import time
 from contextlib import suppress
 
 import pytest
@@ -15,6 +16,8 @@ from smarig.cli import run as cli
 from smarig.cli.panel.keyboard import press
 from smarig.record import load_run
 from smarig.runner.run_control import RunControl
+
+PATIENCE_S = 120.0  # ends a test that has failed
 
 
 def call(capsys, *arguments):
@@ -210,7 +213,8 @@ def _read(terminal):
 
 
 def _wait_until(terminal, condition):
-    for _ in range(1500):
+    end_s = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end_s:
         _read(terminal)
         if condition():
             return

@@ -24,7 +24,7 @@ FLAGS = (
     "--remote-allow-origins=*",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
 )
-START_S, LOOK_S = 20.0, 0.1
+START_S, LOOK_S = 60.0, 0.1
 
 
 def found() -> str:

@@ -15,7 +15,7 @@ from smarig.record import load_run
 
 pytest.importorskip("rerun_cli", reason="rerun is not installed")
 
-PATIENCE_S, LOOK_S = 20.0, 0.05
+PATIENCE_S, LOOK_S = 60.0, 0.05
 RUN = (
     "run",
     "step_currents",

@@ -7,7 +7,7 @@ from smarig.core.sample import NAN, Sample
 from smarig.live.draw_queue import DrawQueue
 from smarig.live.live_items import EventItem, QueueListener, SampleItem, StepItem
 
-PATIENCE_S = 20.0  # before a test gives up; nothing waits that long
+PATIENCE_S = 60.0  # before a test gives up; nothing waits that long
 
 
 class BlockedDrawing:

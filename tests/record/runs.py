@@ -27,7 +27,7 @@ def result(index: int, verdict: StepVerdict = StepVerdict.SETTLED) -> StepResult
     return StepResult(index, verdict, 1.5 + index, 32.0, 0.1, 250, 10.0 * index, 10.0 * index + 9.9)
 
 
-def until(condition: Callable[[], bool], patience_s: float = 30.0) -> None:
+def until(condition: Callable[[], bool], patience_s: float = 60.0) -> None:
     """Ask again and again; patience only ends a test that has already failed."""
     end = time.monotonic() + patience_s
     while not condition():

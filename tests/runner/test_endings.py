@@ -23,7 +23,7 @@ from smarig.runner.lock import wire_lock
 from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
-SPEED = 300
+SPEED = 100  # × real time: a run lasts much longer than any test waits
 LONG = bool(os.environ.get("SMARIG_LONG"))
 PATIENCE_S = 60.0  # ends a test that has failed
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")

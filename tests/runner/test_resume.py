@@ -445,7 +445,7 @@ def test_after_kill_9(whole, tmp_path, rig):
             "--wire",
             "a",
             "--speed",
-            "2000",
+            "200",
         ],
         env=os.environ | {"OMP_NUM_THREADS": "1"},
         stderr=subprocess.PIPE,

@@ -24,8 +24,9 @@ Links: {", ".join(LINKS)}; {" and ".join(RELAYED)}, which are pyserial's network
 {"; ".join(REPRESENTATIVE)}.
 
 `tests/` tries every fault once that does not need real time, these three on each of the first links, and the first of
-them over a socket; `SMARIG_FAULTS=all` tries all {len(CELLS)} cells (`.ci/long`). Lease: {LEASE_S:g} s in lock-step; {REAL_LEASE_S:g} s where time passes by itself, {REAL_TIME} times as
-fast as by the wall clock.
+them over a socket; `SMARIG_FAULTS=all` tries all {len(CELLS)} cells (`.ci/long`).
+Lease: {LEASE_S:g} s in lock-step; {REAL_LEASE_S:g} s where time passes by itself, {REAL_TIME} times as fast as by the
+wall clock.
 … stands for what differs; "done" for a run that ends well.
 """
 
