@@ -166,9 +166,7 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
         "A controller is given by its name, not by None": partial(
             smarig.track, one, "steps", controller=None, **on
         ),
-        "A controller's numbers are given by name": partial(
-            smarig.regulate, one, 6.0, default_numbers=[1], **on
-        ),
+        "A controller's numbers are given by name": partial(smarig.regulate, one, 6.0, numbers=[1], **on),
         "The run is given by a name or a path, not by None": partial(
             smarig.track, one, "steps", rig="one_wire_twin", out=None
         ),
