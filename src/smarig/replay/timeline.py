@@ -1,6 +1,6 @@
 """What was done to one wire and what was read from it: runs on one clock, with the time between them."""
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -51,7 +51,7 @@ class ReadingSeries:
 
 
 @dataclass(frozen=True, eq=False)
-class DriveProfile:
+class DriveProfile(ABC):
     """What drives the wire: ``value`` (m,), a current in A or an input in its unit, up to ``end_s`` (m,), from 0 s.
 
     The kind of drive decides what can be read from the time and from the input of a timeline.
