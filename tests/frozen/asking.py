@@ -47,7 +47,9 @@ def ask(*words: object) -> dict[str, Any]:
         except SystemExit as leaving:
             status = leaving.code or 0
     lines = out.getvalue().splitlines()
-    if status in (1, 130):
+    if status == 130:
+        raise KeyboardInterrupt
+    if status == 1:
         raise RuntimeError(f"smarig {' '.join(map(str, words))} ended with status {status}: {lines}")
     return {"exit_status": status} | (json.loads(lines[-1]) if lines else {})
 

@@ -18,7 +18,7 @@ import argparse
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -28,13 +28,16 @@ from frozen.asking import Answer
 from frozen.comparing import differences
 
 
-def computed(globs: list[str], everything: bool) -> Iterator[tuple[str, Answer]]:
-    """Name and answer of each question asked, one after the other; the time each took on stderr."""
+def computed(globs: list[str], everything: bool) -> Iterator[tuple[str, Answer | Exception]]:
+    """Name and answer (or what went wrong) of each question, one after the other; the time each took on stderr."""
     with tempfile.TemporaryDirectory() as folder:
         questions = Questions(Path(folder))
         for name in wanted(questions.names, globs, everything):
             before = time.process_time()
-            answer = questions.answer(name)
+            try:
+                answer = questions.answer(name)
+            except Exception as error:
+                answer = error
             print(f"{name}: {time.process_time() - before:.1f} s", file=sys.stderr, flush=True)
             yield name, answer
 
@@ -44,6 +47,8 @@ def make(out: Path, globs: list[str], everything: bool, add: bool) -> int:
     answers = load(out) if add and out.is_file() else {}
     try:
         for name, answer in computed(globs, everything):
+            if isinstance(answer, Exception):
+                raise answer
             answers[name] = answer
     finally:  # what is computed is kept
         save(answers, out)
@@ -53,17 +58,23 @@ def make(out: Path, globs: list[str], everything: bool, add: bool) -> int:
 
 def compare(kept: Path, globs: list[str], everything: bool, exact: bool) -> int:
     """Compute again and print every difference; 1 where there is one."""
-    before, asked, found = load(kept), [], 0
-    for name, answer in computed(globs, everything):
-        asked.append(name)
-        for line in differences(before.get(name), answer, name, exact=exact):
+    before, asked, found = load(kept), set(), 0
+    names = wanted(before, globs, everything)
+    for name, answer in computed(names, everything) if names else ():
+        asked.add(name)
+        for line in _lines(name, before[name], answer, exact):
             found += 1
             print(line, flush=True)
-    missing = [name for name in wanted(before, globs, everything) if name not in asked]
-    print(
-        f"{len(asked)} answers compared, {found} differences; {len(missing)} kept ones not asked {missing[:3]}"
-    )
+    left = [name for name in names if name not in asked]
+    print(f"{len(asked)} answers compared, {found} differences; {len(left)} cannot be asked here {left[:3]}")
     return int(found > 0 or not asked)
+
+
+def _lines(name: str, before: Answer, answer: Answer | Exception, exact: bool) -> Iterable[str]:
+    """What to say of one answer."""
+    if isinstance(answer, Exception):
+        return [f"{name}: {type(answer).__name__}: {answer}"]
+    return differences(before, answer, name, exact=exact)
 
 
 def main() -> int:

@@ -203,7 +203,7 @@ def own(what: str, folder: Path, models: Path) -> Answer:
         ),
     }[what]
     said = ask(*words, *rig, "-o", out, "--force")
-    return {"said": said, "table": table(out)} if out.is_file() else {"said": said}
+    return {"said": said, "table": table(out, whole=True)} if out.is_file() else {"said": said}
 
 
 __all__ = ["FILES", "names", "questions", "unpacked"]

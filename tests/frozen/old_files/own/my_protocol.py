@@ -9,7 +9,6 @@ same generator is previewed on a twin, run on a twin, and run on hardware.
 
 from smarig.command import Hold, Mark, Protocol, Settled, Verdict
 from smarig.protocols._moves import few, line, saturate
-
 from smarig.protocols._setup import Setup
 
 
