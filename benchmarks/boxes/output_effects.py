@@ -20,7 +20,8 @@ _R_PHASE_HALF_K = 1.0
 class PlantRecord:
     """What a plant did (n,): times, hold numbers, shares on, temperatures of the wire and felt, strokes made.
 
-    ``wire_K`` with room and draughts; ``current_A``, ``resistance`` (over the mean) and ``ambient_shift_K`` as they were.
+    ``wire_K`` with room and draughts; ``current_A``, ``resistance`` (over the mean) and ``ambient_shift_K`` as
+    they were.
     """
 
     t_s: Array

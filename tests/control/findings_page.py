@@ -61,7 +61,8 @@ def class_rows() -> list[str]:
         k = PositionController.of(numerator, denominator)
         a = k.largest_a()
         rows.append(
-            f"| {name} | {_yes(k.matches(SupplyRate()))} | {a:.3g} | {k.largest_a(b=1.0):.3g} | {_yes(k.matches(STRICT))} |"
+            f"| {name} | {_yes(k.matches(SupplyRate()))} | {a:.3g} | {k.largest_a(b=1.0):.3g} | "
+            f"{_yes(k.matches(STRICT))} |"
         )
     return rows
 

@@ -197,7 +197,8 @@ def _controller_model(model: Model, rig: RigFile) -> ControllerModel:
     arrangement = actuator.file.arrangement
     if model.arrangement != arrangement:
         raise UsageError(
-            f"Model {model.name} is of a {_arrangement_text(model.arrangement)} rig, '{rig.name}' is a {_arrangement_text(arrangement)} one."
+            f"Model {model.name} is of a {_arrangement_text(model.arrangement)} rig, '{rig.name}' is a "
+            f"{_arrangement_text(arrangement)} one."
         )
     if model.unit != actuator.unit:
         raise UsageError(
@@ -241,7 +242,8 @@ def _check_motion(controller_model: ControllerModel, model: Model) -> None:
 def _check_length(followed: Reference, period_s: float) -> None:
     if followed.duration_s < LEAST_TICKS * period_s:
         raise UsageError(
-            f"The reference lasts {followed.duration_s:g} s: nothing can be measured in less than {LEAST_TICKS} samples, "
+            f"The reference lasts {followed.duration_s:g} s: nothing can be measured in less than {LEAST_TICKS} "
+            "samples, "
             f"{LEAST_TICKS * period_s:g} s on this rig."
         )
 

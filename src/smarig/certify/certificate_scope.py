@@ -1,7 +1,7 @@
 """How far a certificate reaches, and where it ends: sentences that follow from what is proved of the model.
 
-Each is said of one model: what a theorem gives is told only where its hypotheses hold (``CertificateScope``). The evidence
-for lag, delay and counts is in docs/explanation/control_findings.md. Refuses to know how they are shown.
+Each is said of one model: what a theorem gives is told only where its hypotheses hold (``CertificateScope``). The
+evidence for lag, delay and counts is in docs/explanation/control_findings.md. Refuses to know how they are shown.
 """
 
 from dataclasses import dataclass

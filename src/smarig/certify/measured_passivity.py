@@ -109,7 +109,8 @@ class MeasuredPassivity:
             f", {n_segments} stretches without a gap" if n_segments > 1 else ""
         )
         return (
-            f"{head}: {self._energy_at(worst, k)} at worst, at sample {worst.worst}, and {self._energy_at(worst, -1)} in the end; "
+            f"{head}: {self._energy_at(worst, k)} at worst, at sample {worst.worst}, and "
+            f"{self._energy_at(worst, -1)} in the end; "
             f"the noise of a reading is {noise}. {self._verdict(worst)}"
         )
 

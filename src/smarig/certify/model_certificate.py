@@ -66,7 +66,8 @@ class ControllerResult:
 class ModelCertificate:
     """Of one hysteresis, from the state ``initial`` at u(0) = 0.
 
-    ``dissipativity`` is None where it cannot be decided for this kind, ``undecided`` says why; ``counterexample`` is an input
+    ``dissipativity`` is None where it cannot be decided for this kind, ``undecided`` says why; ``counterexample``
+    is an input
     that takes energy out in every cycle, where there is one. ``indistinguishable``: two states that zero input never
     tells apart, where u = 0 leaves more than one.
     """
@@ -188,8 +189,10 @@ class ModelCertificate:
         _, low, high = v.turning_points.tolist()
         unit = self.units.input
         return (
-            f"Drive it from {with_unit(v.turning_points[0], unit)} to {with_unit(low, unit)}, then between {high:.4g} and "
-            f"{with_unit(low, unit)}: every cycle gives back {with_unit(-v.per_cycle, self.storage_bound.unit)}, and after "
+            f"Drive it from {with_unit(v.turning_points[0], unit)} to {with_unit(low, unit)}, then between "
+            f"{high:.4g} and "
+            f"{with_unit(low, unit)}: every cycle gives back {with_unit(-v.per_cycle, self.storage_bound.unit)}, "
+            "and after "
             f"{self.counterexample.cycles_below(0.0)} cycles more came out than went in."
         )
 

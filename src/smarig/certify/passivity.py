@@ -3,7 +3,8 @@
     ⟨u, ẏ⟩_T = ∫ u dy ≥ −Q_r(B₀)        for μ ∈ M_P with g ≥ 0;   Q_r(B₀) = 0 when u(0) = 0
 
 Each move's ∫ u dy is exact (``preisach.energy.sweep``). The bound is attained by the monotone return to u = 0.
-Models outside M_P keep a bound where they are dissipative (``storage_bound``); for those that are not, ``counterexample``
+Models outside M_P keep a bound where they are dissipative (``storage_bound``); for those that are not,
+``counterexample``
 gives an input that goes below any bound. Refuses to conclude from a run that stayed above the bound that the
 model is passive: that is what the hypotheses say.
 """

@@ -54,7 +54,8 @@ class IndistinguishableStates:
         """What it means, in a sentence."""
         path = " → ".join(f"{u:.4g}" for u in (*self.second.extrema[1:], 0.0))
         return (
-            f"Zero-state detectability (§9.2) fails: from saturation along {path} the output is that of B*, and at zero "
+            f"Zero-state detectability (§9.2) fails: from saturation along {path} the output is that of B*, and "
+            "at zero "
             f"input both states stay as they are (distance {self.distance / self.most:.1%} of 2û²)."
         )
 

@@ -100,7 +100,10 @@ class PositionController:
         )
         if not self.matches(SupplyRate()):
             return f"Position controller {name}: not in the class of §9.2."
-        return f"Position controller {name}: in the marginal class of §9.2 (a = b = c = 0); largest a {self.largest_a():.3g}."
+        return (
+            f"Position controller {name}: in the marginal class of §9.2 (a = b = c = 0); largest a "
+            f"{self.largest_a():.3g}."
+        )
 
     @property
     def static_gain(self) -> float:

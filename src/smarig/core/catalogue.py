@@ -1,8 +1,8 @@
 """File name = configuration name = command-line name. The only magic of the project.
 
 A folder is a catalogue: nothing is registered, a new file is found. A person's own file, given by its path, joins its
-catalogue while the command runs (``resolve_name``). It is executed then, so only what a person has named is loaded: names
-that stand in runs and models go through ``find``, which knows no paths. Refuses to know what it finds.
+catalogue while the command runs (``resolve_name``). It is executed then, so only what a person has named is
+loaded: names that stand in runs and models go through ``find``, which knows no paths. Refuses to know what it finds.
 """
 
 import hashlib

@@ -63,8 +63,8 @@ class Diagnosis(NotebookDisplay):
 
     ``base`` is the wire without them, its density identified anew: what the gain is counted against. ``model`` is the
     extended model where effects were found, else the original one; ``gain`` is None without held-out runs. ``numerics``
-    is the error of the critic's own time steps at settled points; ``separating_run`` what ``smarig.app.proposal`` proposes,
-    if it was asked.
+    is the error of the critic's own time steps at settled points; ``separating_run`` what ``smarig.app.proposal``
+    proposes, if it was asked.
     """
 
     verdict: DiagnosisVerdict

@@ -37,7 +37,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
     if d.verdict.word == "ambiguous":
         yield f"The set that holds the cause with 90 % probability: {', '.join(d.verdict.names)}."
     yield (
-        f"Settled points, rms: {e.original:.4g} {e.unit} by the model as given, {e.base:.4g} with its density identified "
+        f"Settled points, rms: {e.original:.4g} {e.unit} by the model as given, {e.base:.4g} with its density "
+        "identified "
         + ("anew" if best is None else f"anew, {e.extended:.4g} extended")
         + f"; noise {e.noise_floor:.2g}."
     )
@@ -53,7 +54,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         )
     if d.timeline.unrecorded_gap_s > MIN_UNRECORDED_S:
         yield (
-            f"Of {d.timeline.unrecorded_gap_s / 60:.0f} min between these runs none tells: if the wire was driven meanwhile, what "
+            f"Of {d.timeline.unrecorded_gap_s / 60:.0f} min between these runs none tells: if the wire was driven "
+            "meanwhile, what "
             "goes with time or counts cycles is judged wrongly; give every run of the sitting."
         )
     if gain is not None and d.extended:

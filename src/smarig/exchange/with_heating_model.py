@@ -22,7 +22,8 @@ def with_heating_model(draft: RunDraft, rig: RigConstants) -> RunDraft:
     input_meta, unit = draft.meta.get("input", {}), draft.meta.get("output", {}).get("unit")
     if input_meta.get("unit") != "A":
         raise UsageError(
-            f"The mapping's input is {input_meta.get('quantity', 'not named')} in {input_meta.get('unit') or 'no unit'}; "
+            f"The mapping's input is {input_meta.get('quantity', 'not named')} in "
+            f"{input_meta.get('unit') or 'no unit'}; "
             "--rig turns a current into a temperature, so leave it out."
         )
     if unit != rig.actuator.unit:

@@ -26,7 +26,8 @@ Start = Literal["negative", "positive", "anhysteretic"]
 class DisplayInfo:
     """What is drawn, in which units, and what is known beforehand of the wire.
 
-    ``twin_hysteresis`` is the hysteresis that a twin's actuator file names; ``initial`` None where the wire's memory is unknown;
+    ``twin_hysteresis`` is the hysteresis that a twin's actuator file names; ``initial`` None where the wire's
+    memory is unknown;
     ``actuator`` None for data that no rig of ours measured; ``settling_rule`` None where nothing is waited for.
     """
 

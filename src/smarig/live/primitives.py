@@ -37,7 +37,9 @@ class TimeSeries:
 
 @dataclass(frozen=True)
 class Polylines:
-    """Polylines (m, 2) or (m, 3): all of them always there, or one for each time; none of ``colours``: ``ColourChanges``."""
+    """Polylines (m, 2) or (m, 3): all of them always there, or one for each time; none of ``colours``:
+    ``ColourChanges``.
+    """
 
     path: str
     times_s: Times

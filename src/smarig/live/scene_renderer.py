@@ -1,8 +1,8 @@
 """Batches of what was seen become marks: the one place that knows what a live view shows.
 
 Scalars are drawn sample by sample. What has a shape (trail, boundary, the rig's body) is drawn anew only where
-something moved by a ``STILL_FRACTION``-th of its range and by more than noise: a hold of ten minutes costs nothing, and a
-recording stays small.
+something moved by a ``STILL_FRACTION``-th of its range and by more than noise: a hold of ten minutes costs
+nothing, and a recording stays small.
 Knows no viewer and no thread.
 """
 

@@ -148,7 +148,8 @@ class EffectType:
     ``act`` gives the hooks. The texts are for people: how it enters, looks, hides, and what tells it apart.
     ``memoryless``: what it does to the position follows from the moment alone, so a replay need ask only where
     something was read; an effect with a memory is asked at every step.
-    ``output_independent``: what it does ahead of the hysteresis follows from the ``ThermalState`` and from the input range
+    ``output_independent``: what it does ahead of the hysteresis follows from the ``ThermalState`` and from the
+    input range
     of the hysteresis alone, so the input along a record is computed once for all densities; an effect that does not
     declare it is simulated tick by tick, which gives the same numbers.
 

@@ -141,7 +141,8 @@ class Recorder:
             raise
         if rejected:
             raise StorageError(
-                f"Run {self.path}: {len(rejected)} samples were not kept, the first of tick {rejected[0][0]}: that tick "
+                f"Run {self.path}: {len(rejected)} samples were not kept, the first of tick {rejected[0][0]}: that "
+                "tick "
                 "is there already, or is none. All others are."
             )
 

@@ -80,8 +80,8 @@ def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None 
 
     A run that ends where it began, half way on a branch, is a steady loop measured by itself: it is simulated once
     before, unread, and its output has a zero of its own.
-    Any other run of unknown beginning is read from its first reversal on. ``max_readings`` readings, None: every sample.
-    Raises DataError when nothing is left.
+    Any other run of unknown beginning is read from its first reversal on. ``max_readings`` readings, None: every
+    sample. Raises DataError when nothing is left.
     """
     parts = [_MeasuredInputRun(run) for run in runs]
     branches = sum(len(p.turns) - 1 for p in parts)
@@ -145,7 +145,9 @@ class _MeasuredInputRun:
         return u
 
     def read(self, per_branch: int | None) -> Integers:
-        """Rows to be read: ``per_branch`` of a branch (None: all), half by time and half by how much the output moves."""
+        """Rows to be read: ``per_branch`` of a branch (None: all), half by time and half by how much the output
+        moves.
+        """
         first = 0 if self.steady or self.run.info.initial else 1
         rows = [
             _reading_rows(self.y, a, b, per_branch) if per_branch else np.arange(a + 1, b + 1)

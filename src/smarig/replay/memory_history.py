@@ -165,7 +165,8 @@ def merged_inputs(inputs: Array) -> Array:
 def input_path(run: Run) -> tuple[Array, NDArray[np.intp]]:
     """Inputs (m,) in the order of time, turning points between settled points included, and where these are (k,).
 
-    A reversal within ``MIN_REVERSAL`` of a settled level is taken for a visit to it: a predicted input only nears its target.
+    A reversal within ``MIN_REVERSAL`` of a settled level is taken for a visit to it: a predicted input only nears
+    its target.
     """
     points = run.points()[0]
     if not run.settled:

@@ -30,7 +30,8 @@ OUTPUT_DEPENDENT_KINDS = (
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) the input of the hysteresis at every tick.
+    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) the input of the
+    hysteresis at every tick.
 
     ``states``, ``output`` and ``tick_index`` (n,) are the operator's memory, its output and the tick at each reading
     that depends on them (settled and moving positions, resistances); position minus output is what effects after

@@ -64,7 +64,8 @@ def _regulation_text(found: RegulationResult, unit: str) -> str:
         if found.distance_K2 is not None:
             shares += f", {found.distance_K2 / setpoint_data['area_K2']:.2%} by the measured current"
         lines.append(
-            f"B_ℓ with ℓ = {setpoint_data['ell_K']:.1f} K, ψ(ℓ) = {setpoint_data['output']:.4g} {unit}; distance {shares}."
+            f"B_ℓ with ℓ = {setpoint_data['ell_K']:.1f} K, ψ(ℓ) = {setpoint_data['output']:.4g} {unit}; distance "
+            f"{shares}."
         )
     else:
         lines.append(f"On the {setpoint_data['start']} branch, resting at {setpoint_data['rest_K']:.1f} K.")

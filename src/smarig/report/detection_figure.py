@@ -47,7 +47,8 @@ def detection_figure(d: Diagnosis) -> Figure:
         [Panel(data, layout, 130 + 17 * len(testable), wide=True)],
         "Detection: is anything wrong at all?",
         [
-            f"Each of {len(testable)} candidates by its gain over the base model, (g − median)/(95 % point − median) of "
+            f"Each of {len(testable)} candidates by its gain over the base model, (g − median)/(95 % point − "
+            "median) of "
             f"its own gains on {d.nulls} nulls: the base model's story lived again with noise and nothing hidden. "
             f"Band: from a null's median (0) to its 95 % point (1; at least {MIN_SPREAD_NATS:g} nats, units of "
             "log likelihood).",

@@ -61,7 +61,8 @@ def _residuals(predictions: DiagnosisPredictions) -> Parts:
             "warning",
             paragraph(
                 f"The density identified anew by the diagnosis fits its own data less well than the model as given: "
-                f"{d.error.base:.3g} against {d.error.original:.3g} {display_unit(d.error.unit)} rms. Part of what is drawn "
+                f"{d.error.base:.3g} against {d.error.original:.3g} {display_unit(d.error.unit)} rms. Part of what is "
+                "drawn "
                 "above may be that density's. The verdict rests on the critic, which allows for any smooth density."
             ),
         )

@@ -95,6 +95,7 @@ def visibility_table(d: Diagnosis, effect_types: Mapping[str, EffectType]) -> Ht
         rows,
         f"What these data could have shown. δ: size of an effect's trace in noise σ per reading (rms over "
         f"{d.first.refitted.data.size} readings), after everything a density could explain has been taken out. Least: "
-        f"the strength that would stand {DETECTION_SD:g} σ out of the noise, in proportion from a weak trace. Imitates: could "
+        f"the strength that would stand {DETECTION_SD:g} σ out of the noise, in proportion from a weak trace. "
+        "Imitates: could "
         f"take {100 * IMITATION_THRESHOLD:.0f} % or more of the evidence.",
     )

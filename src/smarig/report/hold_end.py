@@ -21,8 +21,8 @@ _MIN_CROSSINGS = 2  # a loop that only creeps crosses its mean once
 class HoldEnd:
     """Errors (measured less wanted) over the last ``seconds`` of a hold, in the rig's unit; ``count`` 0 if unknown.
 
-    ``std`` is the rms about ``mean``, ``peak_to_peak`` from the least reading to the largest, ``current_A`` the least and
-    the largest current.
+    ``std`` is the rms about ``mean``, ``peak_to_peak`` from the least reading to the largest, ``current_A`` the
+    least and the largest current.
     """
 
     mean: float

@@ -69,7 +69,8 @@ def input_offset_figure(predictions: DiagnosisPredictions) -> Figure | None:
             f"{100 * _STEEP_SHARE:.0f} % of its 90 % quantile: {int(steep.sum())} of {steep.size} points, slopes "
             f"{slope[steep].min():.2g} to {slope[steep].max():.2g} {unit}/{u}; "
             f"rms {sizes} {u}{models_text(predictions, half_range)}.",
-            f"Bars: ± 2 σ of a reading over that slope. Noise of the temperature ({_fluctuation_text(d)} {u}) is not in the "
+            f"Bars: ± 2 σ of a reading over that slope. Noise of the temperature ({_fluctuation_text(d)} {u}) is "
+            "not in the "
             "bars. A disturbance of the input would lie on one curve here, but for what the density has taken up.",
             *diagnosis_caption(d, dotted=True),
         ],

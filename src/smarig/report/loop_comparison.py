@@ -93,7 +93,10 @@ def _tracking_table(loops: Sequence[ComparedTracking]) -> Html:
     if skip_s:
         words += f" Errors from {skip_s:g} s on: the way to the first point is no tracking."
     if held:
-        words += f" Settled: within {SETTLING_BAND_COUNTS:g} counts and 5 s there; the median is over the steps that settled."
+        words += (
+            f" Settled: within {SETTLING_BAND_COUNTS:g} counts and 5 s there; the median is over the steps that "
+            "settled."
+        )
     if fed_back:
         words += " Velocity feedback does not follow the position."
     rows = [_tracking_row(each, held=held, fed_back=fed_back) for each in loops]

@@ -87,8 +87,8 @@ class RegulationResult:
 
     ``distance_K2`` is d(B, B_ℓ) along the predicted temperature of the wire, ``output_error`` the measured output less
     the set-point after the approach, ``transient`` the largest |error| of the readings from the disturbance on (None
-    without one), ``disturbance_s`` when it began and ended, ``disturbance_K`` how large it was, ``end`` the last stretch. ``zero``
-    is what the model's scale has more than the encoder's.
+    without one), ``disturbance_s`` when it began and ended, ``disturbance_K`` how large it was, ``end`` the last
+    stretch. ``zero`` is what the model's scale has more than the encoder's.
     """
 
     setpoint_data: dict[str, Any]

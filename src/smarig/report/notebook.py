@@ -127,7 +127,8 @@ def _model_html(thing: Model) -> str:
     drawn = thumbnail(u, y, words, (thing.input.unit, thing.unit), label)
     report, rms = density_report(thing.hysteresis), thing.fit.get("rms")
     rows = [
-        f"{capitalised(hysteresis_description(thing.hysteresis))}, from {len(thing.provenance)} run(s) of rig {thing.rig}"
+        f"{capitalised(hysteresis_description(thing.hysteresis))}, from {len(thing.provenance)} run(s) of rig "
+        f"{thing.rig}"
     ]
     rows += (
         [f"Fit: {rms:.3g} {thing.unit} rms over {thing.fit.get('points')} points"] if rms is not None else []

@@ -32,8 +32,10 @@ def _caption(run: Run, found: RegulationResult) -> Html:
     if setpoint_data.get("ell_K") is None:
         return joined(
             [
-                f"The set-point {number(setpoint_data['setpoint'], 4)} {unit} was reached on the {setpoint_data['start']} branch, at "
-                f"rest at {number(setpoint_data['rest_K'], 4)} {run.input_unit}. Second panel: blue, the memory along the "
+                f"The set-point {number(setpoint_data['setpoint'], 4)} {unit} was reached on the "
+                f"{setpoint_data['start']} branch, at "
+                f"rest at {number(setpoint_data['rest_K'], 4)} {run.input_unit}. Second panel: blue, the memory along "
+                "the "
                 "temperature predicted from the measured current; relays above it are down, those below are up."
             ]
         )
@@ -45,7 +47,8 @@ def _caption(run: Run, found: RegulationResult) -> Html:
     )
     return joined(
         [
-            f"First panel: ψʳ({number(setpoint_data['setpoint'], 4)} {unit}) = {number(setpoint_data['ell_K'], 4)} {run.input_unit}, "
+            f"First panel: ψʳ({number(setpoint_data['setpoint'], 4)} {unit}) = "
+            f"{number(setpoint_data['ell_K'], 4)} {run.input_unit}, "
             "ψ being the output of ",
             B_ELL,
             " on the model's scale. Second: black, ",
@@ -53,7 +56,8 @@ def _caption(run: Run, found: RegulationResult) -> Html:
             ", dashed; orange, as foretold for the planned currents; blue, along the temperature predicted from the "
             "measured current. Relays above a boundary are down, those below are up. Distance from ",
             B_ELL,
-            f", the area between: foretold {share} %{reached} of the plane, after {setpoint_data['cycles']:.0f} cycles of "
+            f", the area between: foretold {share} %{reached} of the plane, after {setpoint_data['cycles']:.0f} "
+            "cycles of "
             f"{number(setpoint_data['wave_s'])} s.",
         ]
     )

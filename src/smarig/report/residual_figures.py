@@ -109,7 +109,8 @@ def _residual_channel_figure(
         panels,
         title,
         [
-            f"Measured minus predicted{zero}, n = {len(r)}, rms {sizes} {unit}{models_text(predictions, half_range)}.{fluctuation_text}",
+            f"Measured minus predicted{zero}, n = {len(r)}, rms {sizes} "
+            f"{unit}{models_text(predictions, half_range)}.{fluctuation_text}",
             "Every density was identified anew from these very readings, so what a density can take up is not in the "
             "picture."
             if kind in OUTPUT_DEPENDENT_KINDS

@@ -86,7 +86,9 @@ def _number_or_none(value: Any) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class VelocitySignals:
-    """Of a loop's samples, (n,) each: ``rate`` ṙ, ``velocity`` as filtered, ``ratio`` and that of a wire at rest up to each."""
+    """Of a loop's samples, (n,) each: ``rate`` ṙ, ``velocity`` as filtered, ``ratio`` and that of a wire at rest
+    up to each.
+    """
 
     rate: Array
     velocity: Array

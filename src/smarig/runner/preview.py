@@ -76,7 +76,8 @@ def preview(
 ) -> Preview:
     """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits.
 
-    ``chooser`` is for protocols that take one. ``protocol_factory`` makes a protocol that stands in no catalogue, a closed loop.
+    ``chooser`` is for protocols that take one. ``protocol_factory`` makes a protocol that stands in no catalogue,
+    a closed loop.
     """
     actuator = Actuator.named(rig.actuator)
     nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not tell a secret

@@ -116,7 +116,8 @@ class Session:
         """Run one protocol, by name or the path of an own file, into one run file; returns its path.
 
         Raises what ended it, after closing it.
-        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one. ``protocol_factory``
+        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one.
+        ``protocol_factory``
         makes a protocol that stands in no catalogue, a closed loop; ``protocol`` is its name in the record.
         """
         out, protocol = Path(out), protocol if protocol_factory else resolve_name(PACKAGE, protocol)

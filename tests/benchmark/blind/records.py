@@ -2,7 +2,9 @@
 
 
 def record(number=0, verdict_word="silent", hidden=None, **given):
-    """An answer and its truth; ``verdict_word`` is the verdict or the names of the first explanation, ``hidden`` {name: δ}."""
+    """An answer and its truth; ``verdict_word`` is the verdict or the names of the first explanation, ``hidden``
+    {name: δ}.
+    """
     hidden = hidden or {}
     names = verdict_word.split("+") if "+" in verdict_word or verdict_word in KNOWN else []
     known = {

@@ -12,8 +12,8 @@ GROUPS = {"Lines": LINES, "Power": POWER, "Readings": READINGS, "Wiring": WIRING
 CELLS = {c.name for c in whole(ROWS, REPRESENTATIVE)}
 HEAD = f"""# What goes wrong on a bench, and what happens then
 
-Made from `tests/rig/bench/fault_rows.py` by `tests/rig/bench/fault_page.py`; do not edit. `tests/rig/bench/test_fault_table.py`
-tries it on simulated devices over real bytes.
+Generated from `tests/rig/bench/fault_rows.py` by `tests/rig/bench/fault_page.py`; do not edit.
+`tests/rig/bench/test_fault_table.py` tests it on simulated devices over real bytes.
 
 A cell is one fault in one phase of a run on one link. Each must be *safe*: the wire is at 0 A within the lease and one
 tick of the fault (or, where the host keeps control, of its last sample), the run file is closed with its cause and can

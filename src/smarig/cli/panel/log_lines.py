@@ -43,7 +43,8 @@ class LogLines(_StatusUpdates):
         run_info = self._status.run_info
         place = f" ({run_info.place})" if run_info.place else ""
         self._writer.put(
-            f"{run_info.protocol}{place} on {run_info.rig} ({run_info.label}), wire {run_info.wire}: {run_info.steps} steps, "
+            f"{run_info.protocol}{place} on {run_info.rig} ({run_info.label}), wire {run_info.wire}: "
+            f"{run_info.steps} steps, "
             f"about {clock_text(self._status.left_s)}.{' ' + KEYS_HELP if self._status.keys else ''}"
         )
         return self

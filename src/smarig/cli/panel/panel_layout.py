@@ -167,7 +167,8 @@ def _time(status: RunStatus, wide: bool, plain: bool) -> Text:
     if wide and status.left_s > 0 and abs(status.speed_factor - 1) > _REAL_TIME_BAND:
         times = "x" if plain else "×"
         text.append(
-            f"   ({clock_text(status.left_s / status.speed_factor)} to wait, at {status.speed_factor:.3g} {times} real time)"
+            f"   ({clock_text(status.left_s / status.speed_factor)} to wait, at {status.speed_factor:.3g} {times} "
+            "real time)"
         )
     return text
 

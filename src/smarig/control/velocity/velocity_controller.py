@@ -101,7 +101,8 @@ class _MemorylessState:
 
 @dataclass(frozen=True)
 class FirstOrderController:
-    """H(s) = H∞ + (H₀ − H∞) a/(s + a): gain ``static_gain`` H₀ to steady errors, ``high_frequency_gain`` H∞ to sudden ones.
+    """H(s) = H∞ + (H₀ − H∞) a/(s + a): gain ``static_gain`` H₀ to steady errors, ``high_frequency_gain`` H∞ to
+    sudden ones.
 
     H(jω) runs along a half circle whose diameter is the real segment from H₀ to H∞, so
 

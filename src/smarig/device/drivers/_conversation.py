@@ -122,7 +122,8 @@ class Conversation:
         first, own = status.values["ring_first"], status.values["tick"]
         if status.records and not requested_tick <= first <= own - len(status.records) + 1:
             raise Garbled(
-                f"The {self.name} gives samples of tick {first} on where those from {requested_tick} on were asked for, and "
+                f"The {self.name} gives samples of tick {first} on where those from {requested_tick} on were asked "
+                "for, and "
                 f"has counted {own}: its ring cannot be trusted. {Garbled.remedy}"
             )
         return first

@@ -89,8 +89,8 @@ def critique(
 ) -> Critique:
     """Judge a subject by a story against ``count`` nulls at the level α.
 
-    ``warm_start``: noise as in another, refined; ``noise_of``: noise as in another; ``all_nuisances``: as little noise as there is
-    when anything may be wrong.
+    ``warm_start``: noise as in another, refined; ``noise_of``: noise as in another; ``all_nuisances``: as little
+    noise as there is when anything may be wrong.
     """
     prediction = predict(timeline, plant_model)
     present = {effect.kind.name for effect in plant_model.planted}

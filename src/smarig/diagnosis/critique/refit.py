@@ -96,8 +96,9 @@ def refit(
 ) -> Refit:
     """Likelihood-best smoothness and noise for a story as retold, and its readings whitened by them.
 
-    ``nuisance_terms``: sets of traces (N, k), of which any one may be in the readings with strengths ~ N(0, 1); the noise
-    is the likeliest with the likeliest of them, or with none, so no hidden effect passes for noise. ``all_nuisances``: all
+    ``nuisance_terms``: sets of traces (N, k), of which any one may be in the readings with strengths ~ N(0, 1);
+    the noise is the likeliest with the likeliest of them, or with none, so no hidden effect passes for noise.
+    ``all_nuisances``: all
     may be in at once. ``warm_start``: begin where another refit ended; ``noise_of``: spreads as in another.
     """
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]

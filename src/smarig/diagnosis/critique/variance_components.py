@@ -46,8 +46,8 @@ def own_variances(white: Array, is_moving: Array, s_m: float, s0: float) -> Arra
 class ReadingCovariance:
     """Scaled readings y (n,) and what they spread by: covariances (n, n) of the density's parts, of free constants.
 
-    ``white`` (n,) is each reading's own noise, ``is_moving`` 1 where a position was on its way, ``slope`` (n,) that of a
-    reading to the output in strokes; ``bounds`` those of the spreads.
+    ``white`` (n,) is each reading's own noise, ``is_moving`` 1 where a position was on its way, ``slope`` (n,)
+    that of a reading to the output in strokes; ``bounds`` those of the spreads.
     """
 
     y: Array
@@ -77,7 +77,8 @@ class ReadingCovariance:
         return self._cost(log_components, self._parts(memory), self.free)[0]
 
     def likeliest(self, memory: Array, start: Array, nuisance: Array | None = None) -> tuple[float, Array]:
-        """(−log likelihood, log₁₀ of the spreads) at its least; columns ``nuisance`` (n, k) are in, strengths ~ N(0, 1).
+        """(−log likelihood, log₁₀ of the spreads) at its least; columns ``nuisance`` (n, k) are in, strengths ~
+        N(0, 1).
 
         Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each
         other.

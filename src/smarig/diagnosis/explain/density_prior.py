@@ -35,8 +35,8 @@ MIN_PRIOR_SHARE = 0.05  # of the mean mass: grains where the model has nothing
 class DensityPrior:
     """Cells of a triangle with believed masses (cells,) in strokes, seen through rows X (n, cells) of its unknowns.
 
-    ``prior_scale`` (cells,): the scale of what may be there besides, as smooth as products of two ``hats`` (N, s + 1), one
-    array for each scale of smoothness; and grains of variance ``prior_scale`` after them.
+    ``prior_scale`` (cells,): the scale of what may be there besides, as smooth as products of two ``hats`` (N, s +
+    1), one array for each scale of smoothness; and grains of variance ``prior_scale`` after them.
     """
 
     triangle: Triangle

@@ -31,8 +31,8 @@ _MAX_DAMPING = 1.0  # damping beyond which nothing helps any more
 class ParameterFit:
     """Effects with their values, beside the density they were fitted with; standard deviations by (effect, parameter).
 
-    ``conditional_spread``: the same if all others were known; ``residual`` (N,) is what is left, whitened; ``moved`` how far any
-    parameter went from its start, in standard deviations.
+    ``conditional_spread``: the same if all others were known; ``residual`` (N,) is what is left, whitened;
+    ``moved`` how far any parameter went from its start, in standard deviations.
     """
 
     effects: tuple[Effect, ...]

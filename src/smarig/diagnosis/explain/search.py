@@ -51,8 +51,8 @@ class BelowRivalEvidence(Exception):
 class SearchLevel:
     """Explanations of one size, likeliest first; ``critique`` judges the wire with the best, ``best`` its parameters.
 
-    ``gain`` is the best's log likelihood over that of the best explanation with one effect less; ``linear_gain`` (nats) the
-    part of it that straight lines see.
+    ``gain`` is the best's log likelihood over that of the best explanation with one effect less; ``linear_gain``
+    (nats) the part of it that straight lines see.
     """
 
     critique: Critique

@@ -23,8 +23,10 @@ HoldCost = Callable[[float, float], float]
 class HoldPlan:
     """A hold at the end of a plan: where it leaves the memory, and gain and time of the whole plan.
 
-    ``covariance_x`` and ``reduction_x`` (n,) are C x and C W C x of its observation x, with C as the holds before leave it;
-    ``predictive_variance`` and ``variance_reduction`` are x·C·x + noise² and x·C·W·C·x. ``gain`` is Σ worth/size, counts².
+    ``covariance_x`` and ``reduction_x`` (n,) are C x and C W C x of its observation x, with C as the holds before
+    leave it;
+    ``predictive_variance`` and ``variance_reduction`` are x·C·x + noise² and x·C·W·C·x. ``gain`` is Σ worth/size,
+    counts².
     """
 
     path: MemoryPath

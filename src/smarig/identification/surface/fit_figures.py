@@ -119,7 +119,8 @@ def positive_warnings(fit: PositiveFit) -> list[str]:
     held_out_error, found = fit.held_out, []
     if held_out_error.rms > NEGATIVE_MASS_RATIO * held_out_error.signed_rms:
         found.append(
-            f"The data asks for negative mass: {held_out_error.curves} held-out curves are predicted to {held_out_error.rms:.3g} "
+            f"The data asks for negative mass: {held_out_error.curves} held-out curves are predicted to "
+            f"{held_out_error.rms:.3g} "
             f"{fit.unit} rms with μ ≥ 0 and to {held_out_error.signed_rms:.3g} {fit.unit} with masses of any sign, so "
             f"non-negativity costs {held_out_error.rms - held_out_error.signed_rms:.2g} {fit.unit}."
         )

@@ -115,7 +115,8 @@ def _matched_step(run: Run, command: Hold | Waveform, step: Step) -> FinishedSte
     )
     if step.branch != command.branch or not same_target or not _same_currents(command, commanded_A):
         raise DataError(
-            f"{run.path.name}: step {step.index} was '{step.branch}' at {_current_list(commanded_A)} A, but its protocol asks for "
+            f"{run.path.name}: step {step.index} was '{step.branch}' at {_current_list(commanded_A)} A, but its "
+            "protocol asks for "
             f"'{command.branch}' at {expected_A:g} A there now: rig file, settings or smarig have changed since."
         )
     return FinishedStep(command, step, float(run["input"][rows][-1]))

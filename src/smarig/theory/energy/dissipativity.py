@@ -60,11 +60,13 @@ class DissipativityCertificate:
             )
         if self.dissipative is None:
             return (
-                f"Undecided: loop areas lie above {_with_unit(f'{self.lower_bound:.3g}', self.unit)}, none seen is below "
+                f"Undecided: loop areas lie above {_with_unit(f'{self.lower_bound:.3g}', self.unit)}, none seen is "
+                "below "
                 f"{_with_unit(f'{self.area:.3g}', self.unit)}."
             )
         return (
-            f"Not dissipative with any storage function: the loop {_with_unit(f'{low:.4g} ↔ {high:.4g}', self.input_unit)} "
+            "Not dissipative with any storage function: the loop "
+            f"{_with_unit(f'{low:.4g} ↔ {high:.4g}', self.input_unit)} "
             f"gives back {_with_unit(f'{-self.area:.4g}', self.unit)} in every cycle."
         )
 

@@ -27,8 +27,8 @@ _CYCLES_PER_CALL = 1000
 class Violation:
     """What the forward model did; energies ∫ u dy in output times input units.
 
-    ``approach`` is the work along the turning points ``turning_points`` (from the initial state over m to M), ``per_cycle``
-    that of the last of ``cycles`` cycles M → m → M, ``balance`` the sum over the whole input.
+    ``approach`` is the work along the turning points ``turning_points`` (from the initial state over m to M),
+    ``per_cycle`` that of the last of ``cycles`` cycles M → m → M, ``balance`` the sum over the whole input.
     """
 
     turning_points: Array
