@@ -35,7 +35,7 @@ RUN_KEYS = {
     "initial": "state of the hysteresis at the first sample",
     "period_s": "a tick",
     "start_epoch": "seconds since 1970 at tick 0: a label, for time is the tick",
-    "encoder_zero": "where the encoder was zeroed; with the epoch it tells sittings apart",
+    "encoder_zero": "where the encoder was zeroed; with the epoch it identifies the session",
     "device": "which boot of which devices",
     "shift": "ticks and counts between the devices' zeros and the run's, where it was gone on with",
     "recorder_pid": "process that wrote it",

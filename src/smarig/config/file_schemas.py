@@ -134,7 +134,7 @@ class LinkFile(TomlTable):
     TCP; it may be left out where a simulator says it. ``address`` is Modbus's; 0 means the device's own.
     """
 
-    driver: str  # file in src/smarig/drivers
+    driver: str  # file in src/smarig/device/drivers
     framing: Literal["lines", "modbus_tcp", "modbus_rtu"]  # how bytes make messages
     url: str = ""  # port or address of the device; empty where a simulator says it
     baud: int = Field(default=115200, ge=300, le=4_000_000)  # of a serial port
