@@ -20,6 +20,7 @@ from types import ModuleType
 from typing import Any
 
 from smarig.core.errors import UsageError
+from smarig.core.former_names import answer_former_names
 
 _OWN: dict[tuple[str, str], "OwnFile"] = {}
 
@@ -178,6 +179,7 @@ def _load_own_file(package: str, path: Path, data: bytes) -> Any:
     module = ModuleType(f"_own_{kind}_{name}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module  # dataclasses look there
+    answer_former_names()
     try:
         exec(compile(data, str(path), "exec"), module.__dict__)
     except SyntaxError as error:  # its own, or of a file that it imports

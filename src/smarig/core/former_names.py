@@ -1,0 +1,74 @@
+"""Import paths of earlier versions, for own protocols, effects, controllers and drivers that were written with them.
+
+They are answered only once an own file is loaded (``catalogue``); smarig itself uses none of them.
+"""
+
+import importlib
+import sys
+from collections.abc import Mapping, Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+# former module: the present one, and names that changed in it
+FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "smarig.command": ("smarig.core.command", {"Verdict": "StepVerdict"}),
+    "smarig.control.tracking.known": (
+        "smarig.control.tracking.controller_model",
+        {"Known": "ControllerModel", "Wanted": "ReferenceFunction"},
+    ),
+    "smarig.drivers": ("smarig.device.drivers", {}),
+    "smarig.drivers._roles": ("smarig.device.drivers._roles", {}),
+    "smarig.errors": ("smarig.core.errors", {}),
+    "smarig.links": ("smarig.device.links", {}),
+    "smarig.links.serial_line": ("smarig.device.links.serial_line", {"GONE": "PORT_ERRORS"}),
+    "smarig.model": ("smarig.plant", {}),
+    "smarig.model.actuator": ("smarig.plant.actuator", {}),
+    "smarig.model.effect": (
+        "smarig.plant.effect",
+        {"Kind": "EffectType", "Moment": "PlantState", "Setup": "EffectContext"},
+    ),
+    "smarig.protocols._moves": (
+        "smarig.protocols._building_blocks",
+        {"few": "checked_count", "increasing": "checked_partition", "line": "evenly_spaced"},
+    ),
+    "smarig.sample": ("smarig.core.sample", {}),
+    "smarig.wire": ("smarig.device.wire", {}),
+    "smarig.wire.blame": ("smarig.device.wire.link_faults", {}),
+}
+
+
+class _FormerModule(Loader):
+    """Makes a module whose names are looked up in the present one."""
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        del spec  # the default module will do
+
+    def exec_module(self, module: ModuleType) -> None:
+        present, renamed = FORMER[module.__name__]
+        home = importlib.import_module(present)
+
+        def get(name: str) -> Any:
+            return getattr(home, renamed.get(name, name))
+
+        module.__dict__["__getattr__"] = get
+
+
+class _FormerModules(MetaPathFinder):
+    """Finds the modules of ``FORMER``; a folder of that name makes no difference."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        del path, target
+        if fullname not in FORMER:
+            return None
+        is_package = any(name.startswith(f"{fullname}.") for name in FORMER)
+        return ModuleSpec(fullname, _FormerModule(), is_package=is_package)
+
+
+def answer_former_names() -> None:
+    """Let ``import`` find the former modules from now on; they come after all present ones."""
+    if not any(isinstance(finder, _FormerModules) for finder in sys.meta_path):
+        sys.meta_path.append(_FormerModules())
