@@ -49,7 +49,7 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
 @click.option("--lock-step", is_flag=True, help="Time waits for the host to ask for samples.")
 @click.option(
     "--gone-after",
-    "gone_after_s",
+    "host_timeout_s",
     type=click.FloatRange(min=0.1),
     default=HOST_TIMEOUT_s,
     show_default=True,
@@ -66,7 +66,7 @@ def main(
     seed: int,
     effects: tuple[str, ...],
     lock_step: bool,
-    gone_after_s: float,
+    host_timeout_s: float,
     speed: float | None,
     faults_file: Path | None,
     folder: Path | None,
@@ -94,7 +94,7 @@ def main(
             trace.write(world)
 
     pace: Pace = (
-        LockStep(world, tick, gone_after_s)
+        LockStep(world, tick, host_timeout_s)
         if lock_step
         else RealTime(tick, file.period_s / (speed or 1.0), time.monotonic())
     )

@@ -74,8 +74,8 @@ class RealTime:
 class LockStep:
     """Ticks only when the DAQ is asked anew for a sample of the future; in real time while the host is gone."""
 
-    def __init__(self, world: SimulatedBench, tick: Tick, gone_after_s: float = HOST_TIMEOUT_s) -> None:
-        self._world, self._tick, self._gone_after_s = world, tick, gone_after_s
+    def __init__(self, world: SimulatedBench, tick: Tick, host_timeout_s: float = HOST_TIMEOUT_s) -> None:
+        self._world, self._tick, self._host_timeout_s = world, tick, host_timeout_s
         self._map = load_map(DAQ)
         self._layout = RegisterLayout(self._map)
         self._last_request_s: float | None = None
@@ -132,4 +132,4 @@ class LockStep:
 
     def _silent_until_s(self) -> float:
         """Before a host was ever there, none can be gone."""
-        return float("inf") if self._last_request_s is None else self._last_request_s + self._gone_after_s
+        return float("inf") if self._last_request_s is None else self._last_request_s + self._host_timeout_s

@@ -5,7 +5,7 @@ Knows no position: what shows on the pulley is worked out afterwards, for it act
 
 import math
 
-from benchmarks.boxes.heat import HeatBalance
+from benchmarks.boxes.heat import WireTemperatures
 from benchmarks.boxes.input_effects import StepState, build_input_effects
 from benchmarks.boxes.relays import RelayHysteresis, Relays, demagnetised
 from benchmarks.boxes.wire import BoxWire
@@ -20,7 +20,7 @@ class BoxPlant:
     def __init__(self, wire: BoxWire, hysteresis: RelayHysteresis, hidden: Hidden) -> None:
         self.wire, self.hidden = wire, hidden
         self.relays = demagnetised(hysteresis) if wire.two_wire else Relays(hysteresis)
-        self.heat = HeatBalance(wire.reference_K, hidden.get("convection", {}).get("exponent", 0.0))
+        self.heat = WireTemperatures(wire.reference_K, hidden.get("convection", {}).get("exponent", 0.0))
         self.now = StepState(share=self.relays.share)
         self._input_effects, coupled = build_input_effects(
             hidden, hysteresis, self.relays.share, two_wire=wire.two_wire

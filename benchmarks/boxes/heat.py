@@ -10,7 +10,7 @@ import math
 _FINE = 0.1  # of the time constant
 
 
-class HeatBalance:
+class WireTemperatures:
     """Temperatures of one or two wires above ambient."""
 
     def __init__(self, reference_K: float, exponent: float = 0.0) -> None:

@@ -38,7 +38,7 @@ def read(nats) -> Any:
 
 
 def strengths(of):
-    return {p.kind.name: p.strength for p in of.planted}
+    return {p.kind.name: p.strength for p in of.catalogue_effects}
 
 
 @pytest.fixture
@@ -115,7 +115,7 @@ def at_top(likely, evidence):
     """Settling and walking of 2 and 0.3 %, topped by their evidence."""
     likely(evidence)
     start = plant_model(settling(2.0), walking(0.3))
-    best = Explanation(start.planted, start, read(evidence(**strengths(start))))
+    best = Explanation(start.catalogue_effects, start, read(evidence(**strengths(start))))
     return with_strengths_maximised(TIMELINE, ORIGINAL, best)
 
 
@@ -131,7 +131,7 @@ def test_every_strength_goes_to_the_top_of_the_evidence(likely):
     fine, best = at_top(likely, parabolas(0.2, 0.02))
     assert strengths(best.plant_model) == pytest.approx({"settling": 2.5, "walking": 0.4}, rel=0.03)
     assert best.evidence == pytest.approx(100, abs=0.1)
-    assert fine.effects == best.effects == best.plant_model.planted
+    assert fine.effects == best.effects == best.plant_model.catalogue_effects
     assert fine.plant_model is best.plant_model
 
 
@@ -174,7 +174,10 @@ def test_one_effect_less_is_the_likeliest_of_all_that_are_left(monkeypatch):
 
     monkeypatch.setattr(explanation, "joint_density", beside)
     best = plant_model(settling(2.0), slip(1.0), walking(0.3))
-    assert evidence_without_one(TIMELINE, Explanation(best.planted, best, read(100.0)), WARM_START) == 80.0
+    assert (
+        evidence_without_one(TIMELINE, Explanation(best.catalogue_effects, best, read(100.0)), WARM_START)
+        == 80.0
+    )
     assert sorted(names for names, _, _ in asked) == [
         ("settling", "slip"),
         ("settling", "walking"),
@@ -211,7 +214,7 @@ def test_without_a_turn_an_explanation_is_its_start(likely):
     asked = likely(lambda walking: 1e9)
     start, refitted = plant_model(walking(0.1)), read(5.0)
     found = fit_explanation(TIMELINE, start, ORIGINAL, refitted, 0)
-    assert (found.effects, found.plant_model, found.evidence) == (start.planted, start, 5.0)
+    assert (found.effects, found.plant_model, found.evidence) == (start.catalogue_effects, start, 5.0)
     assert not asked
 
 
@@ -231,4 +234,4 @@ def test_a_turn_that_is_no_likelier_is_not_taken(likely, monkeypatch):
 
 def test_names_are_in_order():
     both = plant_model(walking(0.3), settling(2.0))
-    assert Explanation(both.planted, both, read(1.0)).names == ("settling", "walking")
+    assert Explanation(both.catalogue_effects, both, read(1.0)).names == ("settling", "walking")

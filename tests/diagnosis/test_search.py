@@ -57,16 +57,16 @@ class World:
     def fit_parameters(self, start, timeline, plant_model, refitted, centre):
         extended = PlantModel(WIRE, ORIGINAL, "negative", tuple(start))
         misfit = float(DATA @ DATA) - 2 * self.nats(start)
-        return SimpleNamespace(effects=extended.planted, extended=extended, misfit=misfit)
+        return SimpleNamespace(effects=extended.catalogue_effects, extended=extended, misfit=misfit)
 
     def joint_density_from_best_start(self, timeline, plant_model, original, warm_start):
-        return plant_model, SimpleNamespace(log_evidence=self.nats(plant_model.planted))
+        return plant_model, SimpleNamespace(log_evidence=self.nats(plant_model.catalogue_effects))
 
     def doubled_strength_start(self, timeline, plant_model, refitted, original, warm_start):
         return plant_model, refitted
 
     def fit_explanation(self, timeline, plant_model, original, refitted, rounds):
-        return Explanation(plant_model.planted, plant_model, refitted)
+        return Explanation(plant_model.catalogue_effects, plant_model, refitted)
 
     def with_strengths_maximised(self, timeline, original, found):
         return SimpleNamespace(effects=found.effects), found
@@ -75,7 +75,7 @@ class World:
         return self.left.get(" ".join(best.names), float("-inf"))
 
     def critique(self, plant_model) -> Any:
-        self.judged.append(" ".join(sorted(e.kind.name for e in plant_model.planted)))
+        self.judged.append(" ".join(sorted(e.kind.name for e in plant_model.catalogue_effects)))
         kinds = [KINDS[name] for name in self.starts]
         scores = [
             SimpleNamespace(candidate=SimpleNamespace(best=lambda data, kind=kind: (kind(), 1.0)))

@@ -90,7 +90,7 @@ def test_a_selection_judges_a_part_along_the_whole_history(one):
     whole = verify(one, run).runs[0]
     error = whole.predicted - whole.measured
     for part in parts:
-        assert part.settled.rms == pytest.approx(np.sqrt(np.mean(error[part.judged] ** 2)), rel=1e-9)
+        assert part.settled.rms == pytest.approx(np.sqrt(np.mean(error[part.counted] ** 2)), rel=1e-9)
         assert np.array_equal(part.predicted, whole.predicted)
         assert part.settled.nrmse == pytest.approx(part.settled.rms / np.ptp(run.points()[1]))
     with pytest.raises(UsageError, match="finds no point"):

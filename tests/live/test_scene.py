@@ -14,12 +14,12 @@ from smarig.live.playback import batches, replay
 from smarig.live.plot_axes import Plot, nice_step, rounded
 from smarig.live.preisach_plane import boundary, density, density_image
 from smarig.live.primitives import (
-    LogLines,
     Pixels,
     Points,
     Polylines,
     SeriesLegend,
     StateLane,
+    TextLog,
     TimeSeries,
     Transform,
 )
@@ -207,7 +207,7 @@ def test_events_are_shown_with_their_levels(one_wire):
     screen = RecordingOutput()
     scene_renderer = SceneRenderer(run_display_info(one_wire), screen.show)
     scene_renderer.draw([EventItem(1.0, "error", "trip", "too hot")])
-    (log_lines,) = [m for m in screen.primitives if isinstance(m, LogLines)]
+    (log_lines,) = [m for m in screen.primitives if isinstance(m, TextLog)]
     assert (log_lines.texts, log_lines.levels) == (("trip: too hot",), ("error",))
     (lane,) = [m for m in screen.primitives if isinstance(m, StateLane)]
     assert lane.states == ("trouble",)
@@ -231,7 +231,7 @@ def test_after_a_gap_the_model_is_silent_until_saturation_wiped_it_out():
     scene_renderer.draw([ticked(5, 60.0, 1.0), ticked(6, upper, 12.0), ticked(7, 100.0, 11.0)], lost=3)
     _, values = column(screen, "position")
     assert np.isfinite(values[:, 1]).tolist() == [True, False, True, True]
-    assert any("3 items" in text for m in screen.primitives if isinstance(m, LogLines) for text in m.texts)
+    assert any("3 items" in text for m in screen.primitives if isinstance(m, TextLog) for text in m.texts)
 
 
 def test_a_zeroed_encoder_does_not_look_like_a_wrong_model():

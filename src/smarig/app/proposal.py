@@ -183,7 +183,7 @@ def _separation_nats(
             result.model,
             name=f"imagined {k}",
             hysteresis=truth.plant_model.hysteresis,
-            effects=tuple(e.to_json() for e in truth.plant_model.planted),
+            effects=tuple(e.to_json() for e in truth.plant_model.catalogue_effects),
         )
         folder.mkdir(exist_ok=True)
         run = load_run(simulate_protocol(model, protocol, settings, folder / f"{k}.run.sqlite"))
@@ -198,7 +198,7 @@ def _evidence(timeline: Timeline, explanation: Explanation, warm_start: Refit) -
     """Log likelihood of the record with an imagined run, strengths and density fitted again."""
     plant_model, refitted = joint_density(timeline, explanation.plant_model, warm_start)
     parameter_fit = fit_parameters(
-        plant_model.planted, timeline, plant_model, refitted, plant_model.hysteresis
+        plant_model.catalogue_effects, timeline, plant_model, refitted, plant_model.hysteresis
     )
     return joint_density(timeline, parameter_fit.extended, refitted)[1].log_evidence
 

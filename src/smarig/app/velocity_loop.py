@@ -66,8 +66,8 @@ def velocity_factory(
     ``lead_in_s``: how much of the reference leads to its first position, for the record.
     """
     units = Units(model.unit, model.input.unit)
-    (proved,) = certificate(model.hysteresis, {controller: numbers}, units).controllers
-    assessment = RigAssessment(proved, setup, FILTER_TICKS * setup.period_s)
+    (result,) = certificate(model.hysteresis, {controller: numbers}, units).controllers
+    assessment = RigAssessment(result, setup, FILTER_TICKS * setup.period_s)
     law = find(VELOCITY, controller)(**numbers)
     return lambda _: velocity_tracking(
         setup,

@@ -59,7 +59,7 @@ UNKNOWN = Units()
 def with_unit(value: float, unit: str = "", digits: int = 4) -> str:
     """A number with its unit, where that is known.
 
-    >>> said(-0.25, "mm·K"), said(1e6), said(2.0)
+    >>> with_unit(-0.25, "mm·K"), with_unit(1e6), with_unit(2.0)
     ('-0.25 mm·K', '1e+06', '2')
     """
     return f"{value:.{digits}g} {unit}".rstrip()

@@ -14,30 +14,30 @@ from smarig.protocols._setup import Setup
 class RigAssessment:
     """What is proved of one velocity controller with one model, and what a rig with a velocity filter makes of it."""
 
-    proved: ControllerResult
+    result: ControllerResult
     setup: Setup
     filter_s: float
 
     def hypotheses(self, clipped_share: float | None) -> tuple[Hypothesis, ...]:
         """Of Thm 8.2, then what the rig adds; ``clipped_share``: of the samples, None before it is measured."""
-        return (*self.proved.stability.hypotheses, *self._rig_hypotheses(clipped_share))
+        return (*self.result.stability.hypotheses, *self._rig_hypotheses(clipped_share))
 
     def to_json(self, clipped_share: float | None = None) -> dict[str, Any]:
         """For a mark in the record, plain values; k_e is None where Thm 8.2 does not cover model and controller."""
-        units = self.proved.stability.units
+        units = self.result.stability.units
         return {
-            "k_e": self.proved.k_e,
-            "coverage": self.proved.coverage,
+            "k_e": self.result.k_e,
+            "coverage": self.result.coverage,
             "units": {"gain": units.gain, "k_e": k_e_units(units)},
             "hypotheses": [asdict(h) for h in self.hypotheses(clipped_share)],
         }
 
     def _rig_hypotheses(self, clipped_share: float | None) -> tuple[Hypothesis, ...]:
-        setup, stability = self.setup, self.proved.stability
+        setup, stability = self.setup, self.result.stability
         delta = with_unit(stability.delta, stability.units.gain)
         return (
             self._supply_rate(),
-            _input_as_asked_for(setup, clipped_share),
+            _input_as_commanded(setup, clipped_share),
             Hypothesis(
                 "no delay",
                 False,
@@ -54,7 +54,7 @@ class RigAssessment:
 
     def _supply_rate(self) -> Hypothesis:
         """Passivity from the temperature that the current asks for: it needs Assumption 2.1 of the model."""
-        follows = next(h for h in self.proved.stability.hypotheses if h.name == "output follows input")
+        follows = next(h for h in self.result.stability.hypotheses if h.name == "output follows input")
         lag = f"a current sets where the wire would settle, not where it is (τ = {self.setup.tau_s:.3g} s)"
         if follows.holds:
             why = "but the wire moves towards it and the output with the wire, which only adds to the supplied energy"
@@ -63,7 +63,7 @@ class RigAssessment:
         return Hypothesis("supply rate at the current", follows.holds, f"{lag}, {why}")
 
 
-def _input_as_asked_for(setup: Setup, clipped_share: float | None) -> Hypothesis:
+def _input_as_commanded(setup: Setup, clipped_share: float | None) -> Hypothesis:
     low, high = setup.lower_K, setup.upper_K
     one_sided = ", cooling no faster than the wire cools by itself" if low >= 0 else ""
     limits = f"the limits ({low:.4g} … {high:.4g} K{one_sided})"

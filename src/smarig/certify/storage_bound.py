@@ -38,8 +38,8 @@ def storage_bound(analysis: HysteresisAnalysis, state: State) -> StorageBound:
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> from smarig.preisach.operator import Preisach
     >>> wire = Preisach(surface("one_e"))
-    >>> stored = storage(Examined.of(wire.hysteresis), wire.state)
-    >>> stored.energy, stored.ground, stored.proved
+    >>> stored = storage_bound(HysteresisAnalysis.of(wire.hysteresis), wire.state)
+    >>> stored.energy, stored.basis, stored.proven
     (0.0, 'recoverable', True)
     """
     sign, unit = _sign(analysis), analysis.units.energy

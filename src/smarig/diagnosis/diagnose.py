@@ -85,8 +85,8 @@ class Diagnosis(NotebookDisplay):
     @property
     def best(self) -> ParameterFit | None:
         """The best explanation, where one is needed."""
-        said = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
-        return self.levels[-1].best if self.levels and said else None
+        has_explanation = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
+        return self.levels[-1].best if self.levels and has_explanation else None
 
     @property
     def left(self) -> str | None:
@@ -148,20 +148,22 @@ class Diagnosis(NotebookDisplay):
         }
 
     def __repr__(self) -> str:
-        said = " + ".join(str(p) for p in self.best.effects) if self.best else self.verdict.depends_on or ""
-        return f"Diagnosis({self.verdict.word}{': ' if said else ''}{said})"
+        finding = (
+            " + ".join(str(p) for p in self.best.effects) if self.best else self.verdict.depends_on or ""
+        )
+        return f"Diagnosis({self.verdict.word}{': ' if finding else ''}{finding})"
 
 
-def _effect_json(planted: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:
-    kind: EffectType = planted.kind
+def _effect_json(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:
+    kind: EffectType = effect.kind
     fitted = {q: s for (name, q), s in best.spread.items() if name == kind.name}
     return {
         "name": kind.name,
         "probability": verdict.probability(kind.name),
         "parameters": {
             p.name: {
-                "value": planted.values[p.name],
-                "ci95": _interval(planted.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
+                "value": effect.values[p.name],
+                "ci95": _interval(effect.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
                 "unit": p.unit,
             }
             for p in kind.parameters
@@ -310,9 +312,9 @@ def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdic
     """The original model with the density identified beside the effects, and with them."""
     return replace(
         original,
-        name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.planted)}",
+        name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.catalogue_effects)}",
         hysteresis=plant_model.hysteresis,
-        effects=tuple(e.to_json() for e in plant_model.planted),
+        effects=tuple(e.to_json() for e in plant_model.catalogue_effects),
         parameters=(),
         covariance=np.empty((0, 0)),
         intervals={},

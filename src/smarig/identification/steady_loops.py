@@ -92,7 +92,7 @@ def steady_loops(run: Run, *, smallest: float = 0.2) -> list[SteadyLoop]:
     loops: list[SteadyLoop] = []
     for number, u, y in _numbered_parts(run):
         turns = turning_points(u, smallest * float(np.ptp(u))) if u.size > 2 else []
-        found_loops = _closed_loops(u, turns) or _loop_begun_midway(u, turns)
+        found_loops = _closed_loops(u, turns) or _loop_from_mid_branch(u, turns)
         for branches in found_loops:
             own = number if number is not None and len(found_loops) == 1 else len(loops)
             loops.append(_loop(own, u, y, branches))
@@ -141,7 +141,7 @@ def _closed_loops(u: Array, turns: list[int]) -> list[_LoopBranches]:
     return found_loops
 
 
-def _loop_begun_midway(u: Array, turns: list[int]) -> list[_LoopBranches]:
+def _loop_from_mid_branch(u: Array, turns: list[int]) -> list[_LoopBranches]:
     """One swing whose record begins and ends at the same input on one branch: the end goes on at the beginning."""
     if len(turns) != 4:
         return []

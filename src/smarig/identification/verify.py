@@ -64,7 +64,7 @@ class RunVerification:
     input: Array
     measured: Array
     predicted: Array
-    judged: NDArray[np.bool_]
+    counted: NDArray[np.bool_]
     warnings: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
@@ -114,11 +114,11 @@ def verify(
     selected = _selected_points(several, select)
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
-    judged = [
+    counted = [
         _verified(model, run, p, c, select, offset, missing)
         for run, p, c in zip(several, predictions, selected)
     ]
-    return Verification(model.name, model.unit, tuple(judged))
+    return Verification(model.name, model.unit, tuple(counted))
 
 
 def _selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
@@ -165,7 +165,7 @@ def _verified(
         input=inputs,
         measured=measured,
         predicted=predicted + shift,
-        judged=counts,
+        counted=counts,
         warnings=(*_validity_warnings(model, run), *_warnings(model, early, outside, kind, missing)),
     )
 
@@ -208,11 +208,11 @@ def known_offset(model: Model, run: Run) -> float | None:
     mine = provenance(run)
     for made_from in model.provenance:
         same_file = mine.sha256 and mine.sha256 == made_from.sha256
-        same_sitting = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
+        same_session = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
             made_from.start_epoch,
             made_from.encoder_zero,
         )
-        if same_file or same_sitting:
+        if same_file or same_session:
             return 0.0
     if mine.protocol == FORC_PROTOCOL:
         return 0.0

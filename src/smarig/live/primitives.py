@@ -119,7 +119,7 @@ class StateLegend:
 
 
 @dataclass(frozen=True)
-class LogLines:
+class TextLog:
     """Lines of text with their levels (info, warning, error)."""
 
     path: str
@@ -147,7 +147,7 @@ Primitive = (
     | SolidBody
     | StateLane
     | StateLegend
-    | LogLines
+    | TextLog
     | TextPage
 )
 

@@ -189,7 +189,7 @@ class RerunOutput:
         self._always(primitive.path, rr.StateConfiguration(values=list(primitive.colours), colors=hues))
 
     @_draw.register
-    def _(self, primitive: m.LogLines) -> None:
+    def _(self, primitive: m.TextLog) -> None:
         levels = [_LEVELS.get(level, "INFO") for level in primitive.levels]
         self._columns(
             primitive.path, primitive.times_s, rr.TextLog.columns(text=list(primitive.texts), level=levels)

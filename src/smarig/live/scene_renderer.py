@@ -18,12 +18,12 @@ from smarig.live.plot_axes import Axis, Plot
 from smarig.live.preisach_plane import boundary, density, density_image
 from smarig.live.primitives import (
     Array,
-    LogLines,
     Pixels,
     Points,
     Polylines,
     Primitive,
     SeriesLegend,
+    TextLog,
     TextPage,
     TimeSeries,
     Transform,
@@ -165,7 +165,7 @@ class SceneRenderer:
                 predictor.invalidate()
             first = _time_of(items[0])
             text = f"{lost} items were too many for the viewer and are not shown; the record has them all."
-            primitives.append(LogLines("log", np.array([first]), (text,), ("warning",)))
+            primitives.append(TextLog("log", np.array([first]), (text,), ("warning",)))
         run: list[SampleItem] = []
         for item in items:
             if isinstance(item, SampleItem):
@@ -180,7 +180,7 @@ class SceneRenderer:
         if events:
             texts = tuple(f"{i.kind}: {i.text}" for i in events)
             primitives.append(
-                LogLines("log", np.array([i.t_s for i in events]), texts, tuple(i.level for i in events))
+                TextLog("log", np.array([i.t_s for i in events]), texts, tuple(i.level for i in events))
             )
         primitives += self._states.after(items)
         points = [

@@ -32,7 +32,7 @@ class PlantModel:
     signed: bool = False
 
     @property
-    def planted(self) -> tuple[Effect, ...]:
+    def catalogue_effects(self) -> tuple[Effect, ...]:
         """Its effects that are in the catalogue."""
         return tuple(e for e in self.effects if isinstance(e, Effect))
 

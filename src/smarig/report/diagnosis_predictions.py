@@ -31,20 +31,20 @@ class DiagnosisPredictions:
 
     @classmethod
     def of(cls, d: Diagnosis) -> "DiagnosisPredictions":
-        """Lived through once more where there is an extended model."""
+        """Predicted once more where there is an extended model."""
         after = predict(d.timeline, plant_model_of(d.model, d.timeline.runs[0])) if d.extended else None
         return cls(d, predict(d.timeline, d.base), after)
 
     @property
-    def told(self) -> tuple[tuple[Prediction, str, str], ...]:
-        """(retelling, name of its residuals, colour)."""
+    def labelled(self) -> tuple[tuple[Prediction, str, str], ...]:
+        """(prediction, name of its residuals, colour)."""
         first = (self.base, "measured − base model", INK)
         return (first, (self.extended, "measured − extended model", MODEL)) if self.extended else (first,)
 
-    def residuals(self, told: Prediction, kind: str) -> Array:
+    def residuals(self, prediction: Prediction, kind: str) -> Array:
         """Measured minus predicted (n,) of one kind of reading; its free zero removed (currents have none)."""
         timeline = self.d.timeline
-        error = readings(timeline, kind).value - told.values[kind]
+        error = readings(timeline, kind).value - prediction.values[kind]
         if kind == "current":
             return error
         zero = drive_statistics(timeline).residual_zeros(readings(timeline, kind))

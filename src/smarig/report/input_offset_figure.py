@@ -42,7 +42,8 @@ def input_offset_figure(predictions: DiagnosisPredictions) -> Figure | None:
         return None
     u, unit = display_unit(d.timeline.runs[0].input_unit), display_unit(d.timeline.unit)
     offsets = [
-        predictions.residuals(told, "settled")[steep] / slope[steep] for told, _, _ in predictions.told
+        predictions.residuals(prediction, "settled")[steep] / slope[steep]
+        for prediction, _, _ in predictions.labelled
     ]
     uncertainty = 2 * rms_noise(d, "settled")[0] / slope[steep]
     half_range = half_ranges([np.abs(offset) + uncertainty for offset in offsets], 0.0)
@@ -58,7 +59,7 @@ def input_offset_figure(predictions: DiagnosisPredictions) -> Figure | None:
         )
         for name in names
         if name != "rate"
-        for offset, own_half_range, (_, label, colour) in zip(offsets, half_range, predictions.told)
+        for offset, own_half_range, (_, label, colour) in zip(offsets, half_range, predictions.labelled)
     ]
     sizes = " → ".join(number(rms(offset)) for offset in offsets)
     return Figure(

@@ -193,14 +193,14 @@ def _regulation_table(loops: Sequence[ComparedRegulation]) -> Html:
 def _regulation_row(each: ComparedRegulation, least: float | None) -> tuple[Any, ...]:
     result, count = each.result, each.count
     area = result.setpoint_data.get("area_K2")
-    foretold = number(100 * result.setpoint_data["predicted_distance_K2"] / area) if area else _MISSING
+    predicted_share = number(100 * result.setpoint_data["predicted_distance_K2"] / area) if area else _MISSING
     reached = number(100 * result.distance_K2 / area) if area and result.distance_K2 is not None else _MISSING
     error, most, end = result.output_error, result.transient, result.end
     return (
         coloured_name(each.k, each.name),
         result.setpoint_data["start"],
         number(result.setpoint_data["setpoint"], 4),
-        foretold,
+        predicted_share,
         reached,
         _MISSING if error is None else signed(zero_below_resolution(error, count)),
         number(most),

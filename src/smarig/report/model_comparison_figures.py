@@ -19,27 +19,27 @@ from smarig.report.style import COMPARED, GREY, INK, SYMBOLS
 _MOST_MARKS = 400
 
 
-def residuals_figure(name: str, run: Run, judged: Mapping[str, RunVerification]) -> Figure:
+def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerification]) -> Figure:
     """A run as measured and as each model says; then model minus measured in order and against the input."""
-    one = next(iter(judged.values()))
+    one = next(iter(verifications.values()))
     order = np.arange(one.input.size, dtype=float) + 1
     thin = slice(None, None, -(-order.size // _MOST_MARKS))
     data: list[Trace] = [line(order[thin], one.measured[thin], "measured", INK, width=1.2)]
-    for k, (model, each) in enumerate(judged.items()):
+    for k, (model, each) in enumerate(verifications.items()):
         data.append(dots(order[thin], each.predicted[thin], model, COMPARED[k], symbol=SYMBOLS[k], size=7))
     x_title = "Settled point, in order of measurement"
     first = {"xaxis": axis(x_title), "yaxis": axis(output_title(run))}
     unit, floor = display_unit(run.unit), one.noise_floor
     sizes = "; ".join(
-        f"{m}: rms {number(e.settled.rms)} {unit}, n = {e.settled.n}" for m, e in judged.items()
+        f"{m}: rms {number(e.settled.rms)} {unit}, n = {e.settled.n}" for m, e in verifications.items()
     )
-    fitted = {m: e.offset for m, e in judged.items() if e.offset_kind == "fitted"}
+    fitted = {m: e.offset for m, e in verifications.items() if e.offset_kind == "fitted"}
     zero = ", ".join(f"{m} {number(offset)} {unit}" for m, offset in fitted.items())
     return Figure(
         [
             Panel(data, first, 380, wide=True),
-            _residual_panel(judged, order, x_title, unit, floor),
-            _residual_panel(judged, one.input, input_title(run), unit, floor),
+            _residual_panel(verifications, order, x_title, unit, floor),
+            _residual_panel(verifications, one.input, input_title(run), unit, floor),
         ],
         f"{name} as each model tells it.",
         [
@@ -59,13 +59,13 @@ def residuals_figure(name: str, run: Run, judged: Mapping[str, RunVerification])
 
 
 def _residual_panel(
-    judged: Mapping[str, RunVerification], x: np.ndarray, title: str, unit: str, floor: float | None
+    verifications: Mapping[str, RunVerification], x: np.ndarray, title: str, unit: str, floor: float | None
 ) -> Panel:
     low, high = float(np.min(x)), float(np.max(x))
     data: list[Trace] = [noise_band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
     data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
-    for k, (model, each) in enumerate(judged.items()):
-        error = np.where(each.judged, each.predicted - each.measured, np.nan)
+    for k, (model, each) in enumerate(verifications.items()):
+        error = np.where(each.counted, each.predicted - each.measured, np.nan)
         data.append(dots(x, error, model, COMPARED[k], symbol=SYMBOLS[k], size=6))
     return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Model − measured ({unit})")}, 360)
 

@@ -76,10 +76,10 @@ def _model_figure(thing: Model, model: Model | None = None) -> go.Figure:
 def _diagnosis_figure(thing: Diagnosis, model: Model | None = None) -> go.Figure:
     del model
     predictions = DiagnosisPredictions.of(thing)
-    before, *after = residual_figure(predictions).panels[: len(predictions.told)]
+    before, *after = residual_figure(predictions).panels[: len(predictions.labelled)]
     data = [
         *before.data,
-        *(trace for panel in after for trace in panel.data if trace["name"] == predictions.told[1][1]),
+        *(trace for panel in after for trace in panel.data if trace["name"] == predictions.labelled[1][1]),
     ]
     words = f"What the model misses: {thing.verdict.word.replace('_', ' ')}"
     return _figure(Panel(data, before.layout), words, source_label(*thing.timeline.runs))
@@ -112,11 +112,11 @@ def display_html(thing: Any) -> str:
 
 @display_html.register
 def _run_html(thing: Run) -> str:
-    told = summary_of(thing)
-    rows = [f"{told.size}; {told.settled} of {told.steps} steps settled", f"Ended: {told.cause}"]
-    rows += [f"{told.flagged} steps and samples are marked"] if told.flagged else []
-    title = f"{capitalised(told.protocol)} on {told.rig or 'no named rig'}"
-    return _drawing_with_text(told.drawing() if told.u.size else Html(""), title, told.label, rows)
+    summary = summary_of(thing)
+    rows = [f"{summary.size}; {summary.settled} of {summary.steps} steps settled", f"Ended: {summary.cause}"]
+    rows += [f"{summary.flagged} steps and samples are marked"] if summary.flagged else []
+    title = f"{capitalised(summary.protocol)} on {summary.rig or 'no named rig'}"
+    return _drawing_with_text(summary.drawing() if summary.u.size else Html(""), title, summary.label, rows)
 
 
 @display_html.register

@@ -82,7 +82,7 @@ def _residual_channel_figure(
     own, whole = rms_noise(d, kind)
     r = readings(d.timeline, kind)
     unit = display_unit(r.unit)
-    errors = [predictions.residuals(told, kind) for told, _, _ in predictions.told]
+    errors = [predictions.residuals(prediction, kind) for prediction, _, _ in predictions.labelled]
     half_range = half_ranges(errors, 2 * whole)
     panels = [
         _residual_panel(
@@ -95,7 +95,7 @@ def _residual_channel_figure(
             symmetric_layout(f"Measured − model ({unit})", own_half_range, half_range),
         )
         for name in names
-        for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.told)
+        for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.labelled)
     ]
     zero = "" if kind == "current" else ", less its mean (the zero is free)"
     fluctuation_text = (

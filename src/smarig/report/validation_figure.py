@@ -10,16 +10,16 @@ from smarig.report.run_description import input_title, output_title, run_caption
 from smarig.report.style import BAD, GREY, INK, surface_colour
 
 
-def validation_figure(judged: RunVerification, run: Run, surface: str) -> Figure:
+def validation_figure(verification: RunVerification, run: Run, surface: str) -> Figure:
     """Measured and model in order of time; the residual against time and against the input."""
-    order = np.arange(judged.input.size, dtype=float)
+    order = np.arange(verification.input.size, dtype=float)
     t, t_title = _times(run, order)
     colour = surface_colour(surface)
     data: list[Trace] = [
-        line(t, judged.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
+        line(t, verification.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
         dots(
             t,
-            judged.predicted,
+            verification.predicted,
             f"{surface} model",
             colour,
             symbol="circle-open",
@@ -28,19 +28,20 @@ def validation_figure(judged: RunVerification, run: Run, surface: str) -> Figure
         ),
     ]
     first = {"xaxis": axis(t_title), "yaxis": axis(output_title(run))}
-    error = np.where(judged.judged, judged.predicted - judged.measured, np.nan)
-    by_time = _residual(t, error, judged, run, t_title)
-    by_input = _residual(judged.input, error, judged, run, input_title(run))
-    e, unit = judged.settled, run.unit
+    error = np.where(verification.counted, verification.predicted - verification.measured, np.nan)
+    by_time = _residual(t, error, verification, run, t_title)
+    by_input = _residual(verification.input, error, verification, run, input_title(run))
+    e, unit = verification.settled, run.unit
     floor = (
-        f"; noise floor {judged.noise_floor:.2g} {unit} (band: ± 2 σ)"
-        if judged.noise_floor
+        f"; noise floor {verification.noise_floor:.2g} {unit} (band: ± 2 σ)"
+        if verification.noise_floor
         else "; noise floor unknown"
     )
     zero = (
         "The encoder's zero is that of the training runs: nothing was fitted to this run."
-        if judged.offset_kind == "known"
-        else f"One additive offset ({judged.offset:.3g} {unit}) was fitted, because the encoder's zero is not known."
+        if verification.offset_kind == "known"
+        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted, because the encoder's zero is not "
+        "known."
     )
     return Figure(
         [Panel(data, first, 380, wide=True), by_time, by_input],
@@ -64,11 +65,13 @@ def _times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
     return (np.array(ends, dtype=float) - begin) / 60, "Time since the run began (min)"
 
 
-def _residual(x: np.ndarray, error: np.ndarray, judged: RunVerification, run: Run, title: str) -> Panel:
+def _residual(x: np.ndarray, error: np.ndarray, verification: RunVerification, run: Run, title: str) -> Panel:
     data: list[Trace] = []
-    if judged.noise_floor:
+    if verification.noise_floor:
         data.append(
-            noise_band(float(np.min(x)), float(np.max(x)), 2 * judged.noise_floor, "± 2 σ of the noise floor")
+            noise_band(
+                float(np.min(x)), float(np.max(x)), 2 * verification.noise_floor, "± 2 σ of the noise floor"
+            )
         )
     data.append(line([np.min(x), np.max(x)], [0, 0], "zero", GREY, width=1, showlegend=False))
     late = np.array([step.verdict != "settled" for step in run.settled])

@@ -34,7 +34,7 @@ STOP_TIMEOUT_S = 10.0  # to end
 LOCK_STEP_S = (
     5.0  # that devices of our own may take for a reply, where none is lost: a busy machine keeps them waiting
 )
-GONE_AFTER_S = (
+HOST_TIMEOUT_S = (
     60.0  # that they wait for us, who may be kept waiting too; that we have ended they notice at once
 )
 
@@ -122,14 +122,14 @@ def _started_simulator(
         raise UsageError(
             "Simulated devices follow the rig file; another state or no noise is for the twin in process."
         )
-    planted = [effect for effect in settings.effects if isinstance(effect, Effect)]
-    if len(planted) < len(settings.effects) or any(e.kind.name not in names(PACKAGE) for e in planted):
+    with_type = [effect for effect in settings.effects if isinstance(effect, Effect)]
+    if len(with_type) < len(settings.effects) or any(e.kind.name not in names(PACKAGE) for e in with_type):
         raise UsageError("Simulated devices know effects of the catalogue only.")
     if links.amplifier.framing != links.encoder_daq.framing:
         raise UsageError("Simulated devices speak one framing; give both links the same.")
-    pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(GONE_AFTER_S)]
-    patience_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
-    effects = [word for pair in to_arguments(planted) for word in ("--effect", pair)]
+    pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
+    min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
+    effects = [word for pair in to_arguments(with_type) for word in ("--effect", pair)]
     files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
     extra = [word for option, path in files.items() if path for word in (option, path)]
     command = [sys.executable, "-m", "simulators", "--rig", rig, "--framing", links.amplifier.framing]
@@ -146,16 +146,16 @@ def _started_simulator(
     try:
         urls = _ready(process)
         yield LinksFile(
-            amplifier=_with_url(links.amplifier, urls["amplifier"]["url"], patience_s),
-            encoder_daq=_with_url(links.encoder_daq, urls["encoder_daq"]["url"], patience_s),
+            amplifier=_with_url(links.amplifier, urls["amplifier"]["url"], min_timeout_s),
+            encoder_daq=_with_url(links.encoder_daq, urls["encoder_daq"]["url"], min_timeout_s),
         )
     finally:
         _stop_process(process, keep_until_lease=bool(how.trace))
         folder.cleanup()
 
 
-def _with_url(link: LinkFile, url: str, patience_s: float) -> LinkFile:
-    return link.model_copy(update={"url": url, "timeout_s": max(link.timeout_s, patience_s)})
+def _with_url(link: LinkFile, url: str, min_timeout_s: float) -> LinkFile:
+    return link.model_copy(update={"url": url, "timeout_s": max(link.timeout_s, min_timeout_s)})
 
 
 def _ready(process: subprocess.Popen) -> dict:

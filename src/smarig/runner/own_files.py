@@ -24,12 +24,12 @@ def used_own_files(
     protocol: str, effects: Iterable[Any], file: RigFile, controller: str = ""
 ) -> list[dict[str, str]]:
     """The own files of a run: kind, name, path, hash and text of each; none for what ships."""
-    planted = [e.kind.name for e in effects if isinstance(e, Effect)]
+    with_type = [e.kind.name for e in effects if isinstance(e, Effect)]
     drivers = own_drivers(file)
     used = {
         PROTOCOLS: {protocol},
         TRACKING: {controller},
-        EFFECTS: set(planted),
+        EFFECTS: set(with_type),
         DRIVERS: {name for name, f in own(DRIVERS).items() if str(f.place) in drivers},
     }
     return [

@@ -66,12 +66,12 @@ def launch_args(
 ) -> dict:
     """What `smarig resume` builds the same run from: rig file, its wire, the twin's effects, settings as given."""
     path = Path(rig)
-    planted = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in names(PACKAGE)]
+    with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in names(PACKAGE)]
     return {
         "rig": str(path.resolve()) if path.is_file() else rig,
         "rig_wire": wire,
         "speed": speed,
-        "effects": to_pairs(planted) if len(planted) == len(twin.effects) else None,
+        "effects": to_pairs(with_type) if len(with_type) == len(twin.effects) else None,
         "noise": twin.noise,
         "settings": json.loads(json.dumps(dict(settings), default=_to_json)),
     }

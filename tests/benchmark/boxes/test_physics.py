@@ -15,7 +15,7 @@ from benchmarks.boxes.box_session import (
     simulate_on_grid,
     simulate_on_new_grid,
 )
-from benchmarks.boxes.heat import HeatBalance
+from benchmarks.boxes.heat import WireTemperatures
 from benchmarks.boxes.hold_plan import PlannedHold
 from benchmarks.boxes.output_effects import position, sensor_output
 from benchmarks.boxes.relays import Relays
@@ -214,7 +214,7 @@ def test_convection_keeps_the_steady_temperatures_of_its_law():
 
 def test_convection_cools_by_a_power_law():
     """dT/dt = −T (T/T_ref)ⁿ/τ has the solution T = (T₀⁻ⁿ + n t/(τ T_refⁿ))^(−1/n)."""
-    heat, n = HeatBalance(170.0, 0.3), 0.3
+    heat, n = WireTemperatures(170.0, 0.3), 0.3
     heat.wire_K[0] = 100.0
     for _ in range(20):
         heat.step((0.0, 0.0), 0.5, 5.0)

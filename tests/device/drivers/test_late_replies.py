@@ -353,8 +353,8 @@ def test_a_late_zero_does_not_say_that_a_supply_is_off():
         with pytest.raises(Silent):
             line.number("MEAS:CURR?")
         supply.stuck = True
-        line.say("OUTP ON")
-        line.say("OUTP OFF")
+        line.write("OUTP ON")
+        line.write("OUTP OFF")
         assert line.number("OUTP?") == 1
         assert supply.heard[-2:] == ["*IDN?", "OUTP?"]
     finally:

@@ -27,11 +27,11 @@ _PACKAGES = {
 _DEVICES = {"CON", "PRN", "AUX", "NUL", *(f"{port}{k}" for port in ("COM", "LPT") for k in range(10))}
 _NEXT_STEP = {
     "rig": "smarig check {file}",
-    "actuator": 'name it in a rig file beside it: actuator = "./{beside}"',
+    "actuator": 'name it in a rig file in the same folder: actuator = "./{file_name}"',
     "protocol": "smarig run {file} --rig one_wire_twin -o {name}.run.sqlite",
     "controller": "smarig track MODEL --reference ramps --controller {file} --rig one_wire_twin -o {name}.run.sqlite",
     "effect": "smarig run validation --rig one_wire_twin --effect {file} -o {name}.run.sqlite",
-    "driver": 'name it in a rig file beside it: driver = "./{beside}"',
+    "driver": 'name it in a rig file in the same folder: driver = "./{file_name}"',
     "campaign": "smarig run {file} --rig one_wire_twin --dry-run",
 }
 
@@ -60,7 +60,7 @@ def command(kind: str, name: str, out: Path | None) -> None:
     with atomic_file(file, force=False) as part:
         part.write_text(text, encoding="utf-8")
     shown = str(file) if file.is_absolute() else f"./{file}"
-    next_step = _NEXT_STEP[kind].format(file=shown, beside=file.name, name=name)
+    next_step = _NEXT_STEP[kind].format(file=shown, file_name=file.name, name=name)
     emit(
         {"kind": kind, "name": name, "file": str(file), "next": next_step},
         f"{shown} is written. Next: {next_step}",

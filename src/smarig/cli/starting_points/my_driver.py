@@ -45,7 +45,7 @@ class Source:
     def __init__(self, where: LinkFile, voltage_V: float) -> None:
         self.where, self._voltage_V = where.url, voltage_V
         self._line = TextLine(where.url, where.baud, where.timeout_s, who="*IDN?")
-        self._line.say("OUTP OFF")  # before anything else: a host that was killed may have left it on
+        self._line.write("OUTP OFF")  # before anything else: a host that was killed may have left it on
         self.identity = self._line.identify()
         if self.identity.count(",") < 2:
             raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
@@ -56,12 +56,12 @@ class Source:
         shutdown_unconfirmed = self.off()
         if shutdown_unconfirmed:
             raise Silent(shutdown_unconfirmed)
-        self._line.say(f"VOLT {self._voltage_V:.3f}")
+        self._line.write(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> int | None:
         """A current from now on. Returns the last tick before it, None where the instrument counts none."""
-        self._line.say(f"CURR {current_A:.6f}")
-        self._line.say("OUTP ON")
+        self._line.write(f"CURR {current_A:.6f}")
+        self._line.write("OUTP ON")
         taken = self._line.number("CURR?")
         if not abs(taken - current_A) <= 2e-3:  # true for nan, too
             self.off()
@@ -81,8 +81,8 @@ class Source:
     def off(self) -> str:
         """Current to zero, and asked whether it is. Never raises; "", or a sentence where it could not be told."""
         with contextlib.suppress(Silent, Garbled):
-            self._line.say("CURR 0")
-            self._line.say("OUTP OFF")
+            self._line.write("CURR 0")
+            self._line.write("OUTP OFF")
             if self._line.number("OUTP?") == 0:
                 return ""
         return f"The source at {self.where} does not say that it is off: switch it off by hand, now."

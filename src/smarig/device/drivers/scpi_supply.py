@@ -35,7 +35,7 @@ class ScpiSupply:
         self.tripped = ""
         self.has_lease = False
         self._voltage_V = voltage_V
-        self._line.say("OUTP OFF")  # first of all: a host that was killed may have left it on
+        self._line.write("OUTP OFF")  # first of all: a host that was killed may have left it on
         self.identity = self._line.identify()
         if self.identity.count(",") < 2:
             raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
@@ -46,12 +46,12 @@ class ScpiSupply:
         shutdown_unconfirmed = self.off()
         if shutdown_unconfirmed:
             raise Silent(shutdown_unconfirmed)
-        self._line.say(f"VOLT {self._voltage_V:.3f}")
+        self._line.write(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> None:
         """Set and switched on; what it took is read back."""
-        self._line.say(f"CURR {current_A:.6f}")
-        self._line.say("OUTP ON")
+        self._line.write(f"CURR {current_A:.6f}")
+        self._line.write("OUTP ON")
         taken = self._line.number("CURR?")
         if not abs(taken - current_A) <= 2e-3:
             self.off()
@@ -72,8 +72,8 @@ class ScpiSupply:
     def off(self) -> str:
         """Zero, then off, and asked whether it is. Without a lease, nobody else does it."""
         try:
-            self._line.say("CURR 0")
-            self._line.say("OUTP OFF")
+            self._line.write("CURR 0")
+            self._line.write("OUTP OFF")
             if self._line.number("OUTP?") == 0:
                 return ""
         except (Silent, Garbled):

@@ -36,7 +36,7 @@ class TextLine:
 
     def identify(self) -> str:
         """What it says of itself; numbers before it were asked for by another process."""
-        self.say(self._who)
+        self.write(self._who)
         for _ in range(LATE_LINES):
             answer = self._answer(self._who)
             if math.isnan(_number(answer)):
@@ -44,7 +44,7 @@ class TextLine:
                 return answer
         raise Garbled(f"{self.where} answers numbers to {self._who}. {Garbled.remedy}")
 
-    def say(self, text: str) -> None:
+    def write(self, text: str) -> None:
         """A line that is not answered."""
         try:
             self._port.write(f"{text}\n".encode())
@@ -56,7 +56,7 @@ class TextLine:
         if self._late or self._unasked():
             self._resynchronise()
         self._late = True
-        self.say(question)
+        self.write(question)
         for _ in range(LATE_LINES):
             answer = self._answer(question)
             if answer != self.identity:
@@ -81,7 +81,7 @@ class TextLine:
         """Ask who it is until every such question is answered, or lost for sure."""
         self._late = True
         for _ in range(TRIES):
-            self.say(self._who)
+            self.write(self._who)
             self._identities += 1
             heard = 0
             while self._identities and (line := self._line(QUIET)):

@@ -93,7 +93,7 @@ def critique(
     noise as there is when anything may be wrong.
     """
     prediction = predict(timeline, plant_model)
-    present = {effect.kind.name for effect in plant_model.planted}
+    present = {effect.kind.name for effect in plant_model.catalogue_effects}
     effect_types = [kind for kind in effect_types if kind.name not in present]
     slope = (
         np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)])

@@ -164,11 +164,11 @@ def _model_masses(triangle: Triangle, hysteresis: Everett) -> Array:
     return mass / (mass.sum() or 1.0)
 
 
-def _even_scale(nodes: Array, felt: Array, output: Array) -> Array:
+def _even_scale(nodes: Array, inputs: Array, output: Array) -> Array:
     """Nodes on a scale [0, 1]: half by input, half by how much of all motion lies below, smoothly."""
     lower, upper = nodes[0], nodes[-1]
     edges = np.linspace(lower, upper, 41)
-    middle, change = np.clip((felt[1:] + felt[:-1]) / 2, lower, upper), np.abs(np.diff(output))
+    middle, change = np.clip((inputs[1:] + inputs[:-1]) / 2, lower, upper), np.abs(np.diff(output))
     below = np.concatenate([[0.0], np.cumsum(np.histogram(middle, edges, weights=change)[0])])
     knots = np.linspace(lower, upper, KNOTS)
     share = np.interp(knots, edges, below / below[-1]) if below[-1] else np.linspace(0, 1, KNOTS)

@@ -51,7 +51,7 @@ def doubled_strength_start(
     A density hides most of what a weak effect does, so a fit beside the wrong one begins too low.
     """
     while True:
-        *attempts, last = plant_model.planted
+        *attempts, last = plant_model.catalogue_effects
         primary, strength = last.kind.primary, 2 * last.strength
         if not (primary.lower <= strength <= primary.upper and strength):
             return plant_model, refitted
@@ -73,14 +73,16 @@ def fit_explanation(
     overstep = OVERSTEP
     for _ in range(rounds):
         parameter_fit = fit_parameters(
-            plant_model.planted, timeline, plant_model, refitted, plant_model.hysteresis
+            plant_model.catalogue_effects, timeline, plant_model, refitted, plant_model.hysteresis
         )
         if parameter_fit.moved < MIN_MOVE_SD:
             break
         attempts = [
             joint_density_from_best_start(
                 timeline,
-                replace(plant_model, effects=parameter_fit.extrapolated(plant_model.planted, factor)),
+                replace(
+                    plant_model, effects=parameter_fit.extrapolated(plant_model.catalogue_effects, factor)
+                ),
                 original,
                 refitted,
             )
@@ -91,7 +93,7 @@ def fit_explanation(
             break
         overstep = OVERSTEP_GROWTH * overstep if attempt is attempts[1][0] else OVERSTEP
         plant_model, refitted = attempt, refitted_again
-    return Explanation(plant_model.planted, plant_model, refitted)
+    return Explanation(plant_model.catalogue_effects, plant_model, refitted)
 
 
 def with_strengths_maximised(
@@ -128,7 +130,7 @@ def _with_strength(
     effects[k] = effects[k].at(strength)
     plant_model = replace(found.plant_model, effects=tuple(effects))
     plant_model, refitted = joint_density_from_best_start(timeline, plant_model, original, found.refitted)
-    return refitted.log_evidence, Explanation(plant_model.planted, plant_model, refitted)
+    return refitted.log_evidence, Explanation(plant_model.catalogue_effects, plant_model, refitted)
 
 
 def evidence_without_one(timeline: Timeline, best: Explanation, warm_start: Refit) -> float:

@@ -150,8 +150,8 @@ class _FreeParameters:
         )
 
 
-def _is_free(planted: Effect, parameter: Parameter) -> bool:
-    return parameter is planted.kind.primary or len(parameter.tries) > 1
+def _is_free(effect: Effect, parameter: Parameter) -> bool:
+    return parameter is effect.kind.primary or len(parameter.tries) > 1
 
 
 def _levenberg_marquardt(

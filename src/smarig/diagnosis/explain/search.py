@@ -84,7 +84,7 @@ def search_explanations(
     """
     if first.silent:
         return []
-    fixed_effects = first.plant_model.planted  # is fitted again
+    fixed_effects = first.plant_model.catalogue_effects  # is fitted again
     starts: Sequence[EffectSet] = [(*fixed_effects, p) for p in _starts(first, tried)]
     levels: list[SearchLevel] = []
     current = first

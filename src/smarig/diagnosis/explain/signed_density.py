@@ -114,7 +114,7 @@ def _with_levels(
     first, evidence = base.first, base.plain.log_evidence
 
     def criticise_like_first(plant_model: PlantModel) -> Critique:
-        report_progress("with " + " and ".join(e.kind.name for e in plant_model.planted))
+        report_progress("with " + " and ".join(e.kind.name for e in plant_model.catalogue_effects))
         return criticise(plant_model, warm_start=first)
 
     if not first.silent:

@@ -152,10 +152,10 @@ def _currents(path_K: RestorePath, replayed: ReplayedProtocol, setup: Setup) -> 
 
 def _settle_rule(replayed: ReplayedProtocol) -> Settled:
     """As patient as the protocol itself."""
-    holds_asked = [
+    requested_holds = [
         c for c in (replayed.pending, *(d.command for d in reversed(replayed.done))) if isinstance(c, Hold)
     ]
-    return next((c.until for c in holds_asked if isinstance(c.until, Settled)), Settled())
+    return next((c.until for c in requested_holds if isinstance(c.until, Settled)), Settled())
 
 
 # --- the device's clock and zero -------------------------------------------------------------------------
