@@ -86,9 +86,7 @@ def _compared(
     preview_gains = tuned_numbers(
         "pi", _cost(assumed_model, "pi", wires, most_A, speed), budget, {"lead_s": PREVIEW_S}
     )
-    found["pi, told the future"] = _controller_figures(
-        assumed_model, "pi", preview_gains, wires, seeds, speed
-    )
+    found["pi with preview"] = _controller_figures(assumed_model, "pi", preview_gains, wires, seeds, speed)
     best = {name: found[name]["rms_counts"]["mean"] for name in found}
     return {"controllers": found, "gain": {name: best[name] / best["inverse"] for name in best}}
 

@@ -33,7 +33,7 @@ def _chapter(kind: EffectType) -> str:
         ("enters", plain(kind.enters)),
         ("looks like", plain(kind.looks_like)),
         ("confused with", ", ".join(f"[{n}](#{n.replace('_', '-')})" for n in kind.confused_with)),
-        ("told apart by", plain(kind.separated_by)),
+        ("distinguished by", plain(kind.separated_by)),
     ]
     docstring_text = importlib.import_module(f"smarig.plant.effects.{kind.name}").__doc__ or ""
     return "\n".join(

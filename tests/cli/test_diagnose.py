@@ -85,11 +85,11 @@ def test_it_names_what_was_planted(found):
 
 def test_unrecorded_time_between_runs_is_reported(diagnosed):
     found = diagnosed[1]
-    assert "none tells" not in found.text()
+    assert "nothing is recorded" not in found.text()
     first, *rest = found.timeline.runs
     late = [replace(run, columns=run.columns | {"t_s": run["t_s"] + 1500.0}) for run in rest]
     apart = replace(found, timeline=replace(found.timeline, runs=(first, *late)))
-    assert "Of 25 min between these runs none tells" in apart.text()
+    assert "Of 25 min between these runs nothing is recorded" in apart.text()
 
 
 def test_verify_evaluates_the_extended_model(found, session_folder, capsys):
@@ -164,7 +164,7 @@ def test_clocks_of_one_sitting_that_overlap_are_refused(session_folder, capsys):
     train = str(session_folder / "congruency.run.sqlite")
     twice = ["diagnose", str(session_folder / "wire.model.json"), "--train", train, "--train", train]
     assert cli(twice) == 4
-    assert "of one sitting" in capsys.readouterr().err
+    assert "of one session" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["wire.model.json", "congruency.run.sqlite", "validation.run.sqlite"])
@@ -233,11 +233,11 @@ def test_an_extended_model_is_verified_along_the_whole_session_or_reports_missin
 ):
     run = session_folder / "validation.run.sqlite"
     rms, warnings = verified(capsys, found["model"], run)
-    assert "earlier in the sitting" not in warnings
+    assert "earlier in the session" not in warnings
     moved = tmp_path / "moved.model.json"
     moved.write_text(
         (session_folder / "out/extended.model.json").read_text().replace(str(session_folder), "/nowhere")
     )
     astray, warnings = verified(capsys, moved, run)
-    assert "what came earlier in the sitting counts, but /nowhere/" in warnings
+    assert "what came earlier in the session counts, but /nowhere/" in warnings
     assert astray > 2 * rms

@@ -100,7 +100,7 @@ def test_gaps_cut_the_sum_and_not_the_memory(run):
     assert second.bound == passivity(surface("one_e"), [there.u], there.state).bound
     assert second.bound < -10, "a warm wire holds energy"
     assert found.within is True
-    assert "2 stretches" in found.text
+    assert "2 segments" in found.text
 
 
 def test_a_missing_input_loses_the_memory_until_saturation(run):

@@ -71,4 +71,4 @@ def test_nothing_is_proposed_where_one_explanation_is_left(left):
     """What is hardly likely is told apart already."""
     said = []
     assert propose_run(diagnosed(**left), said.append) is None
-    assert said == ["Nothing is left to be told apart."]
+    assert said == ["Nothing is left to be distinguished."]

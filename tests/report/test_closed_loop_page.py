@@ -65,7 +65,7 @@ def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     psi = page.traces("ψ(ℓ)")[0]
     drawn = np.interp(found.setpoint_data["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
     assert drawn == pytest.approx(6.0, abs=0.02)
-    for name in ("reached", "foretold", "wanted, α = 2ℓ − β"):
+    for name in ("reached", "predicted", "wanted, α = 2ℓ − β"):
         beta, alpha = (unpacked(page.traces(name)[0][axis]) for axis in ("x", "y"))
         assert np.all(np.diff(beta) >= -1e-9)
         assert np.all(np.diff(alpha) <= 1e-9)
@@ -73,7 +73,7 @@ def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     disturbance_shading = unpacked(page.traces("disturbance")[0]["x"])
     assert [disturbance_shading.min(), disturbance_shading.max()] == pytest.approx(found.disturbance_s)
     assert found.disturbance_s[0] == pytest.approx(60.0, abs=0.2)
-    assert "foretold" in page.card("Distance from B")
+    assert "predicted" in page.card("Distance from B")
     assert all("TWIN" in caption for caption in page.captions)
 
 

@@ -134,8 +134,8 @@ def test_set_points_have_their_transients_beside_each_other(runs):
         assert row["At the end (counts)"].endswith(f" ± {number(f.end.std / f.end.count, 2)}")
         assert row["Verdict"] == "rests"
     b_ell = found["diagonal"]
-    foretold = number(100 * b_ell.setpoint_data["predicted_distance_K2"] / b_ell.setpoint_data["area_K2"])
-    assert table["diagonal"]["Foretold distance from Bℓ (%)"] == foretold
+    predicted = number(100 * b_ell.setpoint_data["predicted_distance_K2"] / b_ell.setpoint_data["area_K2"])
+    assert table["diagonal"]["Predicted distance from Bℓ (%)"] == predicted
     assert table["diagonal"]["Reached (%)"] == number(
         100 * b_ell.distance_K2 / b_ell.setpoint_data["area_K2"]
     )

@@ -90,7 +90,7 @@ def characterise(
             f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."
         )
     if force and go_on:
-        raise UsageError("Runs can be replaced, or gone on with: give one of the two.")
+        raise UsageError("Runs can be replaced or resumed: give one of the two.")
     _check_folder(out, plan, force, go_on)
     runs = _run_all(rig, plan, out, seed, wire, force, listener_factory or (lambda _: nullcontext()))
     evidence = _analyse(rig, out, seed, plan, runs, started, progress or (lambda _: None))

@@ -55,7 +55,7 @@ class RunOption:
         evidences = (
             f"would name the right one with probability {self.odds:.2f}"
             if self.nats >= NEGLIGIBLE_NATS
-            else "would tell nothing"
+            else "would distinguish nothing"
         )
         return f"{self.protocol}{_settings_text(self.settings)}, {self.hours:.1f} h on the rig: {evidences}"
 
@@ -87,7 +87,7 @@ class Proposal:
         names = " or ".join(" + ".join(names) for names in self.rivals)
         b = self.best
         return (
-            f"To tell {names}: {b.protocol}{_settings_text(b.settings)}, {b.hours:.1f} h on the rig; "
+            f"To distinguish {names}: {b.protocol}{_settings_text(b.settings)}, {b.hours:.1f} h on the rig; "
             f"the right one should then be {b.nats:.0f} nats ahead (odds {b.odds:.2f})."
         )
 
@@ -107,7 +107,7 @@ class Proposal:
         return (
             f"# {self.sentence()}\n"
             'name = "separating"\n'
-            f'summary = "Tells {" or ".join(" + ".join(n) for n in self.rivals)} apart."\n\n'
+            f'summary = "Distinguishes {" or ".join(" + ".join(n) for n in self.rivals)}."\n\n'
             "[[step]]\n"
             f'protocol = "{b.protocol}"\n'
             'purpose = "train"\n' + (f"set = {{ {settings} }}\n" if settings else "")
@@ -123,7 +123,7 @@ def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None
         raise UsageError(f"Model '{result.model.name}' names no rig, so no run can be imagined on it.")
     rivals, report_progress = _rivals(result), progress or (lambda _: None)
     if len(rivals) < 2:
-        report_progress("Nothing is left to be told apart.")
+        report_progress("Nothing is left to be distinguished.")
         return None
     rig = load_rig(result.model.rig)
     options = []
@@ -138,7 +138,7 @@ def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None
             report_progress(f"imagined {k + 1} of {len(PROTOCOL_OPTIONS)}: {options[-1].sentence()}")
     if max((o.nats for o in options), default=0.0) < NEGLIGIBLE_NATS:
         report_progress(
-            f"No run that this rig can do would tell {' or '.join(' + '.join(e.names) for e in rivals)} apart."
+            f"No run that this rig can do would distinguish {' or '.join(' + '.join(e.names) for e in rivals)}."
         )
         return None
     return Proposal(_best(options), tuple(options), tuple(e.names for e in rivals))

@@ -106,7 +106,7 @@ class MeasuredPassivity:
         k = worst.worst - worst.first
         n_segments, noise = len(self.segments), with_unit(self.noise, self.output_unit, 2)
         head = "Supplied energy of the readings" + (
-            f", {n_segments} stretches without a gap" if n_segments > 1 else ""
+            f", {n_segments} segments without a gap" if n_segments > 1 else ""
         )
         return (
             f"{head}: {self._energy_at(worst, k)} at worst, at sample {worst.worst}, and "
@@ -161,9 +161,9 @@ def segment_passivity(
     """
     inputs, outputs = np.asarray(u, dtype=float), np.asarray(y, dtype=float)
     if inputs.ndim != 1 or inputs.shape != outputs.shape or not inputs.size:
-        raise DataError("A stretch needs as many readings as inputs, one at least.")
+        raise DataError("A segment needs as many readings as inputs, one at least.")
     if not (np.isfinite(inputs).all() and np.isfinite(outputs).all()):
-        raise DataError("A stretch has no gap: all its inputs and readings are finite.")
+        raise DataError("A segment has no gap: all its inputs and readings are finite.")
     supplied, spread = trapezoid(inputs, outputs), noise * noise_weight(inputs, outputs)
     if isinstance(start, str):
         return SegmentPassivity(

@@ -12,7 +12,7 @@ from smarig.runner.preview import preview
 if TYPE_CHECKING:
     from smarig.app.closed_loop import ClosedLoop
 
-NOT_RESUMABLE = "A closed loop is not gone on with: close it anew."
+NOT_RESUMABLE = "A closed loop is not resumed: close it anew."
 
 
 def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:

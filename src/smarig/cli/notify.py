@@ -17,7 +17,7 @@ notify_option: Callable = click.option(
     "--notify",
     default="",
     metavar="COMMAND",
-    help="Shell command for the end, or a trip: $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS say what happened.",
+    help="Shell command for the end, or a trip: $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
 )
 
 

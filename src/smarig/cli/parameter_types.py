@@ -82,7 +82,7 @@ own_effects = click.option(
     type=_OwnEffect(),
     expose_value=False,
     metavar="FILE.py",
-    help="An effect of your own, beside those of the catalogue; repeatable.",
+    help="An effect of your own, in addition to those of the catalogue; repeatable.",
 )
 RIG = CatalogueName("rigs")
 PROTOCOL = CatalogueName("protocols")

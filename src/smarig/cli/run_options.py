@@ -105,7 +105,7 @@ _OPTIONS = (
     ),
     click.option("--wire", default="", help="Identity of the wire, if not the rig file's."),
     click.option("--notes", default="", help="A remark kept with the run."),
-    click.option("--dry-run", is_flag=True, help="Only say what it would cost."),
+    click.option("--dry-run", is_flag=True, help="Only print what it would cost."),
     click.option("--force", is_flag=True, help="Replace existing run files."),
     click.option("--quiet", is_flag=True, help="No panel, no lines."),
 )

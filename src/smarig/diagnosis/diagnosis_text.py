@@ -49,14 +49,13 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         yield "The model as given is far from these data, whatever is hidden in them: identify it again from them."
     if d.left is not None:
         yield (
-            f"More is left beside {'it' if len(d.effects()) == 1 else 'them'} than noise leaves, and it goes with "
-            f"{d.left}: the name explains most, but sizes may be wrong by more than their intervals say."
+            f"More is left besides {'it' if len(d.effects()) == 1 else 'them'} than noise leaves, and it goes with "
+            f"{d.left}: the name explains most, but sizes may be wrong by more than their intervals state."
         )
     if d.timeline.unrecorded_gap_s > MIN_UNRECORDED_S:
         yield (
-            f"Of {d.timeline.unrecorded_gap_s / 60:.0f} min between these runs none tells: if the wire was driven "
-            "meanwhile, what "
-            "goes with time or counts cycles is judged wrongly; give every run of the sitting."
+            f"Of {d.timeline.unrecorded_gap_s / 60:.0f} min between these runs nothing is recorded: if the wire was "
+            "driven meanwhile, what goes with time or counts cycles is assessed wrongly; give every run of the session."
         )
     if gain is not None and d.extended:
         yield _gain_text(gain, e.unit)
@@ -78,13 +77,15 @@ def _gain_text(gain: HeldOutGain, unit: str) -> str:
         opening += f" (the model as given: {gain.original:.4g})"
     share, ends = gain.removable_share, gain.interval()
     if gain.extended > max(gain.base, gain.floor):
-        return f"{opening}: the extended model is WORSE there. Judge its parameters before you use it."
+        return f"{opening}: the extended model is WORSE there. Check its parameters before you use it."
     if share is None:
-        return f"{opening}; the base model is at the floor of what can be foretold already."
+        return f"{opening}; the base model is at the floor of what can be predicted already."
     between = f" (95 %: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
     words = f"{opening}, so {share_text(share)}{between} of what can be removed is gone (R)."
     if gain.original is not None and gain.original < gain.extended:
-        words += " The model as given foretells them better than the extended one: believe the name, keep the model."
+        words += (
+            " The model as given predicts them better than the extended one: trust the name, keep the model."
+        )
     return words
 
 

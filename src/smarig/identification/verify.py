@@ -202,7 +202,7 @@ def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[
 def known_offset(model: Model, run: Run) -> float | None:
     """What to add to the model's output to meet the run's zero; None when the record does not tell.
 
-    0 for the runs the model was made from, runs of the same sitting with the same encoder zero, and
+    0 for the runs the model was made from, runs of the same session with the same encoder zero, and
     reversal curves (absolute); −y(initial state) for a run zeroed at power-up in a named state.
     """
     mine = provenance(run)
@@ -250,7 +250,7 @@ def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequ
         )
     if missing:
         found.append(
-            f"The model's effects may depend on the clock and on cycles, so what came earlier in the sitting counts, "
+            f"The model's effects may depend on the clock and on cycles, so what came earlier in the session counts, "
             f"but {', '.join(missing)} is neither given nor where it was: these figures may mean nothing. Give all."
         )
     if kind == "fitted":

@@ -202,7 +202,8 @@ def join_sessions(timelines: Sequence[Timeline], tau_s: float) -> Timeline:
     starts = {str(timeline.runs[0].info.initial) for timeline in timelines} - {CONTINUED}
     if len(starts) > 1:
         raise DataError(
-            f"The sittings begin in different states ({', '.join(sorted(starts))}): diagnose those that begin alike."
+            f"The sessions begin in different states ({', '.join(sorted(starts))}): diagnose those that begin in the "
+            "same state."
         )
     first, second = timelines[0], timelines[1:]
     clock = session_offsets_s(timelines)

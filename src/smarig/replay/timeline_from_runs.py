@@ -83,7 +83,8 @@ def _check_clock(runs: Sequence[Run]) -> None:
     for before, run in zip(runs, runs[1:]):
         if run["t_s"][0] <= before["t_s"][-1]:
             raise DataError(
-                f"{before.path.name} and {run.path.name} say that they are of one sitting, but their clocks overlap. "
+                f"{before.path.name} and {run.path.name} are of one session by their records, but their clocks "
+                "overlap. "
                 "Imported runs share one clock: say where on it each begins, 'smarig import --t0 SECONDS'."
             )
 

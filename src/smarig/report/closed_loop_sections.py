@@ -117,7 +117,7 @@ def _regulation_cards(run: Run, found: RegulationResult) -> Html:
             (
                 joined(["Distance from ", B_ELL]),
                 f"{reached} %",
-                f"of the plane; foretold {number(100 * setpoint_data['predicted_distance_K2'] / area)} %",
+                f"of the plane; predicted {number(100 * setpoint_data['predicted_distance_K2'] / area)} %",
             )
         )
     size = found.loop.count if found.loop else 0.0

@@ -59,7 +59,7 @@ def _regulation_text(found: RegulationResult, unit: str) -> str:
     count = found.loop.count if found.loop else 0.0
     if setpoint_data.get("ell_K") is not None:
         shares = (
-            f"{setpoint_data['predicted_distance_K2'] / setpoint_data['area_K2']:.2%} of the plane foretold"
+            f"{setpoint_data['predicted_distance_K2'] / setpoint_data['area_K2']:.2%} of the plane predicted"
         )
         if found.distance_K2 is not None:
             shares += f", {found.distance_K2 / setpoint_data['area_K2']:.2%} by the measured current"

@@ -27,7 +27,7 @@ def check_comparable_count(things: Sequence[object], kind: str) -> None:
     """UsageError when there are more of them than colours that can be told apart."""
     if len(things) > len(COMPARED):
         raise UsageError(
-            f"{len(things)} {kind} cannot be told apart in one figure; compare at most {len(COMPARED)}."
+            f"{len(things)} {kind} cannot be distinguished in one figure; compare at most {len(COMPARED)}."
         )
 
 

@@ -49,12 +49,13 @@ def detection_figure(d: Diagnosis) -> Figure:
         [
             f"Each of {len(testable)} candidates by its gain over the base model, (g − median)/(95 % point − "
             "median) of "
-            f"its own gains on {d.nulls} nulls: the base model's story lived again with noise and nothing hidden. "
+            f"its own gains on {d.nulls} nulls: the base model's timeline simulated again with noise and nothing "
+            "injected. "
             f"Band: from a null's median (0) to its 95 % point (1; at least {MIN_SPREAD_NATS:g} nats, units of "
             "log likelihood).",
             f"Dashed: {top:.3g}, which the largest of all candidates exceeds in {100 * d.alpha:g} % of nulls, so many "
             f"candidates do not make a false alarm likelier. Above it: {above}. p = {d.first.p_value:.2g}, "
-            f"where {1 / (d.nulls + 1):.2g} is the least that {d.nulls} nulls can tell.",
+            f"where {1 / (d.nulls + 1):.2g} is the least that {d.nulls} nulls can resolve.",
             "Axis: linear near 0, logarithmic beyond.",
             *diagnosis_caption(d),
         ],

@@ -80,7 +80,7 @@ def _detection(predictions: DiagnosisPredictions) -> Parts:
     yield detection_figure(predictions.d)
     not_tested = [s.candidate.name for s in predictions.d.first.scores if not s.candidate.traces.shape[1]]
     if not_tested:
-        yield paragraph(f"Not judged, because these data cannot show them: {', '.join(not_tested)}.")
+        yield paragraph(f"Not assessed, because these data cannot show them: {', '.join(not_tested)}.")
 
 
 def _noise(predictions: DiagnosisPredictions) -> Parts:
@@ -103,7 +103,7 @@ def _visibility(predictions: DiagnosisPredictions) -> Parts:
         yield figure
     similar = [n for n in v.names if v.group(n)]
     if similar:
-        yield paragraph(tag("b", "What tells look-alikes apart:"))
+        yield paragraph(tag("b", "What distinguishes similar effects:"))
         yield bullets(distinguishing_text(types[n]) for n in similar)
 
 

@@ -28,9 +28,7 @@ def verdict_sentence(d: Diagnosis) -> str:
     if word == "silent":
         return "Silent: the model explains these data as well as data in which nothing is hidden."
     if word == "not_identifiable":
-        return (
-            "These data cannot tell: no effect of the catalogue could have been seen in them, however large."
-        )
+        return "These data cannot decide: no effect of the catalogue could have been seen in them, however large."
     if word == "unknown":
         return f"Unknown: something is wrong and depends on {d.verdict.depends_on}, but no effect known explains it."
     assert best is not None  # noqa: S101 - named and ambiguous verdicts have an explanation
@@ -100,7 +98,7 @@ def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:
     share, ends = gain.removable_share, gain.interval()
     if share is None:
         rms = f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}"
-        return f"{rms}: the base model is at the floor of what can be foretold already."
+        return f"{rms}: the base model is at the floor of what can be predicted already."
     between = (
         f" (95 % by drawing blocks again: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
     )

@@ -48,7 +48,7 @@ def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
         f"rms of each block. Floor {gain.floor:.2g} {unit}: noise, and what training leaves open of the density.",
         ""
         if gain.weight is None
-        else "Each reading counts by how well it can be foretold (1/σ²), in every rms and in the floor.",
+        else "Each reading counts by how well it can be predicted (1/σ²), in every rms and in the floor.",
         "Pale: readings of more than twice the least σ, such as positions on their way."
         if _pale_readings(gain).any()
         else "",

@@ -21,7 +21,7 @@ _COLUMNS = (
     ("Rig", "rig"),
     ("Wire", "wire"),
     ("Source", "source"),
-    ("Sitting began (UTC)", "began"),
+    ("Session began (UTC)", "began"),
     ("Seed", "seed"),
     ("Duration", "duration"),
     ("Steps settled", "settled"),
@@ -142,7 +142,7 @@ def _caption(runs: Sequence[RunSummary]) -> Html:
     scale = "All are" if families == 1 else "Runs of one rig, wire and unit are"
     return paragraph(
         f"Output against hysteresis input; settled points joined in order, vermilion rising, blue falling. {scale} "
-        "drawn to one scale; an output axis begins at its run's least value, for every sitting has its own zero."
+        "drawn to one scale; an output axis begins at its run's least value, for every session has its own zero."
     )
 
 

@@ -58,7 +58,7 @@ def _tracking_parts(loops: Sequence[ComparedTracking]) -> list[Any]:
     if len(groups) > 1:
         words = (
             f"These runs followed {len(groups)} different references. Errors along different references say nothing of "
-            "the controllers, so only runs of one reference are set beside each other."
+            "the controllers, so only runs of one reference are set side by side."
         )
         parts.append(notice("warning", paragraph(words)))
     for group in groups:
@@ -128,7 +128,8 @@ def _lead_time_note(loops: Sequence[ComparedTracking]) -> list[Html]:
         return []
     ahead = ", ".join(f"{name} {lead:g} s" for name, lead in lead_times)
     words = (
-        f"Not all look ahead alike (lead_s): {ahead}. A controller that acts on what will be wanted begins before the "
+        f"Not all look ahead by the same time (lead_s): {ahead}. A controller that acts on what will be wanted begins "
+        "before the "
         "reference moves; part of the difference is that."
     )
     if loops[0].result.reference.held:
@@ -170,7 +171,7 @@ def _regulation_table(loops: Sequence[ComparedRegulation]) -> Html:
         "Run",
         "Start",
         f"Set-point ({unit})",
-        joined(["Foretold distance from ", B_ELL, " (%)"]),
+        joined(["Predicted distance from ", B_ELL, " (%)"]),
         "Reached (%)",
         f"After the approach ({unit})",
         f"Largest transient ({unit})",

@@ -41,7 +41,7 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
             _residual_panel(verifications, order, x_title, unit, floor),
             _residual_panel(verifications, one.input, input_title(run), unit, floor),
         ],
-        f"{name} as each model tells it.",
+        f"{name} as each model predicts it.",
         [
             f"Then model minus measured. {sizes}.",
             f"Band: ± 2 σ of the noise floor, σ = {number(floor)} {unit}."

@@ -55,7 +55,7 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
 
 
 def _lead(runs: Mapping[str, Run]) -> str:
-    return f"Judged on {', '.join(Path(name).name for name in runs)}"
+    return f"Verified on {', '.join(Path(name).name for name in runs)}"
 
 
 def _errors(verifications: _Verifications, unit: str) -> Html:

@@ -26,12 +26,20 @@ def noise_budget(d: Diagnosis) -> Iterator[Html]:
         ("Settled position, σ of a reading", *(number(c.refitted.noise.settled) for c in critiques), unit),
         *_count_row(critiques, size),
         (
-            "Draughts, σ of the input",
+            "Ambient fluctuation, σ of the input",
             *(number(c.refitted.noise.temperature_K) for c in critiques),
             u,
         ),
-        ("Draughts, correlation time", *(number(c.refitted.noise.correlation_s) for c in critiques), "s"),
-        ("Draughts × rms slope ∂y/∂u", *(number(v) for v in _fluctuation_effect(d, critiques)), unit),
+        (
+            "Ambient fluctuation, correlation time",
+            *(number(c.refitted.noise.correlation_s) for c in critiques),
+            "s",
+        ),
+        (
+            "Ambient fluctuation × rms slope ∂y/∂u",
+            *(number(v) for v in _fluctuation_effect(d, critiques)),
+            unit,
+        ),
     ]
     header = ("Noise", "Base model", *(["With the effects"] if len(critiques) > 1 else []), "Unit")
     yield table(
@@ -40,7 +48,7 @@ def noise_budget(d: Diagnosis) -> Iterator[Html]:
         "Noise of largest likelihood beside any smooth density, the likeliest suspects set aside.",
     )
     yield paragraph(
-        f"Together, with draughts as the hysteresis remembers them until they are wiped out: "
+        f"Together, with the ambient fluctuation as the hysteresis remembers it until it is wiped out: "
         f"{number(whole, 2)} {unit} rms at a settled point{_counts_text(whole, size, unit)}."
     )
     if size and critiques[-1].refitted.noise.settled <= 1.001 * MIN_COUNT_SD * size:

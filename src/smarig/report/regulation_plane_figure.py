@@ -53,10 +53,10 @@ def _caption(run: Run, found: RegulationResult) -> Html:
             B_ELL,
             " on the model's scale. Second: black, ",
             B_ELL,
-            ", dashed; orange, as foretold for the planned currents; blue, along the temperature predicted from the "
+            ", dashed; orange, as predicted for the planned currents; blue, along the temperature predicted from the "
             "measured current. Relays above a boundary are down, those below are up. Distance from ",
             B_ELL,
-            f", the area between: foretold {share} %{reached} of the plane, after {setpoint_data['cycles']:.0f} "
+            f", the area between: predicted {share} %{reached} of the plane, after {setpoint_data['cycles']:.0f} "
             "cycles of "
             f"{number(setpoint_data['wave_s'])} s.",
         ]
@@ -92,7 +92,7 @@ def _boundaries_panel(run: Run, found: RegulationResult) -> Panel:
         data.append(
             line(
                 *boundary_curve(setpoint_data["predicted_boundary"]),
-                "foretold",
+                "predicted",
                 SECOND,
                 width=1.6,
                 dash="dot",

@@ -54,7 +54,7 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
         turned = np.abs(np.diff(np.sign(np.diff(target)), prepend=1)) > 0
         return np.concatenate([[0.0], np.cumsum(turned)])[r.step], axis("Reversals so far")
     t, t_unit = _display_time(timeline, r.t_s)
-    return t, axis(f"Clock time of the sitting ({t_unit})")
+    return t, axis(f"Clock time of the session ({t_unit})")
 
 
 def _display_time(timeline: Timeline, t_s: Array) -> tuple[Array, str]:

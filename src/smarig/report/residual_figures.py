@@ -143,7 +143,7 @@ def _residual_panel(
     if noise[1] > _FLUCTUATION_RATIO * noise[0]:
         bands.insert(
             0,
-            noise_band(low, high, 2 * noise[1], "± 2 σ with draughts")
+            noise_band(low, high, 2 * noise[1], "± 2 σ with ambient fluctuation")
             | {"fillcolor": "rgba(107,114,128,.10)"},
         )
     data: list[Trace] = [

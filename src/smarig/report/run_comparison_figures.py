@@ -158,7 +158,7 @@ def offsets_text(runs: Sequence[AlignedRun]) -> str:
     sentences = []
     if fitted:
         sentences.append(
-            f"Every sitting has a zero of its own, so one additive offset each was fitted to the common steps: "
+            f"Every session has a zero of its own, so one additive offset each was fitted to the common steps: "
             f"{', '.join(fitted)}."
         )
     if unknown:

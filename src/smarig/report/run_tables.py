@@ -47,7 +47,7 @@ def _run_rows(run: Run) -> Iterable[Row]:
         moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
         yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
     if info.effects:
-        yield "Planted effects", ", ".join(map(str, info.effects)), "", "given to the twin"
+        yield "Injected effects", ", ".join(map(str, info.effects)), "", "given to the twin"
     if info.wire_history:
         yield "Wire before this run", info.wire_history, "", "wire history"
     for key in ("initial", "encoder_zero", "seed", "notes"):
@@ -148,7 +148,7 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
             )
         )
     return table(
-        ("Run file", "Protocol", "Source", "Sitting began", "Seed", "Versions", "SHA-256"),
+        ("Run file", "Protocol", "Source", "Session began", "Seed", "Versions", "SHA-256"),
         rows,
         "Where it all comes from.",
     )

@@ -50,7 +50,7 @@ def similar_effects_figure(v: VisibilityTable, d: Diagnosis) -> Figure | None:
         [Panel(data, layout, 200 + 24 * len(names), wide=True, min_width_px=240 + 20 * len(names))],
         "Look-alikes: how much of an effect's evidence in these data another effect could take.",
         [
-            "0: nothing in common; 1: not to be told apart by these data. Numbers: per cent, from 30. "
+            "0: nothing in common; 1: not distinguishable by these data. Numbers: per cent, from 30. "
             f"From {100 * IMITATION_THRESHOLD:.0f} % on they count as one group. Computed before any reading was "
             "looked at, but for "
             "the size of the noise, at weak strength, after all that a new density could explain.",

@@ -101,7 +101,7 @@ def time_series_figure(run: Run, points: int = POINTS) -> Figure:
     for trace in data:
         trace["showlegend"] = False
     thinned = (
-        f"Drawn from {thousands(len(run))} samples as the least and greatest of equal stretches, so no peak is lost."
+        f"Drawn from {thousands(len(run))} samples as the least and greatest of equal segments, so no peak is lost."
         if len(run) > points
         else ""
     )

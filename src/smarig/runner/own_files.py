@@ -63,7 +63,7 @@ def check_own_files(run: Run) -> None:
         if loaded.sha256 != sha256:
             raise UsageError(
                 f"{loaded.path} is not what {run.path.name} was made with: its {kind} '{name}' has changed since. It "
-                "cannot be gone on with; the text it was made with stands in its record, under own_files."
+                "cannot be resumed; the text it was made with stands in its record, under own_files."
             )
 
 

@@ -35,7 +35,7 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.option("--workers", type=int, help="diagnosis, mystery: processes.")
 @click.option("--left-out", is_flag=True, default=None, help="diagnosis: only boxes with an unknown effect.")
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
-@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, gone on with when it exists.")
+@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, continued when it exists.")
 @json_option
 def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and exactness as ratios in one run, or how well diagnosis does on sealed boxes.

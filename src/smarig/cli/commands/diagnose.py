@@ -53,7 +53,7 @@ def _taking_all_values(process: Any) -> Any:
     type=FILE,
     cls=_MultiValueOption,
     multiple=True,
-    help="Runs that only judge the gain; several.",
+    help="Runs used only to evaluate the gain; several.",
 )
 @click.option(
     "--transient", type=FILE, help="A run with the wire's temperature and its drive, instead of a model."
@@ -63,7 +63,13 @@ def _taking_all_values(process: Any) -> Any:
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
 @own_effects
 @click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
-@click.option("--nulls", type=int, default=400, show_default=True, help="Empty stories to be judged by.")
+@click.option(
+    "--nulls",
+    type=int,
+    default=400,
+    show_default=True,
+    help="Simulated timelines without any effect (null data).",
+)
 @click.option("--seed", type=int, default=0, help="Seed of the nulls.")
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @json_option

@@ -48,7 +48,7 @@ def command(
     out: Path,
     force: bool,
 ) -> None:
-    """Import measured data; what looks wrong in it is said."""
+    """Import measured data; what looks wrong in it is reported."""
     from smarig.exchange import import_file
 
     check_distinct(out, file)

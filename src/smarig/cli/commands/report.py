@@ -21,9 +21,9 @@ Examples:
 @click.command("report", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=ANY_PATH, metavar="RUN|DIR...")
 @click.option(
-    "--model", "models", multiple=True, type=FILE, help="Judge this model on the runs; several are compared."
+    "--model", "models", multiple=True, type=FILE, help="Verify this model on the runs; several are compared."
 )
-@click.option("-o", "--out", type=FILE, help="The HTML file; default: beside the (first) run.")
+@click.option("-o", "--out", type=FILE, help="The HTML file; default: in the folder of the (first) run.")
 @click.option("--force", is_flag=True, help="Replace existing pages.")
 @own_effects
 @json_option

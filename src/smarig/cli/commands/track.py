@@ -73,7 +73,7 @@ def command(
     offset_K: float | None,
     options: RunOptions,
 ) -> None:
-    """Initialise the wire, close a loop, follow a reference, let go; record it, and say how well it went.
+    """Initialise the wire, close a loop, follow a reference, let go; record it, and report how well it went.
 
     Positions are in the rig's unit from where initialisation zeroes the encoder. Limits, trips and lease hold as in any
     run, and a loop of the position that diverges ends at zero current with status 3. The model's effects are in the

@@ -11,11 +11,11 @@ from smarig.cli.parameter_types import FILE, own_effects
 @click.command("verify", epilog="\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite")
 @click.argument("model", type=FILE)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
-@click.option("--select", metavar="EXPR", help="Judge only where this holds, e.g. 'curve%2==1'.")
+@click.option("--select", metavar="EXPR", help="Evaluate only where this holds, e.g. 'curve%2==1'.")
 @own_effects
 @json_option
 def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
-    """Judge a model on runs: settled points simulated along the whole history of each run."""
+    """Verify a model on runs: settled points simulated along the whole history of each run."""
     from smarig.identification.verify import verify
     from smarig.record import load_run
     from smarig.replay import load_model

@@ -132,7 +132,7 @@ class SmarigAmplifier:
         except Rebooted:  # off since it started
             return ""
         except SmarigError:
-            problem = "could not be told to switch off: without a word it does so"
+            problem = "did not confirm switching off: without a word it does so"
         lease_s = self.map["lease"].value.decode(self._settings["lease"])
         return f"The {self.talk.name} {problem} within {lease_s:g} s, its lease."
 

@@ -71,7 +71,7 @@ def replay_protocol(protocol: Protocol, run: Run) -> ReplayedProtocol:
     if len(done) < len(steps):
         raise DataError(
             f"{run.path.name} holds {len(steps)} finished steps, but its protocol ends after {len(done)} now: "
-            "it cannot be gone on with."
+            "it cannot be resumed."
         )
     return ReplayedProtocol(protocol, tuple(done), command)
 

@@ -106,7 +106,7 @@ def _damaged_record_as_data_error(run: Run) -> Iterator[None]:
         yield
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         raise DataError(
-            f"{run.path.name} cannot be gone on with: its record is damaged ({type(error).__name__}: {error})."
+            f"{run.path.name} cannot be resumed: its record is damaged ({type(error).__name__}: {error})."
         ) from None
 
 
@@ -273,15 +273,13 @@ def read_launch_args(run: Run) -> Mapping[str, Any]:
     if run.cause == "done":
         raise UsageError(f"{name} is done: there is nothing to go on with.")
     if run.info.closed_loop:
-        raise UsageError(
-            f"{name} was a closed loop: it is not gone on with, but closed anew on a prepared wire."
-        )
+        raise UsageError(f"{name} was a closed loop: it is not resumed, but closed anew on a prepared wire.")
     launch = run.info.launch_args
     wanted = {"rig", "rig_wire", "speed", "effects", "noise", "settings"}
     if run.info.source == "simulation" or launch is None or not wanted <= set(launch):
         raise DataError(
-            f"{name} does not say what it was begun with: only runs that this smarig records on a rig or a "
-            "twin can be gone on with."
+            f"{name} does not state what it was started with: only runs that this smarig records on a rig or a "
+            "twin can be resumed."
         )
     if launch["effects"] is None:
         raise DataError(f"{name} was run with effects of its own making: they are not in its record.")
