@@ -26,7 +26,7 @@ from smarig.plant.actuator import Actuator
 def command(
     runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool
 ) -> None:
-    """Estimate hA, time constant and resistances from what the runs measured; say what they cannot give."""
+    """Estimate hA, time constant and resistances from what the runs measured; report what they cannot give."""
     from smarig.identification.calibration.calibrate import calibrate
     from smarig.record import load_run
     from smarig.replay import load_model
