@@ -1,5 +1,7 @@
 """What a notebook shows: light, labelled, escaped; and one figure of each when asked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,8 +38,9 @@ def test_what_a_person_typed_does_not_become_markup():
 
 
 def test_what_cannot_be_drawn_says_so_instead_of_failing_the_cell():
-    display_html = run_of(start_epoch="<yesterday>")._repr_html_()
-    assert Page(display_html).visible.startswith("This Run cannot be drawn (TypeError: ")
+    not_steps: tuple = ("<yesterday>",)
+    display_html = replace(run_of(), steps=not_steps)._repr_html_()
+    assert Page(display_html).visible.startswith("This Run cannot be drawn (AttributeError: ")
     assert "<yesterday>" not in display_html
 
 
