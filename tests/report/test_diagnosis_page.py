@@ -140,7 +140,7 @@ def test_rivals_stand_below_the_best_with_their_distance_and_probability(named):
     [
         ("ambiguous", "One of a set: ambient_drift, slip", "What would settle it"),
         ("unknown", "Unknown: something is wrong and depends on time", "Change time alone"),
-        ("not_identifiable", "These data cannot tell", "A run that can show something at all"),
+        ("not_identifiable", "These data cannot decide", "A run that can show something at all"),
     ],
 )
 def test_every_other_verdict_has_its_sentence_and_advice(named, word: str, sentence: str, advice: str):

@@ -414,7 +414,7 @@ def test_a_damaged_description_is_a_sentence(whole, tmp_path, key, value):
             key, value = "begun_with", changed
         db.execute("INSERT OR REPLACE INTO run VALUES (?, ?)", (key, value))
     db.close()
-    with pytest.raises(DataError, match=r"damaged|does not say"):
+    with pytest.raises(DataError, match=r"damaged|does not state"):
         resume(path)
 
 
