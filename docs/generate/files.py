@@ -1,5 +1,6 @@
 """What is in the files: the tables of a run, the keys of a model."""
 
+import re
 import sqlite3
 from collections.abc import Iterator
 
@@ -130,7 +131,9 @@ def _model_file() -> str:
 
 
 def _kinds() -> list[tuple[str, str]]:
-    return [
-        (name, f"{kind.of.__module__}.{kind.hysteresis_type.__name__}")
-        for name, kind in hysteresis_json._JSON_KINDS.items()
-    ]
+    """What ``dump_hysteresis`` can write: the name of the kind, and its class."""
+    written = {
+        re.sub(r"(?<!^)(?=[A-Z])", "_", kind.__name__).lower(): f"{kind.__module__}.{kind.__name__}"
+        for kind in hysteresis_json.dump_hysteresis.registry
+    }
+    return [(name, written[name]) for name in hysteresis_json._LOADERS]
