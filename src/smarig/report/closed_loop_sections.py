@@ -181,8 +181,8 @@ def _certificate_section(
     if used and used != sha256:
         words = f"{name} is not the model this loop was run with ({run.info.settings.get('model')})."
         parts.append(notice("warning", paragraph(words)))
-    certified = certificate(model.hysteresis, _controllers_run(run, found), units_of(model))
-    parts += certificate_parts(certified, certified_model(model, name, sha256))
+    model_certificate = certificate(model.hysteresis, _controllers_run(run, found), units_of(model))
+    parts += certificate_parts(model_certificate, certified_model(model, name, sha256))
     return [Section("Certificate of the model", "Certificate", parts)]
 
 

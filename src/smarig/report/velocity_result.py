@@ -45,19 +45,18 @@ class VelocityResult:
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> "VelocityResult":
         """From a mark; KeyError, TypeError or ValueError where it says too little."""
-        measured = (_number_or_none(data.get(key)) for key in MEASURED_KEYS)
-        numbers = (float(data[key]) for key in ("delta", "gamma", "offset_K", "filter_s"))
-        lead_in_s = float(data.get("lead_in_s", 0.0))
+        values: dict[str, Any] = {key: _number_or_none(data.get(key)) for key in MEASURED_KEYS}
+        values |= {key: float(data[key]) for key in ("delta", "gamma", "offset_K", "filter_s")}
         units = data["units"]
-        hypotheses = tuple(Hypothesis(str(h["name"]), h["holds"], str(h["why"])) for h in data["hypotheses"])
         return cls(
-            *measured,
-            *numbers,
-            lead_in_s,
-            str(data["coverage"]),
-            str(units["gain"]),
-            str(units["k_e"]),
-            hypotheses,
+            **values,
+            lead_in_s=float(data.get("lead_in_s", 0.0)),
+            coverage=str(data["coverage"]),
+            gain_unit=str(units["gain"]),
+            k_e_units=str(units["k_e"]),
+            hypotheses=tuple(
+                Hypothesis(str(h["name"]), h["holds"], str(h["why"])) for h in data["hypotheses"]
+            ),
         )
 
     @property
