@@ -90,7 +90,7 @@ def test_a_heating_step_shows_a_sensor_that_answers_late(shared_data, tmp_path):
     assert found.held_out[1] < 0.5 * found.held_out[0]
     low, high = found.parameters()["dead"]["ci95"]
     assert 1.0 < low < high < 6.0, "seconds"
-    assert "latent_heat" in found.blind
+    assert "latent_heat" in found.undetectable
 
 
 @pytest.mark.parametrize("pulse", [0, 1, 2])
@@ -102,7 +102,7 @@ def test_force_pulses_show_a_late_sensor_and_too_much_wandering_for_latent_heat(
     assert found.verdict.word in ("named", "ambiguous")
     assert "sensor_lag" in found.extended.names
     assert "latent_heat" not in found.extended.names
-    assert "latent_heat" not in found.blind, "the force tells the transformation: it could have shown"
+    assert "latent_heat" not in found.undetectable, "the force tells the transformation: it could have shown"
     latent = next(s for s in found.levels[0].scores if s.name == "latent_heat")
     assert latent.gain < 2.0, "nats"
     assert found.noise.rho > 0.8

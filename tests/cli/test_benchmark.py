@@ -24,7 +24,6 @@ def test_forward_reports_ratios_memory_and_agreement(capsys):
     assert status == 0
     assert found["relays"] == 5050
     assert 0 <= found["agreement_of_range"] <= 1e-12
-    assert 0 <= found["batch"]["agreement_of_range"] <= 1e-12
     assert 0 < found["peak_memory_MB"] < 50
     assert set(found["plain_python"]) == {"measure", "table", "surface_two_c", "surface_two_e"}
     assert all(rate > 0 for kind in found["plain_python"].values() for rate in kind.values())
