@@ -38,7 +38,7 @@ class CertificateScope:
 def limits(scope: CertificateScope) -> tuple[CertificateLimit, ...]:
     """All of them, for text, page and JSON alike.
 
-    >>> [limit.about for limit in limits(Proved("none", False, False))]
+    >>> [limit.about for limit in limits(CertificateScope("none", False, False))]
     ['hysteresis alone', 'delay and counts', 'position loops']
     """
     hysteresis_only = CertificateLimit(

@@ -18,7 +18,7 @@ class HysteresisAnalysis:
     """A hysteresis with its units.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> found = Examined.of(surface("two_p"))
+    >>> found = HysteresisAnalysis.of(surface("two_p"))
     >>> found.classes.M_P, found.dissipativity.dissipative, found.monotone.holds
     (False, False, False)
     """

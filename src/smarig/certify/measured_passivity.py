@@ -155,7 +155,7 @@ def segment_passivity(
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> wire = Preisach(surface("one_e"))
     >>> u = np.concatenate([np.linspace(0, 120, 200), np.linspace(120, 0, 200)])
-    >>> found = stretch(Examined.of(wire.hysteresis), u, wire.simulate(u), 0.0, 0, wire.state)
+    >>> found = segment_passivity(HysteresisAnalysis.of(wire.hysteresis), u, wire.simulate(u), 0.0, 0, wire.state)
     >>> found.within, bool(abs(found.supplied - found.model).max() <= found.sampling)
     (True, True)
     """
@@ -196,7 +196,7 @@ def noise_weight(u: Array, y: Array) -> Array:
 
     Readings that follow one another with one value count as one error, others as independent ones.
 
-    >>> weight(np.array([3.0, 3.0, 3.0]), np.array([0.0, 1.0, 2.0])).round(3).tolist()   # held: its ends alone
+    >>> noise_weight(np.array([3.0, 3.0, 3.0]), np.array([0.0, 1.0, 2.0])).round(3).tolist()   # held: its ends alone
     [0.0, 4.243, 4.243]
     """
     if u.size < 2:
@@ -217,7 +217,7 @@ def reading_noise(y: ArrayLike, count: float = 0.0) -> float:
     count's rounding. ``count``: what one count is, 0 if unknown; NaN in ``y`` are left out.
 
     >>> rng = np.random.default_rng(1)
-    >>> bool(0.9 < noise_of(np.linspace(0, 50, 5000) + rng.normal(0, 1, 5000)) < 1.1), noise_of([1.0, 1.0], 12**0.5)
+    >>> bool(0.9 < reading_noise(np.linspace(0, 50, 5000) + rng.normal(0, 1, 5000)) < 1.1), reading_noise([1.0, 1.0], 12**0.5)
     (True, 1.0)
     """
     values = np.asarray(y, dtype=float)

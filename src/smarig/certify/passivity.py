@@ -164,7 +164,7 @@ def counterexample(
     Takes a hysteresis that has been examined as well, and does not look again.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> two_p = breaking(surface("two_p"), "anhysteretic")
+    >>> two_p = counterexample(surface("two_p"), "anhysteretic")
     >>> n = two_p.cycles_below(1000.0)
     >>> two_p.supplied_after(n) < -1000.0 <= two_p.supplied_after(n - 1)
     True

@@ -26,7 +26,7 @@ def supply_while_held(
     (``certify`` says whether it is for that). UsageError for a time that runs backwards and for what is no number.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> held_supply(surface("two_c"), 60.0, 1e6, b=0.1) < -1e5 < 0 < held_supply(surface("two_c"), 60.0, 1e6, b=0.0)
+    >>> supply_while_held(surface("two_c"), 60.0, 1e6, b=0.1) < -1e5 < 0 < supply_while_held(surface("two_c"), 60.0, 1e6, b=0.0)
     True
     """
     finite("u", u)
@@ -75,7 +75,7 @@ def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
     UsageError for a hysteresis on one side of zero, whose only state at u = 0 is saturation.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> silent_pair(surface("two_c")).distance > 1000.0
+    >>> indistinguishable_states(surface("two_c")).distance > 1000.0
     True
     """
     if not hysteresis.lower < 0.0 < hysteresis.upper:

@@ -47,7 +47,7 @@ class PositionController:
     """K(s) = numerator/denominator, coefficients of 1, s, s²; from position error to input.
 
     >>> lead = PositionController.of([10.0, 20.0], [1.0, 0.5])          # 10 (1 + 2s)/(1 + s/2)
-    >>> lead.matches(Supply()), lead.matches(Supply(a=0.1))
+    >>> lead.matches(SupplyRate()), lead.matches(SupplyRate(a=0.1))
     (True, False)
     """
 

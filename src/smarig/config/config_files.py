@@ -16,7 +16,7 @@ from smarig.core.toml_file import check, load, read_toml
 def shipped_names(folder: str) -> list[str]:
     """Names shipped in a folder of configs/.
 
-    >>> listed("actuators")
+    >>> shipped_names("actuators")
     ['gorbet_one_wire', 'gorbet_two_wire']
     """
     return sorted(p.stem for p in (shipped("configs") / folder).glob("*.toml"))

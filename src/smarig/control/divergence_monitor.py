@@ -24,9 +24,9 @@ class DivergenceLimits:
 class DivergenceMonitor:
     """``look(t_s, error)`` at every sample; ``reach`` (low, high) are the positions within the rig's limits.
 
-    >>> watch = Watch(Patience(0.3, 3.0), (0.0, 10.0))
+    >>> watch = DivergenceMonitor(DivergenceLimits(0.3, 3.0), (0.0, 10.0))
     >>> for tick in range(40):
-    ...     watch.look(0.1 * tick, 2.9)
+    ...     watch.check(0.1 * tick, 2.9)
     """
 
     def __init__(self, divergence_limits: DivergenceLimits, reach: tuple[float, float]) -> None:

@@ -19,7 +19,7 @@ def atomic_file(path: Path, *, force: bool) -> Iterator[Path]:
     Raises what ``check_writable`` and ``check_replaceable`` do, and StorageError when the disk is full after all.
 
     >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder, whole_file(Path(folder) / "a.txt", force=False) as part:
+    >>> with TemporaryDirectory() as folder, atomic_file(Path(folder) / "a.txt", force=False) as part:
     ...     _ = part.write_text("all of it")
     """
     check_writable(path, force=force)

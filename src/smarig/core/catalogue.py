@@ -84,7 +84,7 @@ def suggestion(name: str, known: list[str]) -> str:
 def catalogue_kind(package: str) -> str:
     """What a catalogue holds, in one word.
 
-    >>> kind_of("smarig.plant.effects")
+    >>> catalogue_kind("smarig.plant.effects")
     'effect'
     """
     return package.rsplit(".", 1)[-1].rstrip("s")

@@ -92,7 +92,7 @@ def _gain_text(gain: HeldOutGain, unit: str) -> str:
 def share_text(share: float) -> str:
     """R with two decimals, or as many as tell it from one.
 
-    >>> share_words(0.937), share_words(0.99986), share_words(-20.8193)
+    >>> share_text(0.937), share_text(0.99986), share_text(-20.8193)
     ('0.94', '0.9999', '−20.82')
     """
     left = 1 - share

@@ -52,7 +52,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
 def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
     """All files of the set ``path`` is one of, in the order of the patterns; itself without patterns.
 
-    >>> [p.name for p in belonging(Path("H_x.mat"), ())]
+    >>> [p.name for p in file_set(Path("H_x.mat"), ())]
     ['H_x.mat']
     """
     if not patterns:

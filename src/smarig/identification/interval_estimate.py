@@ -41,7 +41,7 @@ def variance_inflation(residuals: Sequence[Array]) -> float:
     Summed while pairs ρ_{2m−1} + ρ_{2m} are positive (Geyer, Statist. Sci. 7:473, 1992) and lags stay
     below a third of the longest stretch.
 
-    >>> inflation([np.array([1.0, -1.0] * 50)])
+    >>> variance_inflation([np.array([1.0, -1.0] * 50)])
     1.0
     """
     variance = sum(float(r @ r) for r in residuals)

@@ -16,7 +16,7 @@ EQUAL_STEPS, STEP_GROWTH = 10, 1.5
 def self_consistent_input(drive: Callable[[float], float], u: float, drive_at_u: float) -> float:
     """The input at which ``drive``, f(u) − u, vanishes first, from ``u`` where it is ``drive_at_u``.
 
-    >>> round(agreed(lambda u: 10.0 - 2.5 * u, 0.0, 10.0), 5)
+    >>> round(self_consistent_input(lambda u: 10.0 - 2.5 * u, 0.0, 10.0), 5)
     4.0
     """
     if abs(drive_at_u) < TOLERANCE_K:

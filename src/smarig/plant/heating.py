@@ -16,7 +16,7 @@ from smarig.plant.actuator import Actuator
 class JouleHeating:
     """Temperatures of the rig's wires; in the differential rig the diodes steer i > 0 to wire 1.
 
-    >>> heating = Heating(Actuator.named("gorbet_two_wire"), dt_s=0.1)
+    >>> heating = JouleHeating(Actuator.named("gorbet_two_wire"), dt_s=0.1)
     >>> for _ in range(1000):
     ...     u = heating.step(-1.0)
     >>> round(u, 1), round(heating.wire_K[1], 1)

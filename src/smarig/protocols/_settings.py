@@ -67,7 +67,7 @@ def with_loaded_protocols(plan: CampaignFile) -> CampaignFile:
 def setting_texts(name: str) -> list[tuple[str, str]]:
     """(setting, default and choices) of a protocol, for listings; groups with their dots.
 
-    >>> dict(described("initialise"))["method"]
+    >>> dict(setting_texts("initialise"))["method"]
     "'planned' (planned | thesis)"
     """
     function = find(PACKAGE, name)

@@ -17,9 +17,9 @@ _TIMESTAMP_RANGE_S = (-62_135_596_800.0, 253_402_300_799.0)  # the years 1 to 99
 def decode_json(text: Any) -> Any:
     """What a cell of JSON holds; ValueError or TypeError where it is none, or nothing that could be written again.
 
-    >>> decoded('{"unit": "mm"}')
+    >>> decode_json('{"unit": "mm"}')
     {'unit': 'mm'}
-    >>> decoded("[" * 100 + "]" * 100)
+    >>> decode_json("[" * 100 + "]" * 100)
     Traceback (most recent call last):
     ValueError: it is nested deeper than 40 levels
     """

@@ -36,7 +36,7 @@ def candidate_name(score: CandidateScore) -> str:
 def nats_text(value: float) -> str:
     """A gain as it is worth telling: to a tenth, whole ones from 100.
 
-    >>> nats(2653.9), nats(6.28), nats(-0.002), nats(-2.5)
+    >>> nats_text(2653.9), nats_text(6.28), nats_text(-0.002), nats_text(-2.5)
     ('2\u202f654', '6.3', '0', '−2.5')
     """
     if abs(value) < 0.05:

@@ -192,7 +192,7 @@ def _initial_state_text(found: ModelCertificate) -> str:
 def with_subscripts(text: str) -> Html:
     """A sentence with its indices set low.
 
-    >>> symbols("k_e < 2")
+    >>> with_subscripts("k_e < 2")
     'k<sub>e</sub> &lt; 2'
     """
     return Html(_INDEX.sub(r"\1<sub>\2</sub>", escaped(text)))

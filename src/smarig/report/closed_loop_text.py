@@ -82,7 +82,7 @@ def _regulation_text(found: RegulationResult, unit: str) -> str:
 def offset_text(value: float, unit: str, count: float) -> str:
     """A difference, its sign told either way: above or below what was wanted.
 
-    >>> off(-0.094, "mm", 0.047), off(-5e-5, "mm", 0.047)
+    >>> offset_text(-0.094, "mm", 0.047), offset_text(-5e-5, "mm", 0.047)
     ('−0.094 mm (−2.0 counts)', '0 mm (0.0 counts)')
     """
     difference = f"{signed(zero_below_resolution(value, count))} {display_unit(unit)}"
@@ -92,7 +92,7 @@ def offset_text(value: float, unit: str, count: float) -> str:
 def zero_below_resolution(value: float, count: float) -> float:
     """A mean of readings, 0 where it is below a twentieth of a count, which is printed as none.
 
-    >>> tangible(-5e-5, 0.047), tangible(-5e-5, 0.0)
+    >>> zero_below_resolution(-5e-5, 0.047), zero_below_resolution(-5e-5, 0.0)
     (0.0, -5e-05)
     """
     return 0.0 if abs(value) < count / 20 else value

@@ -11,7 +11,7 @@ from smarig.report.style import COMPARED
 def distinct_names(files: Sequence[Path], ending: str) -> list[str]:
     """Short names that tell the files apart: without their ending, with folders as far as needed.
 
-    >>> names_of([Path("a/x.run.sqlite"), Path("b/x.run.sqlite"), Path("b/y.run.sqlite")], ".run.sqlite")
+    >>> distinct_names([Path("a/x.run.sqlite"), Path("b/x.run.sqlite"), Path("b/y.run.sqlite")], ".run.sqlite")
     ['a/x', 'b/x', 'y']
     """
     parts = [(*file.parts[:-1], file.name.removesuffix(ending)) for file in files]
@@ -34,7 +34,7 @@ def check_comparable_count(things: Sequence[object], kind: str) -> None:
 def banner(labels: Sequence[str]) -> tuple[str, str]:
     """The banner's label and its sentence, from each run's label: all of them simulated, or only some.
 
-    >>> whose(["TWIN", "", ""])
+    >>> banner(["TWIN", "", ""])
     ('TWIN', '1 of the 3 runs on this page come from a software simulation.')
     """
     simulated = [label for label in labels if label]

@@ -105,7 +105,7 @@ def _texts(shown: Frame, units: tuple[str, str], label: str) -> Sequence[Html]:
 def end_labels(span: tuple[float, float]) -> tuple[str, str]:
     """Both ends of a span with as many decimals as the span deserves.
 
-    >>> plain_ends((-0.0017, 12.6)), plain_ends((0.02, 0.0345))
+    >>> end_labels((-0.0017, 12.6)), end_labels((0.02, 0.0345))
     (('0.0', '12.6'), ('0.0200', '0.0345'))
     """
     power = math.floor(math.log10(span[1] - span[0]))

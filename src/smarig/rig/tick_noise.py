@@ -11,7 +11,7 @@ _BLOCK = 4096
 class TickNoise:
     """Standard normal numbers by tick.
 
-    >>> a, b = Noise(seed=3, channel=1), Noise(seed=3, channel=1)
+    >>> a, b = TickNoise(seed=3, channel=1), TickNoise(seed=3, channel=1)
     >>> late = b.at(9000)
     >>> [a.at(k) for k in range(9001)][-1] == late
     True

@@ -22,8 +22,8 @@ from smarig.theory.state_space import Boundary, boundary_of, diagonal, distance
 class BoundaryPlane:
     """Boundaries over [``lower``, ``upper``], held with the input counted from the middle.
 
-    >>> plane = Plane(0.0, 10.0)
-    >>> plane.area, plane.points(plane.goal(3.0))
+    >>> plane = BoundaryPlane(0.0, 10.0)
+    >>> plane.area, plane.points(plane.target_boundary(3.0))
     (50.0, ((0.0, 10.0), (0.0, 6.0), (3.0, 3.0)))
     """
 

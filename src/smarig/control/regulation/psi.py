@@ -30,7 +30,7 @@ class Psi:
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
     >>> psi = Psi(surface("two_c"))
-    >>> round(psi(0.0), 2), round(psi.least(2.65), 2), psi.monotone
+    >>> round(psi(0.0), 2), round(psi.right_inverse(2.65), 2), psi.monotone
     (2.65, 0.01, True)
     """
 

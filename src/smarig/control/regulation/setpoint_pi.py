@@ -39,7 +39,7 @@ class SetpointPI:
         gain (K/unit): kelvin of steady temperature per unit of position
         band (unit): errors within it count as none
 
-    >>> loop = PI(gain=2.0, tau_s=5.0, period_s=0.1, low_K=0.0, high_K=100.0)
+    >>> loop = SetpointPI(gain=2.0, tau_s=5.0, period_s=0.1, low_K=0.0, high_K=100.0)
     >>> loop.start(50.0)
     >>> round(loop.step(1.0), 3), round(loop.step(1.0), 3), loop.step(1000.0)
     (52.0, 52.04, 100.0)

@@ -95,7 +95,7 @@ class PositionSensor(Protocol):
 def missing_members(instrument: Any, role: type) -> list[str]:
     """What a bench will ask of a role, and an instrument does not have.
 
-    >>> lacks(object(), PositionSensor)
+    >>> missing_members(object(), PositionSensor)
     ['close', 'identity', 'since', 'tick', 'zero']
     """
     wanted = (name for name in vars(role) if not name.startswith("_"))

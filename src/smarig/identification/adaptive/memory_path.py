@@ -23,11 +23,11 @@ Corners = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDA
 def path_after(path: MemoryPath, u: float) -> MemoryPath:
     """The path after a monotone move to u; loops it closes are wiped out (§3.3.1).
 
-    >>> moved((0.0, 100.0, 20.0, 80.0), 50.0)
+    >>> path_after((0.0, 100.0, 20.0, 80.0), 50.0)
     (0.0, 100.0, 20.0, 80.0, 50.0)
-    >>> moved((0.0, 100.0, 20.0, 80.0, 50.0), 90.0)
+    >>> path_after((0.0, 100.0, 20.0, 80.0, 50.0), 90.0)
     (0.0, 100.0, 20.0, 90.0)
-    >>> moved((0.0, 100.0, 20.0), 0.0)
+    >>> path_after((0.0, 100.0, 20.0), 0.0)
     (0.0,)
     """
     if u == path[-1]:

@@ -72,7 +72,7 @@ def valid_rows(run: Run) -> NDArray[np.bool_]:
 def at_range_end(x: Array) -> NDArray[np.bool_]:
     """Readings (n,) of a finely resolved sensor that repeat its largest value: the end of its range.
 
-    >>> stuck(np.array([20.1, 35.7, 61.2, 90.0, 90.0, 90.0])).tolist()
+    >>> at_range_end(np.array([20.1, 35.7, 61.2, 90.0, 90.0, 90.0])).tolist()
     [False, False, False, True, True, True]
     """
     at = x == np.nanmax(x)

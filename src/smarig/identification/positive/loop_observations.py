@@ -35,7 +35,7 @@ def observations_of_loops(
 
     >>> u = np.linspace(-1.0, 1.0, 5)
     >>> rising, falling = np.stack([u, u**2 / 2 + u - 0.5], 1), np.stack([u, u - u**2 / 2 + 0.5], 1)[::-1]
-    >>> seen = observations_of_loops([Loop(0, (-1.0, -1.0), (1.0, 1.0), rising, falling, 0.0)])
+    >>> seen = observations_of_loops([SteadyLoop(0, (-1.0, -1.0), (1.0, 1.0), rising, falling, 0.0)])
     >>> len(seen), seen.lower, seen.upper
     (10, -1.0, 1.0)
     """

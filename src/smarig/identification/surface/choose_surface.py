@@ -186,7 +186,7 @@ def thinned(data: FodData, most: int) -> FodData:
 def thinning_mask(curve: NDArray[np.int64], most: int) -> Mask:
     """Mask of every k-th point in order of measurement, and of the first and last of each longer curve (m,).
 
-    >>> thinning(np.array([0, 0, 0, 0, 1, 1, 1, 1]), 4).astype(int).tolist()
+    >>> thinning_mask(np.array([0, 0, 0, 0, 1, 1, 1, 1]), 4).astype(int).tolist()
     [1, 0, 1, 1, 1, 0, 1, 1]
     """
     stride = max(1, -(-curve.size // most))

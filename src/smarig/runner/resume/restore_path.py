@@ -34,9 +34,9 @@ def find_restore_path(
     None among the inputs is a stretch that nothing settled in (a waveform): what it left is unknown until the
     next saturation. ``start`` is the state before the first input, None where that is unknown.
 
-    >>> way_back([0.0, 100.0, 20.0, 60.0, 20.0], 0.0, 174.0, "negative")
+    >>> find_restore_path([0.0, 100.0, 20.0, 60.0, 20.0], 0.0, 174.0, "negative")
     Way(inputs_K=(0.0, 100.0, 20.0), from_start=False)
-    >>> way_back([0.0, None, 20.0], 0.0, 174.0, "negative") is None
+    >>> find_restore_path([0.0, None, 20.0], 0.0, 174.0, "negative") is None
     True
     """
     tolerance = SAME_INPUT * (upper_K - lower_K)
