@@ -230,7 +230,7 @@ def test_a_stopped_loop_does_not_offer_a_resume(capsys, one, tmp_path, monkeypat
     status, _, err = call(capsys, "track", one, *RAMPS, "-o", out_file, *ON)
     assert status == 130
     assert "close it anew" in err
-    assert "resume" not in err
+    assert "smarig resume" not in err
     monkeypatch.undo()
     status, _, err = call(capsys, "resume", out_file, "--quiet")
     assert status == 2

@@ -217,7 +217,8 @@ def reading_noise(y: ArrayLike, count: float = 0.0) -> float:
     count's rounding. ``count``: what one count is, 0 if unknown; NaN in ``y`` are left out.
 
     >>> rng = np.random.default_rng(1)
-    >>> bool(0.9 < reading_noise(np.linspace(0, 50, 5000) + rng.normal(0, 1, 5000)) < 1.1), reading_noise([1.0, 1.0], 12**0.5)
+    >>> noisy = np.linspace(0, 50, 5000) + rng.normal(0, 1, 5000)
+    >>> bool(0.9 < reading_noise(noisy) < 1.1), reading_noise([1.0, 1.0], 12**0.5)
     (True, 1.0)
     """
     values = np.asarray(y, dtype=float)

@@ -270,6 +270,7 @@ def certificate(
     initial = initial_of(hysteresis_analysis.hysteresis)
     stored = storage_bound(hysteresis_analysis, Preisach(hysteresis_analysis.hysteresis, initial).state)
     basis_of_model = basis(hysteresis_analysis, initial, stored)
+    is_two_sided = initial == "anhysteretic" and hysteresis.lower < 0.0 < hysteresis.upper
     return ModelCertificate(
         initial,
         hysteresis_analysis.classes,
@@ -291,7 +292,7 @@ def certificate(
             all_hold(basis_of_model.hypotheses),
             hysteresis_analysis.units,
         ),
-        indistinguishable_states(hysteresis) if initial == "anhysteretic" else None,
+        indistinguishable_states(hysteresis) if is_two_sided else None,
     )
 
 

@@ -39,7 +39,8 @@ def maximise_evidence(
 
     ``evidence`` gives the nats of a strength and what belongs to it.
 
-    >>> found = maximise_evidence(lambda s: (-2.0 * (s - 3.0) ** 2, None), EvidenceMaximum(2.0, -2.0, None, 0.1), (0.0, 10.0))
+    >>> start = EvidenceMaximum(2.0, -2.0, None, 0.1)
+    >>> found = maximise_evidence(lambda s: (-2.0 * (s - 3.0) ** 2, None), start, (0.0, 10.0))
     >>> round(found.strength, 6), round(found.sd, 6)
     (3.0, 0.5)
     """

@@ -35,7 +35,7 @@ def find_restore_path(
     next saturation. ``start`` is the state before the first input, None where that is unknown.
 
     >>> find_restore_path([0.0, 100.0, 20.0, 60.0, 20.0], 0.0, 174.0, "negative")
-    Way(inputs_K=(0.0, 100.0, 20.0), from_start=False)
+    RestorePath(inputs_K=(0.0, 100.0, 20.0), from_start=False)
     >>> find_restore_path([0.0, None, 20.0], 0.0, 174.0, "negative") is None
     True
     """
