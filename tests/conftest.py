@@ -20,7 +20,7 @@ with contextlib.suppress(ValueError, AttributeError):
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("ci")
 
-collect_ignore = ["fuzz", "frozen/old_files"]  # campaigns of .ci/fuzz; files as earlier versions wrote them
+collect_ignore = ["fuzz"]  # campaigns of .ci/fuzz, which need atheris
 
 
 def pytest_xdist_auto_num_workers():
