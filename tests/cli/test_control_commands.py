@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file, model_of
-from smarig.app.closed_loop import REGULATORS
+from smarig.app.regulation_loop import REGULATORS
 from smarig.cli import run as cli
 from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
 from smarig.control.regulation import SetpointPI

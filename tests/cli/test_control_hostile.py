@@ -9,8 +9,8 @@ import pytest
 
 import smarig
 from control.model_files import model_file, model_of
-from smarig.app.closed_loop import ModelSource
-from smarig.app.closed_loop import tracking as tracking_loop
+from smarig.app.loop_model import ModelSource
+from smarig.app.tracking_loop import tracking as tracking_loop
 from smarig.cli import run as cli
 from smarig.config import load_rig
 from smarig.control.controller_settings import TRACKING, default_numbers

@@ -7,7 +7,8 @@ import pytest
 
 from control.model_files import model_of
 from identification.made_runs import driven_run
-from smarig.app.closed_loop import ModelSource, regulation
+from smarig.app.loop_model import ModelSource
+from smarig.app.regulation_loop import regulation
 from smarig.identification.identify import identify
 from smarig.identification.verify import verify
 from smarig.preisach.hysteresis.gorbet_1997 import surface

@@ -7,7 +7,9 @@ import pytest
 
 from control.model_files import model_of
 from report.pages import Page, run_of, unpacked
-from smarig.app.closed_loop import ModelSource, regulation, tracking
+from smarig.app.loop_model import ModelSource
+from smarig.app.regulation_loop import regulation
+from smarig.app.tracking_loop import tracking
 from smarig.certify.model_certificate import certificate
 from smarig.control.regulation.regulation_protocol import DISTURBED
 from smarig.preisach.hysteresis.gorbet_1997 import surface

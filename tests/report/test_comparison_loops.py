@@ -7,7 +7,9 @@ import pytest
 
 from control.model_files import model_of
 from report.pages import Page, run_of, step, unpacked
-from smarig.app.closed_loop import ModelSource, regulation, tracking
+from smarig.app.loop_model import ModelSource
+from smarig.app.regulation_loop import regulation
+from smarig.app.tracking_loop import tracking
 from smarig.core.errors import UsageError
 from smarig.record import Event, load_run
 from smarig.report.loop_result import closed_loop

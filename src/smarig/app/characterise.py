@@ -16,7 +16,8 @@ from smarig.diagnosis.diagnose import Diagnosis, diagnose
 from smarig.diagnosis.diagnosis_files import JSON, PAGE, write_diagnosis
 from smarig.diagnosis.diagnosis_files import MODEL as EXTENDED
 from smarig.identification.calibration.calibrate import calibrate
-from smarig.identification.identify import Identification, identify
+from smarig.identification.identification_result import Identification
+from smarig.identification.identify import identify
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
 from smarig.identification.surface.surface_kinds import surface_kinds

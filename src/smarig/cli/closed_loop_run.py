@@ -10,7 +10,7 @@ from smarig.record import load_run
 from smarig.runner.preview import preview
 
 if TYPE_CHECKING:
-    from smarig.app.closed_loop import ClosedLoop
+    from smarig.app.loop_model import ClosedLoop
 
 NOT_RESUMABLE = "A closed loop is not resumed: close it anew."
 

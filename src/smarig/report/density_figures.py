@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.identification.density_report import DensityReport
-from smarig.identification.identify import Identification
+from smarig.identification.identification_result import Identification
 from smarig.record import Run
 from smarig.report.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.identification_plot_data import density_grid, density_map, density_report_of, reversible

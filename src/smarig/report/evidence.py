@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from smarig.diagnosis.diagnose import Diagnosis
 from smarig.identification.calibration.calibrate import Calibration
-from smarig.identification.identify import Identification
+from smarig.identification.identification_result import Identification
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.representation_tests import Representation
 from smarig.identification.verify import Verification

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smarig.identification.identify import Identification
+from smarig.identification.identification_result import Identification
 from smarig.identification.surface.curve_fit import fit_curves
 from smarig.identification.surface.surface_kinds import POSITIVE
 from smarig.preisach.hysteresis.surface_form import forms

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from smarig.core.errors import DataError
 from smarig.identification.density_report import DensityReport, density_report
-from smarig.identification.identify import Identification
+from smarig.identification.identification_result import Identification
 from smarig.identification.surface.choose_surface import FittedImage
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface

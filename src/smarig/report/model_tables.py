@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from smarig.identification.calibration.calibrate import Calibration
-from smarig.identification.identify import Identification
+from smarig.identification.identification_result import Identification
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.verify import Verification

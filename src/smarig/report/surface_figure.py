@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from smarig.identification.identify import Identification
+from smarig.identification.identification_result import Identification
 from smarig.record import Run
 from smarig.report.figure import Figure, Panel, Trace, packed
 from smarig.report.identification_plot_data import axis_symbols, output_grid, sign

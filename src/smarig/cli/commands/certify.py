@@ -51,7 +51,7 @@ def command(
     """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ, γ and k_e
     (Thm 8.2) with every hypothesis that fails. It covers the hysteresis alone, and states how far that reaches: the
     loops of track and regulate are not covered. Where passivity fails, the input that breaks it is given."""
-    from smarig.app.closed_loop import ModelSource
+    from smarig.app.loop_model import ModelSource
     from smarig.certify.model_certificate import certificate
     from smarig.certify.position_supply_rate import PositionController
     from smarig.core.atomic_file import check_writable

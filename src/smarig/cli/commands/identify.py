@@ -8,9 +8,9 @@ from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.core.atomic_file import check_writable
 from smarig.core.file_content import MODEL
+from smarig.identification.extended.extension_names import extension_names
 from smarig.identification.surface.surface_kinds import BEST, surface_kinds
 
-EXTENSIONS = ("none", "accommodating", "moving", "nonlinear", "restricted", "reversible", "best")
 EPILOG = """\b
 Examples:
   smarig identify fod.run.sqlite --surface exponential -o wire.model.json
@@ -38,7 +38,7 @@ Examples:
 )
 @click.option(
     "--extension",
-    type=click.Choice(EXTENSIONS),
+    type=click.Choice(extension_names()),
     default="none",
     show_default=True,
     help="An extended model (thesis §3.5) on top; best: by runs left out.",

@@ -65,7 +65,8 @@ def command(
     The encoder is relative: negative saturation is visited first, and what is measured there is the model's least
     output. The way to B_ℓ is planned so that the wire's lag still reaches it.
     """
-    from smarig.app.closed_loop import ModelSource, regulation
+    from smarig.app.loop_model import ModelSource
+    from smarig.app.regulation_loop import regulation
     from smarig.config import load_rig
 
     source = ModelSource.of(model)

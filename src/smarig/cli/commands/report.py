@@ -70,7 +70,7 @@ def _is_loop(file: Path) -> bool:
 
 
 def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
-    from smarig.app.closed_loop import ModelSource
+    from smarig.app.loop_model import ModelSource
     from smarig.record import load_run
     from smarig.report.folder_report import page_path
     from smarig.report.page import write_page

@@ -83,7 +83,8 @@ def command(
     reference's velocity and not its position. Its k_e (Thm 8.2) is held against the measured ratio
     ‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖), with every hypothesis that this rig keeps or breaks.
     """
-    from smarig.app.closed_loop import ModelSource, tracking
+    from smarig.app.loop_model import ModelSource
+    from smarig.app.tracking_loop import tracking
     from smarig.config import load_rig
 
     source = ModelSource.of(model)

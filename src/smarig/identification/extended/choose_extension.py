@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from smarig.core.catalogue import find, names
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
+from smarig.identification.extended.extension_names import BEST, EXTENSIONS, NONE
 from smarig.identification.extended.extremum_chains import extremum_chains
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 from smarig.identification.extended.moving_fit import excursions
@@ -26,8 +27,6 @@ from smarig.replay.extended_model import extended_operator
 
 Array = NDArray[np.float64]
 Refit = Callable[[Sequence[Run]], Everett]
-EXTENSIONS = "smarig.identification.extended.extensions"
-NONE, BEST = "none", "best"
 _DRAWS = 999
 
 
@@ -130,11 +129,6 @@ class ExtensionChoice:
         (classical, extended), (low, high) = h.rms(), h.interval()
         gain = "worse" if high < 0 else f"gain {h.gain:.0%} ({low:.0%} to {high:.0%})"
         return f"runs left out: rms {classical:.3g} → {extended:.3g} {self.unit}, {gain}"
-
-
-def extension_names() -> tuple[str, ...]:
-    """ "none", every file of the catalogue, "best"."""
-    return NONE, *names(EXTENSIONS), BEST
 
 
 def choose_extension(

@@ -1,8 +1,9 @@
 """f = x₅, thesis (5.5): every first-order curve has the same shape."""
 
 import math
+from collections.abc import Mapping
 from itertools import product
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from smarig.preisach.hysteresis.surface_form import Array, Parameters, SurfaceFo
 class ConstantForm(SurfaceForm):
     """f(α) = x₅."""
 
-    powers = {"x5": 1}  # noqa: RUF012
+    powers: ClassVar[Mapping[str, int]] = {"x5": 1}
     colour = "#56B4E9"
     place = 0
     grows_from = None

@@ -1,8 +1,9 @@
 """f = x₅e^(−x₆α) + x₇, thesis (5.5): the shift of the curves settles as their reversal input rises."""
 
 import math
+from collections.abc import Mapping
 from itertools import product
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
@@ -15,7 +16,7 @@ _LARGEST_EXPONENT = 40.0
 class ExponentialForm(SurfaceForm):
     """f(α) = x₅e^(−x₆α) + x₇."""
 
-    powers = {"x5": 1, "x6": -1, "x7": 1}  # noqa: RUF012
+    powers: ClassVar[Mapping[str, int]] = {"x5": 1, "x6": -1, "x7": 1}
     colour = "#E69F00"
     place = 1
 

@@ -1,8 +1,9 @@
 """f = x₅α² + x₆α + x₇, thesis (5.5): the curves shift with their reversal input by a parabola."""
 
 import math
+from collections.abc import Mapping
 from itertools import product
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from smarig.preisach.hysteresis.surface_form import Array, Parameters, SurfaceFo
 class ParabolicForm(SurfaceForm):
     """f(α) = x₅α² + x₆α + x₇."""
 
-    powers = {"x5": -1, "x6": 0, "x7": 1}  # noqa: RUF012
+    powers: ClassVar[Mapping[str, int]] = {"x5": -1, "x6": 0, "x7": 1}
     colour = "#CC79A7"
     place = 0
 

@@ -1,0 +1,101 @@
+"""Set-point regulation on a rig by a model from a file: what is out of reach is refused before anything flows."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, controller_model_for
+from smarig.config import RigFile
+from smarig.control.controller_settings import TRACKING, finite_number
+from smarig.control.regulation import SetpointPI
+from smarig.control.regulation import regulate as regulation_protocol
+from smarig.control.regulation.regulation_protocol import START_STATES, check_times
+from smarig.core.catalogue import names, suggestion
+from smarig.core.errors import UsageError
+from smarig.protocols._setup import Setup
+from smarig.replay import Model
+
+REGULATORS = {"pi": ("gain", "band")}
+
+
+def regulation(
+    source: ModelSource,
+    rig: RigFile,
+    setpoint: float,
+    *,
+    within: float = 0.01,
+    hold_s: float = 600.0,
+    start: str = "diagonal",
+    disturbance_K: float = 0.0,
+    controller: str = "pi",
+    numbers: Mapping[str, Any] | None = None,
+) -> ClosedLoop:
+    """Go to a state of the output ``setpoint`` (the model's scale) and hold it. UsageError says what is wrong."""
+    check_arguments(controller, numbers)
+    model, controller_model = source.model, controller_model_for(source.model, rig)
+    setup = controller_model.setup
+    low, high = (end + controller_model.origin for end in controller_model.reach)
+    y = finite_number("The set-point", setpoint)
+    count = setup.actuator.position_per_count(rig.encoder.counts_per_rev)
+    if not low - count <= y <= high + count:
+        raise UsageError(
+            f"The set-point {y:g} {model.unit} is out of reach: this model on this rig reaches from {low:.4g} to "
+            f"{high:.4g} {model.unit}."
+        )
+    y = min(max(y, low), high)  # a count is what the rig can tell apart
+    if start not in START_STATES:
+        raise UsageError(f"start is {', '.join(START_STATES)}, not '{start}'.")
+    push_K, share = finite_number("The disturbance", disturbance_K), finite_number("within", within)
+    _check_push(push_K, setup)
+    check_times(setup, finite_number("hold_s", hold_s), push_K)
+    loop = _regulator(controller, {"band": count / 2} | dict(numbers or {}), setup, model)
+    recorded_settings = {
+        "setpoint": y,
+        "within": share,
+        "hold_s": hold_s,
+        "start": start,
+        "disturbance_K": push_K,
+    }
+
+    def make(rig_setup: Setup):
+        return regulation_protocol(
+            rig_setup,
+            hysteresis=model.hysteresis,
+            setpoint=y,
+            within=share,
+            hold_s=float(hold_s),
+            start=start,
+            loop=loop,
+            disturbance_K=push_K,
+        )
+
+    recorded_settings |= {"controller": controller, "gain": loop.gain, "band": loop.band}
+    return ClosedLoop("regulate", make, source.settings() | recorded_settings)
+
+
+def _check_push(push_K: float, setup: Setup) -> None:
+    range_K = setup.upper_K - setup.lower_K
+    if abs(push_K) > range_K:
+        raise UsageError(
+            f"A disturbance of {push_K:g} K is more than this rig's whole range, {range_K:.4g} K; give a smaller one."
+        )
+
+
+def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) -> SetpointPI:
+    """The loop that holds a set-point, its numbers in K per unit (gain) and units (band)."""
+    if name not in REGULATORS:
+        raise UsageError(
+            f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}; "
+            f"{', '.join(names(TRACKING))} track."
+        )
+    loop = SetpointPI.for_model(setup, model.hysteresis)
+    for key, value in pairs.items():
+        if key not in REGULATORS[name]:
+            raise UsageError(
+                f"Controller '{name}' has no number '{key}'{suggestion(key, list(REGULATORS[name]))}."
+            )
+        found = finite_number(f"Controller '{name}', {key}", value)
+        if found < 0 or (found == 0 and key == "gain"):
+            at_least = "must be positive" if key == "gain" else "must not be negative"
+            raise UsageError(f"Controller '{name}': {key} {at_least} (given: {value}).")
+        setattr(loop, key, found)
+    return loop

@@ -1,0 +1,150 @@
+"""Tracking on a rig by a model from a file: reference, controller and offset are checked before anything flows."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, check_path, controller_model_for
+from smarig.app.velocity_loop import checked_offset, refuse_offset, velocity_factory, velocity_reference
+from smarig.config import RigFile
+from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers, finite_number
+from smarig.control.tracking import ControllerModel, Reference, reference
+from smarig.control.tracking import track as tracking_protocol
+from smarig.control.tracking.reference import SHAPES, from_csv
+from smarig.control.tracking.tuning import controller_factory
+from smarig.core.catalogue import names, resolve_name, suggestion
+from smarig.core.errors import UsageError
+from smarig.runner.preview import ProtocolFactory
+
+LEAST_TICKS = 10  # that a reference lasts: fewer samples tell nothing of a loop
+_DEFAULT_RANGE_SHARES = (0.2, 0.8)  # of the reach: where references stay unless told otherwise
+_REFERENCE_SETTINGS = ("low", "high", "seconds", "every_s", "speed", "seed")
+
+
+def tracking(
+    source: ModelSource,
+    rig: RigFile,
+    wanted: str,
+    settings: Mapping[str, Any] | None = None,
+    controller: str = "inverse",
+    numbers: Mapping[str, Any] | None = None,
+    offset_K: float | None = None,
+) -> ClosedLoop:
+    """Follow a reference: steps, ramps, multisine with ``settings``, or a CSV file. UsageError says what is wrong.
+
+    ``controller`` is a name or the path of an own file, which is executed. One of the velocity controllers follows the
+    reference's velocity alone, and takes ``offset_K``, u_o of Thm 8.2.
+    """
+    check_arguments(controller, numbers)
+    check_path("The reference", wanted)
+    controller_model = controller_model_for(source.model, rig)
+    controller = resolve_name(TRACKING, controller)
+    package = _controller_package(controller)
+    pairs = controller_numbers(package, controller, numbers or {})
+    followed = _reference(wanted, settings or {}, controller_model, source.model.unit)
+    _check_length(followed, rig.period_s)
+    _check_reach(followed, controller_model, source.model.unit)
+    velocity_numbers: dict[str, float] = {}
+    if package == VELOCITY:
+        velocity_numbers = {"offset_K": checked_offset(offset_K, controller_model.setup)}
+        given_s, followed = followed.duration_s, velocity_reference(followed, controller, **velocity_numbers)
+        velocity_numbers["lead_in_s"] = followed.duration_s - given_s
+    else:
+        refuse_offset(offset_K, controller)
+    recorded_settings = {
+        **source.settings(),
+        "reference": followed.name,
+        **(settings or {}),
+        "controller": controller,
+        **velocity_numbers,
+    }
+    for key in pairs:
+        if key in recorded_settings or key in _REFERENCE_SETTINGS:
+            raise UsageError(
+                f"Controller '{controller}': '{key}' means something else in the record; rename it."
+            )
+    if package == VELOCITY:
+        make = velocity_factory(
+            source.model, controller_model.setup, controller, pairs, followed, **velocity_numbers
+        )
+    else:
+        make = _position_factory(controller_model, controller, pairs, followed)
+    return ClosedLoop("track", make, recorded_settings | pairs)
+
+
+def _position_factory(
+    controller_model: ControllerModel, controller: str, pairs: Mapping[str, float], followed: Reference
+) -> ProtocolFactory:
+    factory = controller_factory(controller, pairs)
+    return lambda _: tracking_protocol(controller_model, factory, followed, name=controller)
+
+
+def _controller_package(controller: str) -> str:
+    """The catalogue a controller stands in: of positions, an own file's too, or of velocities."""
+    known = {package: names(package) for package in (TRACKING, VELOCITY)}
+    for package, there in known.items():
+        if controller in there:
+            return package
+    raise UsageError(
+        f"No controller '{controller}'{suggestion(controller, [*known[TRACKING], *known[VELOCITY]])}."
+    )
+
+
+def _reference(
+    wanted: str, settings: Mapping[str, Any], controller_model: ControllerModel, unit: str
+) -> Reference:
+    if wanted not in SHAPES:
+        if not Path(wanted).suffix and not Path(wanted).is_file():
+            raise UsageError(
+                f"No reference '{wanted}'{suggestion(wanted, list(SHAPES))}, or a CSV file with time_s and "
+                f"position_{unit}."
+            )
+        if settings:
+            raise UsageError(
+                "--set belongs to steps, ramps and multisine; a file says itself what is wanted."
+            )
+        return from_csv(Path(wanted), unit)
+    for key in settings:
+        if key not in _REFERENCE_SETTINGS:
+            raise UsageError(
+                f"A reference has no setting '{key}'{suggestion(key, list(_REFERENCE_SETTINGS))}."
+            )
+    low, high = controller_model.reach
+    settings = dict(settings)
+    seed = {"seed": _whole_seed(settings.pop("seed"))} if "seed" in settings else {}
+    values: dict[str, Any] = {
+        "low": low + _DEFAULT_RANGE_SHARES[0] * (high - low),
+        "high": low + _DEFAULT_RANGE_SHARES[1] * (high - low),
+    } | {key: finite_number(f"The reference's {key}", value) for key, value in settings.items()}
+    return reference(wanted, values.pop("low"), values.pop("high"), **values, **seed)
+
+
+def _whole_seed(seed: Any) -> int:
+    """A seed as typed."""
+    try:
+        found = float(seed)
+    except (TypeError, ValueError, OverflowError):
+        found = -1.0
+    if not 0 <= found <= 2**53 or found != int(found):
+        raise UsageError(f"The reference's seed is a whole number from 0 to 2^53 (given: {seed}).")
+    return int(found)
+
+
+def _check_length(followed: Reference, period_s: float) -> None:
+    if followed.duration_s < LEAST_TICKS * period_s:
+        raise UsageError(
+            f"The reference lasts {followed.duration_s:g} s: nothing can be measured in less than {LEAST_TICKS} "
+            "samples, "
+            f"{LEAST_TICKS * period_s:g} s on this rig."
+        )
+
+
+def _check_reach(followed: Reference, controller_model: ControllerModel, unit: str) -> None:
+    low, high = controller_model.reach
+    count = controller_model.setup.actuator.position_per_count(controller_model.counts_per_rev)
+    least, most = min(followed.position), max(followed.position)
+    if not low - count <= least <= most <= high + count:
+        raise UsageError(
+            f"The reference goes from {least:.4g} to {most:.4g} {unit}: this model on this rig reaches from {low:.4g} "
+            f"to {high:.4g} {unit}, counted from the encoder's zero."
+        )

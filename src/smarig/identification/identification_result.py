@@ -1,0 +1,90 @@
+"""An identified model with the evidence for it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from smarig.identification.density_report import DensityReport
+from smarig.identification.extended.choose_extension import ExtensionChoice
+from smarig.identification.fod_data import FodData
+from smarig.identification.positive.positive_fit import PositiveFit
+from smarig.identification.surface.choose_surface import SurfaceChoice
+from smarig.identification.surface.curve_report import CurveReport
+from smarig.identification.surface.fit_figures import plain
+from smarig.identification.surface.surface_fit import SurfaceFit
+from smarig.replay import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """A model and the evidence for it. ``surface`` is the kind used.
+
+    ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the runs'
+    first-order curves: none where the runs of a positive measure hold none; its own points are
+    ``model.fit["points"]``. ``choice`` says how "best" was found, None when the kind was asked for by name;
+    ``extension`` what was found of the extended models of §3.5, None when none was asked for.
+    """
+
+    model: Model
+    surface: str
+    data: FodData
+    fit: SurfaceFit | None
+    density: DensityReport
+    curves: CurveReport
+    choice: SurfaceChoice | None
+    positive: PositiveFit | None = None
+    extension: ExtensionChoice | None = None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before the model is used, plain sentences."""
+        return self.model.warnings
+
+    def to_json(self) -> dict[str, Any]:
+        """The CLI's JSON object; figures in ``unit``, μ in unit per squared input unit."""
+        model, d, choice = self.model, self.density, self.choice
+        values = dict(zip(model.parameters, self.fit.values.tolist())) if self.fit else {}
+        intervals = {name: [plain(v) for v in ends] for name, ends in model.intervals.items()}
+        share = self.positive.reversible_share if self.positive else d.reversible_share
+        return {
+            "model": model.name,
+            "surface": self.surface,
+            "points": model.fit["points"],
+            "curves": self.data.curves,
+            **{key: model.fit[key] for key in ("rms", "norm2", "weighted_norm2")},
+            "mu_min": plain(d.mu_min),
+            "mu_max": plain(d.mu_max),
+            "classes": {"M_PC": d.M_PC, "M_P": d.M_P},
+            "fod_curves_cross": self.curves.cross,
+            "unit": model.unit,
+            "mu_unit": f"{model.unit}/{model.input.unit}^2",
+            "mu_min_at": [plain(v) for v in d.mu_min_at],
+            "g_min": plain(d.g_min),
+            "reversible_share": plain(share),
+            "parameters": {n: {"value": v, "ci95": intervals[n]} for n, v in values.items()},
+            "fit": model.fit,
+            "mirrored": model.mirrored,
+            "range": [self.data.lower, self.data.upper],
+            "exercised": self.curves.exercised,
+            "noise_floor": model.noise_floor.model_dump(),
+            "held_out_rms": choice.held_out_rms if choice else None,
+            "held_out_interval": choice.held_out_interval if choice else None,
+            "negative_share": choice.negative_share if choice else None,
+            "twin": model.twin,
+            "warnings": list(self.warnings),
+            **({"extension": self.extension.to_json()} if self.extension else {}),
+        }
+
+    def __repr__(self) -> str:
+        d, fit = self.density, self.model.fit
+        where = f"on {self.data.curves} curves" if self.data.curves else "without first-order curves"
+        held_out = ""
+        if self.positive is not None and self.positive.held_out.curves:
+            p = self.positive
+            held_out = (
+                f", {p.held_out.rms:.3g} on held-out curves, "
+                f"{p.null_space} of {p.cells} cells left to smoothness"
+            )
+        return (
+            f"Identification({self.surface} from {fit['points']} points {where}: "
+            f"rms {fit['rms']:.3g} {self.model.unit}{held_out}; {d!r}; {len(self.warnings)} warning(s))"
+        )
