@@ -21,9 +21,8 @@ from simulators.line_troubles import LineFaults
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
 from simulators.pace import HOST_TIMEOUT_s, LockStep, Pace, RealTime
-from simulators.server import Server
+from simulators.server import Server, TickTrace
 from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
-from simulators.trace import TickTrace
 from simulators.transports import Port, Pty, TcpPort
 from simulators.world import AMPLIFIER, DAQ, SimulatedBench
 from smarig.config import RigFile, load_rig

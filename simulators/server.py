@@ -8,12 +8,16 @@ import os
 import select
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from simulators.line import DeviceLine
 from simulators.pace import Pace
 from simulators.world import SimulatedBench
 
 LONGEST_SLEEP_s = 0.1  # so that a stop by signal is noticed
+
+
+HEAD = "tick,wall_s,output_uA,state,trip,counts\n"
 
 
 class Server:
@@ -89,3 +93,18 @@ class Server:
             reply = self._world.answer(line.name, arrived)
             if reply is not None:
                 line.send(channel, reply, now_s)
+
+
+class TickTrace:
+    """Each line is with the system as soon as its tick is over."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("w", encoding="utf-8", buffering=1)
+        self._start_s = time.monotonic()
+        self._file.write(HEAD)
+
+    def write(self, world: SimulatedBench) -> None:
+        """The tick that has just passed: what flowed in it, and what the amplifier made of it."""
+        wall_s = time.monotonic() - self._start_s
+        state, trip = world.amplifier.state, world.amplifier.trip
+        self._file.write(f"{world.ticks},{wall_s:.4f},{world.flowed_uA},{state},{trip},{world.raw_counts}\n")

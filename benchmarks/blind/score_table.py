@@ -10,12 +10,16 @@ from typing import Any
 import numpy as np
 from scipy.stats import beta
 
-from benchmarks.blind.confusability import confusable, is_correct_variable
 from benchmarks.boxes.box_effects import EFFECTS, INVISIBLE_WITHOUT
 
 Record = dict[str, Any]
 NO_ALARM = ("silent", "not_identifiable")
 DELTAS = (0.0, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, np.inf)
+
+
+_CLOCK = frozenset({"time", "cycle", "reversals"})  # one session: they grow together
+_HISTORY = frozenset({"history", "step", "hold"})
+STATE_VARIABLES = frozenset({"level"}) | _HISTORY  # effects that depend on where the wire stands
 
 
 def score_table(records: Sequence[Record]) -> dict[str, Any]:
@@ -194,3 +198,31 @@ def _mean(values: Sequence[float]) -> float | None:
 
 def _median(values: Sequence[float]) -> float | None:
     return float(np.median(values)) if values else None
+
+
+GROUPS: tuple[frozenset[str], ...] = (
+    frozenset({"resistance_phase", "stress_coupling", "noncongruency", "eccentricity", "backlash"}),
+    frozenset({"ambient_drift", "fatigue", "walking", "slip"}),
+    frozenset({"settling", "creep"}),
+    frozenset({"accommodation", "settling", "temperature_memory"}),
+    frozenset({"wire_lag", "latent_heat", "sensor_lag", "convection"}),
+    frozenset({"amplifier_gain", "dead_zone", "saturation"}),
+    frozenset({"r_phase", "thermal_expansion", "end_conduction", "coulomb_friction", "noncongruency"}),
+    frozenset({"slack", "dead_zone", "backlash"}),
+)
+VARIABLES: dict[str, frozenset[str]] = {
+    **dict.fromkeys(("ambient_drift", "fatigue", "walking", "slip"), _CLOCK),
+    **dict.fromkeys(("settling", "creep", "cross_talk"), _HISTORY | {"rate"} | _CLOCK),
+    **dict.fromkeys(("accommodation", "temperature_memory", "backlash"), _HISTORY | {"level", "cycle"}),
+    **dict.fromkeys(("wire_lag", "sensor_lag", "latent_heat", "convection"), frozenset({"rate", "step"})),
+}
+
+
+def confusable(a: str, b: str) -> bool:
+    """Whether two effects share a group."""
+    return a == b or any(a in group and b in group for group in GROUPS)
+
+
+def is_correct_variable(effect: str, variable: str | None) -> bool:
+    """Whether a variable is one that the effect depends on."""
+    return variable is not None and variable in VARIABLES.get(effect, STATE_VARIABLES)

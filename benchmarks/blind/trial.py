@@ -7,13 +7,13 @@ import tempfile
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks.blind.range_rescaling import rescaled_to_range
 from benchmarks.boxes import Label, SealedBox, draw_box, write_box
 from benchmarks.boxes.relays import RelayHysteresis
 from smarig.core.errors import SmarigError
@@ -26,6 +26,9 @@ from smarig.record import load_run
 
 Record = dict[str, Any]
 SURFACE = "positive"
+
+
+InputRange = tuple[float, float]
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -104,3 +107,29 @@ def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -
         for name, one in zip(effects, hidden)
     }
     return _truth(label, effects) | {"delta": deltas}
+
+
+def rescaled_to_range(
+    effects: Mapping[str, Mapping[str, float]], own: InputRange, model_range: InputRange
+) -> dict[str, dict[str, float]]:
+    """Effects of relays on a range ``own`` (K), as a model of the range ``model_range`` (K) would have to say them.
+
+    >>> rescaled_to_range({"r_phase": {"at": 0.5}}, (0.0, 100.0), (0.0, 200.0))
+    {'r_phase': {'at': 0.25}}
+    >>> rescaled_to_range({"saturation": {"clip_percent": 0.0}}, (0.0, 81.0), (0.0, 100.0))
+    {'saturation': {'clip_percent': 10.0}}
+    """
+    found = {name: dict(values) for name, values in effects.items()}
+    if "saturation" in found:
+        share = 1 - found["saturation"]["clip_percent"] / 100
+        found["saturation"]["clip_percent"] = round(
+            100 * (1 - share * sqrt(_top(own) / _top(model_range))), 9
+        )
+    if "r_phase" in found:
+        at_K = own[0] + found["r_phase"]["at"] * (own[1] - own[0])
+        found["r_phase"]["at"] = (at_K - model_range[0]) / (model_range[1] - model_range[0])
+    return found
+
+
+def _top(of: InputRange) -> float:
+    return max(of[1], -of[0])

@@ -8,7 +8,7 @@ import os
 
 import pytest
 
-from benchmarks.blind.confusability import confusable, is_correct_variable
+from benchmarks.blind.score_table import confusable, is_correct_variable
 from benchmarks.boxes.box_effects import EFFECTS
 from diagnosis.boxes_opened import answer
 

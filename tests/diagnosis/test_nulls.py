@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from diagnosis.made_memories import prediction_for_inputs
+from smarig.diagnosis.critique.critique import null_data
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.critique.null_data import null_data
 from smarig.diagnosis.critique.refit import NoiseEstimate
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach

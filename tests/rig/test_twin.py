@@ -8,7 +8,7 @@ import pytest
 from rig.rig_contract import drive
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.gorbet_1997 import surface
-from smarig.rig.tick_noise import TickNoise
+from smarig.rig.specimen import TickNoise
 from smarig.rig.twin import Twin
 
 

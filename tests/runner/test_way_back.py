@@ -11,8 +11,7 @@ from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 from smarig.record import Run, Step, load_run
 from smarig.runner.resume.replay_protocol import FinishedStep, replay_protocol
-from smarig.runner.resume.restore_path import find_restore_path
-from smarig.runner.resume.resume_plan import _settled_input
+from smarig.runner.resume.resume_plan import _settled_input, find_restore_path
 
 
 @pytest.mark.parametrize("seed", range(30))

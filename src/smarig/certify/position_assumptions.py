@@ -13,8 +13,7 @@ from smarig.preisach.inverse import root
 from smarig.preisach.operator import Initial, Preisach
 from smarig.preisach.state import State
 from smarig.theory.energy import work
-from smarig.theory.state_space.metric import distance
-from smarig.theory.state_space.operator_state import boundary_of
+from smarig.theory.state_space.operator_state import boundary_of, distance
 
 
 def supply_while_held(

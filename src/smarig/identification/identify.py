@@ -18,7 +18,7 @@ from smarig.core.catalogue import suggestion
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.extended.choose_extension import choose_extension
-from smarig.identification.extended.extension_names import NONE, extension_names
+from smarig.identification.extended.fitted_extension import NONE, extension_names
 from smarig.identification.fod_data import FodData, first_order_points, fod_data
 from smarig.identification.fod_data import select as selected
 from smarig.identification.forc.forc_curves import curves_from_run

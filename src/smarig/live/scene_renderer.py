@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from smarig.live import colours
-from smarig.live.display_info import DisplayInfo, widened_axis
+from smarig.live.display_info import DisplayInfo, description_markdown, widened_axis
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
 from smarig.live.mechanism import Mechanism
 from smarig.live.plot_axes import Axis, Plot
@@ -28,9 +28,7 @@ from smarig.live.primitives import (
     TimeSeries,
     Transform,
 )
-from smarig.live.settling_monitor import SettlingMonitor
-from smarig.live.state_lanes import StateTracker
-from smarig.live.view_description import description_markdown
+from smarig.live.state_lanes import SettlingMonitor, StateTracker
 from smarig.live.view_layout import Split, layout
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure

@@ -3,14 +3,18 @@
 A change is a state with the time it begins at. Knows no viewer.
 """
 
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.core.sample import Quality
+from smarig.core.command import Settled
+from smarig.core.sample import Quality, Sample
 from smarig.live import colours
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
 from smarig.live.primitives import Primitive, StateLane, StateLegend
+from smarig.plant.actuator import Actuator
+from smarig.runner.settling_detection import Approach, SettleWindow
 
 RUN_STATES = {
     "start": "running",
@@ -36,6 +40,9 @@ STATE_COLOURS = {
         "ended": colours.FAINT,
     },
 }
+
+
+NAN = float("nan")
 
 
 class StateTracker:
@@ -92,3 +99,39 @@ class StateTracker:
         elif "lanes/run" not in self._current:
             changes.append(("lanes/run", t_s, "running"))
         return changes
+
+
+class SettlingMonitor:
+    """Watches samples of holds; ``after`` gives (counts off the window's mean, seconds left at least)."""
+
+    def __init__(self, until: Settled, actuator: Actuator, period_s: float) -> None:
+        self._until, self._actuator, self._period_s = until, actuator, period_s
+        self.band_counts = until.band_counts
+        self._size = max(1, round(until.window_s / period_s))
+        self._step: int | None = None
+        self._input_K = 0.0
+        self._begin(0.0)
+
+    def _begin(self, current_A: float) -> None:
+        self._window = SettleWindow(self._until, self._period_s)
+        steady_input_K = self._actuator.input_for(current_A)
+        self._approach = Approach(steady_input_K, self._until.approach_K, self._input_K)
+        self._counts: deque[int] = deque()
+        self._sum = 0
+
+    def after(self, s: Sample, step: int | None, input_K: float) -> tuple[float, float]:
+        """Of the step that the sample belongs to; NaN between steps."""
+        if step != self._step:
+            self._step = step
+            self._begin(s.current_command_A)
+        arrived = self._approach.passed(input_K)
+        self._input_K = input_K
+        if step is None:
+            return NAN, NAN
+        self._window.add(s.counts, arrived)
+        self._counts.append(s.counts)
+        self._sum += s.counts
+        if len(self._counts) > self._size:
+            self._sum -= self._counts.popleft()
+        left_s = 0.0 if self._window.settled else self._window.min_ticks_left * self._period_s
+        return s.counts - self._sum / len(self._counts), left_s

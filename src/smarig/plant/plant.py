@@ -3,14 +3,17 @@
 One step is one tick at constant current. Knows no instruments, no noise of theirs, no device.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from smarig.plant.actuator import Actuator
-from smarig.plant.algebraic_feedback import self_consistent_input
 from smarig.plant.effect import EffectContext, PlantState, Stage, SupportsHooks, chains
 from smarig.plant.thermal_stages import ThermalStages, apply_hooks
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
+
+TOLERANCE_K = 1e-6  # K
+MAX_ITERATIONS = 60
+EQUAL_STEPS, STEP_GROWTH = 10, 1.5
 
 
 class Plant:
@@ -126,3 +129,43 @@ class Plant:
     def austenite(self) -> float:
         """Austenite fraction ξ of wire 1, taken from the output: 0 at y₋, 1 at y₊."""
         return (self.operator.y - self._y_lower) * self._per_stroke
+
+
+def self_consistent_input(drive: Callable[[float], float], u: float, drive_at_u: float) -> float:
+    """The input at which ``drive``, f(u) − u, vanishes first, from ``u`` where it is ``drive_at_u``.
+
+    >>> round(self_consistent_input(lambda u: 10.0 - 2.5 * u, 0.0, 10.0), 5)
+    4.0
+    """
+    if abs(drive_at_u) < TOLERANCE_K:
+        return u
+    other, drive_at_other = u + drive_at_u, drive(u + drive_at_u)
+    for k in range(MAX_ITERATIONS):  # with the move: it goes on, in the end by longer and longer steps
+        if drive_at_other * drive_at_u <= 0 or abs(drive_at_other) < TOLERANCE_K:
+            break
+        u, drive_at_u = other, drive_at_other
+        other = u + drive_at_u * STEP_GROWTH ** max(0, k - EQUAL_STEPS)
+        drive_at_other = drive(other)
+    return (
+        _bracketed_root(drive, u, drive_at_u, other, drive_at_other)
+        if drive_at_other * drive_at_u < 0
+        else other
+    )
+
+
+def _bracketed_root(
+    drive: Callable[[float], float], u: float, drive_at_u: float, other: float, drive_at_other: float
+) -> float:
+    """The root between two inputs, by the Illinois variant of false position."""
+    new = other
+    for _ in range(MAX_ITERATIONS):
+        new = (u * drive_at_other - other * drive_at_u) / (drive_at_other - drive_at_u)
+        drive_at_new = drive(new)
+        if abs(drive_at_new) < TOLERANCE_K or abs(other - u) < TOLERANCE_K:
+            return new
+        if drive_at_new * drive_at_other < 0:
+            u, drive_at_u = other, drive_at_other
+        else:
+            drive_at_u *= 0.5
+        other, drive_at_other = new, drive_at_new
+    return new

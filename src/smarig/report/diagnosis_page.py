@@ -7,17 +7,16 @@ from collections.abc import Iterator
 
 from smarig.diagnosis.diagnose import Diagnosis
 from smarig.plant.effect_catalogue import effect_types
-from smarig.report.detection_figure import detection_figure
+from smarig.report.detection_figure import detection_figure, similar_effects_figure
 from smarig.report.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis_summary import summary
 from smarig.report.diagnosis_tables import candidates_table, explanations_table, visibility_table
-from smarig.report.diagnosis_text import distinguishing_text
+from smarig.report.diagnosis_text import distinguishing_text, next_experiment
 from smarig.report.explanations_figure import explanations_figure
 from smarig.report.figure import Figure
 from smarig.report.gain_figure import gain_figure
 from smarig.report.html import Html, bullets, notice, paragraph, tag
 from smarig.report.input_offset_figure import input_offset_figure
-from smarig.report.next_experiment_text import next_experiment
 from smarig.report.noise_budget import noise_budget
 from smarig.report.numbers import duration
 from smarig.report.page import Section, page
@@ -25,7 +24,6 @@ from smarig.report.residual_figures import channel_figure, residual_figure
 from smarig.report.run_description import display_unit, protocol_name, source_label
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.run_tables import conditions_table, provenance_table, quality_table
-from smarig.report.similar_effects_figure import similar_effects_figure
 
 Parts = Iterator[Html | Figure]
 

@@ -4,15 +4,16 @@ Knows nothing of pages and figures.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from smarig.diagnosis.diagnose import NORMAL_95, Diagnosis
 from smarig.diagnosis.diagnosis_text import share_text
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.plant.effect import Effect, EffectType, Parameter
-from smarig.report.html import Html, joined, tag
-from smarig.report.numbers import number
+from smarig.plant.effect_catalogue import effect_types
+from smarig.report.html import Html, bullets, joined, notice, paragraph, tag
+from smarig.report.numbers import duration, number
 from smarig.report.run_description import display_unit
 
 ParameterSigmas = Mapping[tuple[str, str], float]
@@ -106,3 +107,41 @@ def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:
         f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the share of the "
         "squared error above the floor that the effects remove."
     )
+
+
+def next_experiment(d: Diagnosis) -> Iterator[Html]:
+    """The run asked for, or advice by verdict."""
+    run = d.separating_run
+    if run is not None:
+        hours = run.get("rig_hours")
+        time = f", {duration(3600 * float(hours))} on the rig" if hours is not None else ""
+        yield notice("good", paragraph(tag("b", f"{run['protocol']}{time}")), paragraph(str(run["why"])))
+        return
+    yield from _advice(d)
+
+
+def _advice(d: Diagnosis) -> Iterator[Html]:
+    types = {t.name: t for t in effect_types()}
+    word, names = d.verdict.word, d.verdict.names
+    if word == "unknown":
+        yield paragraph(
+            f"Change {d.verdict.depends_on} alone, with everything else as it was: what that changes in the "
+            "residuals is the effect by itself."
+        )
+    elif word == "silent" and not d.first.silent:
+        yield paragraph("The same run once more: what is no noise comes again.")
+    elif word == "silent":
+        yield paragraph(
+            "Nothing asks for an experiment. Section “What could not have been seen” says what might still hide."
+        )
+    elif word == "not_identifiable":
+        yield paragraph("A run that can show something at all: see what would show each effect above.")
+    else:
+        yield paragraph(
+            "What would settle it:" if word == "ambiguous" else "What would confirm it independently:"
+        )
+    if names and word in ("named", "ambiguous"):
+        yield bullets(distinguishing_text(types[n]) for n in names)
+    elif names:
+        yield paragraph("What would confirm or rule out the nearest names:")
+        yield bullets(distinguishing_text(types[n]) for n in names)

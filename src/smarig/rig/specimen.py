@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from smarig.config import RigFile
 from smarig.core.errors import UsageError
 from smarig.device.wire.register import load_map
@@ -20,9 +22,11 @@ from smarig.plant.plant import Plant
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Initial
-from smarig.rig.tick_noise import TickNoise
 
 _COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
+
+
+_BLOCK = 4096
 
 
 @dataclass(frozen=True)
@@ -148,3 +152,27 @@ class Specimen:
         austenite = self.plant.austenite
         factor = self.plant.now.resistance
         return factor * self.actuator.resistance_at_ohm(1 - austenite if current_A < 0 else austenite)
+
+
+class TickNoise:
+    """Standard normal numbers by tick.
+
+    >>> a, b = TickNoise(seed=3, channel=1), TickNoise(seed=3, channel=1)
+    >>> late = b.at(9000)
+    >>> [a.at(k) for k in range(9001)][-1] == late
+    True
+    """
+
+    def __init__(self, seed: int, channel: int) -> None:
+        self._key = np.array([seed, channel], dtype=np.uint64)
+        self._block = -1
+        self._values: list[float] = []
+
+    def at(self, tick: int) -> float:
+        """The number of one tick."""
+        block, offset = divmod(tick, _BLOCK)
+        if block != self._block:
+            counter = np.array([0, 0, 0, block], dtype=np.uint64)
+            generator = np.random.Generator(np.random.Philox(key=self._key, counter=counter))
+            self._block, self._values = block, generator.standard_normal(_BLOCK).tolist()
+        return self._values[offset]

@@ -4,8 +4,7 @@ import pytest
 from scipy.stats import binom
 
 from benchmark.blind.records import ambiguous, parameter, record
-from benchmarks.blind.confusability import GROUPS, VARIABLES, confusable, is_correct_variable
-from benchmarks.blind.score_table import score_table
+from benchmarks.blind.score_table import GROUPS, VARIABLES, confusable, is_correct_variable, score_table
 from benchmarks.boxes.box_effects import EFFECTS
 
 

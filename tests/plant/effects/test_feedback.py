@@ -5,8 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from plant.effects.driven import WIRES, kind
-from smarig.plant.algebraic_feedback import self_consistent_input
-from smarig.plant.plant import Plant
+from smarig.plant.plant import Plant, self_consistent_input
 
 DRIVES = {
     "one_wire": [0.85, 0.5, 0.75, 0.3, 0.8, 0.62, 0.7, 0.55, 0.1],

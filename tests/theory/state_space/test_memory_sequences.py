@@ -16,7 +16,7 @@ from smarig.theory.state_space import memory_sequence
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import F, G, H_left
 from smarig.theory.state_space.memory_sequence import MemorySequence
-from smarig.theory.state_space.metric import distance
+from smarig.theory.state_space.operator_state import distance
 from theory.state_space.made import BOUND, inputs, sequences, whole
 
 

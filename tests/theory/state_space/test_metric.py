@@ -16,7 +16,7 @@ from smarig.core.errors import UsageError
 from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import G_inverse, H_left
-from smarig.theory.state_space.metric import distance, rotated_distance
+from smarig.theory.state_space.operator_state import distance, rotated_distance
 from smarig.theory.state_space.reachability import staircase
 from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 from theory.state_space.made import BOUND, area_relays, boundaries, drawn_by_relays, drawn_coarsely, whole

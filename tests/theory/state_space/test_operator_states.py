@@ -12,8 +12,7 @@ from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
-from smarig.theory.state_space.metric import distance
-from smarig.theory.state_space.operator_state import boundary_of, state_of
+from smarig.theory.state_space.operator_state import boundary_of, distance, state_of
 from smarig.theory.state_space.read_out import read_out
 from smarig.theory.state_space.transition import sweep
 from theory.state_space.made import reachable

@@ -13,7 +13,7 @@ from smarig.core.errors import UsageError
 from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import G, G_inverse, H, H_left
-from smarig.theory.state_space.metric import distance
+from smarig.theory.state_space.operator_state import distance
 from smarig.theory.state_space.reachability import reach, staircase
 from smarig.theory.state_space.transition import transition
 from theory.state_space.made import (

@@ -13,8 +13,7 @@ from smarig.preisach.operator import Preisach
 from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import G, H
-from smarig.theory.state_space.metric import distance
-from smarig.theory.state_space.operator_state import boundary_of
+from smarig.theory.state_space.operator_state import boundary_of, distance
 from smarig.theory.state_space.read_out import is_up, read_out
 from smarig.theory.state_space.transition import sweep, transition
 from theory.state_space.made import (

@@ -8,7 +8,7 @@ from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.core.atomic_file import check_writable
 from smarig.core.file_content import MODEL
-from smarig.identification.extended.extension_names import extension_names
+from smarig.identification.extended.fitted_extension import extension_names
 from smarig.identification.surface.surface_kinds import BEST, surface_kinds
 
 EPILOG = """\b

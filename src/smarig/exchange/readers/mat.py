@@ -8,7 +8,7 @@ from smarig.core.errors import UsageError
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapped_csv import mapped_draft
 from smarig.exchange.mapping import load_mapping
-from smarig.exchange.mat_table import file_set, read_mat_table
+from smarig.exchange.mat_file import file_set, read_mat_table
 from smarig.exchange.rig_constants import RigConstants
 from smarig.exchange.with_heating_model import with_heating_model
 

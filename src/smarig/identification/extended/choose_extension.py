@@ -15,9 +15,14 @@ from numpy.typing import NDArray
 from smarig.core.catalogue import find, names
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
-from smarig.identification.extended.extension_names import BEST, EXTENSIONS, NONE
 from smarig.identification.extended.extremum_chains import extremum_chains
-from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
+from smarig.identification.extended.fitted_extension import (
+    BEST,
+    EXTENSIONS,
+    NONE,
+    ExtensionData,
+    FittedExtension,
+)
 from smarig.identification.extended.moving_fit import excursions
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach.everett import Everett

@@ -4,11 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from smarig.core.catalogue import names
 from smarig.core.errors import DataError
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach.everett import Everett
 from smarig.record import Run
+
+EXTENSIONS = "smarig.identification.extended.extensions"
+NONE, BEST = "none", "best"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,3 +52,12 @@ class FittedExtension:
             "p_value": self.p_value,
             "parameters": {name: estimate.to_json() for name, estimate in self.parameters.items()},
         }
+
+
+def extension_names() -> tuple[str, ...]:
+    """ "none", every file of the catalogue, "best".
+
+    >>> extension_names()[0], extension_names()[-1], "moving" in extension_names()
+    ('none', 'best', True)
+    """
+    return NONE, *names(EXTENSIONS), BEST

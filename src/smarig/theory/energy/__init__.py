@@ -4,10 +4,9 @@ Supply rate u ẏ. Knows no wire, no time and no data: energies are output times
 """
 
 from smarig.theory.energy.available_storage import AvailableStorage, available_storage
-from smarig.theory.energy.dissipation import EnergyBalance, energy_balance
+from smarig.theory.energy.dissipation import EnergyBalance, energy_balance, recoverable_energy
 from smarig.theory.energy.dissipativity import DissipativityCertificate, certify
 from smarig.theory.energy.moments import loop_area
-from smarig.theory.energy.stored_energy import recoverable_energy
 from smarig.theory.energy.sweep_work import work
 from smarig.theory.energy.violation import Violation, confirm
 

@@ -16,8 +16,7 @@ from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach, State
 from smarig.theory.energy.moments import rounding
-from smarig.theory.energy.stored_energy import recoverable_energy
-from smarig.theory.energy.sweep_work import MovingBoundary, SweepSegment, work_of_segments
+from smarig.theory.energy.sweep_work import MovingBoundary, SweepSegment, work, work_of_segments
 
 Array = NDArray[np.float64]
 
@@ -95,3 +94,18 @@ def _per_move(hysteresis: Everett, moves: list[list[SweepSegment]]) -> Array:
     works = work_of_segments(hysteresis, chain.from_iterable(moves))
     owner = np.repeat(np.arange(len(moves)), [len(m) for m in moves])
     return np.bincount(owner, weights=works, minlength=len(moves)).astype(float)
+
+
+def recoverable_energy(hysteresis: Everett, state: State) -> float:
+    """Q_r(B) of a state, output times input units; zero at u = 0 (Prop. 7.1), ≥ 0 for μ ≥ 0 and g ≥ 0.
+
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.operator import Preisach
+    >>> wire = Preisach.from_surface(surface("one_c"))
+    >>> _ = wire.step(90.0)
+    >>> hot = recoverable_energy(wire.hysteresis, wire.state)
+    >>> _ = wire.step(0.0)
+    >>> hot > 100.0, recoverable_energy(wire.hysteresis, wire.state)
+    (True, 0.0)
+    """
+    return 0.0 - work(hysteresis, state, 0.0)

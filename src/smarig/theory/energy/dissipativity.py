@@ -19,10 +19,9 @@ from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.theory.energy.loop_area_bounds import AreaBound, area_bound, least_area, negative_small_loop
 from smarig.theory.energy.moments import area as area_of
 from smarig.theory.energy.moments import rounding
-from smarig.theory.energy.surface_bounds import AreaBound, area_bound, negative_small_loop
-from smarig.theory.energy.table_bounds import least_area
 
 _FIRST_CELLS, _MAX_CELLS = 64, 512
 _TIGHTNESS = 0.05  # a negative minimum is known well enough when the bound is this close, relatively

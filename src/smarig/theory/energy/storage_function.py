@@ -20,8 +20,8 @@ from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface, sigmoid
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.theory.energy.density_bounds import DensityCells
 from smarig.theory.energy.moments import breaks, moments_on
-from smarig.theory.energy.strip_moments import DensityCells
 
 Array = NDArray[np.float64]
 

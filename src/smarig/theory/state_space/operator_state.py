@@ -4,6 +4,9 @@ The operator lives on [u₋, u₊] with negative saturation or a diagonal state 
 live on [−û, û], û = max(|u₋|, |u₊|). Beyond [u₋, u₊] there are no relays, so the base u₋ is drawn at −û.
 """
 
+import numpy as np
+
+from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Preisach, State
 from smarig.theory.state_space.boundary import (
@@ -16,6 +19,7 @@ from smarig.theory.state_space.boundary import (
 )
 from smarig.theory.state_space.maps import extrema_along
 from smarig.theory.state_space.read_out import check_covers
+from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 
 
 def boundary_of(state: State, hysteresis: Everett) -> Boundary:
@@ -69,3 +73,28 @@ def _diagonal_start(boundary: Boundary) -> tuple[float | None, tuple[Point, ...]
         if len(ends) == 2 and on_edge and has_slope_minus_one(*ends, bound):
             return 0.5 * sum(ends[1]), points[skip + 1 :]
     return None, points
+
+
+def distance(first: Boundary, second: Boundary) -> float:
+    """d(B₁, B₂), input units squared; exact for polylines, to rounding.
+
+    >>> from smarig.theory.state_space.boundary import anhysteretic, diagonal
+    >>> round(distance(anhysteretic(10), diagonal(10, 10)), 9)          # half of the triangle
+    100.0
+    """
+    if first.bound != second.bound:
+        raise UsageError(
+            f"Boundaries with û = {first.bound:g} and {second.bound:g} are not in one state space."
+        )
+    return rotated_distance(rotated(first), rotated(second))
+
+
+def rotated_distance(first: RotatedBoundary, second: RotatedBoundary) -> float:
+    """d̃ (6.11): the L₁ distance of two rotated boundaries, integrated exactly between all their corners."""
+    x = np.union1d(first.abscissa, second.abscissa)
+    gap = first(x) - second(x)
+    left, right = gap[:-1], gap[1:]
+    size = np.abs(left) + np.abs(right)
+    crossing = left * right < 0
+    height = np.where(crossing, (left**2 + right**2) / np.where(crossing, size, 1.0), size) / 2
+    return float(np.sum(height * np.diff(x)))

@@ -23,7 +23,7 @@ def reach(boundary: Boundary, within: float, tau: float = 0.0) -> InputSignal:
 
     >>> from smarig.theory.state_space.boundary import anhysteretic, diagonal
     >>> from smarig.theory.state_space.maps import H_left
-    >>> from smarig.theory.state_space.metric import distance
+    >>> from smarig.theory.state_space.operator_state import distance
     >>> goal = diagonal(10, 3)                                   # B_ℓ: where set-point regulation starts, §8.3
     >>> distance(goal, H_left(reach(goal, within=0.5), 0.0, bound=10)) < 0.5
     True
