@@ -1,7 +1,8 @@
 """Axes, lines, dots and words as one SVG picture that is readable on light and on dark pages.
 
-Knows how to draw in data's own units. Refuses to know what is drawn: every number comes from whoever calls.
-Colours keep the meaning they have in reports (``smarig.report.style``): vermilion rises, blue falls, green is a model.
+Draws in the units of the data; every number comes from the caller.
+Colours have the meaning they have on pages (``smarig.report.components.style``): vermilion rises, blue falls,
+green is a model.
 """
 
 from collections.abc import Iterable, Sequence
@@ -10,7 +11,7 @@ from html import escape
 import numpy as np
 from numpy.typing import ArrayLike
 
-from smarig.report import style
+from smarig.report.components import style
 
 # light, dark: on dark the same hues, brighter
 _INKS = {

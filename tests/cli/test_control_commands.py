@@ -17,7 +17,7 @@ from smarig.plant.effect_catalogue import from_pairs
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.record import load_run
 from smarig.replay.model_file import SignalDescription, load_model
-from smarig.report.loop_result import closed_loop
+from smarig.report.closed_loop.loop_result import closed_loop
 from smarig.runner.run_control import RunControl
 
 RAMPS = ("--reference", "ramps", "--set", "seconds=20", "--set", "every_s=5")
@@ -149,7 +149,7 @@ def test_from_a_notebook(one, tmp_path):
 
 
 def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
-    from smarig.report.run_page import run_page
+    from smarig.report.runs.run_page import run_page
 
     out_file = tmp_path / "v.run.sqlite"
     words = (*LEAKY, "--controller-set", "gain=50", "--offset-K", 30, "-o", out_file)
@@ -176,7 +176,7 @@ def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
 def test_a_velocity_loop_is_read_again_from_its_samples(one, tmp_path):
     """The ratio of the record is the last point of the one that is drawn."""
     import smarig
-    from smarig.report.velocity_result import VelocitySignals
+    from smarig.report.closed_loop.velocity_result import VelocitySignals
 
     out_file = tmp_path / "v.run.sqlite"
     path = {"seconds": 20.0, "low": 2.0, "high": 8.0}

@@ -11,7 +11,7 @@ from smarig.core.file_content import JSON, MODEL, PAGE, RUN, TABLE, TOML, conten
 from smarig.diagnosis.diagnosis_files import FILES, prepare_folder
 from smarig.exchange import export_run
 from smarig.record.recorder import Recorder, write_run
-from smarig.report.page import page, write_page
+from smarig.report.components.page import page, write_page
 
 COLUMNS = {"tick": [0, 1, 2], "t_s": [0.0, 0.1, 0.2], "position": [0.0, 1.0, 2.0]}
 STEPS = ("--reference", "steps", "--set", "seconds=5", "--set", "every_s=5")

@@ -25,7 +25,7 @@ from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.report.certificate_page import certificate_page, certified_model, units_of
+from smarig.report.models.certificate_page import certificate_page, certified_model, units_of
 
 PROMISES = ("bounds the energy", "energy is bounded", "never rises", "stays passive", "covers it")
 ONE = {"constant_gain": {"gain": 4.0}}

@@ -29,7 +29,7 @@ from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
 from smarig.replay import HysteresisPredictor, NamedPredictor
-from smarig.report import style
+from smarig.report.components import style
 
 
 def drawn(run: Run, size: int = 500) -> tuple[RecordingOutput, SceneRenderer]:

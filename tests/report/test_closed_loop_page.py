@@ -14,11 +14,11 @@ from smarig.certify.model_certificate import certificate
 from smarig.control.regulation.regulation_protocol import DISTURBED
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 from smarig.record import Event, load_run
-from smarig.report.certificate_page import certificate_page, certified_model
-from smarig.report.closed_loop_figures import clipped_text, error_half_range
-from smarig.report.closed_loop_text import result_text
-from smarig.report.loop_result import closed_loop
-from smarig.report.run_page import run_page
+from smarig.report.closed_loop.closed_loop_figures import clipped_text, error_half_range
+from smarig.report.closed_loop.closed_loop_text import result_text
+from smarig.report.closed_loop.loop_result import closed_loop
+from smarig.report.models.certificate_page import certificate_page, certified_model
+from smarig.report.runs.run_page import run_page
 from smarig.runner.session import Session
 
 COUNT_mm = 0.04712

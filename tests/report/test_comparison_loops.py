@@ -12,10 +12,10 @@ from smarig.app.regulation_loop import regulation
 from smarig.app.tracking_loop import tracking
 from smarig.core.errors import UsageError
 from smarig.record import Event, load_run
-from smarig.report.loop_result import closed_loop
-from smarig.report.numbers import number
-from smarig.report.run_comparison_page import comparison_page
-from smarig.report.style import COMPARED
+from smarig.report.closed_loop.loop_result import closed_loop
+from smarig.report.components.numbers import number
+from smarig.report.components.style import COMPARED
+from smarig.report.runs.run_comparison_page import comparison_page
 from smarig.runner.session import Session
 
 HELD = {"hold_s": 120.0, "disturbance_K": 6.0}

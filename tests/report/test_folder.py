@@ -8,10 +8,10 @@ import pytest
 
 from report.pages import LOADING, Page, run_of, step
 from smarig.core.errors import UsageError
+from smarig.report.components.page import LIBRARY
 from smarig.report.folder_report import report_folder
 from smarig.report.index_page import IndexEntry, index_page
-from smarig.report.page import LIBRARY
-from smarig.report.run_summary import shared_frames, summary_of
+from smarig.report.runs.run_summary import shared_frames, summary_of
 from smarig.runner.session import Session
 
 INPUT = {"quantity": "temperature", "unit": "K"}

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.report.closed_loop_text import hold_end_text, offset_text, unsteady_text
-from smarig.report.hold_end import hold_end
+from smarig.report.closed_loop.closed_loop_text import hold_end_text, offset_text, unsteady_text
+from smarig.report.closed_loop.hold_end import hold_end
 
 COUNT = 0.05
 T = np.arange(1, 4001) * 0.1  # 400 s

@@ -6,8 +6,8 @@ import pytest
 from report.pages import Page, unpacked
 from smarig.identification.identify import identify
 from smarig.record import load_run
-from smarig.report import identification_plot_data
-from smarig.report.page import Section, page
+from smarig.report.components.page import Section, page
+from smarig.report.models import identification_plot_data
 from smarig.runner.session import Session
 
 
@@ -56,8 +56,8 @@ def test_the_replayed_model_goes_through_the_measured_points(both):
 
 
 def test_a_page_of_ascending_curves_says_so(both):
-    from smarig.report.first_order_figures import curves_figure, parameters_figure
-    from smarig.report.surface_figure import surface_figure
+    from smarig.report.components.surface_figure import surface_figure
+    from smarig.report.models.first_order_figures import curves_figure, parameters_figure
 
     run, found = both[1]
     figures = [

@@ -26,10 +26,10 @@ from smarig.plant.actuator import Actuator
 from smarig.protocols._settings import with_loaded_protocols
 from smarig.record import Run, load_run
 from smarig.replay import Model
-from smarig.report.characterisation_page import characterisation_page
-from smarig.report.diagnosis_page import diagnosis_page
-from smarig.report.evidence import Evidence
-from smarig.report.page import write_page
+from smarig.report.components.page import write_page
+from smarig.report.diagnosis.diagnosis_page import diagnosis_page
+from smarig.report.models.characterisation_page import characterisation_page
+from smarig.report.models.evidence import Evidence
 from smarig.runner.initialisation_spread import initialisation_spread
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview, preview

@@ -17,8 +17,8 @@ NOT_RESUMABLE = "A closed loop is not resumed: close it anew."
 
 def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:
     """Preview it, run it into ``out`` and say how it went."""
-    from smarig.report.closed_loop_text import result_text
-    from smarig.report.loop_result import closed_loop
+    from smarig.report.closed_loop.closed_loop_text import result_text
+    from smarig.report.closed_loop.loop_result import closed_loop
 
     session = options.session()
     if out is None and not options.dry_run:

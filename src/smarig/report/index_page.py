@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.report.comparison_labels import banner
-from smarig.report.html import Html, bullets, cards, joined, notice, paragraph, tag
-from smarig.report.numbers import duration, number, thousands
-from smarig.report.page import Section, page
-from smarig.report.run_summary import RunSummary, shared_frames
+from smarig.report.components.comparison_labels import banner
+from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
+from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.page import Section, page
+from smarig.report.runs.run_summary import RunSummary, shared_frames
 
 _COLUMNS = (
     ("Run", "name"),

@@ -15,18 +15,24 @@ from smarig.identification.density_report import density_report
 from smarig.identification.verify import verify
 from smarig.record import Run
 from smarig.replay import Model
-from smarig.report.decimate import path
-from smarig.report.density_figures import map_panel
-from smarig.report.diagnosis_predictions import DiagnosisPredictions
-from smarig.report.diagnosis_text import findings
-from smarig.report.figure import WATERMARK, Panel, Trace, axis, dots, line, unpacked
-from smarig.report.html import Html, bullets, tag
-from smarig.report.identification_plot_data import density_of, hysteresis_description
-from smarig.report.residual_figures import residual_figure
-from smarig.report.run_description import capitalised, input_title, output_title, protocol_name, source_label
-from smarig.report.run_summary import summary_of
-from smarig.report.style import INK, MODEL, template
-from smarig.report.thumbnail import thumbnail
+from smarig.report.components.decimate import path
+from smarig.report.components.figure import WATERMARK, Panel, Trace, axis, dots, line, unpacked
+from smarig.report.components.html import Html, bullets, tag
+from smarig.report.components.style import INK, MODEL, template
+from smarig.report.components.thumbnail import thumbnail
+from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
+from smarig.report.diagnosis.diagnosis_text import findings
+from smarig.report.diagnosis.residual_figures import residual_figure
+from smarig.report.models.density_figures import map_panel
+from smarig.report.models.identification_plot_data import density_of, hysteresis_description
+from smarig.report.runs.run_description import (
+    capitalised,
+    input_title,
+    output_title,
+    protocol_name,
+    source_label,
+)
+from smarig.report.runs.run_summary import summary_of
 
 _POINTS = 1200
 _REVERSALS = (0.35, 0.55, 0.75)  # first-order curves in a model's drawing, as shares of its range

@@ -57,8 +57,8 @@ def command(
     from smarig.core.atomic_file import check_writable
     from smarig.identification.run_passivity import passivity_of_run
     from smarig.record import load_run
-    from smarig.report.certificate_page import Further, certificate_page, certified_model, units_of
-    from smarig.report.page import write_page
+    from smarig.report.components.page import write_page
+    from smarig.report.models.certificate_page import Further, certificate_page, certified_model, units_of
 
     if pairs and not controller:
         raise UsageError("--set belongs to one controller: name it with --controller.")

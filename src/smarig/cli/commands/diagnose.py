@@ -135,8 +135,8 @@ def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> Non
 def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
     """Write the folder of a diagnosis, where one is wanted; returns its paths."""
     from smarig.diagnosis.diagnosis_files import PAGE, write_diagnosis
-    from smarig.report.diagnosis_page import diagnosis_page
-    from smarig.report.page import write_page
+    from smarig.report.components.page import write_page
+    from smarig.report.diagnosis.diagnosis_page import diagnosis_page
 
     if out is None:
         return {}

@@ -64,7 +64,7 @@ def _folder(folder: Path, out: Path | None, force: bool) -> None:
 
 def _is_loop(file: Path) -> bool:
     from smarig.record import load_run
-    from smarig.report.loop_result import is_closed_loop
+    from smarig.report.closed_loop.loop_result import is_closed_loop
 
     return is_closed_loop(load_run(file))
 
@@ -72,9 +72,9 @@ def _is_loop(file: Path) -> bool:
 def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
     from smarig.app.loop_model import ModelSource
     from smarig.record import load_run
+    from smarig.report.components.page import write_page
     from smarig.report.folder_report import page_path
-    from smarig.report.page import write_page
-    from smarig.report.run_page import run_page
+    from smarig.report.runs.run_page import run_page
 
     target = out or page_path(file)
     check_distinct(target, file, model)
@@ -88,9 +88,9 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:
     from smarig.record import load_run
-    from smarig.report.comparison_labels import distinct_names
-    from smarig.report.page import write_page
-    from smarig.report.run_comparison_page import comparison_page
+    from smarig.report.components.comparison_labels import distinct_names
+    from smarig.report.components.page import write_page
+    from smarig.report.runs.run_comparison_page import comparison_page
 
     _check_no_repeats(files, "run")
     target = out or files[0].with_name("comparison.html")
@@ -103,9 +103,9 @@ def _compared(files: list[Path], out: Path | None, force: bool) -> None:
 def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force: bool) -> None:
     from smarig.record import load_run
     from smarig.replay import load_model
-    from smarig.report.comparison_labels import distinct_names
-    from smarig.report.model_comparison_page import models_page
-    from smarig.report.page import write_page
+    from smarig.report.components.comparison_labels import distinct_names
+    from smarig.report.components.page import write_page
+    from smarig.report.models.model_comparison_page import models_page
 
     _check_no_repeats(models, "model")
     _check_no_repeats(files, "run")

@@ -1,0 +1,1 @@
+"""Sections of closed-loop runs: tracking, regulation, velocity feedback, and their comparison."""

@@ -1,0 +1,204 @@
+"""Sections of a run's page that only closed loops have: how well it went, over time, in the plane, and the certificate.
+
+Knows runs, and a model where one is at hand. Refuses to run anything.
+"""
+
+import math
+from typing import Any
+
+from smarig.certify.model_certificate import certificate
+from smarig.control.controller_settings import VELOCITY, default_numbers
+from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
+from smarig.record import Run
+from smarig.replay import Model
+from smarig.report.closed_loop.closed_loop_figures import (
+    loop_hysteresis_figure,
+    regulation_figure,
+    tracking_figure,
+)
+from smarig.report.closed_loop.closed_loop_text import unsteady_text, zero_below_resolution
+from smarig.report.closed_loop.loop_result import (
+    RegulationResult,
+    TrackingResult,
+    closed_loop,
+    is_closed_loop,
+)
+from smarig.report.closed_loop.regulation_plane_figure import B_ELL, regulation_plane_figure
+from smarig.report.closed_loop.velocity_sections import velocity_parts
+from smarig.report.components.html import Html, cards, joined, notice, paragraph, table, tag
+from smarig.report.components.numbers import counts, number, signed
+from smarig.report.components.page import Section
+from smarig.report.models.certificate_page import certificate_parts, certified_model, units_of
+from smarig.report.runs.run_description import display_unit
+
+
+def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> list[Section]:
+    """The sections of a closed-loop run, none for others; ``certified``: a model, its file's name and hash."""
+    if not is_closed_loop(run):
+        return []
+    found = closed_loop(run)
+    if found is None:
+        parts = [notice("warning", paragraph("What the record says of its closed loop cannot be read."))]
+        return [Section("Closed loop", "Closed loop", parts)]
+    parts = (
+        _tracking_parts(run, found) if isinstance(found, TrackingResult) else _regulation_parts(run, found)
+    )
+    return [Section("Closed loop", "Closed loop", parts), *_certificate_section(run, found, certified)]
+
+
+def _tracking_parts(run: Run, found: TrackingResult) -> list:
+    if found.measures is None or found.loop.t_s.size < 2:
+        return [paragraph("The loop ended before anything could be measured.")]
+    if found.velocity is not None:
+        return velocity_parts(run, found, found.velocity)
+    return [
+        _tracking_cards(run, found),
+        tracking_figure(run, found),
+        _steps_table(run, found),
+        loop_hysteresis_figure(run, found.loop),
+    ]
+
+
+def _tracking_cards(run: Run, found: TrackingResult) -> Html:
+    f, count, unit = found.measures, found.loop.count, display_unit(run.unit)
+    if f is None:
+        return Html("")
+    after = f"from {found.skip_s:g} s on, " if found.skip_s else ""
+    return cards(
+        [
+            ("Error, rms", f"{number(f.rms)} {unit}", f"{number(f.rms / count)} counts; {after}n = {f.n}"),
+            (
+                "Largest error",
+                f"{number(f.largest)} {unit}",
+                f"{number(f.largest / count)} counts; {after}readings",
+            ),
+            ("Controller", found.controller, f"along {found.reference.name}"),
+            ("Energy", f"{number(f.energy_J)} J", f"in {number(f.seconds)} s"),
+            ("Peak temperature", f"{number(f.peak_K)} K", "predicted, above ambient"),
+        ]
+    )
+
+
+def _steps_table(run: Run, found: TrackingResult) -> Html:
+    f, unit = found.measures, display_unit(run.unit)
+    if f is None or not f.settle_s:
+        return Html("")
+    rows = [
+        (
+            str(k),
+            number(goal, 4),
+            number(settled) if math.isfinite(settled) else "never",
+            number(over),
+            number(over / found.loop.count),
+        )
+        for k, (goal, settled, over) in enumerate(
+            zip(found.reference.position, f.settle_s, f.overshoot), start=1
+        )
+    ]
+    header = ("Step", f"Goal ({unit})", "Settled after (s)", f"Overshoot ({unit})", "Overshoot (counts)")
+    words = (
+        f"Settled: within {SETTLING_BAND_COUNTS:g} counts and 5 s there. Readings, encoder noise included."
+    )
+    return table(header, rows, words)
+
+
+def _regulation_parts(run: Run, found: RegulationResult) -> list:
+    parts = [
+        _regulation_cards(run, found),
+        *_unsteady_notice(run, found),
+        regulation_plane_figure(run, found),
+    ]
+    held = regulation_figure(run, found)
+    if held is None or found.loop is None:
+        return [*parts, paragraph("The loop was never closed: the run ended on the way.")]
+    return [*parts, held, loop_hysteresis_figure(run, found.loop, moves=False)]
+
+
+def _regulation_cards(run: Run, found: RegulationResult) -> Html:
+    setpoint_data, unit = found.setpoint_data, display_unit(run.unit)
+    area = setpoint_data.get("area_K2")
+    items = [
+        ("Set-point", f"{number(setpoint_data['setpoint'], 4)} {unit}", f"start: {setpoint_data['start']}")
+    ]
+    if area:
+        reached = number(100 * found.distance_K2 / area) if found.distance_K2 is not None else "–"
+        items.append(
+            (
+                joined(["Distance from ", B_ELL]),
+                f"{reached} %",
+                f"of the plane; predicted {number(100 * setpoint_data['predicted_distance_K2'] / area)} %",
+            )
+        )
+    size = found.loop.count if found.loop else 0.0
+    if (error := found.output_error) is not None:
+        note = f"{_counts_text(found, error, sign=True)}off the set-point, before the loop is closed"
+        items.append(("After the approach", f"{signed(zero_below_resolution(error, size))} {unit}", note))
+    if (most := found.transient) is not None:
+        note = f"{_counts_text(found, most)}of the readings, from the disturbance on"
+        items.append(("Largest transient", f"{number(most)} {unit}", note))
+    if (end := found.end) is not None:
+        std = counts(end.std / end.count) if end.count else f"{number(end.std)} {unit}"
+        mean = _counts_text(found, end.mean, sign=True)
+        note = f"{mean}mean of the last {number(end.seconds)} s; {std} rms about it"
+        items.append(("At the end", f"{signed(zero_below_resolution(end.mean, end.count))} {unit}", note))
+    return cards(items)
+
+
+def _counts_text(found: RegulationResult, value: float, *, sign: bool = False) -> str:
+    count = found.loop.count if found.loop else 0.0
+    return f"{counts(value / count, sign=sign)}; " if count else ""
+
+
+def _unsteady_notice(run: Run, found: RegulationResult) -> list[Html]:
+    words = unsteady_text(found.end, run.unit) if found.end else ""
+    return [notice("warning", paragraph(words))] if words else []
+
+
+def _certificate_scope_notice(run: Run, found: TrackingResult | RegulationResult) -> Html:
+    """That the loop on the page is none of those a theorem is about, before the table that says "covered"."""
+    settings = run.info.settings
+    if isinstance(found, TrackingResult) and found.velocity is not None:
+        return notice(
+            "warning",
+            paragraph(
+                tag("b", "This certificate is of the operator, without delay, noise and quantum. "),
+                f"The loop on this page ({found.controller}) has all three: what of the hypotheses it keeps is in the "
+                "table of its own section.",
+            ),
+        )
+    name = found.controller if isinstance(found, TrackingResult) else str(settings.get("controller") or "pi")
+    held = f"followed {found.reference.name}" if isinstance(found, TrackingResult) else "held a set-point"
+    return notice(
+        "warning",
+        paragraph(
+            tag("b", "The loop on this page is not covered by this certificate. "),
+            f"It fed back the position (controller {name}, which {held}); Thm 8.2 and its table below are about "
+            "velocity feedback, which was not run. What applies here is what is said of the model's hysteresis: "
+            "whether it is passive, and by what bias; and the last of its limits, on position loops.",
+        ),
+    )
+
+
+def _certificate_section(
+    run: Run, found: TrackingResult | RegulationResult, certified: tuple[Model, str, str] | None
+) -> list[Section]:
+    if certified is None:
+        return []
+    model, name, sha256 = certified
+    used = run.info.settings.get("model_sha256")
+    parts: list = [_certificate_scope_notice(run, found)]
+    if used and used != sha256:
+        words = f"{name} is not the model this loop was run with ({run.info.settings.get('model')})."
+        parts.append(notice("warning", paragraph(words)))
+    model_certificate = certificate(model.hysteresis, _controllers_run(run, found), units_of(model))
+    parts += certificate_parts(model_certificate, certified_model(model, name, sha256))
+    return [Section("Certificate of the model", "Certificate", parts)]
+
+
+def _controllers_run(run: Run, found: TrackingResult | RegulationResult) -> dict[str, dict[str, Any]] | None:
+    """The velocity controller of the run with its numbers; None, for all of them, where it fed back the position."""
+    if not isinstance(found, TrackingResult) or found.velocity is None:
+        return None
+    settings = run.info.settings
+    numbers = default_numbers(VELOCITY, found.controller)
+    return {found.controller: {key: settings[key] for key in numbers if key in settings}}

@@ -1,0 +1,198 @@
+"""Closed loops over each other: along one reference in time; at one set-point in time, in the plane, over the input.
+
+Knows what loops did; refuses to know controllers and models.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.control.regulation.boundary_plane import BoundaryPlane
+from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
+from smarig.report.closed_loop.closed_loop_figures import (
+    ROWS,
+    clipped_text,
+    disturbance_shading,
+    error_half_range,
+    stacked_layout,
+    tolerance_band,
+)
+from smarig.report.closed_loop.loop_groups import ComparedLoop, ComparedRegulation, ComparedTracking
+from smarig.report.closed_loop.regulation_plane_figure import B_ELL, boundary_curve
+from smarig.report.components.decimate import POINTS, envelope, path
+from smarig.report.components.figure import Figure, Panel, Trace, axis, line
+from smarig.report.components.html import Html, joined
+from smarig.report.components.style import COMPARED, DASHES, GREY, INK
+from smarig.report.runs.run_comparison_figures import runs_caption
+from smarig.report.runs.run_description import display_unit, input_title, output_title, source_label
+from smarig.report.runs.time_figures import time_unit
+
+Array = NDArray[np.float64]
+
+
+def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:
+    """Wanted and measured positions, errors and currents over each other; None where nothing was measured."""
+    loops = [each for each in loops if each.drawn]
+    if not loops:
+        return None
+    run, counted = loops[0].run, all(each.count for each in loops)
+    size, unit = time_unit(max(float(each.loop.t_s[-1]) for each in loops))
+    data: list[Trace] = []
+    if counted:
+        data.append(tolerance_band(_longest_time(loops) / size, -SETTLING_BAND_COUNTS, yaxis="y2"))
+    for each in loops:
+        loop = each.loop
+        columns = (loop.position, _error_trace(each, counted=counted), loop.current_A)
+        data += [_time_trace(each, loop.t_s / size, values, row) for row, values in enumerate(columns)]
+    data.append(_reference_line(loops[0], size))
+    titles = (output_title(run), f"Error ({'counts' if counted else display_unit(run.unit)})", "Current (A)")
+    layout = stacked_layout(titles, (0.42, 0.34, 0.24), f"Time since the loop was closed ({unit})")
+    words = "Error: measured less wanted."
+    if counted:
+        settled_errors = [each.loop.error[each.loop.t_s >= each.result.skip_s] for each in loops]
+        half_range = error_half_range(np.concatenate(settled_errors))
+        layout["yaxis2"]["range"] = [-half_range, half_range]
+        words = f"Error: measured less wanted, in encoder counts; band: ± {SETTLING_BAND_COUNTS:g} counts."
+        words += clipped_text(np.concatenate([each.loop.error for each in loops]), half_range)
+    return Figure(
+        [Panel(data, layout, 680)],
+        f"Closed loops along {loops[0].result.reference.name} over each other.",
+        [words, _runs_text(loops)],
+        source_label(*(each.run for each in loops)),
+    )
+
+
+def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | None:
+    """|measured − set-point| since each loop was closed, and the control; None where none was closed."""
+    loops = [each for each in loops if each.drawn]
+    if not loops:
+        return None
+    run, counted = loops[0].run, all(each.count for each in loops)
+    size, unit = time_unit(float(_longest_time(loops)[-1]))
+    errors = [np.abs(_error_trace(each, counted=counted)) for each in loops]
+    all_errors = np.concatenate(errors)
+    shown = [(each.result.transient or 0.0) / (each.count or 1.0) for each in loops]
+    half_range = error_half_range(all_errors, max(shown)) if counted else 1.05 * float(np.nanmax(all_errors))
+    data: list[Trace] = [tolerance_band(_longest_time(loops) / size, 0.0)] if counted else []
+    disturbances = dict.fromkeys((round(on), round(off)) for on, off in _disturbances_text(loops))
+    data += [
+        disturbance_shading(on / size, off / size, 0.0, half_range, showlegend=k == 0)
+        for k, (on, off) in enumerate(disturbances)
+    ]
+    for each, error in zip(loops, errors):
+        t, input_K = each.loop.t_s / size, each.loop.input_K
+        data += [_time_trace(each, t, error, 0), _time_trace(each, t, input_K, 1)]
+    what = f"|measured − set-point| ({'counts' if counted else display_unit(run.unit)})"
+    layout = stacked_layout(
+        (what, input_title(run)), (0.62, 0.38), f"Time since the loop was closed ({unit})"
+    )
+    layout["yaxis"]["range"] = [0.0, half_range]
+    return Figure(
+        [Panel(data, layout, 560)],
+        "Set-points held in closed loop, over each other.",
+        [
+            "Every clock begins where its loop was closed.",
+            "Tinted: the disturbance, added to the control input." if disturbances else "",
+            clipped_text(all_errors, half_range).strip() if counted else "",
+            _runs_text(loops),
+        ],
+        source_label(*(each.run for each in loops)),
+    )
+
+
+def preisach_plane_figure(loops: Sequence[ComparedRegulation]) -> Figure | None:
+    """The states in which the loops were closed, and the way from there (Figs. 8.5 and 8.6)."""
+    loops = [each for each in loops if each.drawn]
+    if not loops:
+        return None
+    run = loops[0].run
+    output_paths = [_output_path(each) for each in loops]
+    layout = {
+        "xaxis": axis(input_title(run)),
+        "yaxis": axis(f"Output, model's scale ({display_unit(run.unit)})"),
+    }
+    return Figure(
+        [_boundary_panel(loops), Panel(output_paths, layout, 460)],
+        "Where the loops were closed in the Preisach plane, and the way through the hysteresis from there on.",
+        [
+            joined(
+                [
+                    "First panel: the memory when the loop was closed, along the temperature predicted from the "
+                    "measured current; relays above a boundary are down, those below are up",
+                    *(["; grey, ", B_ELL] if any(_goal_boundary(each) is not None for each in loops) else []),
+                    ". Second: output against input in closed loop (thesis, Figs. 8.5 and 8.6).",
+                ]
+            ),
+            _runs_text(loops),
+        ],
+        source_label(*(each.run for each in loops)),
+        440,
+    )
+
+
+def _boundary_panel(loops: Sequence[ComparedRegulation]) -> Panel:
+    low = min(float(each.result.setpoint_data["lower_K"]) for each in loops)
+    high = max(float(each.result.setpoint_data["upper_K"]) for each in loops)
+    data = [line([low, high], [low, high], "α = β", GREY, width=1, hoverinfo="skip", showlegend=False)]
+    ell = next(filter(None, map(_goal_boundary, loops)), None)
+    if ell is not None:
+        plane = BoundaryPlane(low, high)
+        target_boundary = boundary_curve(plane.points(plane.target_boundary(ell)))
+        data.append(line(*target_boundary, "B_ℓ, α = 2ℓ − β", GREY, width=4, opacity=0.5))
+    data += [_line(each, *boundary_curve(each.result.boundary), width=1.8) for each in loops]
+    unit = loops[0].run.input_unit
+    layout = {
+        "xaxis": axis(f"β ({unit})", constrain="domain", range=[low, high]),
+        "yaxis": axis(f"α ({unit})", scaleanchor="x", constrain="domain", range=[low, high]),
+    }
+    return Panel(data, layout, 460)
+
+
+def _goal_boundary(each: ComparedRegulation) -> float | None:
+    return each.result.setpoint_data.get("ell_K")
+
+
+def _output_path(each: ComparedRegulation) -> Trace:
+    """Output against input since the loop was closed, outputs with the model's zero: all begin at the set-point."""
+    loop = each.loop
+    kept = path(loop.input_K, loop.position)
+    return _line(each, loop.input_K[kept], loop.position[kept] + each.result.zero)
+
+
+def _disturbances_text(loops: Sequence[ComparedRegulation]) -> list[tuple[float, float]]:
+    return [each.result.disturbance_s for each in loops if each.result.disturbance_s is not None]
+
+
+def _longest_time(loops: Sequence[ComparedLoop]) -> Array:
+    """The times of the loop that was closed longest."""
+    return max((each.loop.t_s for each in loops), key=lambda t: float(t[-1]))
+
+
+def _error_trace(each: ComparedLoop, *, counted: bool) -> Array:
+    loop = each.loop
+    return loop.error if counted else loop.position - loop.wanted
+
+
+def _reference_line(each: ComparedTracking, size: float) -> Trace:
+    """The reference itself; the last point of steps is their end, and none of them."""
+    reference = each.result.reference
+    t, y = np.array(reference.t_s) / size, np.array(reference.position)
+    if reference.held:
+        t, y = np.repeat(t, 2)[1:-1], np.repeat(y[:-1], 2)
+    return line(t, y, "wanted", INK, width=1.4, dash="dot", yaxis="y")
+
+
+def _time_trace(each: ComparedLoop, t: Array, values: Array, row: int) -> Trace:
+    kept = envelope(values, POINTS)
+    where = {"yaxis": ROWS[row], "showlegend": row == 0, "legendgroup": each.name}
+    return _line(each, t[kept], values[kept], **where)
+
+
+def _line(each: ComparedLoop, x: Any, y: Any, **more: Any) -> Trace:
+    return line(x, y, each.name, COMPARED[each.k], dash=DASHES[each.k], **({"width": 1.3} | more))
+
+
+def _runs_text(loops: Sequence[ComparedLoop]) -> Html:
+    return runs_caption([(each.k, each.name, each.run) for each in loops])

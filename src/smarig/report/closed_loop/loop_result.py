@@ -1,0 +1,247 @@
+"""What a closed-loop run did, read from its record alone: where the loop was closed, and how well it went.
+
+Runs are recognised by their marks; what a controller wanted and what was foretold of B_ℓ stand in them. Positions are
+the readings, encoder noise and quantum included. Refuses to know models.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.control.regulation.boundary_plane import BoundaryPlane
+from smarig.control.regulation.regulation_protocol import CLOSED as REGULATED
+from smarig.control.regulation.regulation_protocol import DISTURBED, MARK, OPENED
+from smarig.control.tracking.reference import Reference
+from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
+from smarig.control.tracking.tracking_protocol import CLOSED as TRACKED
+from smarig.control.velocity.velocity_protocol import MEASURED, STARTED
+from smarig.core.errors import SmarigError
+from smarig.plant.actuator import Actuator
+from smarig.record import Event, Run
+from smarig.report.closed_loop.hold_end import HoldEnd, hold_end
+from smarig.report.closed_loop.velocity_result import VelocityResult
+from smarig.report.runs.run_description import count_size
+
+Array = NDArray[np.float64]
+SKIP_S = 20.0  # the way to the first point of a moving reference is no tracking
+
+
+@dataclass(frozen=True, eq=False)
+class LoopSegment:
+    """The samples of the closed loop, (n,) each; time since it was closed, the predicted temperature as input."""
+
+    t_s: Array
+    wanted: Array
+    position: Array
+    current_A: Array
+    input_K: Array
+    count: float
+
+    @property
+    def error(self) -> Array:
+        """Measured less wanted, in counts (in the unit where the run does not say what a count is)."""
+        return (self.position - self.wanted) / (self.count or 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class TrackingResult:
+    """A run along a reference; ``measures`` is None for one that ended before there were any.
+
+    ``velocity`` is what the loop did by Thm 8.2 where it fed back the velocity, None where it fed back the position.
+    """
+
+    controller: str
+    reference: Reference
+    skip_s: float
+    loop: LoopSegment
+    measures: TrackingPerformance | None
+    velocity: VelocityResult | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Figures in the rig's unit, and errors in counts besides."""
+        plain: dict[str, Any] = {
+            "controller": self.controller,
+            "reference": self.reference.name,
+            "skip_s": self.skip_s,
+        }
+        if self.velocity is not None:
+            plain["velocity"] = self.velocity.to_json()
+        if self.measures is None:
+            return plain
+        count = self.loop.count
+        plain |= asdict(self.measures)
+        if count:
+            plain |= {
+                "rms_counts": self.measures.rms / count,
+                "largest_counts": self.measures.largest / count,
+            }
+        return plain
+
+
+@dataclass(frozen=True, eq=False)
+class RegulationResult:
+    """A run that held a set-point. ``setpoint_data`` are those of its mark; areas in K², outputs in the rig's unit.
+
+    ``distance_K2`` is d(B, B_ℓ) along the predicted temperature of the wire, ``output_error`` the measured output less
+    the set-point after the approach, ``transient`` the largest |error| of the readings from the disturbance on (None
+    without one), ``disturbance_s`` when it began and ended, ``disturbance_K`` how large it was, ``end`` the last
+    stretch. ``zero`` is what the model's scale has more than the encoder's.
+    """
+
+    setpoint_data: dict[str, Any]
+    loop: LoopSegment | None
+    disturbance_s: tuple[float, float] | None
+    zero: float
+    boundary: tuple[tuple[float, float], ...]
+    distance_K2: float | None
+    output_error: float | None
+    transient: float | None
+    disturbance_K: float
+    end: HoldEnd | None
+
+    def to_json(self) -> dict[str, Any]:
+        """The figures; ψ's curve and the boundaries stay in the record."""
+        drawn = ("psi_ell_K", "psi", "predicted_boundary")
+        return {key: value for key, value in self.setpoint_data.items() if key not in drawn} | {
+            "reached_distance_K2": self.distance_K2,
+            "output_error": self.output_error,
+            "transient": self.transient,
+            "last_error": self.end and self.end.mean,
+            "last_spread": self.end and self.end.std,
+            "last_s": self.end and self.end.seconds,
+            "last_verdict": self.end and (self.end.verdict or None),
+        }
+
+
+def is_closed_loop(run: Run) -> bool:
+    """Whether a run's loop was closed, or was going to be."""
+    return _mark(run, TRACKED) is not None or _mark(run, MARK) is not None
+
+
+def closed_loop(run: Run) -> TrackingResult | RegulationResult | None:
+    """What the loop of a run did; None for runs without one, and for marks that are not ours."""
+    try:
+        if (mark := _mark(run, TRACKED)) is not None:
+            return _tracking_result(run, mark)
+        if (mark := _mark(run, MARK)) is not None:
+            return _regulation_result(run, mark)
+    except (KeyError, TypeError, ValueError, IndexError, SmarigError):
+        return None
+    return None
+
+
+def _mark(run: Run, label: str) -> Event | None:
+    return next((e for e in run.events if e.kind == "mark" and e.text == label), None)
+
+
+def _tracking_result(run: Run, mark: Event) -> TrackingResult:
+    reference, start_s = Reference.of(mark.data["reference"]), float(mark.data["start_s"])
+    rows = _closed_rows(run, mark, start_s)
+    t = run["t_s"][rows] - start_s
+    if reference.held:  # the last point of steps is their end, and none of them
+        rows = rows[t < reference.duration_s - 1e-6]
+        t = run["t_s"][rows] - start_s
+    loop = _segment(run, rows, t, np.array([reference.at(v) for v in t.tolist()]))
+    skip_s = SKIP_S if not reference.held and reference.duration_s > 2 * SKIP_S else 0.0
+    measures = None
+    if t.size >= 2 and loop.count:
+        columns = (loop.position, loop.current_A, loop.input_K)
+        actuator = Actuator.named(run.info.actuator or "")
+        ahead_s = _lead_time_s(run.info.settings.get("lead_s"))
+        measures = tracking_performance(
+            reference, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s
+        )
+    name = str(mark.data.get("controller") or "unnamed")
+    measured = _mark(run, MEASURED) or _mark(run, STARTED)
+    velocity = VelocityResult.of(measured.data) if measured else None
+    return TrackingResult(name, reference, skip_s, loop, measures, velocity)
+
+
+def _lead_time_s(setting: Any) -> float:
+    """How far the controller of a record looked ahead; 0 where that is not said."""
+    try:
+        return max(0.0, float(setting))
+    except (TypeError, ValueError):
+        return 0.0
+
+
+def _regulation_result(run: Run, mark: Event) -> RegulationResult:
+    setpoint_data = _setpoint_data(mark.data)
+    closed = _mark(run, REGULATED)
+    closed_s = closed.t_s if closed else np.inf
+    before = (run["t_s"] > mark.t_s) & (run["t_s"] <= closed_s)
+    plane = BoundaryPlane(float(setpoint_data["lower_K"]), float(setpoint_data["upper_K"]))
+    boundary = (
+        plane.boundary_after(run["input"][before]) if before.any() else plane.boundary_after([plane.lower])
+    )
+    ell = setpoint_data.get("ell_K") if closed else None
+    distance = plane.distance(boundary, float(ell)) if ell is not None else None
+    points = plane.points(boundary)
+    if closed is None:
+        return RegulationResult(setpoint_data, None, None, 0.0, points, distance, None, None, 0.0, None)
+    wanted, rows = float(closed.data["wanted_position"]), _closed_rows(run, closed, closed.t_s)
+    loop = _segment(run, rows, run["t_s"][rows] - closed.t_s, np.full(rows.size, wanted))
+    arrived = next((s.position for s in run.steps if s.branch == "arrive" and s.position is not None), None)
+    disturbance_s, disturbance_K = _disturbance(run, closed.t_s)
+    off = loop.position - wanted
+    return RegulationResult(
+        setpoint_data,
+        loop,
+        disturbance_s,
+        float(setpoint_data["setpoint"]) - wanted,
+        points,
+        distance,
+        None if arrived is None else arrived - wanted,
+        float(np.abs(off[loop.t_s > disturbance_s[0]]).max())
+        if disturbance_s and np.any(loop.t_s > disturbance_s[0])
+        else None,
+        disturbance_K,
+        hold_end(loop.t_s, off, loop.current_A, loop.count, disturbance_s[1] if disturbance_s else 0.0),
+    )
+
+
+def _setpoint_data(data: Mapping[str, Any]) -> dict[str, Any]:
+    """What the mark of a set-point says, as numbers; KeyError or ValueError where it says too little."""
+    plain = {key: float(data[key]) for key in ("setpoint", "rest_K", "lower_K", "upper_K")}
+    ell, psi = ([float(v) for v in data[key]] for key in ("psi_ell_K", "psi"))
+    if len(ell) != len(psi) or not len(psi) or not plain["lower_K"] < plain["upper_K"]:
+        raise ValueError("ψ is drawn over the range of the inputs")
+    found = {**plain, "start": str(data["start"]), "psi_ell_K": ell, "psi": psi}
+    if "ell_K" in data:
+        found |= {key: float(data[key]) for key in _PLAN_KEYS}
+        found["predicted_boundary"] = [
+            (float(beta), float(alpha)) for beta, alpha in data["predicted_boundary"]
+        ]
+    return found
+
+
+_PLAN_KEYS = (
+    *("ell_K", "output", "predicted_distance_K2", "area_K2", "predicted_output_error_share"),
+    *("cycles", "wave_s", "approach_s"),
+)
+
+
+def _disturbance(run: Run, closed_s: float) -> tuple[tuple[float, float] | None, float]:
+    """When the disturbance began and ended, and its kelvin of source; None and 0 without one."""
+    marks = [e for e in run.events if e.kind == "mark" and e.text == DISTURBED]
+    if not marks:
+        return None, 0.0
+    times = [e.t_s - closed_s for e in marks]
+    end = times[1] if len(times) > 1 else float(run["t_s"][-1]) - closed_s
+    return (times[0], end), float(marks[0].data["source_K"])
+
+
+def _closed_rows(run: Run, mark: Event, start_s: float) -> NDArray[np.intp]:
+    """Rows of the samples from a mark to the opening of the loop, or to the end."""
+    opened = next(
+        (e.t_s for e in run.events if e.kind == "mark" and e.text == OPENED and e.t_s >= mark.t_s), np.inf
+    )
+    return np.flatnonzero((run["t_s"] > start_s) & (run["t_s"] <= opened))
+
+
+def _segment(run: Run, rows: NDArray[np.intp], t: Array, wanted: Array) -> LoopSegment:
+    position, current_A, input_K = (run[name][rows] for name in ("position", "current_A", "input"))
+    return LoopSegment(t, wanted, position, current_A, input_K, count_size(run))

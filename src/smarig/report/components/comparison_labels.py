@@ -1,0 +1,42 @@
+"""What the pages of comparisons share: names that tell things apart, how many can be, whose banner. No figures."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from smarig.core.errors import UsageError
+from smarig.report.components.page import SIMULATED_TEXT
+from smarig.report.components.style import COMPARED
+
+
+def distinct_names(files: Sequence[Path], ending: str) -> list[str]:
+    """Short names that tell the files apart: without their ending, with folders as far as needed.
+
+    >>> distinct_names([Path("a/x.run.sqlite"), Path("b/x.run.sqlite"), Path("b/y.run.sqlite")], ".run.sqlite")
+    ['a/x', 'b/x', 'y']
+    """
+    parts = [(*file.parts[:-1], file.name.removesuffix(ending)) for file in files]
+    named = []
+    for k, mine in enumerate(parts):
+        others = parts[:k] + parts[k + 1 :]
+        depth = next((d for d in range(1, len(mine)) if all(o[-d:] != mine[-d:] for o in others)), len(mine))
+        named.append("/".join(mine[-depth:]))
+    return named
+
+
+def check_comparable_count(things: Sequence[object], kind: str) -> None:
+    """UsageError when there are more of them than colours that can be told apart."""
+    if len(things) > len(COMPARED):
+        raise UsageError(
+            f"{len(things)} {kind} cannot be distinguished in one figure; compare at most {len(COMPARED)}."
+        )
+
+
+def banner(labels: Sequence[str]) -> tuple[str, str]:
+    """The banner's label and its sentence, from each run's label: all of them simulated, or only some.
+
+    >>> banner(["TWIN", "", ""])
+    ('TWIN', '1 of the 3 runs on this page come from a software simulation.')
+    """
+    simulated = [label for label in labels if label]
+    some = f"{len(simulated)} of the {len(labels)} runs on this page come from a software simulation."
+    return "".join(simulated[:1]), SIMULATED_TEXT if len(simulated) == len(labels) else some

@@ -1,0 +1,201 @@
+"""A figure: panels of plain Plotly traces, a title sentence, and a caption that can be read alone.
+
+Traces and layouts are plain dictionaries in Plotly's own schema, arrays are packed in base64, so a page
+holds no Python objects and no default template. Knows no page and no physics.
+"""
+
+import base64
+import html
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from smarig.report.components.html import Html, joined, tag
+from smarig.report.components.numbers import number
+
+Trace = dict[str, Any]
+AXIS_MARGIN = 1.15  # how far an axis reaches, over what is drawn
+WATERMARK = {
+    "xref": "paper",
+    "yref": "paper",
+    "x": 1,
+    "y": 1,
+    "xanchor": "right",
+    "yanchor": "bottom",
+    "showarrow": False,
+    "bgcolor": "#f7c948",
+    "borderpad": 2,
+    "font": {"size": 11, "color": "#111"},
+}
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot: traces and layout (Plotly schema), height in CSS pixels; ``wide`` takes a whole row.
+
+    On pages narrower than ``min_width_px`` it keeps that width and scrolls inside its frame.
+    """
+
+    data: Sequence[Trace]
+    layout: Mapping[str, Any]
+    height: int = 420
+    wide: bool = False
+    min_width_px: int = 0
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Panels under one caption; ``label`` says loudly that nothing was measured ("TWIN"), "" on hardware.
+
+    ``min_width_px`` is the width below which panels stand under each other.
+    """
+
+    panels: Sequence[Panel]
+    title: str
+    caption: Sequence[Any]
+    label: str
+    min_width_px: int = 560
+
+    def html(self) -> Html:
+        """The figure as markup; its plots are drawn by the page's script."""
+        panels = [_panel(panel, self) for panel in self.panels]
+        badge = joined([label_badge(self.label), " "]) if self.label else ""
+        words = joined([part for part in self.caption if part], " ")
+        caption = tag("figcaption", badge, tag("b", self.title), " ", words)
+        kind = "panels one" if len(panels) == 1 else "panels"
+        half_range = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._is_scrollable else {}
+        frame = tag("div", *panels, class_=kind, style=f"--least:{self.min_width_px}px", **half_range)
+        return tag("figure", frame, caption)
+
+    @property
+    def _is_scrollable(self) -> bool:
+        """Whether a panel may be wider than a small screen: the frame is then one that keys can scroll."""
+        return any(panel.min_width_px for panel in self.panels)
+
+
+def label_badge(label: str) -> Html:
+    """The label that a caption begins with."""
+    return tag("span", f"{label} · simulated, not hardware", class_="twin")
+
+
+def _panel(panel: Panel, figure: Figure) -> Html:
+    layout = dict(panel.layout)
+    if figure.label:
+        layout["annotations"] = [
+            *layout.get("annotations", ()),
+            WATERMARK | _watermark_position(layout) | {"text": figure.label},
+        ]
+    text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
+    # "<" must not end the script element it stands in
+    script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
+    size = f"--high:{panel.height}px" + (f";min-width:{panel.min_width_px}px" if panel.min_width_px else "")
+    plot = tag("div", script, class_="plot", style=size, role="img", aria_label=alt_text(panel, figure))
+    return tag("div", plot, class_="cell wide" if panel.wide else "cell")
+
+
+def _watermark_position(layout: Mapping[str, Any]) -> dict[str, str]:
+    """Where the label is put: at the frame, where axes of one scale leave part of the paper empty."""
+    framed = layout.get("xaxis", {}).get("constrain") == "domain"
+    return {"xref": "x domain", "yref": "y domain"} if framed else {}
+
+
+def alt_text(panel: Panel, figure: Figure) -> str:
+    """What a plot shows, for those who hear the page: whose it is, its axes with units, and what is drawn."""
+    flat = [_title(panel.layout[key]) for key in panel.layout if key.startswith("yaxis")]
+    solid = panel.layout.get("scene", {})
+    vertical = ", ".join(filter(None, flat)) or _title(solid.get("zaxis", {}))
+    across = [
+        _title(panel.layout.get("xaxis", {})),
+        *(_title(solid.get(key, {})) for key in ("xaxis", "yaxis")),
+    ]
+    names = dict.fromkeys(trace["name"] for trace in panel.data if trace.get("name"))
+    drawn = f" Drawn: {', '.join(names)}." if names else ""
+    mark = f"{figure.label}, simulated. " if figure.label else ""
+    return html.unescape(
+        f"{mark}{figure.title} {vertical} against {' and '.join(filter(None, across))}.{drawn}"
+    )
+
+
+def _title(axis: Mapping[str, Any]) -> str:
+    return str(axis.get("title", {}).get("text", "")).replace("<br>", " ")
+
+
+def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
+    """An array as Plotly's typed-array specification; NaN stays NaN. ``single`` halves long traces.
+
+    >>> packed([1.0, 2.0])["dtype"], packed([[1.0, 2.0]])["shape"]
+    ('f8', '1, 2')
+    """
+    array = np.ascontiguousarray(values, dtype="<f4" if single else "<f8")
+    spec = {"dtype": "f4" if single else "f8", "bdata": base64.b64encode(array.tobytes()).decode("ascii")}
+    if array.ndim == 2:
+        spec["shape"] = f"{array.shape[0]}, {array.shape[1]}"
+    return spec
+
+
+def unpacked(spec: Mapping[str, str]) -> NDArray[np.float64]:
+    """The array in a typed-array specification.
+
+    >>> unpacked(packed([[1.0, 2.0]])).tolist()
+    [[1.0, 2.0]]
+    """
+    values = np.frombuffer(base64.b64decode(spec["bdata"]), dtype="<" + spec["dtype"])
+    shape = [int(n) for n in spec["shape"].split(",")] if "shape" in spec else -1
+    return values.reshape(shape)
+
+
+def line(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:
+    """A line trace; ``dash`` and ``width`` style it, other keywords are Plotly's."""
+    style = {"color": colour, "width": more.pop("width", 1.6), "dash": more.pop("dash", "solid")}
+    return _scatter("lines", x, y, name) | {"line": style} | more
+
+
+def dots(x: ArrayLike, y: ArrayLike, name: str, colour: str, **more: Any) -> Trace:
+    """A marker trace; ``size`` and ``symbol`` style it, other keywords are Plotly's."""
+    style = {"color": colour, "size": more.pop("size", 6), "symbol": more.pop("symbol", "circle")}
+    style |= more.pop("marker", {})
+    return _scatter("markers", x, y, name) | {"marker": style} | more
+
+
+def _scatter(mode: str, x: ArrayLike, y: ArrayLike, name: str) -> Trace:
+    return {
+        "type": "scatter",
+        "mode": mode,
+        "x": _packed_x(x),
+        "y": _packed_x(y),
+        "name": str(plotly_escaped(name)),
+    }
+
+
+def _packed_x(values: ArrayLike) -> dict[str, str]:
+    array = np.asarray(values, dtype=float)
+    return packed(array, single=array.size > 500)
+
+
+def plotly_escaped(text: Any) -> Html:
+    """Text for inside a plot, where Plotly would read markup: escaped."""
+    return joined([text])
+
+
+def axis(title: str, **more: Any) -> dict[str, Any]:
+    """An axis with its quantity and unit."""
+    return {"title": {"text": plotly_escaped(title)}} | more
+
+
+def log_axis(title: str, low: float, high: float) -> dict[str, Any]:
+    """A logarithmic axis from ``low`` to ``high`` with plain numbers on it, every one written out.
+
+    >>> log_axis("rms (mm)", 0.004, 0.6)["ticktext"]
+    ['0.005', '0.01', '0.02', '0.05', '0.1', '0.2', '0.5']
+    """
+    fine = high < 10 * low
+    sizes = [m * 10.0**k for k in range(-15, 10) for m in ((1, 1.5, 2, 3, 4, 5, 6, 8) if fine else (1, 2, 5))]
+    ticks = [tick for tick in sizes if low <= tick <= high]
+    texts = [number(tick, 2 if fine else 1).replace(".0 ×", " ×") for tick in ticks]
+    ends = [math.log10(low), math.log10(high)]
+    return axis(title, type="log", range=ends, tickvals=ticks, ticktext=texts)

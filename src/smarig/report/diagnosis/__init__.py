@@ -1,0 +1,1 @@
+"""Pages of a diagnosis: the verdict in words, tables and figures."""

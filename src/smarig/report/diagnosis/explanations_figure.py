@@ -1,0 +1,95 @@
+"""Rivals: the explanations that competed last, and the candidates that gain most by themselves.
+
+Knows nothing of the data that they explain.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from smarig.diagnosis.critique.critique import CandidateScore
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
+from smarig.report.components.figure import Figure, Panel, Trace, packed
+from smarig.report.diagnosis.candidate_rows import (
+    GENERIC,
+    NAMED,
+    candidate_name,
+    nats_text,
+    row_positions,
+    rows_layout,
+    top_candidates,
+)
+from smarig.report.diagnosis.diagnosis_predictions import Array, diagnosis_caption
+from smarig.report.runs.run_description import source_label
+
+
+def explanations_figure(d: Diagnosis) -> Figure:
+    """Explanations of the last level by nats behind the best; single candidates by gain beyond chance."""
+    panels, explanations_text = [_candidates_panel(top_candidates(d))], ""
+    if d.levels:
+        level = d.levels[-1]
+        lead = [level.lead(k) for k in range(len(level.explanations))]
+        panels.insert(0, _explanations_panel([" + ".join(r.names) for r in level.explanations], lead))
+        explanations_text = (
+            "First panel: the explanations that competed last, all parameters fitted, by how many nats (units of log "
+            f"likelihood) they fit worse than the best; {LEAD_SCALE_NATS:g} nats cost a factor e in probability. "
+            "Second panel, by another measure (the noise as believed before any effect was in):"
+        )
+    each = "each candidate by itself" if explanations_text else "Each candidate by itself"
+    return Figure(
+        panels,
+        "Rivals: what else could explain it.",
+        [
+            explanations_text,
+            f"{each} on the first critique, weak and in proportion: gain in log likelihood beyond the median of its "
+            "gain on nulls. Blue: an effect of the catalogue; vermilion: a smooth function of a variable, which names "
+            "no cause. Axes: linear near 0, logarithmic beyond.",
+            *diagnosis_caption(d),
+        ],
+        source_label(*d.timeline.runs),
+        460,
+    )
+
+
+def _explanations_panel(names: Sequence[str], lead: Sequence[float]) -> Panel:
+    rows = row_positions(len(names))
+    texts = ["best" if v <= 0 else nats_text(v) for v in lead]
+    data = [_bar(lead, rows, NAMED, texts)]
+    return Panel(
+        data,
+        rows_layout(names, rows, "Nats behind the best explanation", [0.0, *lead]),
+        _panel_height_px(len(names)),
+    )
+
+
+def _candidates_panel(scores: Sequence[CandidateScore]) -> Panel:
+    rows = row_positions(len(scores))
+    net = [s.net for s in scores]
+    colour = [GENERIC if s.candidate.generic else NAMED for s in scores]
+    data = [_bar(net, rows, colour, [nats_text(v) for v in net])]
+    names = [candidate_name(s) for s in scores]
+    return Panel(
+        data, rows_layout(names, rows, "Gain beyond chance (nats)", [0.0, *net]), _panel_height_px(len(names))
+    )
+
+
+def _bar(values: Sequence[float], rows: Array, colour: Any, texts: Sequence[str]) -> Trace:
+    return {
+        "type": "bar",
+        "orientation": "h",
+        "x": packed(np.arcsinh(values)),
+        "y": packed(rows),
+        "text": list(texts),
+        "textposition": "outside",
+        "cliponaxis": False,
+        "marker": {"color": colour},
+        "width": 0.6,
+        "hoverinfo": "text",
+        "showlegend": False,
+    }
+
+
+def _panel_height_px(rows: int) -> int:
+    return 110 + 30 * rows

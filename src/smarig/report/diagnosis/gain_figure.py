@@ -1,0 +1,128 @@
+"""Gain where nothing was fitted: errors at held-out points, block by block, before and after the effects.
+
+Knows nothing of the runs that were learned from.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
+from smarig.report.components.style import FAINT, GREY, INK, MODEL
+from smarig.report.diagnosis.diagnosis_predictions import Array, rig_text, rms
+from smarig.report.diagnosis.diagnosis_text import gain_text
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_description import capitalised, display_unit, source_label
+
+_ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors
+_MARKER_SHIFT = 0.13  # blocks: distance of the two models' marks
+_PALE_OPACITY = 0.35  # opacity
+_LOG_AXIS_RATIO = 20  # times: where an axis from 0 would hide the smaller ones
+
+
+def gain_figure(gain: HeldOutGain, d: Diagnosis) -> Figure:
+    """Errors at held-out points by block, and the rms of each block, of the base and the extended model."""
+    models = [("base model", INK, gain.base_error)]
+    if d.extended:
+        models.append(("extended model", MODEL, gain.extended_error))
+    x = axis("Held-out block", dtick=1 if gain.blocks <= 20 else 5, range=[0.4, gain.blocks + 0.6])
+    unit = display_unit(d.timeline.unit)
+    return Figure(
+        [_error_panel(gain, models, x, unit), _rms_panel(gain, models, x, unit)],
+        "Gain where nothing was fitted: held-out positions by block.",
+        _caption(gain, d, unit),
+        source_label(*d.timeline.runs),
+        440,
+    )
+
+
+def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
+    return [
+        f"n = {gain.block.size} points in {gain.blocks} blocks; a block is one excursion out and back. The zero is "
+        "that of the training runs, and both densities are from those runs alone. First panel: every error; second: "
+        f"rms of each block. Floor {gain.floor:.2g} {unit}: noise, and what training leaves open of the density.",
+        ""
+        if gain.weight is None
+        else "Each reading counts by how well it can be predicted (1/σ²), in every rms and in the floor.",
+        "Pale: readings of more than twice the least σ, such as positions on their way."
+        if _pale_readings(gain).any()
+        else "",
+        gain_text(gain, d),
+        capitalised("; ".join(rig_text(d)) + ".") if rig_text(d) else "",
+    ]
+
+
+def _blocks(gain: HeldOutGain) -> Array:
+    """The number of each reading's block, from 1 (n,)."""
+    return np.unique(gain.block, return_inverse=True)[1].astype(np.float64) + 1
+
+
+def _error_panel(gain: HeldOutGain, models: _ModelErrors, x: dict[str, Any], unit: str) -> Panel:
+    data: list[Trace] = [
+        noise_band(x["range"][0], x["range"][1], 2 * gain.floor, "± 2 × floor"),
+        line(x["range"], [0, 0], "zero", GREY, width=1, showlegend=False),
+    ]
+    for (name, colour, error), shift in zip(models, (-_MARKER_SHIFT, _MARKER_SHIFT)):
+        data += _error_trace(gain, _blocks(gain) + shift, error, name, colour)
+    return Panel(data, {"xaxis": x, "yaxis": axis(f"Measured − model ({unit})")}, 360)
+
+
+def _rms_panel(gain: HeldOutGain, models: _ModelErrors, x: dict[str, Any], unit: str) -> Panel:
+    blocks = np.arange(1.0, gain.blocks + 1)
+    sizes = [_block_rms(gain, error) for _, _, error in models]
+    data: list[Trace] = [
+        line(x["range"], [gain.floor] * 2, "floor", GREY, dash="dash", width=1.4),
+        *_block_links(blocks, sizes),
+        *(dots(blocks, size, name, colour, size=8) for (name, colour, _), size in zip(models, sizes)),
+    ]
+    y = _rms_axis(f"rms in the block ({unit})", [*sizes, np.array([gain.floor])])
+    return Panel(data, {"xaxis": x, "yaxis": y}, 360)
+
+
+def _block_rms(gain: HeldOutGain, error: Array) -> Array:
+    """Rms of each block, as the whole's: every reading by its weight."""
+    block = _blocks(gain)
+    weight = np.ones(error.size) if gain.weight is None else gain.weight
+    return np.array([rms(error[block == b], weight[block == b]) for b in np.unique(block)])
+
+
+def _error_trace(gain: HeldOutGain, x: Array, error: Array, name: str, colour: str) -> Iterator[Trace]:
+    """Every error; those of readings with more than twice the least σ pale."""
+    pale = _pale_readings(gain)
+    if pale.any():
+        yield dots(
+            x[pale], error[pale], f"{name}, noisier", colour, size=5, opacity=_PALE_OPACITY, showlegend=False
+        )
+    yield dots(x[~pale], error[~pale], name, colour, size=5)
+
+
+def _pale_readings(gain: HeldOutGain) -> NDArray[np.bool_]:
+    return np.zeros(gain.block.size, bool) if gain.weight is None else gain.weight < gain.weight.max() / 4
+
+
+def _rms_axis(title: str, sizes: Sequence[Array]) -> dict[str, Any]:
+    """An axis from 0; logarithmic where sizes are many times apart."""
+    every = np.concatenate(sizes)
+    if every.min() > 0 and every.max() > _LOG_AXIS_RATIO * every.min():
+        return log_axis(title, every.min() / AXIS_MARGIN**2, every.max() * AXIS_MARGIN**2)
+    return axis(title, range=[0, AXIS_MARGIN * float(every.max())])
+
+
+def _block_links(x: Array, sizes: Sequence[Array]) -> list[Trace]:
+    """A line from before to after, block by block."""
+    gaps = np.full(x.size, np.nan)
+    return [
+        line(
+            np.column_stack([x, x, gaps]).ravel(),
+            np.column_stack([a, b, gaps]).ravel(),
+            "",
+            FAINT,
+            showlegend=False,
+        )
+        for a, b in pairwise(sizes)
+    ]

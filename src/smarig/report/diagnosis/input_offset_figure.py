@@ -1,0 +1,103 @@
+"""What a model misses, as the offset of its input that would make it (K), where the wire is steep enough to tell.
+
+Knows nothing of other channels and of why the model misses it.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.report.components.figure import Figure, Panel, Trace, dots, line, packed
+from smarig.report.components.numbers import number
+from smarig.report.components.style import GREY
+from smarig.report.diagnosis.diagnosis_predictions import (
+    Array,
+    DiagnosisPredictions,
+    diagnosis_caption,
+    input_slopes,
+    models_text,
+    rms,
+    rms_noise,
+)
+from smarig.report.diagnosis.residual_axes import (
+    best_position_variable,
+    half_ranges,
+    residual_abscissa,
+    residual_layout,
+    symmetric_layout,
+)
+from smarig.report.runs.run_description import display_unit, source_label
+
+_STEEP_SHARE = 0.25  # of a steep place's slope: where a residual is worth telling as a temperature
+
+
+def input_offset_figure(predictions: DiagnosisPredictions) -> Figure | None:
+    """Residuals as the offset of the input that would make them, where the wire is steep enough to tell."""
+    d = predictions.d
+    slope = input_slopes(d)
+    steep = slope > _STEEP_SHARE * float(np.quantile(slope, 0.9))
+    if not steep.any() or slope.max() <= 0:
+        return None
+    u, unit = display_unit(d.timeline.runs[0].input_unit), display_unit(d.timeline.unit)
+    offsets = [
+        predictions.residuals(prediction, "settled")[steep] / slope[steep]
+        for prediction, _, _ in predictions.labelled
+    ]
+    uncertainty = 2 * rms_noise(d, "settled")[0] / slope[steep]
+    half_range = half_ranges([np.abs(offset) + uncertainty for offset in offsets], 0.0)
+    names = dict.fromkeys((best_position_variable(d), "time"))
+    panels = [
+        _offset_panel(
+            d,
+            name,
+            steep,
+            (offset, uncertainty),
+            (label, colour),
+            symmetric_layout(f"Equivalent offset ({u})", own_half_range, half_range),
+        )
+        for name in names
+        if name != "rate"
+        for offset, own_half_range, (_, label, colour) in zip(offsets, half_range, predictions.labelled)
+    ]
+    sizes = " → ".join(number(rms(offset)) for offset in offsets)
+    return Figure(
+        panels,
+        f"The same as an offset of the input: how many {u} more at the input would make each residual.",
+        [
+            f"Residual of a settled position over the base model's slope ∂y/∂u to its input, where that is more than "
+            f"{100 * _STEEP_SHARE:.0f} % of its 90 % quantile: {int(steep.sum())} of {steep.size} points, slopes "
+            f"{slope[steep].min():.2g} to {slope[steep].max():.2g} {unit}/{u}; "
+            f"rms {sizes} {u}{models_text(predictions, half_range)}.",
+            f"Bars: ± 2 σ of a reading over that slope. Noise of the temperature ({_fluctuation_text(d)} {u}) is "
+            "not in the "
+            "bars. A disturbance of the input would lie on one curve here, but for what the density has taken up.",
+            *diagnosis_caption(d, dotted=True),
+        ],
+        source_label(*d.timeline.runs),
+        440,
+    )
+
+
+def _fluctuation_text(d: Diagnosis) -> str:
+    critique = d.levels[-1].critique if d.levels else d.first
+    return number(critique.refitted.noise.temperature_K, 2)
+
+
+def _offset_panel(
+    d: Diagnosis,
+    name: str,
+    steep: NDArray[np.bool_],
+    offset: tuple[Array, Array],
+    style: tuple[str, str],
+    y_layout: dict[str, Any],
+) -> Panel:
+    x, x_axis = residual_abscissa(d, name, "settled")
+    ends = [float(x.min()), float(x.max())]
+    bars = {"type": "data", "array": packed(offset[1]), "color": GREY, "thickness": 1, "width": 0}
+    data: list[Trace] = [
+        line(ends, [0, 0], "zero", GREY, width=1, showlegend=False),
+        dots(x[steep], offset[0], style[0], style[1], size=5, error_y=bars),
+    ]
+    return Panel(data, residual_layout(d, name, x_axis, y_layout), 340)

@@ -1,0 +1,85 @@
+"""What a diagnosis says of noise: the table of readings and draughts, their sum, the error of the time steps.
+
+Knows nothing of figures.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from smarig.diagnosis.critique.critique import Critique
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.drive_statistics import MIN_COUNT_SD
+from smarig.report.components.html import Html, paragraph, table
+from smarig.report.components.numbers import number
+from smarig.report.diagnosis.diagnosis_predictions import input_slopes, rms_noise
+from smarig.report.runs.run_description import count_size, display_unit
+
+
+def noise_budget(d: Diagnosis) -> Iterator[Html]:
+    """A table and two sentences."""
+    size = count_size(d.timeline.runs[0])
+    unit, u = display_unit(d.timeline.unit), display_unit(d.timeline.runs[0].input_unit)
+    critiques = [d.first, *[level.critique for level in d.levels[-1:]]]
+    whole = rms_noise(d, "settled")[1]
+    rows = [
+        ("Settled position, σ of a reading", *(number(c.refitted.noise.settled) for c in critiques), unit),
+        *_count_row(critiques, size),
+        (
+            "Ambient fluctuation, σ of the input",
+            *(number(c.refitted.noise.temperature_K) for c in critiques),
+            u,
+        ),
+        (
+            "Ambient fluctuation, correlation time",
+            *(number(c.refitted.noise.correlation_s) for c in critiques),
+            "s",
+        ),
+        (
+            "Ambient fluctuation × rms slope ∂y/∂u",
+            *(number(v) for v in _fluctuation_effect(d, critiques)),
+            unit,
+        ),
+    ]
+    header = ("Noise", "Base model", *(["With the effects"] if len(critiques) > 1 else []), "Unit")
+    yield table(
+        header,
+        rows,
+        "Noise of largest likelihood beside any smooth density, the likeliest suspects set aside.",
+    )
+    yield paragraph(
+        f"Together, with the ambient fluctuation as the hysteresis remembers it until it is wiped out: "
+        f"{number(whole, 2)} {unit} rms at a settled point{_counts_text(whole, size, unit)}."
+    )
+    if size and critiques[-1].refitted.noise.settled <= 1.001 * MIN_COUNT_SD * size:
+        yield paragraph(
+            f"σ of a reading stands at the least that is allowed, {MIN_COUNT_SD:g} counts: the scatter is no larger."
+        )
+    yield paragraph(
+        f"The critic's own time steps: settled points move by at most {number(d.numerics, 2)} {unit} when every "
+        f"step is divided by four, {_relative_to_noise(d.numerics, d.error.noise_floor)}."
+    )
+
+
+def _count_row(critiques: list[Critique], size: float) -> Iterator[tuple[str, ...]]:
+    if size:
+        yield (
+            "The same in encoder counts",
+            *(number(c.refitted.noise.settled / size, 2) for c in critiques),
+            "counts",
+        )
+
+
+def _counts_text(value: float, size: float, unit: str) -> str:
+    return f", {number(value / size, 2)} counts of {number(size)} {unit}" if size else ""
+
+
+def _fluctuation_effect(d: Diagnosis, critiques: list[Critique]) -> list[float]:
+    slope = float(np.sqrt(np.mean(input_slopes(d) ** 2)))
+    return [c.refitted.noise.temperature_K * slope for c in critiques]
+
+
+def _relative_to_noise(numerics: float, floor: float) -> str:
+    if numerics < 1e-3 * floor:
+        return "nothing beside the noise"
+    return f"{numerics / floor:.2g} of the noise floor"

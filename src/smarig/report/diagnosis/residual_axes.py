@@ -1,0 +1,105 @@
+"""Axes of residuals: the variables they are drawn against, with their units; how far upright axes reach.
+
+Knows the story; knows nothing of models and captions.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.replay import Timeline
+from smarig.report.components.figure import AXIS_MARGIN, axis
+from smarig.report.components.numbers import number
+from smarig.report.components.style import GREY
+from smarig.report.diagnosis.diagnosis_predictions import Array, readings
+from smarig.report.runs.run_description import display_unit
+
+_FINER_RATIO = 4  # times: where what is left would be a mere line on the axis of what was missed
+
+
+def best_position_variable(d: Diagnosis) -> str:
+    """The name of the variable that explains most of the positions ("time" if none does)."""
+    scores = [
+        s for s in d.first.scores if s.candidate.generic and " of " not in s.candidate.name and s.net > 0
+    ]
+    return max(scores, key=lambda s: s.net).candidate.depends_on if scores else "time"
+
+
+def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[str, Any]]:
+    """A variable's values (n,) at the readings of one kind, and its axis."""
+    timeline, r, u = d.timeline, readings(d.timeline, kind), display_unit(d.timeline.runs[0].input_unit)
+    unit, target, base = display_unit(timeline.unit), timeline.target_K, d.first.prediction
+    before = np.concatenate([target[:1], target[:-1]])
+    if name == "cycle":
+        travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
+        return travel[r.step], axis(f"Travel so far, there and back ({unit})")
+    if name == "level" and kind in ("settled", "moving"):
+        return base.values[kind], axis(f"Predicted position ({unit})")
+    if name == "level":
+        return target[r.step], axis(f"Target of the step ({u})")
+    if name == "step":
+        return (target - before)[r.step], axis(f"Change of target that led here ({u})")
+    if name == "hold":
+        return np.maximum(timeline.hold_s, 1.0)[r.step], axis("Length of the hold (s)", type="log")
+    if name == "rate":
+        values, label, is_logarithmic = drive_statistics(timeline).rate_axis(r, u)
+        return values, axis(label, type="log") if is_logarithmic else axis(label)
+    if name == "history":
+        values, label = drive_statistics(timeline).history_axis(r, u)
+        return values, axis(label)
+    if name == "reversals":
+        turned = np.abs(np.diff(np.sign(np.diff(target)), prepend=1)) > 0
+        return np.concatenate([[0.0], np.cumsum(turned)])[r.step], axis("Reversals so far")
+    t, t_unit = _display_time(timeline, r.t_s)
+    return t, axis(f"Clock time of the session ({t_unit})")
+
+
+def _display_time(timeline: Timeline, t_s: Array) -> tuple[Array, str]:
+    """Times in hours or minutes with the unit, or samples where there is no clock."""
+    if not timeline.drive.has_clock:
+        return t_s, "samples"
+    return (t_s / 3600, "h") if timeline.drive.end_s[-1] > 7200 else (t_s / 60, "min")
+
+
+def run_start_lines(timeline: Timeline) -> list[dict[str, Any]]:
+    """A dotted upright line where a run begins."""
+    at = _display_time(
+        timeline,
+        np.array([timeline.settled.t_s[np.argmax(timeline.run == k)] for k in range(1, len(timeline.runs))]),
+    )[0]
+    style = {"type": "line", "yref": "paper", "y0": 0, "y1": 1, "layer": "below"}
+    return [
+        style | {"x0": t, "x1": t, "line": {"color": GREY, "width": 1, "dash": "dot"}} for t in at.tolist()
+    ]
+
+
+def residual_layout(
+    d: Diagnosis, name: str, x_axis: dict[str, Any], y_layout: dict[str, Any]
+) -> dict[str, Any]:
+    """A panel's layout; against time with a mark where each run begins."""
+    marks = {"shapes": run_start_lines(d.timeline)} if name == "time" else {}
+    return {"xaxis": x_axis} | y_layout | marks
+
+
+def half_ranges(errors: Sequence[Array], least: float) -> list[float]:
+    """How far up and down each panel's axis reaches: as far as the first, but its own where that is many times finer.
+
+    What is worse than the first is drawn on the same axis.
+    """
+    each = [AXIS_MARGIN * max(least, float(np.abs(error).max())) for error in errors]
+    whole = max(each)
+    return [whole, *(own if whole > _FINER_RATIO * own else whole for own in each[1:])]
+
+
+def symmetric_layout(title: str, half_range: float, all_half_ranges: Sequence[float]) -> dict[str, Any]:
+    """A layout with a symmetric upright axis; a mark says so where it is finer than that beside it."""
+    layout: dict[str, Any] = {"yaxis": axis(title, range=[-half_range, half_range])}
+    if max(all_half_ranges) > half_range:
+        words = f"axis {number(max(all_half_ranges) / half_range, 2)} × finer"
+        at = {"xref": "paper", "yref": "paper", "x": 0.01, "y": 0.98, "xanchor": "left", "yanchor": "top"}
+        look = {"showarrow": False, "bgcolor": "#ffffff", "font": {"size": 12, "color": GREY}}
+        layout["annotations"] = [{"text": words} | at | look]
+    return layout

@@ -1,0 +1,154 @@
+"""What a model misses, in the rig's unit: residuals against the variable that shows most and against time.
+
+Before and after the effects, side by side. Knows nothing of why the model misses it.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from smarig.diagnosis.critique.critique import CandidateScore
+from smarig.diagnosis.diagnose import Diagnosis
+from smarig.replay import OUTPUT_DEPENDENT_KINDS
+from smarig.report.components.figure import Figure, Panel, Trace, dots, line
+from smarig.report.components.numbers import number
+from smarig.report.components.style import GREY
+from smarig.report.diagnosis.diagnosis_predictions import (
+    Array,
+    DiagnosisPredictions,
+    diagnosis_caption,
+    models_text,
+    readings,
+    rms,
+    rms_noise,
+)
+from smarig.report.diagnosis.residual_axes import (
+    best_position_variable,
+    half_ranges,
+    residual_abscissa,
+    residual_layout,
+    symmetric_layout,
+)
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_description import count_size, display_unit, source_label
+
+_FLUCTUATION_RATIO = 1.02  # noise with draughts over that without: worth a band of its own
+_READING_NAMES = {
+    "settled": "settled positions",
+    "moving": "positions while the wire moves",
+    "resistance": "the wire's resistance",
+    "current": "measured current − command",
+    "room": "the thermometer in the box",
+}
+
+
+def residual_figure(predictions: DiagnosisPredictions) -> Figure:
+    """Residuals in the rig's unit: against the variable that shows most and against time, before and after."""
+    d = predictions.d
+    name = best_position_variable(d)
+    kind = (
+        "moving"
+        if name == "rate" and any(r.kind == "moving" for r in d.timeline.other_readings)
+        else "settled"
+    )
+    return _residual_channel_figure(
+        predictions,
+        kind,
+        list(dict.fromkeys((name, "time"))),
+        f"What the model misses: {_READING_NAMES[kind]}.",
+    )
+
+
+def channel_figure(predictions: DiagnosisPredictions) -> Figure | None:
+    """The same for another channel, where that is the one that tells most."""
+    best = best_variable(predictions.d)
+    _, of, kind = best.candidate.name.partition(" of ") if best else ("", "", "")
+    if best is None or not of:
+        return None
+    return _residual_channel_figure(
+        predictions, kind, [best.candidate.depends_on], f"Where it shows most: {_READING_NAMES[kind]}."
+    )
+
+
+def best_variable(d: Diagnosis) -> CandidateScore | None:
+    """The variable that explains most beyond chance, if any explains anything."""
+    best = d.first.best(1, generic=True)
+    return best[0] if best else None
+
+
+def _residual_channel_figure(
+    predictions: DiagnosisPredictions, kind: str, names: Sequence[str], title: str
+) -> Figure:
+    d = predictions.d
+    own, whole = rms_noise(d, kind)
+    r = readings(d.timeline, kind)
+    unit = display_unit(r.unit)
+    errors = [predictions.residuals(prediction, kind) for prediction, _, _ in predictions.labelled]
+    half_range = half_ranges(errors, 2 * whole)
+    panels = [
+        _residual_panel(
+            d,
+            kind,
+            name,
+            error,
+            (label, colour),
+            (own, whole),
+            symmetric_layout(f"Measured − model ({unit})", own_half_range, half_range),
+        )
+        for name in names
+        for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.labelled)
+    ]
+    zero = "" if kind == "current" else ", less its mean (the zero is free)"
+    fluctuation_text = (
+        f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms); "
+        f"light band: ± 2 σ with noise of the temperature as the hysteresis remembers it (σ = {whole:.2g} {unit}, rms)."
+        if whole > _FLUCTUATION_RATIO * own
+        else f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms)."
+    )
+    sizes = " → ".join(number(rms(e)) for e in errors)
+    return Figure(
+        panels,
+        title,
+        [
+            f"Measured minus predicted{zero}, n = {len(r)}, rms {sizes} "
+            f"{unit}{models_text(predictions, half_range)}.{fluctuation_text}",
+            "Every density was identified anew from these very readings, so what a density can take up is not in the "
+            "picture."
+            if kind in OUTPUT_DEPENDENT_KINDS
+            else "",
+            _count_text(d) if kind in ("settled", "moving") else "",
+            *diagnosis_caption(d, dotted="time" in names),
+        ],
+        source_label(*d.timeline.runs),
+        440,
+    )
+
+
+def _count_text(d: Diagnosis) -> str:
+    size = count_size(d.timeline.runs[0])
+    return f"1 count: {size:.3g} {display_unit(d.timeline.unit)}." if size else ""
+
+
+def _residual_panel(
+    d: Diagnosis,
+    kind: str,
+    name: str,
+    error: Array,
+    style: tuple[str, str],
+    noise: tuple[float, float],
+    y_layout: dict[str, Any],
+) -> Panel:
+    x, x_axis = residual_abscissa(d, name, kind)
+    low, high = float(x.min()), float(x.max())
+    bands = [noise_band(low, high, 2 * noise[0], "± 2 σ of a reading")]
+    if noise[1] > _FLUCTUATION_RATIO * noise[0]:
+        bands.insert(
+            0,
+            noise_band(low, high, 2 * noise[1], "± 2 σ with ambient fluctuation")
+            | {"fillcolor": "rgba(107,114,128,.10)"},
+        )
+    data: list[Trace] = [
+        *bands,
+        line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False),
+        dots(x, error, style[0], style[1], size=5),
+    ]
+    return Panel(data, residual_layout(d, name, x_axis, y_layout), 360)

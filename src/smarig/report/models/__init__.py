@@ -1,0 +1,1 @@
+"""Pages of identified models: a characterisation, models compared, a certificate."""

@@ -1,0 +1,69 @@
+"""Figures of a certificate: where μ is negative in the Preisach plane, and ψ with what it reaches. Knows no run."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.certify.model_certificate import ModelCertificate
+from smarig.control.regulation.psi import Psi
+from smarig.identification.density_report import DensityReport, density_report
+from smarig.replay import Model
+from smarig.report.components.figure import Figure, Panel, axis, dots, line
+from smarig.report.components.numbers import number
+from smarig.report.components.style import INK, MODEL
+from smarig.report.models.density_figures import map_panel, per_square
+from smarig.report.models.identification_plot_data import density_of
+from smarig.report.runs.run_description import display_unit
+
+Array = NDArray[np.float64]
+
+
+def certificate_figure(model: Model, found: ModelCertificate, origin: str, label: str) -> Figure:
+    """μ over the plane with its negative regions, and ψ(ℓ) beside it."""
+    units = (display_unit(model.unit), model.input.unit)
+    report = density_report(model.hysteresis)
+    least, g = found.classes.mu_min, found.classes.g_min
+    where = f"α = {number(least.at[0], 4)}, β = {number(least.at[1], 4)} {units[1]}"
+    part = f"; {report.negative_cells} of {report.cells} cells are negative" if report.cells else ""
+    psi, grid = Psi(model.hysteresis), density_of(model.hysteresis)
+    negative_text = "Ringed" if report.cells else "Outlined, tinted"
+    return Figure(
+        [_density_panel(grid, report, units), _psi_panel(psi, units)],
+        "Weighting function μ(α, β), and ψ(ℓ), the output of the state α = 2ℓ − β.",
+        [
+            "First panel: white is zero, red positive, blue negative. "
+            f"{negative_text}: where μ < 0, however little; "
+            f"cross: the minimum, {number(least.value)} {per_square(*units)} at {where}{part}. "
+            f"g is {number(g.value)} {units[0]}/{units[1]} at least.",
+            "Second: ψ leads from the least output to the largest, so every set-point between has a state "
+            + (
+                "α = 2ℓ − β (Thm 8.5)."
+                if psi.monotone
+                else "α = 2ℓ − β; ψ turns back, and the least ℓ is taken."
+            ),
+            origin,
+        ],
+        label,
+        440,
+    )
+
+
+def _density_panel(grid: tuple[Array, Array, Array], report: DensityReport, units: tuple[str, str]) -> Panel:
+    """The map of μ; the negative cells of a table, whose colours may be too pale to see, are ringed."""
+    panel = map_panel("", grid, report, units)
+    alpha, beta, mu = grid
+    if not report.negative_cells or alpha.size == mu.shape[0]:
+        return panel
+    row, column = np.nonzero(mu < 0)
+    middle = (alpha[row] + alpha[row + 1]) / 2, (beta[column] + beta[column + 1]) / 2
+    rings = dots(middle[1], middle[0], "μ < 0", INK, symbol="circle-open", size=6)
+    return replace(panel, data=[*panel.data, rings])
+
+
+def _psi_panel(psi: Psi, units: tuple[str, str]) -> Panel:
+    ell, y = psi.curve
+    ends = ([psi.lower, psi.upper], [psi.y_lower, psi.y_upper])
+    data = [line(ell, y, "ψ(ℓ)", MODEL, width=2), dots(*ends, "least and largest output", INK, size=7)]
+    layout = {"xaxis": axis(f"ℓ ({units[1]})"), "yaxis": axis(f"Output ψ(ℓ) ({units[0]})")}
+    return Panel(data, layout, 430)

@@ -1,0 +1,311 @@
+"""The page of a certificate: verdict, hypotheses, k_e of each controller, μ and ψ, and what it all rests on."""
+
+import re
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from smarig.certify.certificate_scope import FINDINGS
+from smarig.certify.certificate_units import Units
+from smarig.certify.hypothesis import Hypothesis
+from smarig.certify.measured_passivity import MeasuredPassivity
+from smarig.certify.model_certificate import ModelCertificate
+from smarig.certify.position_supply_rate import PositionController
+from smarig.certify.storage_bound import StorageBound
+from smarig.replay import Model
+from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
+from smarig.report.components.numbers import number
+from smarig.report.components.page import Section, page
+from smarig.report.models.certificate_figures import certificate_figure
+from smarig.report.models.model_tables import M_P, M_PC
+from smarig.report.runs.run_description import display_unit
+
+HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}
+_INDEX = re.compile(r"\b(Q|S|k|u|Δy|M)_(PC|P|r|a|e|o|k)\b")
+_BOX_STYLES = {True: "good", False: "bad", None: "warning"}
+
+
+@dataclass(frozen=True)
+class CertifiedModel:
+    """What a certificate is about: model, file, hash, and the runs its data came from."""
+
+    model: str
+    file: str
+    sha256: str
+    twin: bool
+    rig: str
+    data: tuple[dict[str, Any], ...]
+    effects: tuple[str, ...]
+
+    def summary_text(self) -> str:
+        """Model, data, and what is left out."""
+        runs = ", ".join(f"{r['protocol']} ({r['rows']} rows)" for r in self.data) or "no recorded run"
+        kind = "twin data" if self.twin else "measured data"
+        return (
+            f"Certificate of {self.model} ({self.file}, SHA-256 {self.sha256[:12]}…), identified on {self.rig} from "
+            f"{kind}: {runs}.{self.exclusion_text()}"
+        )
+
+    def exclusion_text(self) -> str:
+        """What a model with effects is told."""
+        if not self.effects:
+            return ""
+        return f" The model has effects ({', '.join(self.effects)}): they are not covered, only its hysteresis is."
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values."""
+        plain = asdict(self)
+        return {**plain, "covers": "the hysteresis alone" if self.effects else "the model's hysteresis"}
+
+
+def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
+    """Of a model and its file."""
+    runs = tuple(
+        {
+            "run": Path(p.run).name,
+            "sha256": p.sha256,
+            "protocol": p.protocol,
+            "source": p.source,
+            "rows": p.rows,
+        }
+        for p in model.provenance
+    )
+    effects = tuple(str(e.get("name")) for e in model.effects)
+    return CertifiedModel(model.name, file, sha256, model.twin, model.rig, runs, effects)
+
+
+def units_of(model: Model) -> Units:
+    """Of the model's hysteresis, which need not know them itself."""
+    return Units(model.unit, model.input.unit)
+
+
+@dataclass(frozen=True)
+class Further:
+    """Asked for besides the model's certificate: passivity of runs by name, and position controllers of §9.2."""
+
+    measured: dict[str, MeasuredPassivity]
+    position_controllers: tuple[PositionController, ...]
+
+    @property
+    def text(self) -> list[str]:
+        """A line each."""
+        lines = [f"{name}: {m.text}" for name, m in self.measured.items()]
+        return lines + [k.text for k in self.position_controllers]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; keys only for what was asked."""
+        measured = [{"run": name} | m.to_json() for name, m in self.measured.items()]
+        return ({"measured": measured} if measured else {}) | (
+            {"position_supply": [k.to_json() for k in self.position_controllers]}
+            if self.position_controllers
+            else {}
+        )
+
+
+def certificate_page(
+    model: Model, found: ModelCertificate, about: CertifiedModel, further: Further | None = None
+) -> str:
+    """The whole page (HTML); ``further``: what was asked of it besides."""
+    label = "TWIN" if model.twin else ""
+    sections = [
+        Section(
+            "Verdict", "Verdict", [verdict_box(found), certificate_cards(found), *_exclusion_notice(about)]
+        ),
+        Section("Velocity feedback", "Velocity feedback", [*velocity_parts(found)]),
+        Section("Hypotheses", "Hypotheses", [hypotheses_table(found)]),
+        Section(
+            "Weighting function and set-points",
+            "μ and ψ",
+            [certificate_figure(model, found, _caption(about), label)],
+        ),
+        Section("Limits", "Limits", [limits_table(found)]),
+        Section("Other loops", "Other loops", [*other_loops(found), *_position_controllers(further)]),
+        *_measured_section(further),
+        Section("What it rests on", "Provenance", [provenance(about)]),
+    ]
+    simulated = "the model was identified from a software simulation. No wire was measured."
+    title = f"Certificate of {about.model}"
+    return page(title, f"{about.file}, identified on {about.rig}", sections, label=label, simulated=simulated)
+
+
+def certificate_parts(found: ModelCertificate, about: CertifiedModel) -> list[Html]:
+    """A certificate as part of another page: verdict, table, hypotheses, origin."""
+    return [
+        verdict_box(found),
+        *_exclusion_notice(about),
+        *velocity_parts(found),
+        hypotheses_table(found),
+        limits_table(found),
+        paragraph(about.summary_text()),
+    ]
+
+
+def verdict_box(found: ModelCertificate) -> Html:
+    """Passive or not, in a box, with the input that breaks it where there is one."""
+    parts = [paragraph(tag("b", with_subscripts(found.verdict)))]
+    if found.dissipativity is not None:
+        parts.append(paragraph(found.dissipativity.text))
+    if found.counterexample is not None:
+        parts.append(paragraph(found.counterexample_text))
+    return notice(_BOX_STYLES[found.passive], *parts)
+
+
+def certificate_cards(found: ModelCertificate) -> Html:
+    """Classes, storage and bias."""
+    c, s = found.classes, found.storage_bound
+    inside = (
+        joined(["in ", M_P]) if c.M_P else joined(["in ", M_PC, ", not in ", M_P]) if c.M_PC else "neither"
+    )
+    basis = {
+        "positive": "Q_r",
+        "recoverable": "Q_r",
+        "dissipative": "S_a",
+        "none": "none exists",
+        "undecided": "not known",
+    }[s.basis]
+    return cards(
+        [
+            ("Class of μ", inside, f"g ≥ 0: {'yes' if found.g_not_negative else 'no'}"),
+            ("Storage", with_subscripts(basis), _storage_text(s)),
+            ("Bias from u(0) = 0", _bias_text(found), f"begins in {_initial_state_text(found)}"),
+        ]
+    )
+
+
+def _storage_text(s: StorageBound) -> str:
+    if s.basis in ("none", "undecided"):
+        return "no function of the state will do" if s.basis == "none" else "not decided"
+    why = {"positive": "by Thm 7.4", "recoverable": "proved, although μ < 0 somewhere"}
+    return why.get(s.basis, "proved" if s.proven else "known from below only")
+
+
+def _bias_text(found: ModelCertificate) -> str:
+    if found.storage_bound.basis in ("none", "undecided"):
+        return "no bound" if found.storage_bound.basis == "none" else "unknown"
+    return f"{number(found.storage_bound.energy)} {display_unit(found.storage_bound.unit)}"
+
+
+def _initial_state_text(found: ModelCertificate) -> str:
+    return "B*" if found.initial == "anhysteretic" else "negative saturation"
+
+
+def with_subscripts(text: str) -> Html:
+    """A sentence with its indices set low.
+
+    >>> with_subscripts("k_e < 2")
+    'k<sub>e</sub> &lt; 2'
+    """
+    return Html(_INDEX.sub(r"\1<sub>\2</sub>", escaped(text)))
+
+
+def velocity_parts(found: ModelCertificate) -> list[Html]:
+    """The sentence of Thm 8.2, and k_e of each controller."""
+    per = display_unit(found.units.gain)
+    rows = [
+        (
+            j.name,
+            ", ".join(f"{key} = {value:g}" for key, value in j.numbers.items()),
+            number(j.stability.delta),
+            number(j.stability.gamma),
+            number(j.k_e),
+            j.coverage,
+        )
+        for j in found.controllers
+    ]
+    header = ("Controller", "Numbers", f"δ ({per})", f"γ ({per})", with_subscripts("k_e"), "Thm 8.2")
+    words = (
+        "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ where "
+        "Thm 8.2 covers the loop."
+    )
+    return [
+        paragraph(with_subscripts(found.velocity_text)),
+        table(header, rows, with_subscripts(words), stacked=True),
+    ]
+
+
+def limits_table(found: ModelCertificate) -> Html:
+    """How far the certificate reaches."""
+    rows = [(with_subscripts(limit.about), with_subscripts(limit.text)) for limit in found.limits]
+    return table(("About", "What holds"), rows, f"How far the certificate reaches; see {FINDINGS}.")
+
+
+def other_loops(found: ModelCertificate) -> list[Html]:
+    """Gains on a schedule, and position controllers."""
+    return [
+        paragraph(with_subscripts(found.scheduling)),
+        paragraph(with_subscripts(found.position_controllers)),
+        *([paragraph(found.indistinguishable.text)] if found.indistinguishable else []),
+    ]
+
+
+def _position_controllers(further: Further | None) -> list[Html]:
+    return [paragraph(k.text) for k in further.position_controllers] if further else []
+
+
+def _measured_section(further: Further | None) -> list[Section]:
+    """Supplied energy of each run against the model's bound."""
+    if further is None or not further.measured:
+        return []
+    rows = [
+        (
+            name,
+            s.first,
+            s.supplied.size,
+            number(float(s.supplied.min())),
+            number(float(s.supplied[-1])),
+            number(s.bound),
+            {True: "holds", False: "broken", None: s.why}[s.within],
+        )
+        for name, m in further.measured.items()
+        for s in m.segments
+    ]
+    unit = display_unit(next(iter(further.measured.values())).unit)
+    header = (
+        "Run",
+        "From row",
+        "Samples",
+        f"Least ∫u dy ({unit})",
+        f"In the end ({unit})",
+        f"Bound ({unit})",
+        "Bound",
+    )
+    words = "Supplied energy of the readings along the predicted input, of every stretch without a gap."
+    parts = [paragraph(f"{name}: {m.text}") for name, m in further.measured.items()]
+    return [Section("Measured runs", "Measured runs", [*parts, table(header, rows, words)])]
+
+
+def hypotheses_table(found: ModelCertificate) -> Html:
+    """Each hypothesis of both theorems, whether it holds, and why."""
+    rows = [("Thm 8.1", h.name, HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in found.hypotheses]
+    rows += [
+        ("Thm 8.2", with_subscripts(h.name), HOLDS_TEXT[h.holds], with_subscripts(h.why))
+        for h in _common_hypotheses(found)
+    ]
+    return table(
+        ("Theorem", "Hypothesis", "Verdict", "Why"),
+        rows,
+        "Hypotheses, each looked at; those of H₁ hold by construction.",
+    )
+
+
+def _common_hypotheses(found: ModelCertificate) -> list[Hypothesis]:
+    return [h for h in found.controllers[0].stability.hypotheses if not h.name.startswith("H₁")]
+
+
+def _exclusion_notice(about: CertifiedModel) -> list[Html]:
+    return [notice("warning", paragraph(about.exclusion_text().strip()))] if about.effects else []
+
+
+def _caption(about: CertifiedModel) -> str:
+    rows = sum(r["rows"] for r in about.data)
+    return f"Model {about.model}, rig {about.rig}, {len(about.data)} run(s), n = {rows} rows."
+
+
+def provenance(about: CertifiedModel) -> Html:
+    """The model file and the runs its data came from, with their hashes."""
+    rows: list[tuple[Any, ...]] = [(about.file, "model", "", "", tag("code", about.sha256))]
+    rows += [
+        (r["run"], r["protocol"].replace("_", " "), r["source"], r["rows"], tag("code", r["sha256"]))
+        for r in about.data
+    ]
+    return table(("File", "What", "Source", "Rows", "SHA-256"), rows, "Model and data.")

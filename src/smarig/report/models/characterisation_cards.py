@@ -1,0 +1,148 @@
+"""The five numbers that matter of a characterisation, each with what it means; and which model to build on."""
+
+import shlex
+
+import numpy as np
+
+from smarig.identification.surface.choose_surface import POSITIVE, SIMPLER_TOLERANCE
+from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
+from smarig.report.components.numbers import duration, number
+from smarig.report.models.density_figures import density_unit
+from smarig.report.models.evidence import Evidence
+from smarig.report.models.identification_plot_data import density_report_of
+from smarig.report.models.model_tables import M_P, M_PC, pooled_rms
+from smarig.report.runs.run_description import count_size, duration_s, quality_counts
+
+_Card = tuple[str, str | Html, str | Html]
+
+
+def characterisation_cards(e: Evidence) -> Html:
+    """Travel, held-out error with its noise floor, class of μ, duration, points."""
+    return cards([_travel_card(e), _error_card(e), _class_card(e), _duration_card(e), _points_card(e)])
+
+
+def _travel_card(e: Evidence) -> _Card:
+    outputs = [run.points()[1] for run in e.runs.values() if len(run.settled) >= 2]
+    if not outputs:
+        return "Travel", "unknown", "no settled points"
+    run = next(r for r in e.runs.values() if len(r.settled) >= 2)
+    # Runs of one sitting may be zeroed differently: the widest single run counts.
+    travel = max(float(np.ptp(y)) for y in outputs)
+    size = count_size(run)
+    counts = f"{travel / size:.0f} counts, " if size else ""
+    return "Travel", f"{travel:.4g} {run.unit}", f"{counts}settled points, widest run"
+
+
+def _error_card(e: Evidence) -> _Card:
+    verification = e.verifications.get(e.chosen)
+    rms = pooled_rms(verification)
+    if verification is None or rms is None:
+        return "Model error on held-out data, rms", "unknown", "no held-out run"
+    floors = [r.noise_floor for r in verification.runs if r.noise_floor]
+    floor = f"noise floor {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
+    share = max(r.settled.nrmse for r in verification.runs)
+    n = sum(r.settled.n for r in verification.runs)
+    return (
+        "Model error on held-out data, rms",
+        f"{rms:.3g} {verification.unit}",
+        f"{floor}; {100 * share:.2f} % of travel, n = {n}",
+    )
+
+
+def _class_card(e: Evidence) -> _Card:
+    if e.best is None:
+        return "Class of μ", "unknown", "no model"
+    d = density_report_of(e.best)
+    run = next(iter(e.runs.values()))
+    name = joined(["in ", M_P]) if d.M_P else joined(["not in ", M_P])
+    wider = joined(["in ", M_PC, "; "]) if d.M_PC and not d.M_P else ""
+    least = f"{e.chosen} surface, min μ = {number(d.mu_min)} {density_unit(run)}"
+    return "Class of μ", name, joined([wider, least])
+
+
+def _duration_card(e: Evidence) -> _Card:
+    total = float(np.nansum([duration_s(run) for run in e.runs.values()]))
+    return "Rig time", duration(total), f"{len(e.runs)} runs; computed in {e.seconds:.1f} s"
+
+
+def _points_card(e: Evidence) -> _Card:
+    late = sum(quality_counts(run).timed_out for run in e.runs.values())
+    n = sum(len(run.settled) for run in e.runs.values())
+    return (
+        "Settled points",
+        str(n - late),
+        f"{_used_text(e)}{late or 'no'} hold{'' if late == 1 else 's'} timed out",
+    )
+
+
+def _used_text(e: Evidence) -> str:
+    if e.best is None:
+        return ""
+    data = e.best.data
+    if e.best.positive is not None:
+        return f"{e.best.model.fit['points']} of known memory used; "
+    return f"{len(data)} FOD points on {data.curves} curves; "
+
+
+# --- the model the stability results apply to -----------------------------------------------------------
+
+
+def model_recommendation(e: Evidence) -> Html:
+    """Which model is in M_P, and whether it predicts as well as the chosen one; nothing without a model."""
+    if e.best is None:
+        return Html("")
+    if density_report_of(e.best).M_P:
+        apply = ": the stability results of chapter 8 apply to it."
+        return notice("good", paragraph(f"The {e.chosen} model is in ", M_P, apply))
+    words = [f"The {e.chosen} model is not in ", M_P]
+    if POSITIVE not in e.identifications:
+        return notice(
+            "warning", paragraph(*words, ": the stability results of chapter 8 do not apply to it.")
+        )
+    words += [". The positive model is, by construction, so the stability results of chapter 8 apply to it. "]
+    names = " ".join(shlex.quote(p.run) for p in e.best.model.provenance)
+    command = tag("code", f"smarig identify {names} --surface positive -o positive.model.json")
+    return notice(
+        "good",
+        paragraph(*words, *_prediction_verdict(e, e.best.model.unit)),
+        paragraph("To use it: ", command),
+    )
+
+
+def _prediction_verdict(e: Evidence, unit: str) -> list[str | Html]:
+    """Does the positive model predict as well as the chosen one? Empty where nothing was held out."""
+    compared = _compared_errors(e)
+    if not compared:
+        return []
+    equivalent = all(positive <= SIMPLER_TOLERANCE * chosen for _, positive, chosen in compared)
+    errors = "; ".join(
+        f"{where} {positive:.3g} against {chosen:.3g} {unit} rms" for where, positive, chosen in compared
+    )
+    verdict = "It predicts as well" if equivalent else "It predicts less well"
+    return [tag("b", verdict), f": {errors}. {'' if equivalent else _other_models_text(e, unit)}"]
+
+
+def _compared_errors(e: Evidence) -> list[tuple[str, float, float]]:
+    """(on what, rms of the positive model, rms of the chosen one)."""
+    found = []
+    rms = e.choice.held_out_rms if e.choice else {}
+    if POSITIVE in rms and e.chosen in rms:
+        found.append(("on held-out curves", rms[POSITIVE], rms[e.chosen]))
+    verification = [pooled_rms(e.verifications.get(name)) for name in (POSITIVE, e.chosen)]
+    if verification[0] is not None and verification[1] is not None:
+        found.append(("on the held-out run", verification[0], verification[1]))
+    return found
+
+
+def _other_models_text(e: Evidence, unit: str) -> str:
+    """How the other models in M_P do on the held-out run, where there are any."""
+    others = {
+        name: pooled_rms(e.verifications.get(name))
+        for name, one in e.identifications.items()
+        if name != POSITIVE and density_report_of(one).M_P
+    }
+    known = {name: rms for name, rms in others.items() if rms is not None}
+    if not known:
+        return ""
+    name = min(known, key=lambda k: known[k])
+    return f"The best other model with μ ≥ 0, {name}, has {known[name]:.3g} {unit} there."

@@ -1,0 +1,228 @@
+"""The characterisation page: what a physicist pins up. Puts figures and tables in order, computes nothing new."""
+
+from collections.abc import Iterator
+
+from smarig.identification.surface.choose_surface import POSITIVE
+from smarig.identification.surface.curve_report import NO_CURVES
+from smarig.record import Run
+from smarig.report.components.decimate import POINTS
+from smarig.report.components.figure import Figure
+from smarig.report.components.html import Html, bullets, notice, paragraph, tag
+from smarig.report.components.page import Section, page
+from smarig.report.components.surface_figure import surface_figure
+from smarig.report.diagnosis.diagnosis_text import findings
+from smarig.report.models.characterisation_cards import characterisation_cards, model_recommendation
+from smarig.report.models.density_figures import density_figure, maps_figure
+from smarig.report.models.evidence import Evidence
+from smarig.report.models.first_order_figures import curves_figure, parameters_figure, replay_figure
+from smarig.report.models.identification_plot_data import density_report_of
+from smarig.report.models.model_tables import (
+    M_P,
+    calibration_table,
+    classes_table,
+    errors_table,
+    parameters_table,
+)
+from smarig.report.models.tradeoff_figure import tradeoff_figure
+from smarig.report.models.validation_figure import validation_figure
+from smarig.report.runs.hysteresis_figure import hysteresis_figure
+from smarig.report.runs.representation_figure import representation_figure
+from smarig.report.runs.run_description import protocol_name, source_label
+from smarig.report.runs.run_page import ending_notices, representation_notice, run_lead
+from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
+from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
+
+Parts = Iterator[Html | Figure]
+_ALL_POINTS = 10_000  # a channel over all runs: the page stays below 7 MB however many there are
+
+
+def characterisation_page(evidence: Evidence) -> str:
+    """One self-contained page (HTML) of everything a characterisation found, in the order of chapter 5."""
+    runs = list(evidence.runs.values())
+    sections = [Section(title, short, list(parts(evidence))) for title, short, parts in _SECTIONS]
+    return page(
+        evidence.title,
+        run_lead(runs[0]) if runs else "No runs",
+        [section for section in sections if section.parts],
+        label=source_label(*runs),
+        notices=ending_notices(runs),
+    )
+
+
+def _summary(e: Evidence) -> Parts:
+    yield characterisation_cards(e)
+    yield model_recommendation(e)
+
+
+def _rig(e: Evidence) -> Parts:
+    for run in list(e.runs.values())[:1]:
+        yield conditions_table(run)
+    if e.calibration is not None:
+        yield calibration_table(e.calibration)
+
+
+def _findings(e: Evidence) -> Parts:
+    if e.discoveries:
+        yield notice("good", paragraph(tag("b", "Discoveries")), bullets(e.discoveries))
+    if e.warnings:
+        yield notice("warning", paragraph(tag("b", "Warnings")), bullets(e.warnings))
+    if not (e.discoveries or e.warnings):
+        yield paragraph("Nothing to warn of.")
+    yield quality_table(e.runs)
+
+
+def _time(e: Evidence) -> Parts:
+    points = min(POINTS, _ALL_POINTS // max(1, len(e.runs)))
+    for run in _with_samples(e):
+        if run.has("t_s"):
+            yield time_series_figure(run, points)
+
+
+def _hysteresis_graphs(e: Evidence) -> Parts:
+    graphs = [hysteresis_figure(run).html() for run in _with_samples(e) if len(run.settled) >= 2]
+    if graphs:
+        yield tag("div", *graphs, class_="pairs")
+
+
+def _with_samples(e: Evidence) -> list[Run]:
+    return [run for run in e.runs.values() if len(run)]
+
+
+def _initialisation(e: Evidence) -> Parts:
+    for run in e.of("initialise"):
+        figure = initialisation_figure(run)
+        if figure:
+            yield figure
+
+
+def _representation(e: Evidence) -> Parts:
+    for test in e.representation:
+        yield representation_notice(test)
+        for run in e.of(test.name)[:1]:
+            yield representation_figure(test, run)
+
+
+def _training_run(e: Evidence) -> Run | None:
+    """The run the chosen model was made from (its largest part)."""
+    if e.best is None:
+        return None
+    names = {p.run for p in e.best.model.provenance}
+    made_from = [r for r in e.runs.values() if r.path.name in names or str(r.path) in names]
+    return max(made_from or e.of("first_order_descending", "first_order_ascending"), key=len, default=None)
+
+
+def _curves(e: Evidence) -> Parts:
+    run = _training_run(e)
+    if e.best is None or run is None:
+        yield paragraph("No model was identified.")
+        return
+    yield from _first_order_parts(e, run)
+    if len(run.settled) >= 2:
+        yield replay_figure(e.identifications, run)
+    yield surface_figure(e.identifications, e.chosen, run)
+    yield errors_table(e.identifications, e.verifications, e.chosen, e.choice)
+    first = sorted(e.identifications, key=lambda name: name != e.chosen)
+    fitted = [parameters_table(e.identifications[name]) for name in first if name != "table"]
+    yield tag("div", *fitted, class_="columns")
+
+
+def _first_order_parts(e: Evidence, run: Run) -> Parts:
+    """The curves with the chosen model's, and with the positive model's: that one has intervals."""
+    if e.best is None or not e.best.data.curves:
+        yield paragraph(NO_CURVES)
+        return
+    yield curves_figure(e.best, run)
+    positive = e.identifications.get(POSITIVE)
+    if positive is not None and positive is not e.best and positive.data.curves:
+        yield curves_figure(positive, run)
+    own = parameters_figure(e.best, run)
+    if own:
+        yield own
+
+
+def _density(e: Evidence) -> Parts:
+    run = _training_run(e)
+    if e.best is None or run is None:
+        return
+    yield classes_table(e.identifications, run)
+    yield density_class_text(e)
+    if e.choice is not None:
+        yield tradeoff_figure(e.choice, e.identifications, e.verifications, run)
+    yield maps_figure(e.identifications, run)
+    figure = density_figure(e.identifications, e.chosen, run)
+    if figure:
+        yield figure
+
+
+def density_class_text(e: Evidence) -> Html:
+    """Prop. 4.6 in words, in the one direction in which it is proved, and what the model's class allows."""
+    if e.best is None:
+        return Html("")
+    if e.best.curves.cross:
+        wire = "The measured curves cross inside the major loop, so the wire's own μ is negative somewhere (Prop. 4.6)."
+    else:
+        wire = (
+            "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6); only that "
+            "direction is proved, so curves that do not cross prove nothing about the sign of μ."
+        )
+    if density_report_of(e.best).M_P:
+        model = (
+            f"The {e.chosen} model has μ ≥ 0: it is in ",
+            M_P,
+            ", as the theorems on passivity and stability need.",
+        )
+    else:
+        model = (
+            f"The {e.chosen} model has μ < 0 somewhere: it is not in ",
+            M_P,
+            ", so the theorems on passivity and stability cannot be used with it as it stands.",
+        )
+    return paragraph(wire, " ", *model)
+
+
+def _validation(e: Evidence) -> Parts:
+    verification = e.verifications.get(e.chosen)
+    if verification is None:
+        yield paragraph("No held-out run was made, so the model's error outside its own data is unknown.")
+        return
+    by_path = {str(run.path): run for run in e.runs.values()}
+    for one in verification.runs:
+        if one.run in by_path:
+            yield validation_figure(one, by_path[one.run], e.chosen)
+        for warning in one.warnings:
+            yield notice("warning", paragraph(warning))
+
+
+def _model_errors(e: Evidence) -> Parts:
+    """What the chosen model gets wrong; the whole evidence is on a page of its own."""
+    if e.diagnosis is None:
+        return
+    quiet = e.diagnosis.verdict.word in ("silent", "not_identifiable")
+    yield notice("good" if quiet else "warning", bullets(findings(e.diagnosis)))
+    yield paragraph(
+        tag("a", "The evidence: residuals, rivals, noise floor, gain", href="diagnosis/report.html")
+    )
+
+
+def _provenance(e: Evidence) -> Parts:
+    yield provenance_table(e.runs)
+    yield paragraph("Command: ", tag("code", e.command))
+    yield paragraph(
+        f"Computed in {e.seconds:.1f} s. Protocols: ", ", ".join(map(protocol_name, e.runs.values())), "."
+    )
+
+
+_SECTIONS = (
+    ("Summary", "Summary", _summary),
+    ("Rig and conditions", "Rig", _rig),
+    ("Discoveries and warnings", "Discoveries", _findings),
+    ("What was done: time series", "Time series", _time),
+    ("Hysteresis graphs", "Hysteresis", _hysteresis_graphs),
+    ("Initialisation", "Initialisation", _initialisation),
+    ("Is it a Preisach system? Wiping-out and congruency", "Representation", _representation),
+    ("First-order curves and the model", "Curves and model", _curves),
+    ("Weighting function μ and reversible part g", "Density μ", _density),
+    ("The model against data it never saw", "Validation", _validation),
+    ("What the model gets wrong", "Diagnosis", _model_errors),
+    ("Provenance", "Provenance", _provenance),
+)

@@ -1,0 +1,169 @@
+"""The weighting function μ(α, β) as map and surface, and the reversible part g (Figs. 5.19, 5.20)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification.density_report import DensityReport
+from smarig.identification.identification_result import Identification
+from smarig.record import Run
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
+from smarig.report.components.numbers import number, raised
+from smarig.report.components.style import DIVERGING, INK, surface_colour
+from smarig.report.components.surface_figure import SURFACE_MIN_PX, buttons, scene, surface_trace
+from smarig.report.models.identification_plot_data import (
+    density_grid,
+    density_map,
+    density_report_of,
+    reversible,
+)
+from smarig.report.runs.run_description import run_caption, source_label
+
+Array = NDArray[np.float64]
+
+
+def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
+    """One map of μ a surface, white at zero, red positive, blue negative; the zero line and the minimum marked."""
+    return Figure(
+        [
+            map_panel(name, density_map(one), density_report_of(one), (run.unit, run.input_unit))
+            for name, one in found.items()
+        ],
+        "Weighting function μ(α, β) = ½ ∂²y/∂α∂β.",
+        [
+            "White is zero, red positive, blue negative; each map has its own scale, symmetric about zero. "
+            "Outlined and tinted: where μ < 0, however little; cross: the minimum. "
+            + "; ".join(_minimum_text(name, one, run) for name, one in found.items())
+            + ". A table's μ is the mass of each cell over its area: noise of the readings is in it.",
+            "The positive measure's cells are never negative, and vary smoothly where the data is silent."
+            if "positive" in found
+            else "",
+            run_caption(run),
+        ],
+        source_label(run),
+        420,
+    )
+
+
+def density_unit(run: Run) -> str:
+    """Unit of μ: output per squared input."""
+    return per_square(run.unit, run.input_unit)
+
+
+def per_square(unit: str, input_unit: str) -> str:
+    """Unit of μ from those of output and input."""
+    return f"{unit}/{input_unit}²" if input_unit else unit
+
+
+def readable_scale(top: float, unit: str) -> tuple[float, str]:
+    """A power of ten that makes ``top`` readable, and the unit with it: (1e-3, "10⁻³ mm/K²")."""
+    power = int(np.floor(np.log10(top))) if top > 0 else 0
+    if -2 < power < 3:
+        return 1.0, unit
+    return 10.0**power, f"10{raised(power)} {unit}"
+
+
+def _minimum_text(name: str, found: Identification, run: Run) -> str:
+    d = density_report_of(found)
+    at = f"α = {number(d.mu_min_at[0], 4)}, β = {number(d.mu_min_at[1], 4)} {run.input_unit}"
+    return f"{name}: min μ = {number(d.mu_min)} {density_unit(run)} at {at}"
+
+
+def map_panel(
+    name: str,
+    grid: tuple[Array, Array, Array],
+    d: DensityReport,
+    units: tuple[str, str],
+    top: float | None = None,
+) -> Panel:
+    """μ over the half plane, coloured up to ``top`` (default: its own greatest size); units of output and input."""
+    alpha, beta, mu = grid
+    top = top or float(np.nanmax(np.abs(mu))) or 1.0
+    size, unit = readable_scale(top, per_square(*units))
+    common = {"x": packed(beta), "y": packed(alpha), "z": packed(mu / size, single=True)}
+    heat: Trace = common | {
+        "type": "heatmap",
+        "colorscale": DIVERGING,
+        "zmin": -top / size,
+        "zmax": top / size,
+        "colorbar": {"title": {"text": f"μ ({unit})", "side": "right"}, "thickness": 12},
+        "hovertemplate": "α %{y:.4g}<br>β %{x:.4g}<br>μ %{z:.3g}<extra></extra>",
+    }
+    data: list[Trace] = [heat]
+    if not d.M_P and beta.size == mu.shape[1]:
+        data.append(common | _NEGATIVE)
+    ends = [float(beta.min()), float(beta.max())]
+    data.append(line(ends, ends, "α = β", INK, width=1, hoverinfo="skip"))
+    cross = {
+        "symbol": "x-thin",
+        "size": 11,
+        "cliponaxis": False,
+        "marker": {"line": {"width": 2, "color": INK}},
+    }
+    data.append(dots([d.mu_min_at[1]], [d.mu_min_at[0]], "minimum", INK, **cross))
+    layout = {
+        "title": {"text": name, "font": {"size": 14}, "x": 0.02, "y": 0.97},
+        "xaxis": axis(f"β ({units[1]})", constrain="domain", range=ends),
+        "yaxis": axis(f"α ({units[1]})", scaleanchor="x", constrain="domain", range=ends),
+        "showlegend": False,
+    }
+    return Panel(data, layout, 430)
+
+
+_NEGATIVE: Trace = {
+    "type": "contour",
+    # Plotly tints what a constraint leaves out
+    "contours": {"type": "constraint", "operation": ">", "value": 0},
+    "fillcolor": "rgba(33,102,172,.14)",
+    "line": {"color": INK, "width": 1.6},
+    "showscale": False,
+    "hoverinfo": "skip",
+}
+
+
+def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure | None:
+    """μ in three dimensions with g(β) beside it; None when only tables were identified."""
+    grids = {name: grid for name, one in found.items() if (grid := density_grid(one)) is not None}
+    if not grids:
+        return None
+    first = chosen if chosen in grids else next(iter(grids))
+    size, unit = readable_scale(
+        max(float(np.abs(mu).max()) for _, _, mu in grids.values()), density_unit(run)
+    )
+    data = []
+    for name, (alpha, beta, mu) in grids.items():
+        top = float(np.abs(mu).max()) / size
+        shades = {"colorscale": DIVERGING, "cmin": -top, "cmax": top}
+        data.append(surface_trace(beta, alpha, mu / size, name, name == first) | shades)
+    layout = scene(f"β ({run.input_unit})", f"α ({run.input_unit})", f"μ ({unit})")
+    layout |= {"updatemenus": [buttons(list(grids), first, keep=0)], "showlegend": False}
+    shares = "; ".join(
+        f"{name} {100 * density_report_of(found[name]).reversible_share:.1f} %" for name in grids
+    )
+    return Figure(
+        [Panel(data, layout, 500, min_width_px=SURFACE_MIN_PX), _reversible(found, grids, run)],
+        f"μ(α, β) of the {first} surface, and the reversible part g.",
+        [
+            "First panel: the same as the map, colours centred at zero; buttons change the surface. Second: "
+            "g(β) = ∂y/∂β on α = β, the relays without width that μ leaves out: simulating with μ alone misses their "
+            "part of the travel "
+            f"({shares}).",
+            run_caption(run),
+        ],
+        source_label(run),
+        440,
+    )
+
+
+def _reversible(found: Mapping[str, Identification], names: Mapping[str, object], run: Run) -> Panel:
+    data = []
+    for name in names:
+        part = reversible(found[name])
+        if part is not None:
+            data.append(line(*part, name, surface_colour(name), width=2))
+    layout = {
+        "xaxis": axis(f"β ({run.input_unit})"),
+        "yaxis": axis(f"g ({run.unit}/{run.input_unit})", rangemode="tozero"),
+    }
+    return Panel(data, layout, 500)

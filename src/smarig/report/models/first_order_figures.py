@@ -1,0 +1,214 @@
+"""First-order curves: measured and modelled, one by one and re-simulated, and as a surface (Figs. 5.12 to 5.22)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from smarig.identification.identification_result import Identification
+from smarig.identification.surface.curve_fit import fit_curves
+from smarig.identification.surface.surface_kinds import POSITIVE
+from smarig.preisach.hysteresis.surface_form import forms
+from smarig.record import Run
+from smarig.replay import recorded_start
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.numbers import number
+from smarig.report.components.style import GREY, INK, SEQUENCE, colours, surface_colour
+from smarig.report.models.identification_plot_data import (
+    FirstOrderCurve,
+    axis_symbols,
+    interval,
+    measured_curves,
+    model_curves,
+    residuals,
+    resimulated,
+)
+from smarig.report.runs.representation_figure import count_lines, count_text, noise_band
+from smarig.report.runs.run_description import (
+    count_size,
+    input_title,
+    output_title,
+    run_caption,
+    source_label,
+)
+
+_MOST_CURVES = 30  # more are drawn every so many, and the caption says so
+_BANDS = "bands: 90 % intervals of a new reading, wide where the data is silent; "
+
+
+def curves_figure(found: Identification, run: Run) -> Figure:
+    """Measured first-order curves with the chosen model's, and what is left between them."""
+    measured, model = measured_curves(found), model_curves(found)
+    every = -(-len(model) // _MOST_CURVES)
+    shown = {curve.reversal: shade for curve, shade in zip(model, colours(len(model)))}
+    shown = {reversal: shown[reversal] for reversal in list(shown)[::every]}
+    data: list[Trace] = []
+    drawn = [curve for curve in model if curve.reversal in shown]
+    bands = [_interval_band(found, curve, shown[curve.reversal]) for curve in drawn]
+    data += [each for each in bands if each is not None]
+    for curve in drawn:
+        data.append(
+            line(curve.u, curve.y, "model", shown[curve.reversal], hoverinfo="skip", showlegend=False)
+        )
+    for curve in measured:
+        if curve.reversal in shown:
+            data.append(_point_trace(curve, shown[curve.reversal], run))
+    unit, (turn, _) = run.input_unit, axis_symbols(found)
+    layout = {
+        "xaxis": axis(input_title(run)),
+        "yaxis": axis(output_title(run)),
+        "legend": {
+            "orientation": "v",
+            "x": 1.01,
+            "y": 1,
+            "yanchor": "top",
+            "title": {"text": f"{turn} ({unit})"},
+        },
+        "showlegend": len(shown) <= 14,
+        "narrow": {"r": 8},
+    }
+    size = count_size(run)
+    some = f" One curve in {every} is drawn." if every > 1 else ""
+    return Figure(
+        [Panel(data, layout, 500), _residual_panel(found, run)],
+        f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
+        [
+            f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; "
+            f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: model minus "
+            f"measured at all {len(found.data)} points of {found.data.curves} curves, "
+            f"rms {_curve_rms(found):.3g} {found.model.unit}{_noise_text(found)}."
+            f"{count_text(size, _residual_half_range(found), run.unit)}",
+            run_caption(run),
+        ],
+        source_label(run),
+        460,
+    )
+
+
+def _interval_band(found: Identification, curve: FirstOrderCurve, colour: str) -> Trace | None:
+    """The 90 % interval of new readings along a model curve, in the curve's colour; None without intervals."""
+    ends = interval(found, curve)
+    if ends is None:
+        return None
+    low, high = ends
+    edge, back = np.concatenate([low, high[::-1]]), np.concatenate([curve.u, curve.u[::-1]])
+    fill = colour.replace("rgb(", "rgba(").replace(")", ",.2)")
+    style = {"fill": "toself", "fillcolor": fill, "hoverinfo": "skip", "showlegend": False}
+    return line(back, edge, "90 % interval", colour, width=0, **style)
+
+
+def _curve_rms(found: Identification) -> float:
+    """Of the points on the curves: a positive measure is fitted to others besides."""
+    return float(np.sqrt(np.mean(residuals(found)[2] ** 2)))
+
+
+def _point_trace(curve: FirstOrderCurve, colour: str, run: Run) -> Trace:
+    size = count_size(run)
+    bars = (
+        {"error_y": {"type": "constant", "value": size, "color": colour, "thickness": 1, "width": 3}}
+        if size
+        else {}
+    )
+    return dots(curve.u, curve.y, number(curve.reversal, 4), colour, size=5.5, **bars)
+
+
+def _noise_text(found: Identification) -> str:
+    floor = found.model.noise_floor.value
+    return f" (noise floor {floor:.2g} {found.model.unit}, grey band ± 2 σ)" if floor else ""
+
+
+def _residual_half_range(found: Identification) -> float:
+    return 1.2 * max(float(np.abs(residuals(found)[2]).max()), 2 * (found.model.noise_floor.value or 0.0))
+
+
+def _residual_panel(found: Identification, run: Run) -> Panel:
+    alpha, u, error = residuals(found)
+    marker = {"color": alpha.tolist(), "colorscale": SEQUENCE, "showscale": False}
+    low, high = float(u.min()), float(u.max())
+    floor = found.model.noise_floor.value
+    data = [noise_band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
+    data += count_lines(low, high, count_size(run), _residual_half_range(found))
+    data.append(dots(u, error, "model − measured", INK, size=6, marker=marker, showlegend=False))
+    return Panel(
+        data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}, 500
+    )
+
+
+def _model_label(name: str) -> str:
+    return f"f {name}" if name in forms() else {POSITIVE: "μ ≥ 0"}.get(name, name)
+
+
+def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
+    """The identification input simulated with every surface, over the data (Figs. 5.21, 5.22)."""
+    inputs, outputs = run.points()
+    panels = []
+    for name, one in found.items():
+        u, y = resimulated(one, inputs, initial=recorded_start(run) or "negative")
+        data = [
+            line(inputs, outputs, "measured, joined", GREY, dash="dash", width=1),
+            dots(inputs, outputs, "measured", INK, size=4, showlegend=False),
+            line(u, y, f"model, {_model_label(name)}", surface_colour(name), width=1.8),
+        ]
+        layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+        panels.append(Panel(data, layout, 400))
+    return Figure(
+        panels,
+        "The identification input, re-simulated with each surface.",
+        [
+            "Dashed: the measured points, joined in order; coloured: the Preisach operator driven through the same "
+            "sequence, densely between the points. "
+            + "; ".join(_error_text(n, f) for n, f in found.items())
+            + ".",
+            run_caption(run),
+        ],
+        source_label(run),
+        440,
+    )
+
+
+def _error_text(name: str, found: Identification) -> str:
+    return f"{name}: rms {found.model.fit['rms']:.3g} {found.model.unit}"
+
+
+def parameters_figure(found: Identification, run: Run) -> Figure | None:
+    """b₁, b₂, b₃ of each curve's own sigmoid against α (Fig. 5.16); None when no curve determines them."""
+    fits = fit_curves(found.data)
+    alpha, b, error = fits.against_alpha()
+    if not alpha.size:
+        return None
+    u, y = run.input_unit, run.unit
+    names = (f"b₁ ({y})", f"b₂ (1/{u})", f"b₃ ({u})")
+    panels = []
+    for k, name in enumerate(names):
+        bars = {"type": "data", "array": error[:, k].tolist(), "color": GREY, "thickness": 1.2, "width": 4}
+        trace = dots(
+            alpha,
+            b[:, k],
+            name,
+            INK,
+            mode="lines+markers",
+            size=7,
+            error_y=bars,
+            line={"color": GREY, "width": 1},
+        )
+        panels.append(
+            Panel([trace], {"xaxis": axis(f"α ({u})"), "yaxis": axis(name), "showlegend": False}, 320)
+        )
+    short = fits.too_short
+    left_out = (
+        f" Not determined by their few points, left out: α = {', '.join(number(a, 4) for a in short)}."
+        if short
+        else ""
+    )
+    *others, last = forms()
+    mirror = " Ascending curves: parameters of the mirrored data (−u, −y)." if found.data.mirrored else ""
+    return Figure(
+        panels,
+        "Each curve by itself: its sigmoid's parameters against α.",
+        [
+            f"ȳ(β) = b₁/(1 + e^(−b₂(β + b₃))) + b₄ fitted to each of {alpha.size} curves (§5.4.2); bars are standard "
+            f"errors. What b₃ does decides between the {', '.join(others)} and {last} surface.{left_out}{mirror}",
+            run_caption(run),
+        ],
+        source_label(run),
+        320,
+    )

@@ -1,0 +1,233 @@
+"""The page of several models beside each other: errors on the same runs, residuals, densities, origins."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from smarig.identification.density_report import density_report
+from smarig.identification.verify import PredictionErrors, RunVerification, verify
+from smarig.record import Run
+from smarig.replay import Model
+from smarig.report.components.comparison_labels import banner, check_comparable_count
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table
+from smarig.report.components.numbers import number
+from smarig.report.components.page import Section, page
+from smarig.report.components.style import COMPARED, GREY, INK, SYMBOLS
+from smarig.report.models.density_figures import map_panel, per_square
+from smarig.report.models.identification_plot_data import density_of, hysteresis_description
+from smarig.report.models.model_tables import M_P, M_PC
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_comparison_figures import coloured_name
+from smarig.report.runs.run_description import (
+    display_unit,
+    input_title,
+    output_title,
+    run_caption,
+    source_label,
+)
+from smarig.report.runs.run_page import ending_notices
+from smarig.report.runs.run_tables import provenance_table, quality_table
+
+_Verifications = Mapping[str, Mapping[str, RunVerification]]  # run → model → verification
+
+
+_MOST_MARKS = 400
+
+
+def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
+    """One page (HTML) of models by name, judged on runs by name in the order of their sitting.
+
+    Errors as of ``verify``; UsageError when there are more models than can be told apart.
+    """
+    check_comparable_count(list(models), "models")
+    found = {name: verify(model, list(runs.values())).runs for name, model in models.items()}
+    verifications = {run: {name: found[name][k] for name in models} for k, run in enumerate(runs)}
+    figures = [residuals_figure(name, run, verifications[name]) for name, run in runs.items()]
+    sections = [
+        Section(
+            "Errors",
+            "Errors",
+            [
+                _errors(verifications, display_unit(next(iter(models.values())).unit)),
+                *_warnings(verifications),
+            ],
+        ),
+        Section("What each predicts, and misses", "Residuals", figures),
+        Section("Weighting functions", "Density μ", [densities_figure(models)]),
+        Section("The models", "Models", [_origins(models)]),
+        Section("The runs", "Runs", [quality_table(runs), provenance_table(runs)]),
+    ]
+    label, words = banner([source_label(run) for run in runs.values()])
+    title = f"Models on the same runs: {', '.join(models)}"
+    notices = ending_notices(list(runs.values()))
+    return page(title, _lead(runs), sections, label=label, simulated=words, notices=notices)
+
+
+def _lead(runs: Mapping[str, Run]) -> str:
+    return f"Verified on {', '.join(Path(name).name for name in runs)}"
+
+
+def _errors(verifications: _Verifications, unit: str) -> Html:
+    rows = []
+    for run, by_model in verifications.items():
+        for k, (model, each) in enumerate(by_model.items()):
+            e, floor = each.settled, each.noise_floor
+            over = number(e.rms / floor, 3) if floor else "–"
+            name = coloured_name(k, f"{model} on {run}")
+            rows.append((name, *_error_cells(e), number(floor), over, _zero_text(each)))
+    if len(verifications) > 1:
+        rows += _pooled(verifications)
+    header = ("Model and run", "n", f"rms ({unit})", "nrmse", f"largest ({unit})", f"noise floor ({unit})")
+    return table(
+        (*header, "rms / noise", f"zero ({unit})"),
+        rows,
+        "Model minus measured at settled points; nrmse is the share of the measured travel. "
+        "rms / noise near one means that nothing is left to explain.",
+    )
+
+
+def _error_cells(e: PredictionErrors) -> tuple[str, str, str, str]:
+    return str(e.n), number(e.rms), f"{100 * e.nrmse:.2f} %", number(e.max_abs)
+
+
+def _zero_text(each: RunVerification) -> str:
+    return "known" if each.offset_kind == "known" else f"fitted, {number(each.offset)}"
+
+
+def _pooled(verifications: _Verifications) -> list[tuple[object, ...]]:
+    """Each model over all runs together."""
+    names = list(next(iter(verifications.values())))
+    rows = []
+    for k, name in enumerate(names):
+        all_of = [by_model[name].settled for by_model in verifications.values()]
+        n = sum(e.n for e in all_of)
+        rms = float(np.sqrt(sum(e.n * e.rms**2 for e in all_of) / n)) if n else float("nan")
+        largest = max(e.max_abs for e in all_of)
+        label = coloured_name(k, f"{name} on all runs")
+        rows.append((label, str(n), number(rms), "–", number(largest), "–", "–", "–"))
+    return rows
+
+
+def _warnings(verifications: _Verifications) -> list[Html]:
+    warnings = [
+        f"{model} on {run}: {words}"
+        for run, by_model in verifications.items()
+        for model, each in by_model.items()
+        for words in each.warnings
+    ]
+    return [notice("warning", paragraph("Is this a fair judgement?"), bullets(warnings))] if warnings else []
+
+
+def _origins(models: Mapping[str, Model]) -> Html:
+    return table(
+        ("Model", "Hysteresis", "Effects", "Rig", "From", "Fit, rms", "min μ", "Class", "Made"),
+        [_origin(k, name, model) for k, (name, model) in enumerate(models.items())],
+        joined(
+            [
+                "Where each model comes from. ",
+                M_P,
+                ": μ ≥ 0 everywhere; passivity and the stability theorems need it.",
+            ]
+        ),
+    )
+
+
+def _origin(k: int, name: str, model: Model) -> Sequence[object]:
+    report, fit = density_report(model.hysteresis), model.fit.get("rms")
+    made = model.created[:16].replace("T", " ")
+    protocols = ", ".join(dict.fromkeys(p.protocol.replace("_", " ") for p in model.provenance))
+    return (
+        coloured_name(k, name),
+        hysteresis_description(model.hysteresis),
+        ", ".join(str(effect.get("name")) for effect in model.effects) or "none",
+        model.rig,
+        f"{len(model.provenance)} run(s): {protocols}{' (twin)' if model.twin else ''}",
+        f"{number(fit)} {display_unit(model.unit)}" if isinstance(fit, float) else "–",
+        f"{number(report.mu_min)} {per_square(model.unit, model.input.unit)}",
+        M_P if report.M_P else M_PC if report.M_PC else "neither",
+        made,
+    )
+
+
+def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerification]) -> Figure:
+    """A run as measured and as each model says; then model minus measured in order and against the input."""
+    one = next(iter(verifications.values()))
+    order = np.arange(one.input.size, dtype=float) + 1
+    thin = slice(None, None, -(-order.size // _MOST_MARKS))
+    data: list[Trace] = [line(order[thin], one.measured[thin], "measured", INK, width=1.2)]
+    for k, (model, each) in enumerate(verifications.items()):
+        data.append(dots(order[thin], each.predicted[thin], model, COMPARED[k], symbol=SYMBOLS[k], size=7))
+    x_title = "Settled point, in order of measurement"
+    first = {"xaxis": axis(x_title), "yaxis": axis(output_title(run))}
+    unit, floor = display_unit(run.unit), one.noise_floor
+    sizes = "; ".join(
+        f"{m}: rms {number(e.settled.rms)} {unit}, n = {e.settled.n}" for m, e in verifications.items()
+    )
+    fitted = {m: e.offset for m, e in verifications.items() if e.offset_kind == "fitted"}
+    zero = ", ".join(f"{m} {number(offset)} {unit}" for m, offset in fitted.items())
+    return Figure(
+        [
+            Panel(data, first, 380, wide=True),
+            _residual_panel(verifications, order, x_title, unit, floor),
+            _residual_panel(verifications, one.input, input_title(run), unit, floor),
+        ],
+        f"{name} as each model predicts it.",
+        [
+            f"Then model minus measured. {sizes}.",
+            f"Band: ± 2 σ of the noise floor, σ = {number(floor)} {unit}."
+            if floor
+            else "The noise floor is unknown.",
+            f"The encoder's zero is not known, so one additive offset each was fitted: {zero}."
+            if fitted
+            else "",
+            f"One point in {thin.step} is drawn in the first panel." if thin.step > 1 else "",
+            run_caption(run),
+        ],
+        source_label(run),
+        460,
+    )
+
+
+def _residual_panel(
+    verifications: Mapping[str, RunVerification], x: np.ndarray, title: str, unit: str, floor: float | None
+) -> Panel:
+    low, high = float(np.min(x)), float(np.max(x))
+    data: list[Trace] = [noise_band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
+    data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
+    for k, (model, each) in enumerate(verifications.items()):
+        error = np.where(each.counted, each.predicted - each.measured, np.nan)
+        data.append(dots(x, error, model, COMPARED[k], symbol=SYMBOLS[k], size=6))
+    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Model − measured ({unit})")}, 360)
+
+
+def densities_figure(models: Mapping[str, Model]) -> Figure:
+    """μ of each model over the half plane, all on one scale of colours."""
+    grids = {name: density_of(model.hysteresis) for name, model in models.items()}
+    # Of all cells, not of the one that is largest: a table's noisy cell would leave the others white.
+    sizes = [np.abs(mu[np.isfinite(mu)]) for _, _, mu in grids.values()]
+    top = max(float(np.quantile(size, 0.995)) for size in sizes if size.size)
+    panels, least = [], []
+    for name, model in models.items():
+        report, units = density_report(model.hysteresis), (model.unit, model.input.unit)
+        panels.append(map_panel(name, grids[name], report, units, top or None))
+        share = f", {report.negative_cells} of {report.cells} cells negative" if report.cells else ""
+        least.append(f"{name}: min μ = {number(report.mu_min)} {per_square(*units)}{share}")
+    twin = any(model.twin for model in models.values())
+    return Figure(
+        panels,
+        "Weighting function μ(α, β) = ½ ∂²y/∂α∂β of each model, on one scale.",
+        [
+            "White is zero, red positive, blue negative; colours end at the 99.5 % quantile of the sizes of μ. "
+            "Outlined and tinted: where μ < 0, however little; cross: the minimum.",
+            "; ".join(least) + ".",
+            "; ".join(
+                f"{name}: identified from {len(m.provenance)} run(s) of rig {m.rig}"
+                for name, m in models.items()
+            )
+            + ".",
+        ],
+        "TWIN" if twin else "",
+        420,
+    )

@@ -1,0 +1,204 @@
+"""Tables of identified models: errors, parameters with intervals, classes of μ, calibrated constants."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from smarig.identification.calibration.calibrate import Calibration
+from smarig.identification.identification_result import Identification
+from smarig.identification.positive.positive_fit import PositiveFit
+from smarig.identification.surface.choose_surface import SurfaceChoice
+from smarig.identification.verify import Verification
+from smarig.preisach.hysteresis.surface_form import forms
+from smarig.record import Run
+from smarig.report.components.html import Html, joined, paragraph, table, tag
+from smarig.report.components.numbers import number, thousands
+from smarig.report.models.density_figures import density_unit
+from smarig.report.models.identification_plot_data import density_report_of
+
+M_P, M_PC = Html("M<sub>P</sub>"), Html("M<sub>PC</sub>")
+
+
+def errors_table(
+    found: Mapping[str, Identification],
+    held_out: Mapping[str, Verification],
+    chosen: str,
+    choice: SurfaceChoice | None = None,
+) -> Html:
+    """Errors over the identification points (as Table 5.1) and on held-out data, and negative mass, by surface."""
+    rows = []
+    for name, one in found.items():
+        fit = one.model.fit
+        held_out_rms = pooled_rms(held_out.get(name))
+        row = [f"{fit[key]:.4g}" for key in ("rms", "norm2", "weighted_norm2")]
+        row += [f"{held_out_rms:.3g}" if held_out_rms is not None else "—", *_curve_error_cells(name, choice)]
+        row.append(f"{fit['points']} on {fit['curves']} curves")
+        rows.append((tag("b", f"{name} (chosen)") if name == chosen else name, *row))
+    unit = next(iter(found.values())).model.unit
+    return table(
+        (
+            "Surface",
+            f"rms ({unit})",
+            f"‖e‖₂ ({unit})",
+            f"weighted ‖e‖₂ ({unit})",
+            f"held-out run, rms ({unit})",
+            f"held-out curves, rms ({unit})",
+            "negative part of μ",
+            "points",
+        ),
+        rows,
+        "Errors of each surface over the identification points, in the manner of Table 5.1 (2-norms over the points; "
+        "major loop weighted twice), on the held-out run, and on curves held out of the fit"
+        + (f" ({choice.curves} curves; 90 % intervals by resampling them). " if choice else ". ")
+        + "A table goes through its points, so only held-out data judges it. Negative part: ∬μ⁻/∬|μ|.",
+    )
+
+
+def _curve_error_cells(name: str, choice: SurfaceChoice | None) -> tuple[str, str]:
+    """rms on held-out curves with its interval, and the negative part of μ."""
+    if choice is None or name not in choice.held_out_rms:
+        return "—", "—"
+    low, high = choice.held_out_interval[name]
+    return (
+        f"{choice.held_out_rms[name]:.3g} ({low:.3g}…{high:.3g})",
+        f"{100 * choice.negative_share[name]:.2f} %",
+    )
+
+
+def pooled_rms(verification: Verification | None) -> float | None:
+    """rms over all points of all runs of a verification."""
+    if verification is None or not verification.runs:
+        return None
+    n = sum(r.settled.n for r in verification.runs)
+    return float(np.sqrt(sum(r.settled.n * r.settled.rms**2 for r in verification.runs) / n)) if n else None
+
+
+def parameters_table(found: Identification) -> Html:
+    """Fitted parameters with 95 % intervals; what is known of a positive measure; a sentence for tables."""
+    if found.positive is not None:
+        return _measure_table(found.positive, found)
+    if found.fit is None:
+        return paragraph(
+            f"The {found.surface} model has no fitted parameters: it interpolates the measured points."
+        )
+    units = _units(found)
+    rows = []
+    for name, value in zip(found.fit.names, found.fit.values):
+        low, high = found.fit.intervals[name]
+        known = np.isfinite([low, high]).all()
+        interval = f"{number(low, 5)}…{number(high, 5)}" if known else "not determined by this data"
+        rows.append((_display_name(name), number(float(value), 5), interval, units.get(name, "")))
+    converged = "" if found.fit.converged else " The fit did not converge."
+    return table(
+        ("Parameter", "Value", "95 % interval", "Unit"),
+        rows,
+        f"The {found.surface} surface (5.5), {found.fit.points} points on {found.fit.curves} curves. Intervals assume "
+        f"equal independent noise at every point (residual σ {found.fit.sigma:.3g} {found.model.unit}).{converged}",
+    )
+
+
+def _measure_table(fit: PositiveFit, found: Identification) -> Html:
+    """A positive measure in numbers: smoothness, what the data fixes, what non-negativity costs."""
+    unit, determined_text = found.model.unit, fit.held_out
+    by = "by held-out curves" if fit.by_smoothing else "not chosen by the data: too few curves"
+    rows = [
+        ("Smoothing λ", number(fit.smoothing), by),
+        ("Effective parameters", f"{fit.freedom:.0f}", f"residual σ {fit.sigma:.3g} {unit}"),
+        ("Cells", str(fit.cells), f"{fit.at_zero} held at zero by μ ≥ 0"),
+        ("Directions fixed by data", str(fit.rank), f"smoothness alone: {fit.null_space}"),
+        (
+            "Reversible share",
+            f"{100 * fit.reversible_share:.1f} %",
+            "of the output range, on α = β",
+        ),
+        (
+            f"Held-out rms ({unit})",
+            number(determined_text.rms),
+            f"{number(determined_text.signed_rms)} with masses of any sign",
+        ),
+        (
+            "Stretch of intervals",
+            number(determined_text.spread_factor),
+            "90 % of held-out points in 90 % intervals",
+        ),
+    ]
+    mirror = " Mirror symmetry was asked for." if fit.symmetric else ""
+    return table(
+        ("Positive measure", "Value", "Meaning"),
+        rows,
+        f"The positive measure (§5.6): {fit.points} points, {fit.curves} curves.{mirror}",
+    )
+
+
+def _units(found: Identification) -> dict[str, str]:
+    form, y = forms().get(found.surface), found.model.unit
+    units = form.units(found.model.input.unit) if form else {}
+    return units | {"y_upper": y, "y_lower": y}
+
+
+def _display_name(name: str) -> str:
+    return {"y_upper": "y(u₊, u₊)", "y_lower": "y(u₊, u₋)"}.get(
+        name, name.translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    )
+
+
+def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
+    """Classes of μ as in Table 5.2, with its extremes and the reversible part."""
+    rows = []
+    for name, one in found.items():
+        d = density_report_of(one)
+        part = one.positive.reversible_share if one.positive else d.reversible_share
+        share = f"{100 * part:.1f} %" if np.isfinite(part) else "—"
+        cells = f"; {d.negative_cells} of {d.cells} cells negative" if d.cells else ""
+        at = f"({number(d.mu_min_at[0])}, {number(d.mu_min_at[1])})"
+        rows.append(
+            (
+                name,
+                "yes" if d.M_PC else "no",
+                ("yes" if d.M_P else "no") + cells,
+                number(d.mu_min),
+                at,
+                number(d.mu_max),
+                share,
+            )
+        )
+    unit = density_unit(run)
+    header = (
+        "Surface",
+        M_PC,
+        M_P,
+        f"min μ ({unit})",
+        f"at (α, β) ({run.input_unit})",
+        f"max μ ({unit})",
+        "reversible share",
+    )
+    return table(
+        header,
+        rows,
+        joined(
+            [
+                "Class of the weighting function (Table 5.2). ",
+                M_PC,
+                ": bounded, piecewise continuous. ",
+                M_P,
+                _CLASS_TEXT,
+            ]
+        ),
+    )
+
+
+_CLASS_TEXT = ": besides, μ ≥ 0 everywhere; passivity and the stability theorems need it."
+
+
+def calibration_table(found: Calibration) -> Html:
+    """The wire's own constants with intervals, and what the data cannot give."""
+    rows = [
+        (name, f"{e.value:.4g}", f"{e.ci95[0]:.4g} to {e.ci95[1]:.4g}", e.unit, e.source, thousands(e.n))
+        for name, e in found.parameters.items()
+    ]
+    rows += [(name, "—", "—", "", why, "") for name, why in found.not_available.items()]
+    return table(
+        ("Constant", "Value", "95 % interval", "Unit", "From", "n"),
+        rows,
+        "Constants of the wire, calibrated.",
+    )

@@ -1,0 +1,132 @@
+"""A good fit or passivity? The thesis had to choose (Tables 5.1 and 5.2); here each kind has its place.
+
+Error on data a kind was not fitted to, against the part of its μ that is negative. Knows no fit.
+"""
+
+from collections.abc import Mapping
+
+from smarig.identification.identification_result import Identification
+from smarig.identification.surface.choose_surface import INTERVAL_LEVEL, SurfaceChoice
+from smarig.identification.verify import Verification
+from smarig.record import Run
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
+from smarig.report.components.html import Html, joined
+from smarig.report.components.style import GOOD, GREY, surface_colour
+from smarig.report.models.identification_plot_data import density_report_of
+from smarig.report.models.model_tables import M_P, pooled_rms
+from smarig.report.runs.run_description import run_caption, source_label
+
+Coordinates = dict[str, tuple[float, float]]
+_MARGIN_SHARE = 0.12  # of the largest share, left of zero and right of it
+
+
+def tradeoff_figure(
+    choice: SurfaceChoice,
+    found: Mapping[str, Identification],
+    held_out: Mapping[str, Verification],
+    run: Run,
+) -> Figure:
+    """Error on held-out curves with intervals, and on held-out runs, against ∬μ⁻/∬|μ|: one mark per kind."""
+    shares = {name: 100 * share for name, share in choice.negative_share.items() if name in found}
+    by_curve: Coordinates = {name: (share, choice.held_out_rms[name]) for name, share in shares.items()}
+    run_rms = {name: pooled_rms(held_out.get(name)) for name in shares}
+    by_run: Coordinates = {name: (shares[name], rms) for name, rms in run_rms.items() if rms is not None}
+    in_M_P = {name for name in shares if density_report_of(found[name]).M_P}
+    panels = [_panel(by_curve, in_M_P, f"rms on held-out curves ({run.unit})", choice.held_out_interval)]
+    if by_run:
+        panels.append(_panel(by_run, in_M_P, f"rms on the held-out run ({run.unit})"))
+    return Figure(
+        panels,
+        "Good prediction or μ ≥ 0? One mark for each kind of model.",
+        [
+            "Across: the part of μ that is negative, ∬μ⁻/∬|μ|, in the fit to all curves; up: the error on data the "
+            "kind was not fitted to. Low is good, and filled marks are in",
+            joined([M_P, ":"]),
+            "the good corner is at the lower left. "
+            f"First panel: {choice.curves} curves held out in groups, bars {100 * INTERVAL_LEVEL:.0f} % intervals by "
+            f"resampling the curves{_held_out_text(by_run, held_out)}.",
+            *_conclusion(by_curve, in_M_P, run),
+            run_caption(run),
+        ],
+        source_label(run),
+        460,
+    )
+
+
+def _held_out_text(by_run: Coordinates, held_out: Mapping[str, Verification]) -> str:
+    if not by_run:
+        return ""
+    n = sum(r.settled.n for r in held_out[next(iter(by_run))].runs)
+    return f"; second panel: the held-out run, {n} points"
+
+
+def _conclusion(by_curve: Coordinates, in_M_P: set[str], run: Run) -> tuple[str | Html, ...]:
+    """The least error with μ ≥ 0 and without, in words."""
+    best = min(by_curve, key=lambda name: by_curve[name][1])
+    least = f"The least error on held-out curves, {by_curve[best][1]:.3g} {run.unit}, is that of {best}"
+    allowed = [name for name in by_curve if name in in_M_P]
+    if not allowed:
+        return (least + "; none of these kinds is in", joined([M_P, "."]))
+    safe = min(allowed, key=lambda name: by_curve[name][1])
+    if safe == best:
+        return (least + ", in", joined([M_P, ": nothing has to be given up."]))
+    return (least + "; the least in", joined([M_P, f", {by_curve[safe][1]:.3g} {run.unit}, that of {safe}."]))
+
+
+def _panel(
+    places: Coordinates,
+    in_M_P: set[str],
+    title: str,
+    intervals: Mapping[str, tuple[float, float]] | None = None,
+) -> Panel:
+    half_range = max(max(share for share, _ in places.values()), 0.1)
+    errors = [v for name, (_, rms) in places.items() for v in (rms, *(intervals or {}).get(name, ()))]
+    low, high = 0.56 * max(min(errors), 1e-12), 1.6 * max(*errors, 1e-12)
+    data: list[Trace] = [
+        line([0, 0], [low, high], "μ ≥ 0", GOOD, width=1.2, dash="dot", hoverinfo="skip"),
+    ]
+    for name, (share, rms) in places.items():
+        data.append(_mark(name, share, rms, name in in_M_P, (intervals or {}).get(name)))
+    corner = {
+        "x": 0.12,
+        "y": 0.02,
+        "xref": "paper",
+        "yref": "paper",
+        "xanchor": "left",
+        "yanchor": "bottom",
+        "showarrow": False,
+        "text": "good corner",
+        "font": {"color": GOOD, "size": 12},
+    }
+    layout = {
+        "xaxis": axis(
+            "Negative part of μ (%)",
+            range=[-_MARGIN_SHARE * half_range, (1 + 3 * _MARGIN_SHARE) * half_range],
+        ),
+        "yaxis": log_axis(title, low, high),
+        "annotations": [corner],
+        "showlegend": False,
+    }
+    return Panel(data, layout, 420)
+
+
+def _mark(name: str, share: float, rms: float, filled: bool, ends: tuple[float, float] | None) -> Trace:
+    colour = surface_colour(name)
+    bars = {}
+    if ends is not None:
+        spread = {"type": "data", "symmetric": False, "array": [ends[1] - rms], "arrayminus": [rms - ends[0]]}
+        bars = {"error_y": spread | {"color": GREY, "thickness": 1.2, "width": 5}}
+    return dots(
+        [share],
+        [rms],
+        name,
+        colour,
+        size=13,
+        symbol="circle" if filled else "circle-open",
+        mode="markers+text",
+        text=[name],
+        textposition="middle right",
+        marker={"line": {"width": 2.5, "color": colour}},
+        hovertemplate="%{y:.3g} rms, %{x:.2f} % negative<extra>" + name + "</extra>",
+        **bars,
+    )

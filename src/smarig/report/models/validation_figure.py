@@ -1,0 +1,83 @@
+"""A model against a run it never saw: measured, predicted, and the residual with its noise floor."""
+
+import numpy as np
+
+from smarig.identification.verify import RunVerification
+from smarig.record import Run
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.style import BAD, GREY, INK, surface_colour
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_description import input_title, output_title, run_caption, source_label
+
+
+def validation_figure(verification: RunVerification, run: Run, surface: str) -> Figure:
+    """Measured and model in order of time; the residual against time and against the input."""
+    order = np.arange(verification.input.size, dtype=float)
+    t, t_title = _times(run, order)
+    colour = surface_colour(surface)
+    data: list[Trace] = [
+        line(t, verification.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
+        dots(
+            t,
+            verification.predicted,
+            f"{surface} model",
+            colour,
+            symbol="circle-open",
+            size=10,
+            marker={"line": {"width": 2}},
+        ),
+    ]
+    first = {"xaxis": axis(t_title), "yaxis": axis(output_title(run))}
+    error = np.where(verification.counted, verification.predicted - verification.measured, np.nan)
+    by_time = _residual(t, error, verification, run, t_title)
+    by_input = _residual(verification.input, error, verification, run, input_title(run))
+    e, unit = verification.settled, run.unit
+    floor = (
+        f"; noise floor {verification.noise_floor:.2g} {unit} (band: ± 2 σ)"
+        if verification.noise_floor
+        else "; noise floor unknown"
+    )
+    zero = (
+        "The encoder's zero is that of the training runs: nothing was fitted to this run."
+        if verification.offset_kind == "known"
+        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted, because the encoder's zero is not "
+        "known."
+    )
+    return Figure(
+        [Panel(data, first, 380, wide=True), by_time, by_input],
+        f"Held-out run against the {surface} model.",
+        [
+            f"{e.n} settled points in order of time; then model minus measured against time and against the input. "
+            f"rms {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at most "
+            f"{e.max_abs:.3g} {unit}{floor}. {zero}",
+            run_caption(run),
+        ],
+        source_label(run),
+        460,
+    )
+
+
+def _times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
+    ends = [step.t_end_s for step in run.settled]
+    if len(ends) != order.size or not ends or any(end is None for end in ends) or not run.has("t_s"):
+        return order, "Point, in order of measurement"
+    begin = float(run["t_s"][np.isfinite(run["t_s"])][0])
+    return (np.array(ends, dtype=float) - begin) / 60, "Time since the run began (min)"
+
+
+def _residual(x: np.ndarray, error: np.ndarray, verification: RunVerification, run: Run, title: str) -> Panel:
+    data: list[Trace] = []
+    if verification.noise_floor:
+        data.append(
+            noise_band(
+                float(np.min(x)), float(np.max(x)), 2 * verification.noise_floor, "± 2 σ of the noise floor"
+            )
+        )
+    data.append(line([np.min(x), np.max(x)], [0, 0], "zero", GREY, width=1, showlegend=False))
+    late = np.array([step.verdict != "settled" for step in run.settled])
+    data.append(dots(x, error, "model − measured", INK, size=6))
+    if late.size == x.size and late.any():
+        data.append(
+            dots(x[late], error[late], f"{int(late.sum())} not settled", BAD, symbol="circle-open", size=11)
+        )
+    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Model − measured ({run.unit})")}, 340)

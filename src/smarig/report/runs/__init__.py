@@ -1,0 +1,1 @@
+"""Pages of recorded runs: one run, and runs compared."""

@@ -1,0 +1,197 @@
+"""Runs over each other: hysteresis graphs, differences to the first one, and time series. Computes no alignment."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from smarig.record import Run
+from smarig.report.components.decimate import POINTS, envelope, path
+from smarig.report.components.figure import Figure, Panel, Trace, axis, line, plotly_escaped
+from smarig.report.components.html import Html, joined, tag
+from smarig.report.components.numbers import number
+from smarig.report.components.style import COMPARED, DASHES, GREY, SYMBOLS
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_alignment import AlignedRun
+from smarig.report.runs.run_description import (
+    display_unit,
+    input_title,
+    output_title,
+    run_caption,
+    source_label,
+)
+from smarig.report.runs.time_figures import time_unit
+
+_MOST_MARKS = 150  # points up to which each has its mark
+
+
+def overlay_figure(runs: Sequence[AlignedRun]) -> Figure:
+    """Output against input of every run, in one frame and with one zero."""
+    data: list[Trace] = []
+    for k, each in enumerate(runs):
+        u, y = each.run.points()
+        kept = path(u, y)
+        marks = (
+            {"mode": "lines+markers", "marker": {"size": 6, "symbol": SYMBOLS[k]}}
+            if u.size <= _MOST_MARKS
+            else {}
+        )
+        data.append(_line(k, each, u[kept], y[kept] + each.offset, **marks))
+    layout = {"xaxis": axis(input_title(runs[0].run)), "yaxis": axis(output_title(runs[0].run))}
+    return Figure(
+        [Panel(data, layout, 520)],
+        "Hysteresis of the runs over each other.",
+        [
+            "Settled points joined in order (samples where there are no steps).",
+            offsets_text(runs),
+            runs_text(runs),
+        ],
+        source_label(*(each.run for each in runs)),
+    )
+
+
+def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
+    """Each run minus the first, against the input and in order; None where no two have a step in common."""
+    others = [(k, each) for k, each in enumerate(runs) if k and each.difference.size]
+    if not others:
+        return None
+    noise = max((each.noise for _, each in others if each.noise), default=None)
+    title = f"Run − {runs[0].name} ({display_unit(runs[0].run.unit)})"
+    words = (
+        f"Band: ± 2 σ of a difference, σ = {number(noise)} {display_unit(runs[0].run.unit)}." if noise else ""
+    )
+    panels = [
+        _difference_panel(others, noise, title, "Step, in order of measurement", in_order=True),
+        _difference_panel(others, noise, title, input_title(runs[0].run), in_order=False),
+    ]
+    return Figure(
+        panels,
+        f"Differences to {runs[0].name}, step by step.",
+        [
+            "Only steps that both runs reached by the same inputs in the same order, because a wire remembers: "
+            + "; ".join(
+                f"{e.name}: n = {e.difference.size}, rms {number(e.rms)}, at most {number(e.max_abs)} {e.run.unit}"
+                for _, e in others
+            )
+            + ".",
+            words or "The noise of a difference is unknown: no run repeated a state.",
+            offsets_text(runs),
+            runs_text(runs),
+        ],
+        source_label(*(each.run for each in runs)),
+        440,
+    )
+
+
+def _difference_panel(
+    others: Sequence[tuple[int, AlignedRun]], noise: float | None, title: str, x_title: str, *, in_order: bool
+) -> Panel:
+    data: list[Trace] = []
+    spread = [np.arange(e.difference.size, dtype=float) + 1 if in_order else e.input for _, e in others]
+    low, high = (float(f([f(x) for x in spread])) for f in (np.min, np.max))
+    if noise:
+        data.append(noise_band(low, high, 2 * noise, "± 2 σ of a difference"))
+    data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
+    for x, (k, each) in zip(spread, others):
+        marks = {"mode": "markers", "marker": {"color": COMPARED[k], "size": 6, "symbol": SYMBOLS[k]}}
+        data.append(_line(k, each, x, each.difference, **marks))
+    return Panel(data, {"xaxis": axis(x_title), "yaxis": axis(title)}, 380)
+
+
+def time_overlay_figure(runs: Sequence[AlignedRun]) -> Figure | None:
+    """Current, input and output of every run against the time since it began; None without any clock."""
+    timed = [(k, each) for k, each in enumerate(runs) if each.run.has("t_s")]
+    rows = [
+        (name, title)
+        for name, title in (
+            ("current_A", "Current (A)"),
+            ("input", input_title(runs[0].run)),
+            ("position", output_title(runs[0].run)),
+        )
+        if any(each.run.has(name) for _, each in timed)
+    ]
+    if not timed or not rows:
+        return None
+    spans = [float(np.ptp(each.run["t_s"][np.isfinite(each.run["t_s"])])) for _, each in timed]
+    size, unit = time_unit(max(spans))
+    data: list[Trace] = []
+    layout: dict[str, Any] = {
+        "xaxis": axis(
+            f"Time since each run began ({unit})", anchor=f"y{_axis_suffix(len(rows) - 1)}", mirror=False
+        )
+    }
+    for r, (name, title) in enumerate(rows):
+        top = 1 - r / len(rows)
+        domain = [top - 1 / len(rows) + (0.03 if r + 1 < len(rows) else 0), top]
+        words = plotly_escaped(title).replace(" above ambient", "<br>above ambient").replace(", ", ",<br>")
+        layout[f"yaxis{_axis_suffix(r)}"] = {
+            "title": {"text": words, "font": {"size": 11}},
+            "domain": domain,
+            "nticks": 6,
+            "mirror": False,
+        }
+        data += [_timed(k, each, name, size, r) for k, each in timed if each.run.has(name)]
+    return Figure(
+        [Panel(data, layout, 170 * len(rows) + 60)],
+        "The runs over each other in time.",
+        ["Each run's clock begins with its first sample.", offsets_text(runs), runs_text(runs)],
+        source_label(*(each.run for each in runs)),
+    )
+
+
+def _timed(k: int, each: AlignedRun, name: str, size: float, row: int) -> Trace:
+    t, values = each.run["t_s"], each.run[name]
+    kept = envelope(values, POINTS)
+    shift = each.offset if name == "position" else 0.0
+    begin = t[np.isfinite(t)][0]
+    where = {"yaxis": f"y{_axis_suffix(row)}", "showlegend": row == 0, "legendgroup": each.name}
+    return _line(k, each, (t[kept] - begin) / size, values[kept] + shift, **where)
+
+
+def _axis_suffix(k: int) -> str:
+    return "" if k == 0 else str(k + 1)
+
+
+def _line(k: int, each: AlignedRun, x: Any, y: Any, **more: Any) -> Trace:
+    return line(x, y, each.name, COMPARED[k], dash=DASHES[k], width=1.3, **more)
+
+
+def offsets_text(runs: Sequence[AlignedRun]) -> str:
+    """How the encoders' zeros were brought together, in a sentence."""
+    unit = display_unit(runs[0].run.unit)
+    fitted = [f"{e.name} {number(e.offset)} {unit}" for e in runs if e.offset_kind == "fitted"]
+    unknown = [e.name for e in runs if e.offset_kind == "unknown"]
+    sentences = []
+    if fitted:
+        sentences.append(
+            f"Every session has a zero of its own, so one additive offset each was fitted to the common steps: "
+            f"{', '.join(fitted)}."
+        )
+    if unknown:
+        sentences.append(
+            f"No step in common with the first run, so drawn with its own zero: {', '.join(unknown)}."
+        )
+    return " ".join(sentences) or "All share one encoder zero: nothing was shifted."
+
+
+def runs_text(runs: Sequence[AlignedRun]) -> Html:
+    """Where each run was made, with the colour that it is drawn in; what all share is said once."""
+    return runs_caption([(k, each.name, each.run) for k, each in enumerate(runs)])
+
+
+def runs_caption(runs: Sequence[tuple[int, str, Run]]) -> Html:
+    """The same of (colour, name, run)."""
+    captions = [run_caption(run).removesuffix(".").split("; ") for _, _, run in runs]
+    shared = [part for part in captions[0] if all(part in other for other in captions)]
+    own = ["; ".join(part for part in parts if part not in shared) for parts in captions]
+    each = [
+        joined([coloured_name(k, name), f": {words}. " if words else ". "])
+        for (k, name, _), words in zip(runs, own)
+    ]
+    return joined([*each, f"All: {'; '.join(shared)}." if shared else ""])
+
+
+def coloured_name(k: int, name: str) -> Html:
+    """The name of the k-th thing compared, with its colour."""
+    colour = tag("span", class_="swatch", style=f"color:{COMPARED[k]}", aria_hidden="true")
+    return tag("span", colour, name, class_="named")

@@ -1,0 +1,163 @@
+"""The page of several runs over each other: what differs in how they were made, and in what they measured.
+
+Closed loops are compared by how well they went, in a section of their own; ordinary runs by what they measured.
+"""
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from smarig.record import Run
+from smarig.report.closed_loop.loop_comparison import loops_section
+from smarig.report.closed_loop.loop_result import is_closed_loop
+from smarig.report.components.comparison_labels import banner, check_comparable_count
+from smarig.report.components.figure import Figure
+from smarig.report.components.html import Html, notice, paragraph, table
+from smarig.report.components.numbers import duration, number
+from smarig.report.components.page import Section, page
+from smarig.report.runs.run_alignment import AlignedRun, aligned, check_same_units
+from smarig.report.runs.run_comparison_figures import (
+    coloured_name,
+    differences_figure,
+    overlay_figure,
+    time_overlay_figure,
+)
+from smarig.report.runs.run_description import display_unit, duration_s, quality_counts, source_label
+from smarig.report.runs.run_page import ending_notices
+from smarig.report.runs.run_tables import provenance_table, quality_table
+
+_DESCRIPTION = (
+    "rig",
+    "wire",
+    "actuator",
+    "protocol",
+    "source",
+    "seed",
+    "initial",
+    "encoder_zero",
+    "period_s",
+    "effects",
+    "notes",
+)
+_GROUPS = ("settings", "conditions", "versions")
+
+
+def comparison_page(runs: Mapping[str, Run]) -> str:
+    """One page (HTML) of runs by name, the first being the one the others are compared with.
+
+    UsageError when they are more than can be told apart, or measured in different units.
+    """
+    check_comparable_count(list(runs), "runs")
+    check_same_units(runs)
+    loops = {name: run for name, run in runs.items() if is_closed_loop(run)}
+    others = {name: run for name, run in runs.items() if name not in loops}
+    found = aligned(others) if others else []
+    sections = [
+        *loops_section(loops, first=len(others)),
+        Section(
+            "In numbers",
+            "Numbers",
+            [*([_numbers_table(found)] if found else []), _metadata_differences(runs)],
+        ),
+        *([Section("Over each other", "Figures", _overlay_parts(found))] if found else []),
+        Section("Honest numbers", "Honest numbers", [quality_table(runs)]),
+        Section("Provenance", "Provenance", [provenance_table(runs)]),
+    ]
+    label, words = banner([source_label(run) for run in runs.values()])
+    first, *rest = runs
+    lead = f"{', '.join(rest)} beside {first}"
+    title = f"Comparison of {len(runs)} runs"
+    notices = ending_notices(list(runs.values()))
+    return page(title, lead, sections, label=label, simulated=words, notices=notices)
+
+
+def _overlay_parts(found: Sequence[AlignedRun]) -> list[Html | Figure]:
+    """Figures of runs over each other; closed loops, whose steps are not these, have their own."""
+    nothing = notice("warning", paragraph(_NO_COMMON_STEPS.format(found[0].name))) if len(found) > 1 else None
+    subtracted = differences_figure(found) or nothing
+    return [part for part in (overlay_figure(found), subtracted, time_overlay_figure(found)) if part]
+
+
+_NO_COMMON_STEPS = (
+    "No run made the same steps as {} from its beginning on. A wire remembers how it was approached, so these runs are "
+    "drawn over each other, but not subtracted."
+)
+
+
+def _numbers_table(found: Sequence[AlignedRun]) -> Html:
+    unit = display_unit(found[0].run.unit)
+    rows = []
+    for k, each in enumerate(found):
+        known = each.run["position"][np.isfinite(each.run["position"])]
+        m = quality_counts(each.run)
+        rows.append(
+            (
+                coloured_name(k, each.name),
+                each.run.info.source or "unknown",
+                duration(duration_s(each.run)),
+                f"{m.settled} of {m.steps}",
+                number(float(np.ptp(known)), 4) if known.size else "–",
+                *_difference_cells(each, first=k == 0),
+            )
+        )
+    header = (
+        "Run",
+        "Source",
+        "Duration",
+        "Steps settled",
+        f"Travel ({unit})",
+        "Steps in common",
+        f"Shift ({unit})",
+    )
+    return table(
+        (*header, f"rms difference ({unit})", f"largest ({unit})", f"σ of a difference ({unit})"),
+        rows,
+        f"The runs, and what each says differently from {found[0].name} at the steps both made.",
+    )
+
+
+def _difference_cells(each: AlignedRun, *, first: bool) -> tuple[str, ...]:
+    n = str(each.difference.size)
+    if first:
+        return n, "reference", "–", "–", "–"
+    kinds = {"known": "0, one zero", "fitted": f"{number(each.offset)}, fitted", "unknown": "none"}
+    return n, kinds[each.offset_kind], number(each.rms), number(each.max_abs), number(each.noise)
+
+
+def _metadata_differences(runs: Mapping[str, Run]) -> Html:
+    """What was not the same when the runs were made; a sentence when all of it was."""
+    metadata = {name: dict(_metadata_items(run)) for name, run in runs.items()}
+    keys = dict.fromkeys(key for each in metadata.values() for key in each)
+    rows = [(key, *(each.get(key, "–") for each in metadata.values())) for key in keys]
+    rows = [row for row in rows if len(set(row[1:])) > 1]
+    if not rows:
+        return paragraph("Rig, wire, protocol, settings and versions are the same in all of them.")
+    return table(
+        ("What", *runs), rows, "What differs in how the runs were made; all else their files say is the same."
+    )
+
+
+def _metadata_items(run: Run) -> Iterator[tuple[str, str]]:
+    """Everything a run file says of how it was made, flat."""
+    for key in _DESCRIPTION:
+        if run.meta.get(key) is not None:
+            yield from _flattened(key.replace("_", " "), run.meta[key])
+    for group in _GROUPS:
+        yield from _flattened(group, run.meta.get(group) or {})
+    known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
+    if known.size:
+        yield "ambient, mean (°C)", f"{known.mean():.1f}"
+    try:
+        yield from _flattened("rig file", tomllib.loads(run.info.config or ""))
+    except tomllib.TOMLDecodeError:
+        yield "rig file", "not readable"
+
+
+def _flattened(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _flattened(f"{name}: {key}" if ":" not in name else f"{name}.{key}", inner)
+    else:
+        yield name, (", ".join(map(str, value)) or "none") if isinstance(value, list) else str(value)

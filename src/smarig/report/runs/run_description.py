@@ -1,0 +1,128 @@
+"""What every caption must say of a run: rig, wire, n, seed, unit, where the input comes from; honest counts.
+
+Knows a run's description. Refuses to know figures and HTML.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.core.sample import Quality
+from smarig.record import Run
+from smarig.report.components.numbers import thousands
+
+_SOURCE_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
+
+
+def source_label(*runs: Run) -> str:
+    """ "TWIN" or "SIMULATION" when any of the runs was not measured, "" for hardware and imports."""
+    found = [_SOURCE_LABELS[run.info.source] for run in runs if run.info.source in _SOURCE_LABELS]
+    return found[0] if found else ""
+
+
+def protocol_name(run: Run) -> str:
+    """The protocol's name for readers."""
+    return str(run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
+
+
+def capitalised(words: str) -> str:
+    """The words with a capital at the beginning."""
+    return words[:1].upper() + words[1:]
+
+
+def run_caption(run: Run) -> str:
+    """Where and how a run was made, as a caption's last sentence.
+
+    n, sample rate, rig, wire, seed, ambient temperature and the origin of the input, as far as known.
+    """
+    settled = len(run.settled)
+    n = (
+        f"n = {settled} steps of {thousands(len(run))} samples"
+        if settled
+        else f"n = {thousands(len(run))} samples"
+    )
+    rig = run.info.rig
+    where = [n, f"rig {rig}" if rig else "", f"wire {run.info.wire}" if run.info.wire else ""]
+    where += [f"imported from {run.info.imported.file}" if run.info.imported else ""]
+    where += [f"seed {run.info.seed}" if source_label(run) and run.info.has("seed") else "", _ambient(run)]
+    source = run.info.input.from_
+    where += [f"input from the {source}" if source else ""]
+    return "; ".join(part for part in where if part) + "."
+
+
+def _ambient(run: Run) -> str:
+    known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
+    if not known.size:
+        return ""
+    low, high = float(known.min()), float(known.max())
+    return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
+
+
+def duration_s(run: Run) -> float:
+    """From first to last sample; NaN for a run without time."""
+    known = run["t_s"][np.isfinite(run["t_s"])]
+    return float(known[-1] - known[0]) if known.size else float("nan")
+
+
+def display_unit(unit: str) -> str:
+    """A unit as it is written: kg/m³ for kg/m^3, °C for degC."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
+
+
+def input_title(run: Run) -> str:
+    """The hysteresis input with its unit, for an axis: "Wire temperature above ambient (K)"."""
+    return _axis_title(run.info.input.quantity or "input", run.input_unit)
+
+
+def output_title(run: Run) -> str:
+    """The output with its unit, for an axis."""
+    return _axis_title(run.info.output.quantity or "output", run.unit)
+
+
+def _axis_title(quantity: str, unit: str) -> str:
+    words = capitalised(quantity).replace("T1 - T2", "T₁ − T₂")
+    return f"{words} ({display_unit(unit)})" if unit else words
+
+
+def count_size(run: Run) -> float:
+    """One encoder count in the run's unit, 0 where there is none."""
+    return run.info.output.resolution
+
+
+@dataclass(frozen=True)
+class QualityCounts:
+    """What is not as it should be in a run: steps by verdict, void steps, samples by quality mark."""
+
+    steps: int
+    settled: int
+    timed_out: int
+    interrupted: int
+    void: int
+    samples: int
+    retried: int
+    stale: int
+    saturated: int
+    tripped: int
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing is marked."""
+        return not any(getattr(self, name) for name in FLAG_NAMES)
+
+
+FLAG_NAMES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated", "tripped")
+
+
+def quality_counts(run: Run) -> QualityCounts:
+    """Count a run's marks."""
+    quality = np.nan_to_num(run["quality"]).astype(int)
+    verdicts = [step.verdict for step in run.steps]
+    return QualityCounts(
+        steps=len(run.steps),
+        settled=verdicts.count("settled"),
+        timed_out=verdicts.count("timed_out"),
+        interrupted=verdicts.count("interrupted"),
+        void=sum(step.void for step in run.steps),
+        samples=len(run),
+        **{flag.name.lower(): int(np.sum(quality & flag > 0)) for flag in Quality if flag.name and flag},
+    )

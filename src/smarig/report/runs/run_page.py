@@ -1,0 +1,152 @@
+"""The page of one run, whatever its kind: complete, interrupted, imported without time or current, or empty."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from smarig.core.errors import DataError
+from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
+from smarig.record import Run
+from smarig.replay import Model
+from smarig.report.closed_loop.closed_loop_sections import loop_sections
+from smarig.report.closed_loop.loop_result import is_closed_loop
+from smarig.report.components.figure import Figure
+from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
+from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.page import Section, page
+from smarig.report.runs.hysteresis_figure import hysteresis_figure
+from smarig.report.runs.representation_figure import representation_figure
+from smarig.report.runs.run_description import (
+    capitalised,
+    count_size,
+    display_unit,
+    duration_s,
+    protocol_name,
+    quality_counts,
+    source_label,
+)
+from smarig.report.runs.run_tables import (
+    conditions_table,
+    events_table,
+    provenance_table,
+    quality_table,
+    settings_text,
+    steps_table,
+)
+from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
+
+
+def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] | None = None) -> str:
+    """A page with a run's time series, hysteresis graph, conditions, marks, events and provenance (HTML).
+
+    ``library`` is the address of Plotly's script where pages share it, "" to have it inside. A closed loop has sections
+    of its own, and with ``certified`` (a model, its file's name and hash) the certificate of that model.
+    """
+    data = list(_figure_parts(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
+    sections = [
+        Section("Summary", "Summary", [run_cards(run), settings_text(run)]),
+        *loop_sections(run, certified),
+        Section("Measurement", "Measurement", data),
+        Section("Rig and conditions", "Rig", [conditions_table(run)]),
+        Section(
+            "Honest numbers",
+            "Honest numbers",
+            [quality_table({protocol_name(run): run}), steps_table(run), events_table(run)],
+        ),
+        Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})]),
+    ]
+    title = f"{capitalised(protocol_name(run))} run"
+    notices = [*ending_notices([run]), *_warnings(run)]
+    return page(title, run_lead(run), sections, label=source_label(run), notices=notices, library=library)
+
+
+def _figure_parts(run: Run) -> Iterator[Figure | Html]:
+    if not len(run):
+        return
+    if run.has("t_s") and any(run.has(name) for name in ("current_A", "input", "position")):
+        yield time_series_figure(run)
+    start = initialisation_figure(run)
+    if start:
+        yield start
+    if is_closed_loop(run):  # its hysteresis is drawn with the loop
+        return
+    if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
+        yield hysteresis_figure(run)
+    test = _REPRESENTATION_TESTS.get(run.info.protocol or "")
+    if test is not None:
+        yield from _representation_parts(run, test)
+
+
+_REPRESENTATION_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
+
+
+def _representation_parts(run: Run, tested: Callable[[Run], Representation]) -> Iterator[Figure | Html]:
+    try:
+        test = tested(run)
+    except DataError as error:
+        yield notice("warning", paragraph(str(error)))
+        return
+    yield representation_notice(test)
+    yield representation_figure(test, run)
+
+
+def representation_notice(test: Representation) -> Html:
+    """Verdict and meaning in a box."""
+    return notice("good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning))
+
+
+def run_lead(run: Run) -> str:
+    """What was measured on what, in a line."""
+    wire, rig = run.info.wire, run.info.rig
+    imported = run.info.imported.file if run.info.imported else None
+    parts = [
+        f"Wire {wire}" if wire else "",
+        f"rig {rig}" if rig else "",
+        f"imported from {imported}" if imported else "",
+    ]
+    return ", ".join(part for part in parts if part) or run.path.name
+
+
+def run_cards(run: Run) -> Html:
+    """The numbers of one run that matter."""
+    m, size = quality_counts(run), 0.0 if run.info.imported else count_size(run)
+    known = run["position"][np.isfinite(run["position"])]
+    travel = f"{number(float(np.ptp(known)), 4)} {display_unit(run.unit)}" if known.size else "none"
+    bad = m.timed_out + m.interrupted
+    timed = np.isfinite(duration_s(run))
+    return cards(
+        [
+            ("Travel", travel, f"{np.ptp(known) / size:.0f} counts" if known.size and size else ""),
+            (
+                "Duration",
+                duration(duration_s(run)),
+                "first to last sample" if timed else "no time was recorded",
+            ),
+            (
+                "Samples",
+                thousands(m.samples),
+                "none marked" if m.clean else "some are marked, see Honest numbers",
+            ),
+            ("Steps", str(m.steps), f"{m.settled} settled, {bad} not" if m.steps else "none recorded"),
+        ]
+    )
+
+
+def ending_notices(runs: list[Run]) -> list[Html]:
+    """A box for every run that did not end as planned, with the cause."""
+    return [
+        notice(
+            "bad",
+            paragraph(
+                tag("b", f"Incomplete run {run.path.name}: "), run.cause.removeprefix("incomplete: "), "."
+            ),
+        )
+        for run in runs
+        if not run.complete or run.cause != "done"
+    ]
+
+
+def _warnings(run: Run) -> list[Html]:
+    logged_warnings = [e.text for e in run.events if e.level in ("warning", "error") and e.kind != "end"]
+    items = [*run.info.warnings, *logged_warnings]
+    return [notice("warning", paragraph(tag("b", "Warnings")), bullets(items))] if items else [joined([])]

@@ -1,0 +1,143 @@
+"""A run in a few words and one small drawing: what a list of many runs and a notebook show of it.
+
+Light: of the samples only a thinned loop is kept. Knows runs; refuses to know lists and pages.
+"""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.record import Run
+from smarig.report.components.decimate import path
+from smarig.report.components.html import Html
+from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.thumbnail import Frame, frame_of, thumbnail
+from smarig.report.runs.run_description import (
+    display_unit,
+    duration_s,
+    input_title,
+    output_title,
+    protocol_name,
+    quality_counts,
+    source_label,
+)
+
+Array = NDArray[np.float64]
+_POINTS = 160  # a loop of this many points is a few kilobytes
+
+
+@dataclass(frozen=True, eq=False)
+class RunSummary:
+    """One run for a list: identity, size, ending, settings, and its thinned loop u, y (k,)."""
+
+    file: str
+    protocol: str
+    rig: str
+    wire: str
+    source: str
+    label: str
+    began: str
+    seed: str
+    duration_s: float
+    samples: int
+    steps: int
+    settled: int
+    flagged: int
+    travel: float
+    unit: str
+    input_unit: str
+    axes: tuple[str, str]
+    cause: str
+    notes: str
+    settings: str
+    u: Array
+    y: Array
+
+    @property
+    def scale_group(self) -> tuple[str, str, str, str]:
+        """Runs that can be drawn to one scale: the same rig and wire in the same units."""
+        return self.rig, self.wire, self.input_unit, self.unit
+
+    @property
+    def words(self) -> str:
+        """What the drawing shows, in a sentence."""
+        if not self.u.size:
+            return f"{self.protocol}: nothing to draw."
+        n = f"n = {self.steps} steps" if self.steps else f"n = {thousands(self.samples)} samples"
+        low, high = number(float(self.u.min())), number(float(self.u.max()))
+        return (
+            f"Hysteresis of {self.protocol}: {self.axes[1]} over {number(self.travel)} {self.unit} against "
+            f"{self.axes[0]} from {low} to {high} {self.input_unit}, {n}."
+        )
+
+    def drawing(self, frame: Frame | None = None) -> Html:
+        """The loop as inline SVG, in its own frame or a shared one."""
+        return thumbnail(self.u, self.y, self.words, (self.input_unit, self.unit), self.label, frame)
+
+    @property
+    def size(self) -> str:
+        """Duration and travel for people."""
+        took = (
+            duration(self.duration_s)
+            if np.isfinite(self.duration_s)
+            else f"{thousands(self.samples)} samples"
+        )
+        return f"{took}, travel {number(self.travel)} {self.unit}"
+
+
+def summary_of(run: Run) -> RunSummary:
+    """Read off a run what a list says of it."""
+    u, y = loop(run, _POINTS)
+    m, known = quality_counts(run), run["position"][np.isfinite(run["position"])]
+    epoch, seed = run.info.start_epoch, run.info.seed
+    return RunSummary(
+        file=run.path.name,
+        protocol=protocol_name(run),
+        rig=run.info.rig or "",
+        wire=run.info.wire or "",
+        source=run.info.source or "",
+        label=source_label(run),
+        began=datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M") if epoch else "",
+        seed="" if seed is None else str(seed),
+        duration_s=duration_s(run),
+        samples=m.samples,
+        steps=m.steps,
+        settled=m.settled,
+        flagged=m.timed_out + m.interrupted + m.void + m.retried + m.stale + m.saturated + m.tripped,
+        travel=float(np.ptp(known)) if known.size else float("nan"),
+        unit=display_unit(run.unit),
+        input_unit=display_unit(run.input_unit),
+        axes=(input_title(run), output_title(run)),
+        cause=run.cause,
+        notes=run.info.notes or "",
+        settings=", ".join(f"{k}={v}" for k, v in run.info.settings.items()),
+        u=u,
+        y=y,
+    )
+
+
+def loop(run: Run, points: int) -> tuple[Array, Array]:
+    """Input and output (k,): settled points, else samples; thinned, every extreme kept."""
+    u, y = run.points()
+    kept = path(u, y, points)
+    return u[kept], y[kept]
+
+
+def shared_frames(runs: list[RunSummary]) -> list[Frame | None]:
+    """A frame for each run: one input axis for a family, and as much output for each as the widest needs.
+
+    Outputs of different sittings have zeros of their own, so each frame begins at its run's least output.
+    """
+    spans: dict[tuple[str, str, str, str], list[Frame]] = {}
+    for run in runs:
+        if run.u.size:
+            spans.setdefault(run.scale_group, []).append(frame_of(run.u, run.y))
+    return [_shared_frame(run, spans[run.scale_group]) if run.u.size else None for run in runs]
+
+
+def _shared_frame(run: RunSummary, frames: list[Frame]) -> Frame:
+    tallest = max(frame.y[1] - frame.y[0] for frame in frames)
+    least = float(run.y.min())
+    return Frame((min(f.u[0] for f in frames), max(f.u[1] for f in frames)), (least, least + tallest))

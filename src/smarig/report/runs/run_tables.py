@@ -1,0 +1,215 @@
+"""Tables about runs: rig and conditions, honest counts, steps, events, provenance. Knows no model."""
+
+import hashlib
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from smarig.core.errors import SmarigError
+from smarig.plant.actuator import Actuator
+from smarig.record import Run
+from smarig.report.components.html import Html, joined, paragraph, table, tag
+from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.runs.run_description import (
+    FLAG_NAMES,
+    display_unit,
+    duration_s,
+    protocol_name,
+    quality_counts,
+)
+
+Row = Sequence[Any]
+
+
+# --- rig and conditions ----------------------------------------------------------------------------------
+
+
+def conditions_table(run: Run) -> Html:
+    """What was measured, on what, and where every constant comes from: quantity, value, unit, source."""
+    rows = [*_run_rows(run), *_rig_rows(run), *_actuator_rows(run)]
+    return table(("Quantity", "Value", "Unit", "Source"), rows, "Rig and conditions.")
+
+
+def _run_rows(run: Run) -> Iterable[Row]:
+    info = run.info
+    yield "Rig", info.rig or "not named", "", "run file"
+    yield "Wire", info.wire or "not named", "", "run file"
+    if info.period_s:
+        yield "Tick", f"{info.period_s:g}", "s", "run file"
+    for signal, name in ((info.input, "Hysteresis input"), (info.output, "Output")):
+        yield (
+            name,
+            (signal.quantity or "not named").replace("T1 - T2", "T₁ − T₂"),
+            signal.unit,
+            signal.from_ or "run file",
+        )
+    if info.output.per_count:
+        yield "One count", f"{info.output.per_count:.4g}", run.unit, "run file"
+    known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
+    if known.size:
+        moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
+        yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
+    if info.effects:
+        yield "Injected effects", ", ".join(map(str, info.effects)), "", "given to the twin"
+    if info.wire_history:
+        yield "Wire before this run", info.wire_history, "", "wire history"
+    for key in ("initial", "encoder_zero", "seed", "notes"):
+        if (value := getattr(info, key)) not in (None, ""):
+            yield key.replace("_", " ").capitalize(), value, "", "run file"
+    for key, value in info.conditions.items():
+        yield str(key).replace("_", " ").capitalize(), value, "", "imported file"
+
+
+def _rig_rows(run: Run) -> Iterable[Row]:
+    try:
+        rig = tomllib.loads(run.info.config or "")
+    except tomllib.TOMLDecodeError:
+        return
+    for group in ("limits", "amplifier", "encoder"):
+        part = rig.get(group)
+        for key, value in part.items() if isinstance(part, dict) else ():
+            name, unit = _name_and_unit(key)
+            yield (
+                f"{group.capitalize()}: {name}",
+                f"{value:g}" if isinstance(value, float) else value,
+                unit,
+                "rig file",
+            )
+
+
+def _name_and_unit(key: str) -> tuple[str, str]:
+    """``current_rate_A_per_s`` → ("current rate", "A/s"): names end in their unit."""
+    units = {"_A_per_s": "A/s", "_A": "A", "_V": "V", "_K": "K", "_s": "s", "_counts": "counts"}
+    for ending, unit in units.items():
+        if key.endswith(ending):
+            return key.removesuffix(ending).replace("_", " "), unit
+    return key.replace("_", " "), ""
+
+
+def _actuator_rows(run: Run) -> Iterable[Row]:
+    try:
+        actuator = Actuator.named(run.info.actuator) if run.info.actuator else None
+    except SmarigError:
+        yield "Actuator", run.info.actuator, "", "its parameter file is not here"
+        return
+    if actuator is None:
+        return
+    yield "Actuator", actuator.name, "", actuator.file.source
+    for group in (actuator.file.wire, actuator.file.heating, actuator.file.transmission):
+        for key, quantity in group:
+            if hasattr(quantity, "source"):
+                yield (
+                    key.replace("_", " ").capitalize(),
+                    f"{quantity.value:g}",
+                    display_unit(quantity.unit),
+                    quantity.source,
+                )
+    yield "Thermal time constant τ", f"{actuator.tau_s:.3g}", "s", "derived: ρ c_p V/(hA)"
+    yield "Heat loss hA", f"{actuator.hA_W_per_K:.3g}", "W/K", "derived: R I²/T"
+
+
+# --- honest numbers -----------------------------------------------------------------------------------------
+
+
+def quality_table(runs: Mapping[str, Run]) -> Html:
+    """Steps and samples of each run, and how many of them are marked."""
+    rows = []
+    for name, run in runs.items():
+        m = quality_counts(run)
+        counted = [str(getattr(m, key)) for key in FLAG_NAMES]
+        state = run.cause if run.complete else tag("b", run.cause)
+        rows.append(
+            (name, duration(duration_s(run)), thousands(m.samples), m.steps, m.settled, *counted, state)
+        )
+    header = ("Run", "Duration", "Samples", "Steps", "Settled", "Timed out", "Interrupted", "Void")
+    return table(
+        (*header, "Retried", "Stale", "Saturated", "Tripped", "Ended"),
+        rows,
+        "Honest numbers: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
+        "steps need not settle.",
+    )
+
+
+# --- what happened, and where it comes from ---
+
+
+def provenance_table(runs: Mapping[str, Run]) -> Html:
+    """Which files this page was made from: name, protocol, hash, start, versions."""
+    rows = []
+    for run in runs.values():
+        versions = ", ".join(f"{k} {v}" for k, v in run.info.versions.items())
+        seed = run.info.seed
+        rows.append(
+            (
+                run.path.name,
+                protocol_name(run),
+                run.info.source or "unknown",
+                _start(run),
+                "" if seed is None else seed,
+                versions,
+                tag("code", sha256(run)),
+            )
+        )
+    return table(
+        ("Run file", "Protocol", "Source", "Session began", "Seed", "Versions", "SHA-256"),
+        rows,
+        "Where it all comes from.",
+    )
+
+
+def _start(run: Run) -> str:
+    epoch = run.info.start_epoch
+    return datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M:%S UTC") if epoch else "unknown"
+
+
+def sha256(run: Run) -> str:
+    """Hash of the run file; says so when it is no longer there."""
+    try:
+        with run.path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return "file not found"
+
+
+def events_table(run: Run, most: int = 60) -> Html:
+    """What happened in a run; the first ``most`` events."""
+    rows = [(f"{e.t_s:g}", e.level, e.kind, e.text) for e in run.events[:most]]
+    more = f" The first {most} of {len(run.events)}." if len(run.events) > most else ""
+    return table(("t (s)", "Level", "Kind", "What"), rows, f"Events.{more}") if rows else Html("")
+
+
+def steps_table(run: Run, most: int = 400) -> Html:
+    """The steps as recorded; the first ``most``."""
+    rows = [
+        (
+            s.index,
+            s.branch,
+            number(s.target, 4),
+            number(s.position, 5),
+            s.n,
+            s.verdict.replace("_", " "),
+            "void" if s.void else "",
+        )
+        for s in run.steps[:most]
+    ]
+    more = f" The first {most} of {len(run.steps)}." if len(run.steps) > most else ""
+    header = ("Step", "Branch", f"Target ({run.input_unit})", f"Position ({run.unit})", "n", "Verdict", "")
+    words = f"Steps; position is the mean over the last n samples.{more}"
+    return (
+        tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
+        if rows
+        else Html("")
+    )
+
+
+def settings_text(run: Run) -> Html:
+    """A run's settings in a line."""
+    settings = run.info.settings
+    return (
+        paragraph("Settings: ", joined([tag("code", f"{k}={v}") for k, v in settings.items()], ", "), ".")
+        if settings
+        else Html("")
+    )

@@ -1,0 +1,194 @@
+"""Figures over time: what each run did, and whether initialisation reached the wire (Figs. 5.4, 5.6).
+
+Knows runs. Refuses to know models.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core.errors import SmarigError
+from smarig.core.sample import Quality
+from smarig.plant.actuator import Actuator
+from smarig.record import Run
+from smarig.report.components.decimate import POINTS, envelope
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, plotly_escaped
+from smarig.report.components.numbers import thousands
+from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
+from smarig.report.runs.run_description import (
+    capitalised,
+    input_title,
+    output_title,
+    protocol_name,
+    run_caption,
+    source_label,
+)
+
+Array = NDArray[np.float64]
+_ROWS = (
+    ("current_A", "Current (A)", CURRENT),
+    ("current_command_A", "Current asked for (A)", CURRENT),
+    ("voltage_V", "Voltage (V)", GREY),
+    ("temperature_degC", "Measured temperature (°C)", "#CC79A7"),
+    ("input", "", TEMPERATURE),
+    ("position", "", POSITION),
+)
+_QUALITY_MARKERS = (
+    (Quality.SATURATED, "saturated", "triangle-up"),
+    (Quality.RETRIED, "retried", "x"),
+    (Quality.STALE, "stale", "diamond-open"),
+    (Quality.TRIPPED, "tripped", "star"),
+)
+
+
+def time_axis(run: Run) -> tuple[Array, str]:
+    """Time from the run's first sample and its axis title; sample numbers where there is no time."""
+    t = run["t_s"]
+    if not np.isfinite(t).any():
+        return np.arange(len(run), dtype=float), "Sample number (no time recorded)"
+    t = t - t[np.isfinite(t)][0]
+    size, unit = time_unit(float(np.nanmax(t)))
+    return t / size, f"Time since the run began ({unit})"
+
+
+def time_unit(span_s: float) -> tuple[float, str]:
+    """The unit a span is best read in: its seconds, and its name."""
+    return (3600.0, "h") if span_s > 6 * 3600 else (60.0, "min") if span_s > 600 else (1.0, "s")
+
+
+def time_series_figure(run: Run, points: int = POINTS) -> Figure:
+    """Current, hysteresis input and output against time, one above the other, marks included.
+
+    At most ``points`` points a channel, of every stretch its least and greatest value.
+    """
+    t, t_title = time_axis(run)
+    names = [row for row in _ROWS if run.has(row[0])]
+    if run.has("current_A"):
+        names = [row for row in names if row[0] != "current_command_A"]
+    titles = {"input": input_title(run), "position": output_title(run)}
+    data: list[Trace] = []
+    layout: dict[str, Any] = {
+        "xaxis": axis(t_title, anchor=f"y{_axis_suffix(len(names) - 1)}", mirror=False),
+        "showlegend": False,
+    }
+    for k, (name, title, colour) in enumerate(names):
+        kept = envelope(run[name], points)
+        data.append(
+            line(
+                t[kept],
+                run[name][kept],
+                title or titles[name],
+                colour,
+                width=1.1,
+                yaxis=f"y{_axis_suffix(k)}",
+            )
+        )
+        top = 1 - k / len(names)
+        words = (
+            plotly_escaped(title or titles[name])
+            .replace(" above ambient", "<br>above ambient")
+            .replace(", ", ",<br>")
+        )
+        layout[f"yaxis{_axis_suffix(k)}"] = {
+            "title": {"text": words, "font": {"size": 11}},
+            "domain": [top - 1 / len(names) + (0.03 if k + 1 < len(names) else 0), top],
+            "mirror": False,
+            "nticks": 6,
+        }
+    quality_markers = _quality_markers(run, t, f"y{_axis_suffix(len(names) - 1)}")
+    layout["showlegend"] = bool(quality_markers)
+    for trace in data:
+        trace["showlegend"] = False
+    thinned = (
+        f"Drawn from {thousands(len(run))} samples as the least and greatest of equal segments, so no peak is lost."
+        if len(run) > points
+        else ""
+    )
+    kept_out = (
+        " Marked: " + ", ".join(f"{m['name']}" for m in quality_markers) + "." if quality_markers else ""
+    )
+    return Figure(
+        [Panel([*data, *quality_markers], layout, max(220, 150 * len(names) + 60))],
+        f"{capitalised(protocol_name(run))} against time.",
+        [_rows_text(run), thinned + kept_out, run_caption(run)],
+        source_label(run),
+    )
+
+
+def _axis_suffix(k: int) -> str:
+    return "" if k == 0 else str(k + 1)
+
+
+def _rows_text(run: Run) -> str:
+    return (
+        "The plateaus are the holds until the output stood still (§5.2.1)."
+        if 2 * sum(step.verdict == "settled" for step in run.steps) > len(run.steps)
+        else ""
+    )
+
+
+def _quality_markers(run: Run, t: Array, y_axis: str) -> list[Trace]:
+    quality, position = np.nan_to_num(run["quality"]).astype(int), run["position"]
+    traces = []
+    for flag, name, symbol in _QUALITY_MARKERS:
+        hit = np.flatnonzero(quality & flag)
+        if hit.size:
+            shown = hit[:: max(1, hit.size // POINTS + 1)]
+            words = f"{thousands(hit.size)} {name} samples"
+            traces.append(dots(t[shown], position[shown], words, BAD, symbol=symbol, size=7, yaxis=y_axis))
+    late = [
+        s for s in run.steps if s.verdict == "timed_out" and s.t_end_s is not None and s.position is not None
+    ]
+    if late and run.has("t_s"):
+        first, size = (
+            run["t_s"][np.isfinite(run["t_s"])][0],
+            time_unit(float(np.ptp(run["t_s"][np.isfinite(run["t_s"])])))[0],
+        )
+        ends = [(s.end_s - first) / size for s in late]
+        words = f"{len(late)} steps that did not settle in time"
+        here = [s.position if s.position is not None else np.nan for s in late]
+        traces.append(dots(ends, here, words, BAD, symbol="circle-open", size=9, yaxis=y_axis))
+    return traces
+
+
+def initialisation_figure(run: Run) -> Figure | None:
+    """The decaying sinusoid of §5.2.2: what was asked of the wire and what its temperature did.
+
+    None for runs without one (a one-wire rig only cools down).
+    """
+    step = next((s for s in run.steps if s.branch == "decay"), None)
+    rows = run.rows(step) if step else slice(0, 0)
+    gain = _gain_K_per_A2(run)
+    if rows.start == rows.stop or gain is None:
+        return None
+    t, t_title = time_axis(run)
+    current, wire = run["current_command_A"][rows], run["input"][rows]
+    steady = gain * np.sign(current) * current**2
+    kept, also = envelope(steady), envelope(wire)
+    data = [
+        line(t[rows][kept], steady[kept], "asked: steady temperature of the current", CURRENT, width=1.2),
+        line(t[rows][also], wire[also], "wire temperature", INK, width=1.6),
+    ]
+    cycles = int(np.sum((wire[1:] > 0) & (wire[:-1] <= 0)))
+    last = float(np.nanmax(np.abs(wire[-max(1, wire.size // max(1, cycles)) :])))
+    layout = {"xaxis": axis(t_title), "yaxis": axis(input_title(run))}
+    return Figure(
+        [Panel(data, layout, 430)],
+        "Initialisation: the wire's temperature swings against the asked one.",
+        [
+            f"In {cycles} cycles the wire's swing decays from {np.nanmax(wire):.0f} to {last:.0f} {run.input_unit}, "
+            f"where the current asks for {np.nanmax(steady):.0f} {run.input_unit} at first: the wire lags by its time "
+            "constant. What must decay evenly to leave the anhysteretic state (§5.2.2) is the black curve.",
+            run_caption(run),
+        ],
+        source_label(run),
+    )
+
+
+def _gain_K_per_A2(run: Run) -> float | None:
+    name = run.info.actuator
+    try:
+        return Actuator.named(name).gain_K_per_A2 if name else None
+    except SmarigError:
+        return None

@@ -1,0 +1,157 @@
+"""The page kit: escaping, packed arrays, decimation that keeps peaks, writing all or nothing."""
+
+import json
+import os
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from report.pages import Page, unpacked
+from smarig.core.errors import StorageError, UsageError
+from smarig.report.components.decimate import envelope, path
+from smarig.report.components.figure import Figure, Panel, axis, line, packed
+from smarig.report.components.html import Html, table, tag
+from smarig.report.components.page import Section, page, write_page
+
+EVIL = "</script><script>alert('x')</script><img src=http://evil.example/a.png>"
+
+
+def figure(name: str = "y", label: str = "TWIN") -> Figure:
+    layout = {"xaxis": axis("u (K)"), "yaxis": axis(f"{name} (mm)")}
+    return Figure([Panel([line([0, 1, np.nan], [2, 3, 4], name, "#000")], layout)], name, [name], label)
+
+
+def test_text_is_escaped_and_markup_is_not():
+    assert tag("p", "a < b & c", Html("<b>d</b>")) == "<p>a &lt; b &amp; c<b>d</b></p>"
+    assert 'title="&quot;&gt;"' in tag("p", title='">')
+    assert "&lt;i&gt;" in table(("<i>",), [("x",)])
+
+
+def test_nothing_a_person_typed_becomes_markup_anywhere():
+    text = page(EVIL, EVIL, [Section(EVIL, EVIL, [tag("p", EVIL), figure(EVIL)])], label="TWIN")
+    parsed = Page(text)
+    assert not [attrs for name, attrs in parsed.tags if name == "img"]
+    assert len([1 for name, _ in parsed.tags if name == "script"]) == 3  # one figure, Plotly, the drawing
+    assert EVIL in parsed.visible
+    name = parsed.plots[0]["data"][0]["name"]
+    assert "<" not in name, "Plotly reads markup in names"
+
+
+def test_plotly_is_embedded_once_and_only_where_there_is_a_figure():
+    plain = page("t", "", [Section("s", "s", [tag("p", "no figure")])])
+    drawn = page("t", "", [Section("s", "s", [figure(), figure()]), Section("r", "r", [figure()])])
+    assert len(plain) < 20_000
+    assert drawn.count("plotly.js v") == 1
+    assert len(Page(drawn).plots) == 3
+
+
+def test_arrays_come_back_with_their_gaps_and_shape():
+    values = np.array([[1.5, np.nan, -2.0], [0.0, 1e-9, 3.0]])
+    np.testing.assert_array_equal(unpacked(packed(values)), values)
+    np.testing.assert_allclose(unpacked(packed(values, single=True)), values, rtol=1e-6)
+
+
+def test_no_figure_holds_what_json_cannot_say():
+    layout = Panel([], {"range": [0, float("nan")]})
+    with pytest.raises(ValueError, match="JSON"):
+        Figure([layout], "t", [], "").html()
+
+
+def test_a_twin_is_labelled_in_the_banner_the_title_each_caption_and_each_plot():
+    text = page("t", "", [Section("s", "s", [figure(), figure()])], label="TWIN")
+    parsed = Page(text)
+    banner = [attrs for name, attrs in parsed.tags if attrs.get("class") == "twinbar"]
+    assert banner
+    assert parsed.visible.lstrip().startswith("TWIN")
+    assert all("TWIN" in caption for caption in parsed.captions)
+    assert all(any(a["text"] == "TWIN" for a in p["layout"]["annotations"]) for p in parsed.plots)
+    bench = Page(page("t", "", [Section("s", "s", [figure(label="")])]))
+    assert "TWIN" not in bench.visible
+    assert "annotations" not in bench.plots[0]["layout"]
+
+
+def test_the_label_stands_at_the_frame_where_axes_of_one_scale_leave_paper_empty():
+    free = Figure([Panel([], {"xaxis": axis("u (K)"), "yaxis": axis("y (mm)")})], "t", [], "TWIN")
+    plane = Figure(
+        [Panel([], {"xaxis": axis("β (K)", constrain="domain"), "yaxis": axis("α (K)")})], "t", [], "TWIN"
+    )
+    marks = [Page(each.html()).plots[0]["layout"]["annotations"][0] for each in (free, plane)]
+    assert [(m["xref"], m["yref"]) for m in marks] == [("paper", "paper"), ("x domain", "y domain")]
+
+
+def test_a_stacked_table_says_beside_each_value_which_column_it_is_of():
+    header = ("Name", Html("k<sub>e</sub> (mm)"), "<i>")
+    cells = [attrs for name, attrs in Page(table(header, [("a", 1, 2)], stacked=True)).tags if name == "td"]
+    assert cells == [{"data-column": "k_e (mm)"}, {"data-column": "<i>"}]
+    assert "data-column" not in table(header, [("a", 1, 2)])
+
+
+def test_a_decimated_trace_keeps_every_peak_and_stays_short():
+    rng = np.random.default_rng(4)
+    values = rng.normal(size=100_000)
+    values[[70, 70_007]] = 50, -60
+    kept = envelope(values, 800)
+    assert kept.size <= 800
+    assert np.all(np.diff(kept) > 0)
+    assert {70, 70_007} <= set(kept.tolist())
+    for k in range(0, 100_000, 250):  # the drawn trace reaches both extremes of every stretch
+        assert values[kept[(kept >= k) & (kept < k + 250)]].max() == values[k : k + 250].max()
+    loop = path(np.cos(values), np.sin(values), 500)
+    assert loop.size <= 500
+
+
+def test_gaps_stay_gaps_when_decimated():
+    values = np.concatenate([np.ones(5000), np.full(5000, np.nan), np.ones(5000)])
+    drawn = values[envelope(values, 300)]
+    assert np.isnan(drawn).any()
+    assert np.isfinite(drawn).sum() == 100
+
+
+def test_a_page_is_never_overwritten_by_accident(tmp_path):
+    target = tmp_path / "new" / "report.html"
+    write_page("one", target)
+    with pytest.raises(UsageError, match="--force"):
+        write_page("two", target)
+    assert target.read_text() == "one"
+    write_page("two", target, force=True)
+    assert target.read_text() == "two"
+    assert [p.name for p in target.parent.iterdir()] == ["report.html"]
+
+
+def test_where_no_page_can_be_written_one_sentence_says_so(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="not a folder"):
+        write_page("x", tmp_path / "file" / "report.html")
+    with pytest.raises(UsageError, match="is a folder"):
+        write_page("x", tmp_path)
+    if os.geteuid() != 0:
+        (tmp_path / "shut").mkdir(mode=0o500)
+        with pytest.raises(StorageError, match="cannot be written"):
+            write_page("x", tmp_path / "shut" / "report.html")
+
+
+def test_a_failed_write_leaves_the_old_page_and_no_part(tmp_path, monkeypatch):
+    target = write_page("old", tmp_path / "report.html")
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.replace", full)
+    with pytest.raises(StorageError, match="No space left"):
+        write_page("new", target, force=True)
+    assert target.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_the_template_is_one_plotly_accepts():
+    from smarig.report.components.style import template
+
+    go.Figure(layout={"template": template()})
+    assert json.dumps(template())
+
+
+def test_a_figure_cannot_end_its_own_script():
+    text = Figure([Panel([], {"title": {"text": "</script><script>alert(1)"}})], "t", [], "").html()
+    assert text.count("<script") == text.count("</script>") == 1
+    assert Page(text).plots[0]["layout"]["title"]["text"] == "</script><script>alert(1)"
