@@ -22,7 +22,7 @@ from smarig.control.tracking.reference import Reference, reference
 from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
 from smarig.control.tracking.tracking_protocol import track
 from smarig.control.tracking.tuning import controller_factory, tuned_numbers
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.core.errors import RigFault
 from smarig.core.sample import Sample
 from smarig.plant.actuator import Actuator
@@ -80,7 +80,7 @@ def _compared(
 ) -> dict[str, Any]:
     """Every controller, tuned and judged; gains are ratios of mean rms errors to the inverse's."""
     found = {}
-    for name in names(TRACKING):
+    for name in catalogue_names(TRACKING):
         numbers = tuned_numbers(name, _cost(assumed_model, name, wires, most_A, speed), budget)
         found[name] = _controller_figures(assumed_model, name, numbers, wires, seeds, speed)
     preview_gains = tuned_numbers(

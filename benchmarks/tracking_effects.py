@@ -16,7 +16,7 @@ from benchmarks.tracking import RIG, controller_model, references, simulate_loop
 from smarig.control.controller_settings import TRACKING
 from smarig.control.tracking.controller_model import ControllerModel
 from smarig.control.tracking.tuning import defaults
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.diagnosis.diagnose import diagnose
 from smarig.identification.identify import identify
 from smarig.plant.effect import Effect
@@ -47,7 +47,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 def _row(nominal: ControllerModel, injected: Sequence[Effect], seeds: Sequence[int]) -> dict[str, Any]:
-    return {name: _rms(name, nominal, nominal, injected, seeds) for name in names(TRACKING)}
+    return {name: _rms(name, nominal, nominal, injected, seeds) for name in catalogue_names(TRACKING)}
 
 
 def _rms(

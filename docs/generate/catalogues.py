@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from generate.docstring import as_markdown
 from generate.markdown import code, plain, table
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.exchange.mapping import load_mapping
 from smarig.protocols._settings import setting_texts
 
@@ -32,13 +32,13 @@ What ships, by name. A path in place of a name works everywhere.
 def pages() -> dict[str, str]:
     """Two pages."""
     return {
-        "protocols": PROTOCOLS + "".join(map(_protocol, names("smarig.protocols"))),
+        "protocols": PROTOCOLS + "".join(map(_protocol, catalogue_names("smarig.protocols"))),
         "catalogues": _shipped(),
     }
 
 
 def _protocol(name: str) -> str:
-    function = find("smarig.protocols", name)
+    function = catalogue_entry("smarig.protocols", name)
     rows = [(code(k), code(v)) for k, v in setting_texts(name) if not k.startswith("settle.")]
     settings = table(("setting", "default"), rows) if rows else ""
     return f"\n## {name}\n\n{as_markdown(function.__doc__ or '')}\n\n{settings}"
@@ -84,6 +84,6 @@ def _mappings() -> Iterator[tuple[str, ...]]:
 
 
 def _modules(package: str) -> Iterator[tuple[str, ...]]:
-    for name in names(package):
+    for name in catalogue_names(package):
         docstring_text = importlib.import_module(f"{package}.{name}").__doc__ or ""
         yield code(name), plain(docstring_text.strip().split("\n\n")[0])

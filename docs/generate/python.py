@@ -4,12 +4,12 @@ from signatures and docstrings, when it reads these pages.
 
 import smarig
 from generate.markdown import plain, table
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 
 
 def _controllers(package: str) -> list[str]:
     """A catalogue and its files: what is added to it appears here by itself."""
-    return [package, *(f"{package}.{name}" for name in names(package))]
+    return [package, *(f"{package}.{name}" for name in catalogue_names(package))]
 
 
 PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {

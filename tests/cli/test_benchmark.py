@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks import forward, inverse
 from smarig.cli import run
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.preisach.compiled import available
 
 
@@ -91,5 +91,5 @@ def test_the_help_names_every_benchmark(capsys):
     status, out, _ = call(capsys, "benchmark", "--help")
     assert status == 0
     said = out.split("NAME:")[1].split(".")[0].replace("\n", " ")
-    there = [n for n in names("benchmarks") if hasattr(import_module(f"benchmarks.{n}"), "run")]
+    there = [n for n in catalogue_names("benchmarks") if hasattr(import_module(f"benchmarks.{n}"), "run")]
     assert [n.strip() for n in said.split(",")] == sorted(there)

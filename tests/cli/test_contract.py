@@ -8,10 +8,10 @@ import sys
 import pytest
 
 from smarig.cli import run
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.record import load_run
 
-COMMANDS = [n.rstrip("_") for n in names("smarig.cli.commands")]
+COMMANDS = [n.rstrip("_") for n in catalogue_names("smarig.cli.commands")]
 
 
 def call(capsys, *arguments):

@@ -11,7 +11,7 @@ from smarig.cli import run as cli
 from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
 from smarig.control.regulation import SetpointPI
 from smarig.control.tracking import tracking_protocol as loop
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import from_pairs
 from smarig.preisach.hysteresis.fod_table import FodTable
@@ -369,8 +369,8 @@ def test_controllers_are_listed_with_their_numbers(capsys):
 
 
 def test_every_number_has_a_unit_and_a_meaning(capsys):
-    documented = [(p, n) for p in (TRACKING, VELOCITY) for n in names(p)]
-    assert all(list(documented_numbers(find(p, n))) == list(default_numbers(p, n)) for p, n in documented)
+    documented = [(p, n) for p in (TRACKING, VELOCITY) for n in catalogue_names(p)]
+    assert all(list(documented_numbers(catalogue_entry(p, n))) == list(default_numbers(p, n)) for p, n in documented)
     assert tuple(documented_numbers(SetpointPI)) == REGULATORS["pi"]
     assert call(capsys, "list", "controllers", "--settings")[0] == 0
 

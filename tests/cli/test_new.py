@@ -10,7 +10,7 @@ from control.model_files import model_file
 from plant.effects.driven import driven
 from smarig.cli import run as cli
 from smarig.config import load_actuator, load_campaign, load_rig
-from smarig.core.catalogue import find, own_files, resolve_name
+from smarig.core.catalogue import catalogue_entry, own_files, resolve_name
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
 from smarig.rig.consistency import DRIVERS, inconsistencies
 from smarig.rig.twin import Twin
@@ -100,7 +100,7 @@ def test_the_controller_follows(capsys, made, tmp_path, model, rig):
 
 def test_the_effect_is_the_identity_at_zero_strength_and_something_beyond(made):
     currents = [0.9, 0.4, 0.8, 0.3]
-    kind = find(EFFECTS, resolve_name(EFFECTS, str(made["effect"])))
+    kind = catalogue_entry(EFFECTS, resolve_name(EFFECTS, str(made["effect"])))
     nothing = driven(currents, hold_s=20.0)
     assert np.array_equal(driven(currents, kind(0.0), hold_s=20.0), nothing)
     change = [np.abs(driven(currents, kind(s), hold_s=20.0) - nothing).max() for s in (2.5, 5.0)]
@@ -108,7 +108,7 @@ def test_the_effect_is_the_identity_at_zero_strength_and_something_beyond(made):
 
 
 def test_the_effect_does_not_depend_on_the_length_of_a_tick(made):
-    kind = find(EFFECTS, resolve_name(EFFECTS, str(made["effect"])))
+    kind = catalogue_entry(EFFECTS, resolve_name(EFFECTS, str(made["effect"])))
 
     def change(dt_s):
         held = {"hold_s": 20.0, "dt_s": dt_s}
@@ -127,7 +127,7 @@ def test_the_driver_talks(made):
     assert rig.links is not None
     where = rig.links.amplifier.model_copy(update={"url": supply.port, "timeout_s": 5.0})
     try:
-        source = find(DRIVERS, resolve_name(DRIVERS, str(made["driver"])))(where, rig)
+        source = catalogue_entry(DRIVERS, resolve_name(DRIVERS, str(made["driver"])))(where, rig)
         source.set(0.5)
         assert supply.heard[:6] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?", "VOLT 6.000"]
         assert supply.on

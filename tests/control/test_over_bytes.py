@@ -13,7 +13,7 @@ from smarig.control.regulation import regulate
 from smarig.control.tracking import ControllerModel, reference, track
 from smarig.control.tracking.tuning import controller_factory
 from smarig.control.velocity.velocity_protocol import velocity_feedback
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.command import Drive, Settled
 from smarig.core.errors import SmarigError
 from smarig.preisach.hysteresis.gorbet_1997 import surface
@@ -22,7 +22,7 @@ from smarig.record import load_run
 from smarig.runner.preview import Preview
 from smarig.runner.session import Session
 
-CONTROLLERS, VELOCITY_CONTROLLERS = names(TRACKING), names(VELOCITY)
+CONTROLLERS, VELOCITY_CONTROLLERS = catalogue_names(TRACKING), catalogue_names(VELOCITY)
 COLUMNS = (
     "tick",
     "t_s",
@@ -70,7 +70,7 @@ def velocity_following(name, rig):
     def make(setup):
         yield Drive(0.0)
         yield from velocity_feedback(
-            setup, find(VELOCITY, name)(), [0.6] * 60 + [-0.3] * 40, 20.0, assess=assess
+            setup, catalogue_entry(VELOCITY, name)(), [0.6] * 60 + [-0.3] * 40, 20.0, assess=assess
         )
 
     return make

@@ -12,7 +12,7 @@ from smarig.control.tracking import ControllerModel, Reference, reference, track
 from smarig.control.tracking.heating_lag import current_towards, source_towards
 from smarig.control.tracking.slope_observer import SlopeObserver
 from smarig.control.tracking.tuning import controller_factory, defaults, ranges, tuned_numbers
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.core.command import Drive, Mark
 from smarig.core.errors import LimitExceeded
 from smarig.plant.actuator import Actuator
@@ -22,7 +22,7 @@ from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
-CONTROLLERS = names(TRACKING)
+CONTROLLERS = catalogue_names(TRACKING)
 COUNT_mm = Actuator.named("gorbet_one_wire").position_per_count(2000)
 
 

@@ -74,14 +74,14 @@ def test_an_index_cannot_be_broken_at_itself():
 
 def test_the_catalogue_is_the_folder():
     package = "smarig.control.velocity.controllers"
-    assert catalogue.names(package) == [
+    assert catalogue.catalogue_names(package) == [
         "constant_gain",
         "lead_lag",
         "leaky_pi",
         "saturating_gain",
         "scheduled_gain",
     ]
-    assert all(catalogue.summary(package, name) for name in catalogue.names(package))
+    assert all(catalogue.catalogue_summary(package, name) for name in catalogue.catalogue_names(package))
 
 
 @pytest.mark.parametrize("gain", [0.0, -1.0, np.nan, np.inf])

@@ -25,18 +25,18 @@ def shelf(tmp_path, monkeypatch):
 
 
 def test_public_files_are_the_names(shelf):
-    assert catalogue.names("shelf.moves") == ["fall", "rise"]
+    assert catalogue.catalogue_names("shelf.moves") == ["fall", "rise"]
 
 
 def test_a_new_file_is_found(shelf):
     (shelf / "hover.py").write_text("hover = 'still'\n")
-    assert catalogue.names("shelf.moves") == ["fall", "hover", "rise"]
-    assert catalogue.find("shelf.moves", "hover") == "still"
+    assert catalogue.catalogue_names("shelf.moves") == ["fall", "hover", "rise"]
+    assert catalogue.catalogue_entry("shelf.moves", "hover") == "still"
 
 
 def test_find_gives_the_object_of_the_file(shelf):
-    assert catalogue.find("shelf.moves", "rise").__name__ == "rise"
-    assert catalogue.summary("shelf.moves", "rise") == "Go up."
+    assert catalogue.catalogue_entry("shelf.moves", "rise").__name__ == "rise"
+    assert catalogue.catalogue_summary("shelf.moves", "rise") == "Go up."
 
 
 @pytest.mark.parametrize(
@@ -51,15 +51,15 @@ def test_find_gives_the_object_of_the_file(shelf):
 )
 def test_a_wrong_name_is_answered_with_the_nearest(shelf, name: str, sentence: str):
     with pytest.raises(UsageError, match=sentence) as refusal:
-        catalogue.find("shelf.moves", name)
+        catalogue.catalogue_entry("shelf.moves", name)
     assert refusal.value.exit_status == 2
 
 
 def test_the_protocols_that_ship():
-    names = catalogue.names("smarig.protocols")
+    names = catalogue.catalogue_names("smarig.protocols")
     assert {"initialise", "wiping_out", "congruency", "first_order_descending"} <= set(names)
     for name in names:
-        assert catalogue.find("smarig.protocols", name).__name__ == name
-        assert catalogue.summary("smarig.protocols", name)
+        assert catalogue.catalogue_entry("smarig.protocols", name).__name__ == name
+        assert catalogue.catalogue_summary("smarig.protocols", name)
     with pytest.raises(UsageError, match=r"No protocol 'wipeing_out'; did you mean wiping_out\?"):
-        catalogue.find("smarig.protocols", "wipeing_out")
+        catalogue.catalogue_entry("smarig.protocols", "wipeing_out")

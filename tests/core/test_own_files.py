@@ -4,7 +4,7 @@ import pytest
 
 from smarig.control.controller_settings import TRACKING as CONTROLLERS
 from smarig.core import catalogue
-from smarig.core.catalogue import find, names, own, own_file_error, own_files, resolve_name
+from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries, own_file_error, own_files, resolve_name
 from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
 from smarig.plant.effect_catalogue import from_arguments, from_pairs, mystery, to_arguments, to_pairs
@@ -36,14 +36,14 @@ def stretch_effect(tmp_path):
 
 def test_it_joins_the_catalogue_until_the_command_ends(tmp_path):
     (tmp_path / "mine.py").write_text(GOOD)
-    before = names(PROTOCOLS)
+    before = catalogue_names(PROTOCOLS)
     with own_files():
         assert resolve_name(PROTOCOLS, "./mine.py") == "mine"
-        assert set(names(PROTOCOLS)) - set(before) == {"mine"}
-        assert find(PROTOCOLS, "mine").__name__ == "mine"
-        assert catalogue.summary(PROTOCOLS, "mine") == "Stand still."
-        assert own(PROTOCOLS)["mine"].text == GOOD
-    assert names(PROTOCOLS) == before
+        assert set(catalogue_names(PROTOCOLS)) - set(before) == {"mine"}
+        assert catalogue_entry(PROTOCOLS, "mine").__name__ == "mine"
+        assert catalogue.catalogue_summary(PROTOCOLS, "mine") == "Stand still."
+        assert own_entries(PROTOCOLS)["mine"].text == GOOD
+    assert catalogue_names(PROTOCOLS) == before
 
 
 def test_names_and_file_contents_load_nothing(tmp_path):
@@ -51,7 +51,7 @@ def test_names_and_file_contents_load_nothing(tmp_path):
     (tmp_path / "mine.py").write_text("raise SystemExit('executed')\n")
     assert resolve_name(PROTOCOLS, "validation") == "validation"
     with pytest.raises(UsageError, match=r"No protocol '\./mine\.py'"):
-        find(PROTOCOLS, "./mine.py")
+        catalogue_entry(PROTOCOLS, "./mine.py")
     with pytest.raises(UsageError, match="No effect ''"):
         from_pairs(["./mine.py=3"])
     with pytest.raises(UsageError, match="executed"):
@@ -61,13 +61,13 @@ def test_names_and_file_contents_load_nothing(tmp_path):
 def test_a_changed_file_is_loaded_anew_and_hashed_as_executed(tmp_path):
     (tmp_path / "mine.py").write_text(GOOD)
     resolve_name(PROTOCOLS, "./mine.py")
-    first = own(PROTOCOLS)["mine"]
+    first = own_entries(PROTOCOLS)["mine"]
     resolve_name(PROTOCOLS, str(tmp_path / "mine.py"))
-    assert own(PROTOCOLS)["mine"] is first
+    assert own_entries(PROTOCOLS)["mine"] is first
     (tmp_path / "mine.py").write_text(GOOD.replace("= 3", "= 4"))
     resolve_name(PROTOCOLS, "./mine.py")
-    assert find(PROTOCOLS, "mine").__kwdefaults__ == {"n": 4}
-    assert own(PROTOCOLS)["mine"].sha256 != first.sha256
+    assert catalogue_entry(PROTOCOLS, "mine").__kwdefaults__ == {"n": 4}
+    assert own_entries(PROTOCOLS)["mine"].sha256 != first.sha256
 
 
 def test_two_files_of_one_name_are_refused(tmp_path):
@@ -99,7 +99,7 @@ def test_a_wrong_protocol_is_one_sentence(tmp_path, text, sentence):
     with pytest.raises(UsageError, match=sentence) as refusal:
         resolve_name(PROTOCOLS, "./mine.py")
     assert "\n" not in str(refusal.value)
-    assert not own(PROTOCOLS)
+    assert not own_entries(PROTOCOLS)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_a_wrong_effect_controller_or_driver_is_one_sentence(tmp_path, package, 
 @pytest.mark.parametrize("package", [PROTOCOLS, EFFECTS, CONTROLLERS, "smarig.device.drivers"])
 def test_everything_that_ships_would_pass_as_an_own_file(package):
     misfit = __import__(package, fromlist=["misfit"]).misfit
-    assert [misfit(name, find(package, name)) for name in names(package)] == [""] * len(names(package))
+    assert [misfit(name, catalogue_entry(package, name)) for name in catalogue_names(package)] == [""] * len(catalogue_names(package))
 
 
 def test_own_effects_are_written_like_others(stretch_effect):
@@ -192,7 +192,7 @@ def test_an_error_in_an_own_file_is_reported_with_its_line(tmp_path):
     (tmp_path / "mine.py").write_text(GOOD.replace("yield from ()", "yield 1 / (n - 3)"))
     resolve_name(PROTOCOLS, "./mine.py")
     with pytest.raises(ZeroDivisionError) as failed:
-        next(find(PROTOCOLS, "mine")(None))
+        next(catalogue_entry(PROTOCOLS, "mine")(None))
     assert own_file_error(failed.value) == "mine.py, line 3: ZeroDivisionError: division by zero."
     with pytest.raises(ZeroDivisionError) as ours:
         1 / 0  # noqa: B018 - it fails

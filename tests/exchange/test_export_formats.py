@@ -9,7 +9,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.core.errors import UsageError
 from smarig.core.sample import Sample
 from smarig.exchange import export_run, import_file
@@ -331,7 +331,7 @@ def test_help_names_every_format_and_its_readers(capsys):
     assert cli(["export", "--help"]) == 0
     text = capsys.readouterr().out
     lines = [line.split()[0] for line in text.splitlines() if line.startswith("    ")]
-    assert set(names("smarig.exchange.writers")) <= set(lines)
+    assert set(catalogue_names("smarig.exchange.writers")) <= set(lines)
     for reader in ("xarray", "ncread", "loadmat", "pandas", "smarig import"):
         assert reader in text
 

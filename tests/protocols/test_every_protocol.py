@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.config import load_rig
-from smarig.core.catalogue import names, summary
+from smarig.core.catalogue import catalogue_names, catalogue_summary
 from smarig.core.command import Hold, Waveform
 from smarig.core.errors import UsageError
 from smarig.protocols._settings import build, parse_pairs, setting_texts
@@ -15,7 +15,7 @@ from smarig.runner.preview import preview
 from smarig.runner.runner import Runner
 
 RIGS = ("one_wire_twin", "two_wire_twin")
-ALL = names("smarig.protocols")
+ALL = catalogue_names("smarig.protocols")
 
 
 @pytest.mark.parametrize("rig", RIGS)
@@ -45,7 +45,7 @@ def test_it_runs_on_the_noisy_twin_settles_and_ends_at_zero(rig, name):
 @pytest.mark.parametrize("name", ALL)
 def test_it_is_inert_documented_and_refuses_unknown_settings(name):
     build(name, Setup.of("one_wire_twin"))  # nothing happens: no rig is there
-    assert summary("smarig.protocols", name).endswith(".")
+    assert catalogue_summary("smarig.protocols", name).endswith(".")
     assert all(key.replace(".", "").isidentifier() for key, _ in setting_texts(name))
     with pytest.raises(UsageError, match=f"'{name}' has no setting 'nonsense'"):
         build(name, Setup.of("one_wire_twin"), {"nonsense": "1"})

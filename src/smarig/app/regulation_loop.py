@@ -9,7 +9,7 @@ from smarig.control.controller_settings import TRACKING, finite_number
 from smarig.control.regulation import SetpointPI
 from smarig.control.regulation import regulate as regulation_protocol
 from smarig.control.regulation.regulation_protocol import START_STATES, check_times
-from smarig.core.catalogue import names, suggestion
+from smarig.core.catalogue import catalogue_names, suggestion
 from smarig.core.errors import UsageError
 from smarig.protocols._setup import Setup
 from smarig.replay import Model
@@ -85,7 +85,7 @@ def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) 
     if name not in REGULATORS:
         raise UsageError(
             f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}; "
-            f"{', '.join(names(TRACKING))} track."
+            f"{', '.join(catalogue_names(TRACKING))} track."
         )
     loop = SetpointPI.for_model(setup, model.hysteresis)
     for key, value in pairs.items():

@@ -12,7 +12,7 @@ from smarig.control.tracking import ControllerModel, Reference, reference
 from smarig.control.tracking import track as tracking_protocol
 from smarig.control.tracking.reference import SHAPES, from_csv
 from smarig.control.tracking.tuning import controller_factory
-from smarig.core.catalogue import names, resolve_name, suggestion
+from smarig.core.catalogue import catalogue_names, resolve_name, suggestion
 from smarig.core.errors import UsageError
 from smarig.runner.preview import ProtocolFactory
 
@@ -81,7 +81,7 @@ def _position_factory(
 
 def _controller_package(controller: str) -> str:
     """The catalogue a controller stands in: of positions, an own file's too, or of velocities."""
-    known = {package: names(package) for package in (TRACKING, VELOCITY)}
+    known = {package: catalogue_names(package) for package in (TRACKING, VELOCITY)}
     for package, there in known.items():
         if controller in there:
             return package

@@ -9,7 +9,7 @@ from smarig.certify.rig_assessment import RigAssessment
 from smarig.control.controller_settings import VELOCITY, finite_number
 from smarig.control.tracking import Reference
 from smarig.control.velocity.velocity_protocol import FILTER_TICKS, velocity_tracking, with_lead_in
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
 from smarig.protocols._setup import Setup
 from smarig.replay.model_file import Model
@@ -31,7 +31,7 @@ def refuse_offset(offset_K: Any, controller: str) -> None:
     """UsageError for an offset that a position loop would ignore."""
     if offset_K is not None:
         raise UsageError(
-            f"An offset u_o belongs to velocity controllers ({', '.join(names(VELOCITY))}); '{controller}' feeds back "
+            f"An offset u_o belongs to velocity controllers ({', '.join(catalogue_names(VELOCITY))}); '{controller}' feeds back "
             "the position."
         )
 
@@ -68,7 +68,7 @@ def velocity_factory(
     units = Units(model.unit, model.input.unit)
     (result,) = certificate(model.hysteresis, {controller: numbers}, units).controllers
     assessment = RigAssessment(result, setup, FILTER_TICKS * setup.period_s)
-    law = find(VELOCITY, controller)(**numbers)
+    law = catalogue_entry(VELOCITY, controller)(**numbers)
     return lambda _: velocity_tracking(
         setup,
         law,

@@ -26,7 +26,7 @@ from smarig.certify.position_assumptions import IndistinguishableStates, indisti
 from smarig.certify.storage_bound import StorageBound, storage_bound
 from smarig.certify.velocity.stability import Stability, basis, controller_stability
 from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
@@ -258,13 +258,13 @@ def certificate(
     >>> certificate(surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
     True
     """
-    requested = {name: {} for name in names(VELOCITY)} if controllers is None else controllers
+    requested = {name: {} for name in catalogue_names(VELOCITY)} if controllers is None else controllers
     _check_names(requested)
     numbers_by_controller = {
         name: controller_numbers(VELOCITY, name, pairs) for name, pairs in requested.items()
     }
     built_controllers = {
-        name: find(VELOCITY, name)(**numbers) for name, numbers in numbers_by_controller.items()
+        name: catalogue_entry(VELOCITY, name)(**numbers) for name, numbers in numbers_by_controller.items()
     }
     hysteresis_analysis = HysteresisAnalysis.of(hysteresis, units)
     initial = initial_of(hysteresis_analysis.hysteresis)
@@ -299,10 +299,10 @@ def certificate(
 def _check_names(requested: Iterable[str]) -> None:
     """A position loop is no mistake of spelling."""
     for name in requested:
-        if name in names(TRACKING):
+        if name in catalogue_names(TRACKING):
             raise UsageError(
                 f"'{name}' is a position loop (of smarig track and regulate), which Thm 8.2 does not cover: certify "
-                f"takes {', '.join(names(VELOCITY))}; what is known of position loops is in {FINDINGS}."
+                f"takes {', '.join(catalogue_names(VELOCITY))}; what is known of position loops is in {FINDINGS}."
             )
 
 

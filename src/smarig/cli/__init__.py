@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from smarig.cli.output import report_error
-from smarig.core.catalogue import names, own_file_error, own_files
+from smarig.core.catalogue import catalogue_names, own_file_error, own_files
 from smarig.core.errors import Interrupted, SmarigError, UsageError
 
 EPILOG = """\b
@@ -29,11 +29,11 @@ class _Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
-        return [name.rstrip("_") for name in names("smarig.cli.commands")]
+        return [name.rstrip("_") for name in catalogue_names("smarig.cli.commands")]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         del ctx
-        module = next((n for n in names("smarig.cli.commands") if n.rstrip("_") == cmd_name), None)
+        module = next((n for n in catalogue_names("smarig.cli.commands") if n.rstrip("_") == cmd_name), None)
         return importlib.import_module(f"smarig.cli.commands.{module}").command if module else None
 
 

@@ -12,7 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from smarig.config import shipped_names
-from smarig.core.catalogue import is_path, names, own, resolve_name
+from smarig.core.catalogue import is_path, catalogue_names, own_entries, resolve_name
 from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
 
@@ -46,7 +46,7 @@ class CatalogueName(click.ParamType):
         """Names that begin as typed."""
         del ctx, param
         candidates = [
-            n for c in self._catalogues for n in (names(_PACKAGES[c]) if c in _PACKAGES else shipped_names(c))
+            n for c in self._catalogues for n in (catalogue_names(_PACKAGES[c]) if c in _PACKAGES else shipped_names(c))
         ]
         return [CompletionItem(n) for n in candidates if n.startswith(incomplete)]
 
@@ -59,7 +59,7 @@ class _OwnEffect(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Its name."""
         del param, ctx
-        if value not in own(EFFECTS) and not is_path(value):
+        if value not in own_entries(EFFECTS) and not is_path(value):
             raise UsageError(f"'{value}' is not the file of an own effect, ./NAME.py.")
         return resolve_name(EFFECTS, value)
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from smarig.core.catalogue import find, suggestion
+from smarig.core.catalogue import catalogue_entry, suggestion
 from smarig.core.errors import UsageError
 
 TRACKING = "smarig.control.tracking.controllers"
@@ -26,7 +26,7 @@ def default_numbers(package: str, name: str) -> dict[str, float]:
     >>> default_numbers(TRACKING, "pi")["lead_s"]
     0.0
     """
-    parameters = inspect.signature(find(package, name)).parameters.values()
+    parameters = inspect.signature(catalogue_entry(package, name)).parameters.values()
     return {p.name: p.default for p in parameters if isinstance(p.default, float)}
 
 

@@ -46,29 +46,29 @@ class OwnFile:
         return hashlib.sha256(self.data).hexdigest()
 
 
-def names(package: str) -> list[str]:
+def catalogue_names(package: str) -> list[str]:
     """Names in a catalogue package: its public modules, and own files that were chosen; sorted.
 
     >>> "first_order_descending" in names("smarig.protocols")
     True
     """
-    return sorted({*_shipped(package), *own(package)})
+    return sorted({*_shipped(package), *own_entries(package)})
 
 
-def find(package: str, name: str) -> Any:
+def catalogue_entry(package: str, name: str) -> Any:
     """The object called ``name`` in the module ``package.name``; raises UsageError with the nearest name."""
     own_file = _OWN.get((package, name))
     if own_file is not None:
         return own_file.found
-    known = names(package)
+    known = catalogue_names(package)
     if name not in known:
         raise UsageError(f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
     return getattr(importlib.import_module(f"{package}.{name}"), name)
 
 
-def summary(package: str, name: str) -> str:
+def catalogue_summary(package: str, name: str) -> str:
     """First line of the catalogue entry's docstring."""
-    return next(iter((find(package, name).__doc__ or "").strip().splitlines()), "(it has no docstring)")
+    return next(iter((catalogue_entry(package, name).__doc__ or "").strip().splitlines()), "(it has no docstring)")
 
 
 def suggestion(name: str, known: list[str]) -> str:
@@ -125,7 +125,7 @@ def resolve_name(package: str, name: str) -> str:
     return path.stem
 
 
-def own(package: str) -> dict[str, OwnFile]:
+def own_entries(package: str) -> dict[str, OwnFile]:
     """The own files in a catalogue, by name."""
     return {name: file for (where, name), file in _OWN.items() if where == package}
 

@@ -6,7 +6,7 @@ Refuses to know any format: those are in writers/.
 from pathlib import Path
 
 from smarig.core.atomic_file import atomic_file
-from smarig.core.catalogue import find
+from smarig.core.catalogue import catalogue_entry
 from smarig.record import Run, load_run
 
 
@@ -17,7 +17,7 @@ def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool =
     by then is removed.
     """
     target = Path(out)
-    write = find("smarig.exchange.writers", to)
+    write = catalogue_entry("smarig.exchange.writers", to)
     data = run if isinstance(run, Run) else load_run(run)
     with atomic_file(target, force=force) as part:
         write(data, part)

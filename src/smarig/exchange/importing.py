@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from smarig.core.catalogue import find
+from smarig.core.catalogue import catalogue_entry
 from smarig.core.errors import DataError, StorageError, UsageError
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapping import mapping_text
@@ -55,7 +55,7 @@ def import_file(
         raise DataError(f"{source} is larger than {LARGEST_BYTES // 10**9} GB; split it.")
     if t0 is not None and not math.isfinite(t0):
         raise UsageError(f"--t0 is {t0}, expected a time in seconds.")
-    read = find("smarig.exchange.readers", format)
+    read = catalogue_entry("smarig.exchange.readers", format)
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
     draft = read(source, rig=rig, mapping=mapping)

@@ -1,0 +1,1 @@
+"""Identification from recorded runs: surfaces, positive densities, FORC data, calibration, verification."""

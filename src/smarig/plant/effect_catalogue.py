@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from smarig.core.catalogue import find, names, own, resolve_name
+from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries, resolve_name
 from smarig.core.errors import DataError, UsageError
 from smarig.plant.effect import Effect, EffectType
 
@@ -19,7 +19,7 @@ NO_EFFECT_SHARE = 0.15  # share of mystery rigs that hide nothing
 
 def effect_types(arrangement: str = "") -> tuple[EffectType, ...]:
     """All kinds of effects, or those that exist on a rig of one arrangement, by name."""
-    every = (find(PACKAGE, name) for name in names(PACKAGE))
+    every = (catalogue_entry(PACKAGE, name) for name in catalogue_names(PACKAGE))
     return tuple(k for k in every if not arrangement or k.arrangement in ("", arrangement))
 
 
@@ -38,7 +38,7 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
     for pair in pairs:
         key, equals, text = pair.partition("=")
         name, dot, parameter = key.strip().partition(".")
-        kind: EffectType = find(PACKAGE, name)
+        kind: EffectType = catalogue_entry(PACKAGE, name)
         parameters_of_effect = values.setdefault(name, {})
         if not equals and not dot:
             continue
@@ -50,7 +50,7 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
         if parameter in parameters_of_effect:
             raise UsageError(f"'{pair}' gives {name}.{parameter} a second time.")
         parameters_of_effect[parameter] = number
-    return tuple(find(PACKAGE, name)(**parameters_of_effect) for name, parameters_of_effect in values.items())
+    return tuple(catalogue_entry(PACKAGE, name)(**parameters_of_effect) for name, parameters_of_effect in values.items())
 
 
 def from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
@@ -68,7 +68,7 @@ def _registered_name(word: str) -> str:
 
 def to_arguments(effects: Iterable[Effect]) -> list[str]:
     """The texts that ``from_arguments`` reads the same effects from, in any folder."""
-    paths = {name: str(file.place) for name, file in own(PACKAGE).items()}
+    paths = {name: str(file.place) for name, file in own_entries(PACKAGE).items()}
     pairs = (pair.partition(".") for pair in to_pairs(effects))
     return [f"{paths.get(name, name)}{dot}{rest}" for name, dot, rest in pairs]
 
@@ -99,7 +99,7 @@ def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
 
 
 def _effect_from_record(name: str, parameters: Mapping[str, float]) -> Effect:
-    return find(PACKAGE, str(name))(**dict(parameters))
+    return catalogue_entry(PACKAGE, str(name))(**dict(parameters))
 
 
 def mystery(seed: int, arrangement: str) -> tuple[Effect, ...]:
@@ -107,7 +107,7 @@ def mystery(seed: int, arrangement: str) -> tuple[Effect, ...]:
     draw = random.Random(f"mystery {arrangement} {seed}")  # the same in every version of every library
     if draw.random() < NO_EFFECT_SHARE:
         return ()
-    kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own(PACKAGE)])
+    kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own_entries(PACKAGE)])
     strength = kind.primary.typical * draw.uniform(0.6, 1.8)
     if kind.primary.lower < 0 and draw.random() < 0.5:
         strength = -strength

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from smarig.config import CampaignFile
-from smarig.core.catalogue import find, names, resolve_name, suggestion
+from smarig.core.catalogue import catalogue_entry, catalogue_names, resolve_name, suggestion
 from smarig.core.command import Protocol
 from smarig.core.errors import UsageError
 from smarig.protocols._setup import Setup
@@ -34,7 +34,7 @@ def build(
     5
     """
     refuse_closed_loops(name)
-    function = find(PACKAGE, name)
+    function = catalogue_entry(PACKAGE, name)
     hints = get_type_hints(function)
     parameters = inspect.signature(function).parameters
     known = [p.name for p in parameters.values() if p.kind is p.KEYWORD_ONLY]
@@ -51,7 +51,7 @@ def build(
 
 def refuse_closed_loops(name: str) -> None:
     """UsageError that says what closes a loop, where a closed loop is asked for as if it were a protocol."""
-    if name in _LOOPS and name not in names(PACKAGE):
+    if name in _LOOPS and name not in catalogue_names(PACKAGE):
         raise UsageError(
             f"'{name}' closes a loop by a model, and is no protocol: 'smarig {name} MODEL …' ('smarig {name} --help'), "
             f"in Python smarig.{name}(model, …)."
@@ -70,7 +70,7 @@ def setting_texts(name: str) -> list[tuple[str, str]]:
     >>> dict(setting_texts("initialise"))["method"]
     "'planned' (planned | thesis)"
     """
-    function = find(PACKAGE, name)
+    function = catalogue_entry(PACKAGE, name)
     hints, found = get_type_hints(function), []
     for p in inspect.signature(function).parameters.values():
         if p.kind is not p.KEYWORD_ONLY:

@@ -6,7 +6,7 @@ Knows files and register maps; opens nothing.
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
-from smarig.core.catalogue import names, resolve_name, suggestion
+from smarig.core.catalogue import catalogue_names, resolve_name, suggestion
 from smarig.core.errors import UsageError
 from smarig.device.wire.register import load_map
 from smarig.plant.actuator import Actuator
@@ -30,8 +30,8 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         except UsageError as wrong:
             yield f"links.{device}.driver: {wrong}"
             continue
-        if driver not in names(DRIVERS):
-            yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, names(DRIVERS))}."
+        if driver not in catalogue_names(DRIVERS):
+            yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, catalogue_names(DRIVERS))}."
         if not link.url and not simulated:
             yield f"links.{device}.url: say where it is."
     if links.amplifier.driver == "smarig_amplifier":

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from smarig.config import LinkFile, LinksFile, RigFile, SimulatorFile
-from smarig.core.catalogue import find, names, resolve_name
+from smarig.core.catalogue import catalogue_entry, catalogue_names, resolve_name
 from smarig.core.errors import ConfigError, Interrupted, RigFault, SmarigError, UsageError
 from smarig.core.resources import shipped
 from smarig.device.drivers._roles import CurrentSource, PositionSensor, missing_members
@@ -106,7 +106,7 @@ def _open_bench(
 
 def _open_instrument(link: LinkFile, file: RigFile, role: type, role_text: str) -> Any:
     """An instrument by its driver, which may be the rig file's own; it can all that a bench will ask."""
-    instrument = find(DRIVERS, resolve_name(DRIVERS, link.driver))(link, file)
+    instrument = catalogue_entry(DRIVERS, resolve_name(DRIVERS, link.driver))(link, file)
     lacking = missing_members(instrument, role)
     if lacking:
         raise ConfigError(f"Driver {link.driver}: it gives no {', '.join(lacking)}, which {role_text} needs.")
@@ -123,7 +123,7 @@ def _started_simulator(
             "Simulated devices follow the rig file; another state or no noise is for the twin in process."
         )
     with_type = [effect for effect in settings.effects if isinstance(effect, Effect)]
-    if len(with_type) < len(settings.effects) or any(e.kind.name not in names(PACKAGE) for e in with_type):
+    if len(with_type) < len(settings.effects) or any(e.kind.name not in catalogue_names(PACKAGE) for e in with_type):
         raise UsageError("Simulated devices know effects of the catalogue only.")
     if links.amplifier.framing != links.encoder_daq.framing:
         raise UsageError("Simulated devices speak one framing; give both links the same.")

@@ -9,7 +9,7 @@ from typing import Any
 
 from smarig.config import RigFile, own_drivers
 from smarig.control.controller_settings import TRACKING
-from smarig.core.catalogue import catalogue_kind, own
+from smarig.core.catalogue import catalogue_kind, own_entries
 from smarig.core.errors import DataError, UsageError
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
 from smarig.plant.effect_catalogue import Effect
@@ -30,7 +30,7 @@ def used_own_files(
         PROTOCOLS: {protocol},
         TRACKING: {controller},
         EFFECTS: set(with_type),
-        DRIVERS: {name for name, f in own(DRIVERS).items() if str(f.place) in drivers},
+        DRIVERS: {name for name, f in own_entries(DRIVERS).items() if str(f.place) in drivers},
     }
     return [
         {
@@ -41,7 +41,7 @@ def used_own_files(
             "text": f.text,
         }
         for package, wanted in used.items()
-        for name, f in own(package).items()
+        for name, f in own_entries(package).items()
         if name in wanted
     ]
 
@@ -54,7 +54,7 @@ def check_own_files(run: Run) -> None:
             package is None
         ):  # drivers come with the rig file; a closed loop, whose controller it is, is not resumed
             continue
-        loaded = own(package).get(name)
+        loaded = own_entries(package).get(name)
         if loaded is None:
             raise UsageError(
                 f"{run.path.name} was made with its own {kind}, {path}. It is executed if you give it again: "

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.core.errors import Interrupted, SmarigError
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect_catalogue import PACKAGE, Effect, to_pairs
@@ -66,7 +66,7 @@ def launch_args(
 ) -> dict:
     """What `smarig resume` builds the same run from: rig file, its wire, the twin's effects, settings as given."""
     path = Path(rig)
-    with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in names(PACKAGE)]
+    with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in catalogue_names(PACKAGE)]
     return {
         "rig": str(path.resolve()) if path.is_file() else rig,
         "rig_wire": wire,

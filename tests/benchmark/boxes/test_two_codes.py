@@ -16,7 +16,7 @@ from benchmarks.boxes.box_plant import BoxPlant
 from benchmarks.boxes.box_session import simulate_on_grid, simulate_on_new_grid
 from benchmarks.boxes.output_effects import position, sensor_output
 from benchmarks.boxes.wire import actuator_toml
-from smarig.core.catalogue import find
+from smarig.core.catalogue import catalogue_entry
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect_catalogue import effect_types
 from smarig.plant.plant import Plant as EstimatorsPlant
@@ -65,7 +65,7 @@ PAIRS = [  # the order in which effects follow one another
 def estimators(rig, grid, hidden):
     """Positions of the estimator's plant, stepped by 0.1 s, at the times of a grid."""
     wire, (actuator, measure) = WIRES[rig], estimators_rig(rig)
-    effects = [find("smarig.plant.effects", name)(**values) for name, values in hidden.items()]
+    effects = [catalogue_entry("smarig.plant.effects", name)(**values) for name, values in hidden.items()]
     start = "anhysteretic" if wire.two_wire else "negative"
     plant = EstimatorsPlant(actuator, measure, start, 0.1, effects)
     positions = []
@@ -83,7 +83,7 @@ def rms(x):
 def test_the_catalogues_agree():
     assert sorted(EFFECTS) == sorted(NAMES)
     for name, mine in EFFECTS.items():
-        theirs = find("smarig.plant.effects", name)
+        theirs = catalogue_entry("smarig.plant.effects", name)
         p = theirs.primary
         assert (mine.strength, mine.lower, mine.upper, mine.typical) == (p.name, p.lower, p.upper, p.typical)
         known = {p.name: p for p in theirs.parameters}

@@ -5,7 +5,7 @@ import pytest
 from device.drivers.scripted import Scripted
 from device.drivers.supply import Supply
 from smarig.config import load_rig
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import ConfigError
 from smarig.core.sample import Quality
 from smarig.device.drivers import smarig_amplifier, smarig_encoder_daq
@@ -129,9 +129,9 @@ def test_the_encoder_writes_its_period_and_zeroes():
 
 
 def test_every_driver_is_found_by_its_name():
-    drivers = names("smarig.device.drivers")
+    drivers = catalogue_names("smarig.device.drivers")
     assert {"smarig_amplifier", "smarig_encoder_daq", "scpi_supply"} <= set(drivers)
-    assert all(callable(find("smarig.device.drivers", name)) for name in drivers)
+    assert all(callable(catalogue_entry("smarig.device.drivers", name)) for name in drivers)
 
 
 # --- a supply that speaks SCPI, behind a pty ------------------------------------------------------------------------

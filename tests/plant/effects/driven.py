@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.plant.actuator import Actuator
 from smarig.plant.plant import Plant
 from smarig.preisach.hysteresis.gorbet_1997 import surface
 
-CATALOGUE = names("smarig.plant.effects")
+CATALOGUE = catalogue_names("smarig.plant.effects")
 WIRES = {
     "one_wire": (Actuator.named("gorbet_one_wire"), surface("one_e"), "negative"),
     "two_wire": (Actuator.named("gorbet_two_wire"), surface("two_c"), "negative"),
@@ -16,7 +16,7 @@ WIRES = {
 
 def kind(name):
     """An effect by its name."""
-    return find("smarig.plant.effects", name)
+    return catalogue_entry("smarig.plant.effects", name)
 
 
 def wire_of(name):

@@ -12,7 +12,7 @@ import click
 
 from smarig.cli.output import emit, json_option
 from smarig.cli.parameter_types import FILE
-from smarig.core.catalogue import names, suggestion
+from smarig.core.catalogue import catalogue_names, suggestion
 from smarig.core.errors import UsageError
 from smarig.core.resources import make_importable
 
@@ -44,7 +44,7 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     tracking, tracking_effects.
     """
     make_importable("benchmarks")
-    modules = names("benchmarks")
+    modules = catalogue_names("benchmarks")
     run = _run_of(name) if name in modules else None
     if run is None:
         benchmarks = [n for n in modules if _run_of(n) is not None]

@@ -5,7 +5,7 @@ import click
 from smarig.cli.output import emit, json_option
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
 from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
-from smarig.core.catalogue import find, is_path, names, resolve_name, summary
+from smarig.core.catalogue import catalogue_entry, is_path, catalogue_names, resolve_name, catalogue_summary
 from smarig.core.errors import UsageError
 from smarig.exchange.mapping import load_mapping
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
@@ -16,7 +16,7 @@ from smarig.record.wire_history import histories
 
 
 def _protocols() -> dict[str, str]:
-    return {n: summary(PROTOCOLS, n) for n in names(PROTOCOLS)}
+    return {n: catalogue_summary(PROTOCOLS, n) for n in catalogue_names(PROTOCOLS)}
 
 
 def _rigs() -> dict[str, str]:
@@ -45,7 +45,7 @@ def _effects() -> dict[str, str]:
 def _controllers() -> dict[str, str]:
     from smarig.control.regulation.setpoint_pi import SetpointPI
 
-    listed_ = {n: f"{use}: {summary(p, n)}" for use, p in _CONTROLLER_PACKAGES.items() for n in names(p)}
+    listed_ = {n: f"{use}: {catalogue_summary(p, n)}" for use, p in _CONTROLLER_PACKAGES.items() for n in catalogue_names(p)}
     return listed_ | {_SETPOINT_PI_NAME: f"regulate: {(SetpointPI.__doc__ or '').splitlines()[0]}"}
 
 
@@ -113,8 +113,8 @@ def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str
         from smarig.control.regulation.setpoint_pi import SetpointPI
 
         return documented_numbers(SetpointPI), {"gain": None, "band": 0.0}
-    package = next(p for p in _CONTROLLER_PACKAGES.values() if name in names(p))
-    return documented_numbers(find(package, name)), dict(default_numbers(package, name))
+    package = next(p for p in _CONTROLLER_PACKAGES.values() if name in catalogue_names(p))
+    return documented_numbers(catalogue_entry(package, name)), dict(default_numbers(package, name))
 
 
 @click.command("list", epilog=EPILOG)

@@ -14,7 +14,7 @@ from smarig.cli.output import emit, json_option
 from smarig.cli.parameter_types import FILE
 from smarig.config import shipped_names
 from smarig.core.atomic_file import atomic_file
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.core.errors import UsageError
 
 _TEMPLATES = Path(__file__).parents[1] / "starting_points"
@@ -72,7 +72,7 @@ def _check(kind: str, name: str, file: Path, suffix: str) -> None:
     reason = _unusable(kind, name, python=suffix == ".py")
     if reason:
         raise UsageError(f"{name!r} is no name for a {kind}: {reason}.")
-    taken_names = names(_PACKAGES[kind]) if kind in _PACKAGES else shipped_names(f"{kind}s")
+    taken_names = catalogue_names(_PACKAGES[kind]) if kind in _PACKAGES else shipped_names(f"{kind}s")
     if name in taken_names:
         raise UsageError(f"'{name}' is one of the {kind}s that ship: give yours another name.")
     if file.suffix != suffix or (suffix == ".py" and file.stem != name):

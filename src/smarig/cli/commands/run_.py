@@ -10,7 +10,7 @@ from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
 from smarig.config import CampaignFile, CampaignStep, load_campaign, load_rig, shipped_names
-from smarig.core.catalogue import names, suggestion
+from smarig.core.catalogue import catalogue_names, suggestion
 from smarig.core.errors import UsageError
 from smarig.protocols._settings import parse_pairs, refuse_closed_loops, with_loaded_protocols
 from smarig.record import load_run
@@ -62,7 +62,7 @@ def command(
         return
     if out is None:
         raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")
-    single = experiment in names("smarig.protocols")
+    single = experiment in catalogue_names("smarig.protocols")
     targets = [out] if single else plan.run_files(out)
     if options.force and go_on:
         raise UsageError("--force replaces runs, --continue goes on with them: give one of the two.")
@@ -109,7 +109,7 @@ def _run_one(
 
 def _plan(experiment: str, settings: dict) -> CampaignFile:
     """A campaign; a protocol is one of a single step."""
-    protocols, campaigns = names("smarig.protocols"), shipped_names("campaigns")
+    protocols, campaigns = catalogue_names("smarig.protocols"), shipped_names("campaigns")
     if experiment in protocols:
         return CampaignFile(
             name=experiment, summary="", step=(CampaignStep(protocol=experiment, set=settings),)

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 
 from smarig.control.controller_settings import TRACKING, default_numbers
 from smarig.control.tracking.controller_model import ControllerFactory
-from smarig.core.catalogue import find
+from smarig.core.catalogue import catalogue_entry
 
 FIRST_STEP = 0.7  # of a logarithm: a factor of two
 
@@ -30,7 +30,7 @@ def defaults(name: str) -> dict[str, float]:
 
 def controller_factory(name: str, values: Mapping[str, float]) -> ControllerFactory:
     """A controller with its numbers, ready for a loop."""
-    found = find(TRACKING, name)
+    found = catalogue_entry(TRACKING, name)
     return lambda controller_model, reference: found(controller_model, reference, **values)
 
 

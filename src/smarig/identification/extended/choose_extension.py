@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.catalogue import find, names
+from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
 from smarig.identification.extended.extremum_chains import extremum_chains
@@ -146,8 +146,8 @@ def choose_extension(
     """
     data = ExtensionData(runs, hysteresis, unit)
     fits, refused = {}, {}
-    for candidate in names(EXTENSIONS) if name == BEST else [name]:
-        identify_extension = find(EXTENSIONS, candidate)
+    for candidate in catalogue_names(EXTENSIONS) if name == BEST else [name]:
+        identify_extension = catalogue_entry(EXTENSIONS, candidate)
         try:
             fits[candidate] = identify_extension(data)
         except (DataError, UsageError) as error:
@@ -180,7 +180,7 @@ def _held_out(name: str, folds: Sequence[Any], unit: str) -> HeldOutExtension | 
     squares, used = [], 0
     for kept, hysteresis, left_out in folds:
         try:
-            values = find(EXTENSIONS, name)(ExtensionData(kept, hysteresis, unit)).values
+            values = catalogue_entry(EXTENSIONS, name)(ExtensionData(kept, hysteresis, unit)).values
             record = extremum_chains([left_out])
         except (DataError, UsageError):
             continue

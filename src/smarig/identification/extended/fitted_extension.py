@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.core.catalogue import names
+from smarig.core.catalogue import catalogue_names
 from smarig.core.errors import DataError
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.noise_floor import noise_floor
@@ -60,4 +60,4 @@ def extension_names() -> tuple[str, ...]:
     >>> extension_names()[0], extension_names()[-1], "moving" in extension_names()
     ('none', 'best', True)
     """
-    return NONE, *names(EXTENSIONS), BEST
+    return NONE, *catalogue_names(EXTENSIONS), BEST

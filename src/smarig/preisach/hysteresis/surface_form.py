@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.catalogue import find, names, own
+from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries
 from smarig.core.errors import UsageError
 
 Array = NDArray[np.float64]
@@ -102,10 +102,10 @@ def forms() -> dict[str, SurfaceForm]:
     >>> list(forms())
     ['constant', 'parabolic', 'exponential']
     """
-    found = _shipped_forms() | {name: file.found for name, file in own(PACKAGE).items()}
+    found = _shipped_forms() | {name: file.found for name, file in own_entries(PACKAGE).items()}
     return dict(sorted(found.items(), key=lambda item: (len(item[1].parameters), item[1].place)))
 
 
 @cache
 def _shipped_forms() -> dict[str, SurfaceForm]:
-    return {name: find(PACKAGE, name) for name in names(PACKAGE) if name not in own(PACKAGE)}
+    return {name: catalogue_entry(PACKAGE, name) for name in catalogue_names(PACKAGE) if name not in own_entries(PACKAGE)}
