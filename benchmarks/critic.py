@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis.critique.critique import NULLS
+from smarig.diagnosis.critique.critique import NULL_DATA_SETS
 from smarig.diagnosis.diagnose import diagnose
 from smarig.identification.identify import identify
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
@@ -31,11 +31,11 @@ LEVELS, REACH_K = 28, 184.0  # of the partition, to either side: 407 steps
 def run(quick: bool = False, seed: int = 0) -> dict[str, Any]:
     """``{"rig", "nulls", "results": [{"hidden", "steps", "readings", "seconds", "verdict", "names"}], "peak_MB"}``."""
     rows = [_row(LEVELS // 2 if quick else LEVELS, hidden, seed) for hidden in HIDDEN]
-    return {"rig": RIG, "nulls": NULLS, "results": rows, "peak_MB": _peak_MB()}
+    return {"rig": RIG, "nulls": NULL_DATA_SETS, "results": rows, "peak_MB": _peak_MB()}
 
 
 def _row(levels: int, hidden: str, seed: int) -> dict[str, Any]:
-    effects = from_pairs([hidden] if hidden else [])
+    effects = effects_from_pairs([hidden] if hidden else [])
     with tempfile.TemporaryDirectory() as folder:
         twin = TwinSettings(seed=seed, effects=effects)
         with Session(RIG, twin=twin, wire=f"benchmark {os.getpid()}") as session:

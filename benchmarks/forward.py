@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.compiled import available
+from smarig.preisach.compiled import compiled_available
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 
@@ -83,17 +83,21 @@ def run(quick: bool = False) -> dict[str, Any]:
         "ratio_to_relay_array": plain["measure"]["random_walk_per_s"] / baseline,
         "agreement_of_range": float(np.max(np.abs(here - exact)) / (2 * measure.mass.sum())),
         "peak_memory_MB": _peak_MB(measure, n),
-        "numba": _numba(measure, 1 if quick else 100) if available() else None,
+        "numba": _numba(measure, 1 if quick else 100) if compiled_available() else None,
     }
 
 
 def example_hystereses(measure: RelayMeasure) -> dict[str, Everett]:
     """The hystereses of these benchmarks, one of each kind, by name."""
-    nodes = np.array(PARTITIONS["two_wire"])
+    nodes = np.array(THESIS_PARTITIONS["two_wire"])
     alpha, beta = np.meshgrid(nodes, nodes, indexing="ij")
-    values = np.where(beta <= alpha, surface("two_e").y(alpha, beta), np.nan)
+    values = np.where(beta <= alpha, thesis_surface("two_e").y(alpha, beta), np.nan)
     table = FodTable.from_arrays(nodes, nodes, values)
-    return {"measure": measure, "table": table, **{f"surface_{n}": surface(n) for n in ("two_c", "two_e")}}
+    return {
+        "measure": measure,
+        "table": table,
+        **{f"surface_{n}": thesis_surface(n) for n in ("two_c", "two_e")},
+    }
 
 
 def _rates(h: Everett, n: int) -> dict[str, float]:

@@ -21,12 +21,12 @@ from smarig.config import load_rig
 from smarig.core.sample import Sample
 from smarig.live.display_info import rig_display_info
 from smarig.live.live_view import live_listener
-from smarig.live.viewer_process import ViewerProcess, address, free_port
+from smarig.live.viewer_process import ViewerProcess, free_port, viewer_address
 from smarig.plant.actuator import Actuator
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.listener import CallbackListener, Listener
-from smarig.runner.run_metadata import source_of
+from smarig.runner.run_metadata import twin_source
 from smarig.runner.session import Session
 
 MINUTES, QUICK_MINUTES = 10.0, 0.7
@@ -40,10 +40,10 @@ def run(quick: bool = False) -> dict[str, Any]:
     """``{"rig", "minutes", "samples", "lost", "tick_us": {phase: {"p50", "p99", "max"}}, "rss_MB", …}``."""
     minutes = QUICK_MINUTES if quick else MINUTES
     port, viewer_port = free_port(), free_port()
-    scenario = _ViewerScenario(address(port), viewer_port, 60 * minutes / len(PHASES))
+    scenario = _ViewerScenario(viewer_address(port), viewer_port, 60 * minutes / len(PHASES))
     hold_s = 60 * minutes / len(LEVELS_A)
     file = load_rig(RIG)
-    actuator, source = Actuator.named(file.actuator), source_of(file, TwinSettings())
+    actuator, source = Actuator.named(file.actuator), twin_source(file, TwinSettings())
     display_info = rig_display_info(file, actuator, source, {}, "benchmark live")
     messages: list[str] = []
     with tempfile.TemporaryDirectory() as folder:

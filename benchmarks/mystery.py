@@ -15,7 +15,7 @@ from smarig.app.characterise import characterise
 from smarig.app.proposal import propose_run
 from smarig.core.errors import UsageError
 from smarig.diagnosis.diagnose import Diagnosis, diagnose
-from smarig.plant.effect_catalogue import mystery
+from smarig.plant.effect_catalogue import mystery_effects
 from smarig.record import load_run
 from smarig.runner.session import Session
 
@@ -64,7 +64,7 @@ def solve_seed(seed: int) -> dict[str, Any]:
             validation = [run for run in evidence.runs.values() if run.path not in training_paths]
             model = evidence.identifications[evidence.chosen].model
             last = diagnose(model, [*first.timeline.runs, load_run(path)], validation)
-    hidden = mystery(seed, ARRANGEMENT)
+    hidden = mystery_effects(seed, ARRANGEMENT)
     return {
         "seed": seed,
         "hidden": [effect.to_json() for effect in hidden],

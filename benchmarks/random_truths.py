@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ def random_truth(seed: int, rig: str = "one_wire_twin", *, cells: int = CELLS) -
     True
     """
     setup = Setup.of(rig)
-    nominal = surface(setup.actuator.file.hysteresis.surface)
+    nominal = thesis_surface(setup.actuator.file.hysteresis.surface)
     masses = (nominal.y_upper - nominal.y_lower) * _shares(np.random.default_rng([seed, 1997]), cells)
     grid = np.zeros((cells + 1, cells + 1))
     grid[1:, 1:] = masses

@@ -27,7 +27,7 @@ from smarig.control.regulation import BoundaryPlane, Psi, plan, regulate
 from smarig.core.sample import Sample
 from smarig.plant.actuator import Actuator
 from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
@@ -53,7 +53,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     n = QUICK_SETPOINTS if quick else SETPOINTS
     found: dict[str, Any] = {"setpoints": n, "push_share": PUSH}
     for rig, name in RIGS.items():
-        h = surface(name)
+        h = thesis_surface(name)
         found[rig] = {
             "operator": _operator(h, n, PUSH),
             "any_state": _any_state(h, n),
@@ -61,8 +61,8 @@ def run(quick: bool = False) -> dict[str, Any]:
             "approach": _approaches(rig, h, 2 if quick else 6),
         }
     found["operator_other_pushes"] = {
-        name: {f"{share:g}": _operator(surface(name), n, share) for share in PUSHES}
-        for name in (NAMES[::3] if quick else NAMES)
+        name: {f"{share:g}": _operator(thesis_surface(name), n, share) for share in PUSHES}
+        for name in (THESIS_SURFACES[::3] if quick else THESIS_SURFACES)
     }
     return found
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from smarig.config import load_rig
-from smarig.control.controller_settings import TRACKING
+from smarig.control.controller_settings import TRACKING_CONTROLLERS
 from smarig.control.tracking.controller_model import ControllerModel
 from smarig.control.tracking.reference import Reference, reference
 from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
@@ -29,7 +29,7 @@ from smarig.plant.actuator import Actuator
 from smarig.plant.effect import SupportsHooks
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
@@ -80,7 +80,7 @@ def _compared(
 ) -> dict[str, Any]:
     """Every controller, tuned and judged; gains are ratios of mean rms errors to the inverse's."""
     found = {}
-    for name in catalogue_names(TRACKING):
+    for name in catalogue_names(TRACKING_CONTROLLERS):
         numbers = tuned_numbers(name, _cost(assumed_model, name, wires, most_A, speed), budget)
         found[name] = _controller_figures(assumed_model, name, numbers, wires, seeds, speed)
     preview_gains = tuned_numbers(
@@ -96,12 +96,14 @@ def controller_model() -> ControllerModel:
     file = load_rig(RIG)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
-    return ControllerModel(setup, surface(actuator.file.hysteresis.surface), file.encoder.counts_per_rev)
+    return ControllerModel(
+        setup, thesis_surface(actuator.file.hysteresis.surface), file.encoder.counts_per_rev
+    )
 
 
 def perturbed_surface(seed: int, share: float = ERROR_SHARE) -> FodSurface:
     """The nominal surface with parameters off at random: rms difference of both is ``share`` of the output range."""
-    nominal = surface(Actuator.named(load_rig(RIG).actuator).file.hysteresis.surface)
+    nominal = thesis_surface(Actuator.named(load_rig(RIG).actuator).file.hysteresis.surface)
     levels = np.linspace(nominal.lower, nominal.upper, NODES)
     alpha, beta = (m[np.tri(NODES, dtype=bool)] for m in np.meshgrid(levels, levels, indexing="ij"))
     own, directions = (

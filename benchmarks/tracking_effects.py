@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.tracking import RIG, controller_model, references, simulate_loop
-from smarig.control.controller_settings import TRACKING
+from smarig.control.controller_settings import TRACKING_CONTROLLERS
 from smarig.control.tracking.controller_model import ControllerModel
-from smarig.control.tracking.tuning import defaults
+from smarig.control.tracking.tuning import default_settings
 from smarig.core.catalogue import catalogue_names
 from smarig.diagnosis.diagnose import diagnose
 from smarig.identification.identify import identify
 from smarig.plant.effect import Effect
-from smarig.plant.effect_catalogue import from_json, from_pairs
+from smarig.plant.effect_catalogue import effects_from_json, effects_from_pairs
 from smarig.record import load_run
 from smarig.replay import Model
 from smarig.rig.twin import TwinSettings
@@ -37,7 +37,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     nominal = controller_model()
     found: dict[str, Any] = {"none": _row(nominal, (), seeds)}
     for effect in EFFECTS[1:2] if quick else EFFECTS:
-        injected = from_pairs([effect])
+        injected = effects_from_pairs([effect])
         row = _row(nominal, injected, seeds)
         row["inverse, effect nominal_model"] = _rms(
             "inverse", nominal.with_effects(injected), nominal, injected, seeds
@@ -47,7 +47,9 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 def _row(nominal: ControllerModel, injected: Sequence[Effect], seeds: Sequence[int]) -> dict[str, Any]:
-    return {name: _rms(name, nominal, nominal, injected, seeds) for name in catalogue_names(TRACKING)}
+    return {
+        name: _rms(name, nominal, nominal, injected, seeds) for name in catalogue_names(TRACKING_CONTROLLERS)
+    }
 
 
 def _rms(
@@ -60,7 +62,7 @@ def _rms(
     """Mean rms error of the wire's own position, counts; None when a loop tripped."""
     count = nominal.setup.actuator.position_per_count(nominal.counts_per_rev)
     loops = [
-        simulate_loop(assumed_model, name, defaults(name), nominal.hysteresis, target, seed, injected)
+        simulate_loop(assumed_model, name, default_settings(name), nominal.hysteresis, target, seed, injected)
         for seed in seeds
         for target in references(seed)
     ]
@@ -93,4 +95,6 @@ def _diagnosed(
 
 def identified_model(nominal: ControllerModel, model: Model) -> ControllerModel:
     """A controller's knowledge by a model file: its hysteresis and its effects."""
-    return ControllerModel(nominal.setup, model.hysteresis, nominal.counts_per_rev, from_json(model.effects))
+    return ControllerModel(
+        nominal.setup, model.hysteresis, nominal.counts_per_rev, effects_from_json(model.effects)
+    )

@@ -6,8 +6,8 @@ for an error. ``inverse`` is that one; ``pi`` has neither its memory nor the fut
 
 import smarig
 from smarig.record import Run
-from smarig.report.closed_loop.closed_loop_text import result_text
-from smarig.report.closed_loop.loop_result import closed_loop
+from smarig.report.closed_loop.closed_loop_text import loop_result_text
+from smarig.report.closed_loop.loop_result import closed_loop_result
 
 RIG, SEED = "one_wire_twin", 4
 MODEL = "loop.model.json"
@@ -15,8 +15,8 @@ MODEL = "loop.model.json"
 
 def told(run: Run) -> str:
     """What the loop of a run did, in words; the figures themselves are attributes of ``closed_loop(run)``."""
-    found = closed_loop(run)
-    return result_text(found, run.unit) if found else f"{run.path.name} holds no closed loop"
+    found = closed_loop_result(run)
+    return loop_result_text(found, run.unit) if found else f"{run.path.name} holds no closed loop"
 
 
 # A short identification: fewer curves than the protocol would measure by itself.

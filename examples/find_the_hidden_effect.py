@@ -7,7 +7,7 @@ misfit is tested against chance, a cause is named only where the data can tell, 
 from pathlib import Path
 
 import smarig
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -17,7 +17,7 @@ PLAN = {"first_order_descending": {}, "validation": {"points": 15}}
 files = {name: Path(f"hidden_{name}.run.sqlite") for name in PLAN}
 for file in files.values():
     file.unlink(missing_ok=True)
-with Session("one_wire_twin", twin=TwinSettings(seed=2, effects=from_pairs(HIDDEN))) as session:
+with Session("one_wire_twin", twin=TwinSettings(seed=2, effects=effects_from_pairs(HIDDEN))) as session:
     for name, settings in PLAN.items():
         session.run(name, settings, files[name])
 

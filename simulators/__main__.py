@@ -27,9 +27,9 @@ from simulators.transports import Port, Pty, TcpPort
 from simulators.world import AMPLIFIER, DAQ, SimulatedBench
 from smarig.config import RigFile, load_rig
 from smarig.core.errors import SmarigError, UsageError
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import from_arguments
+from smarig.plant.effect_catalogue import effects_from_arguments
 from smarig.rig.specimen import Specimen, TwinSettings
 
 AFTER_LEASE = 5  # ticks for which the trip may be watched once the host is gone
@@ -79,7 +79,7 @@ def main(
         file = load_rig(rig)
         faults = load_faults(faults_file) if faults_file else ()
         framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
-        settings = TwinSettings(seed=seed, effects=from_arguments(effects))
+        settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))
         world = _world(file, settings, faults, *_devices(framings, device_library))
         trace = TickTrace(trace_file) if trace_file else None
         lines = [_line(world, name, faults, folder) for name in framings]
@@ -103,7 +103,7 @@ def main(
 def _framing(file: RigFile, device: str, chosen: str | None) -> ServerFraming:
     link = getattr(file.links, device) if file.links else None
     name = chosen or (link.framing if link else FRAMINGS[0])
-    address = (link.address if link else 0) or load_map(device).device.default_address
+    address = (link.address if link else 0) or load_register_map(device).device.default_address
     return {"lines": TextFraming(), "modbus_tcp": Tcp(address), "modbus_rtu": Rtu(address)}[name]
 
 

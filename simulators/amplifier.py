@@ -7,12 +7,12 @@ from simulators.layout import BAD_VALUE, NOT_NOW
 from simulators.protection import Protection, lease_ticks
 from simulators.register_device import RegisterDevice
 from smarig.device.wire.exchange import Refusal
-from smarig.device.wire.register import load_map, to_words
+from smarig.device.wire.register import load_register_map, to_words
 
 RING_SAMPLES = 256
 SATURATED, STOP = 1, 2  # bits of a tick's ``hardware``
 
-_MAP = load_map("amplifier")
+_MAP = load_register_map("amplifier")
 _STATE = {name: int(number) for number, name in _MAP["state"].values.items()}
 _ORDER = {int(number): name for number, name in _MAP["order"].values.items()}
 _FAULT = {fault.name: code for code, fault in _MAP.faults.items()}

@@ -5,12 +5,12 @@ Refuses to know bytes, clocks and wires.
 
 from simulators.register_device import RegisterDevice
 from smarig.device.wire.exchange import Refusal
-from smarig.device.wire.register import from_words, load_map, to_words
+from smarig.device.wire.register import from_words, load_register_map, to_words
 
 RING_SAMPLES = 1024
 INDEX, ILLEGAL_STEP, NO_SUPPLY = 1, 2, 4  # bits of a tick's ``hardware``
 
-_MAP = load_map("encoder_daq")
+_MAP = load_register_map("encoder_daq")
 _ORDER = {int(number): name for number, name in _MAP["order"].values.items()}
 _FAULT = {fault.name: code for code, fault in _MAP.faults.items()}
 _MARK = {name: 1 << int(bit) for bit, name in _MAP["ring"].field[-1].flags.items()}

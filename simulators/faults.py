@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from smarig.core.toml_file import Number, TomlTable, load
+from smarig.core.toml_file import Number, TomlTable, load_toml
 
 DeviceName = Literal["amplifier", "encoder_daq"]
 
@@ -182,4 +182,4 @@ class _FaultsFile(TomlTable):
 
 def load_faults(path: Path) -> tuple[SimulatedFault, ...]:
     """The faults of a file; ConfigError names what is wrong in it."""
-    return load(_FaultsFile, path).fault
+    return load_toml(_FaultsFile, path).fault

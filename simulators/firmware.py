@@ -5,7 +5,7 @@ from pathlib import Path
 
 from simulators.framing import ServerFraming
 from smarig.core.errors import UsageError
-from smarig.device.wire.register import from_words, load_map
+from smarig.device.wire.register import from_words, load_register_map
 
 _RTU, _LINE = 0, 1  # the library's numbers for framings
 _NUMBERS = {"modbus_rtu": _RTU, "lines": _LINE}
@@ -42,7 +42,7 @@ class _Firmware:
                 f"The C firmware does not speak {framing.name}; take one of {', '.join(_NUMBERS)}."
             )
         self.framing, self._library, self._short = framing, library, short
-        self._map = load_map(name)
+        self._map = load_register_map(name)
         self._memory = ctypes.create_string_buffer(self._call("size"))
         self._reply = ctypes.create_string_buffer(_ROOM)
         self.boot(1)

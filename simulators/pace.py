@@ -9,7 +9,7 @@ from typing import Protocol
 from simulators.layout import RegisterLayout
 from simulators.world import DAQ, SimulatedBench
 from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
 Tick = Callable[[], None]
 MAX_CATCH_UP_TICKS = 100  # late ticks between two looks at the ports: a bench that is too slow still answers
@@ -76,7 +76,7 @@ class LockStep:
 
     def __init__(self, world: SimulatedBench, tick: Tick, host_timeout_s: float = HOST_TIMEOUT_s) -> None:
         self._world, self._tick, self._host_timeout_s = world, tick, host_timeout_s
-        self._map = load_map(DAQ)
+        self._map = load_register_map(DAQ)
         self._layout = RegisterLayout(self._map)
         self._last_request_s: float | None = None
         self._host_ended = False

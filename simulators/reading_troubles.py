@@ -10,10 +10,10 @@ from simulators.faults import (
     SlippingEncoder,
     StuckEncoder,
 )
-from smarig.device.wire.register import SPANS, load_map
+from smarig.device.wire.register import VALUE_RANGES, load_register_map
 from smarig.rig.specimen import RawReading
 
-_FIELDS = {f.name: f for f in load_map("amplifier")["ring"].field}
+_FIELDS = {f.name: f for f in load_register_map("amplifier")["ring"].field}
 
 
 class WireFaults:
@@ -36,7 +36,7 @@ class WireFaults:
         for f in self._shunt:
             if f.active(time_s, exchange):
                 gain = 1 + f.gain_per_s * (time_s - f.from_s)
-                low, high = SPANS[_FIELDS["current"].type]
+                low, high = VALUE_RANGES[_FIELDS["current"].type]
                 reading = reading._replace(current=min(max(round(reading.current * gain), low), high))
         return reading
 

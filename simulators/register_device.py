@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 from simulators.layout import RegisterLayout
 from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import RawValues, RegisterMap, load_map, to_words
+from smarig.device.wire.register import RawValues, RegisterMap, load_register_map, to_words
 
 
 class RegisterDevice:
     """A device with a map, a ring and no time of its own; ``accept`` answers, subclasses say what is done."""
 
     def __init__(self, name: str, boot_count: int, ring_samples: int) -> None:
-        self.map: RegisterMap = load_map(name)
+        self.map: RegisterMap = load_register_map(name)
         self._layout = RegisterLayout(self.map)
         self._ring_samples = ring_samples
         status = self.map.blocks["status"]

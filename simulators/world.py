@@ -13,7 +13,7 @@ from simulators.faults import BrownOut, ClockDrift, Reboot, SimulatedFault
 from simulators.reading_troubles import EncoderFaults, WireFaults
 from simulators.station import AmplifierStation, DaqStation, Station
 from smarig.device.wire.exchange import Exchange
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 from smarig.rig.specimen import RawReading
 
 AMPLIFIER, DAQ = "amplifier", "encoder_daq"
@@ -84,7 +84,7 @@ class SimulatedBench:
         self.flowed_uA = 0
         self.raw_counts = wire.counts_now()
         self._wire = wire
-        self._amperes = load_map(AMPLIFIER)["output"].value
+        self._amperes = load_register_map(AMPLIFIER)["output"].value
         self._stations: dict[str, Station] = {AMPLIFIER: amplifier, DAQ: daq}
         self._power = {name: DevicePower(faults, name) for name in self._stations}
         self._wire_faults, self._encoder_faults = WireFaults(faults), EncoderFaults(faults)

@@ -21,7 +21,7 @@ from smarig.diagnosis.diagnose import Diagnosis, diagnose
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.identification.identify import identify
 from smarig.plant.effect import SupportsHooks
-from smarig.plant.effect_catalogue import from_json
+from smarig.plant.effect_catalogue import effects_from_json
 from smarig.record import load_run
 
 Record = dict[str, Any]
@@ -91,7 +91,7 @@ def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -
     effects = rescaled_to_range(
         label.effects, (relays.lower, relays.upper), (model_hysteresis.lower, model_hysteresis.upper)
     )
-    hidden = from_json([{"name": name, "parameters": values} for name, values in effects.items()])
+    hidden = effects_from_json([{"name": name, "parameters": values} for name, values in effects.items()])
 
     def evidence_of(effects: tuple[SupportsHooks, ...]) -> float:
         identified = found.first.plant_model.hysteresis

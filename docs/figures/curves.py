@@ -5,7 +5,7 @@ import numpy as np
 from figures.canvas import Panel, Picture
 from figures.memory import INPUT, KELVIN, OUTPUT, RANGE, TRAVEL, WIRE, graph, plane
 from smarig import Preisach
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.theory.energy import loop_area
 
 REVERSALS_K = (27.8, 43.5, 62.7, 85.3, 111.4, 174.1)  # of the thesis's partition
@@ -99,7 +99,7 @@ def energy() -> Picture:
 
 def _loop_areas(picture: Picture, left: float, name: str, beside: str) -> None:
     """A(M, m) of every loop m ↔ M of one surface, each sign on a scale of its own."""
-    chosen = surface(name)
+    chosen = thesis_surface(name)
     panel = plane(picture, (left, 34, 204, 204), f"every loop m ↔ M of {name}", ("m (K)", beside))
     edges = np.linspace(0, chosen.upper, 45)
     middle = (edges[1:] + edges[:-1]) / 2

@@ -17,7 +17,7 @@ from smarig.core.command import Hold, Protocol, StepResult
 from smarig.diagnosis.critique.critique import critique
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import effect_types, from_pairs
+from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
 from smarig.protocols._setup import Setup
 from smarig.protocols.first_order_descending import first_order_descending
 from smarig.protocols.validation import validation
@@ -70,7 +70,7 @@ def _residuals(effect: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time (h), residual (mm) and slope (mm/K) of a twin's settled points, against the wire as it was."""
     file = load_rig("one_wire_twin")
     actuator = Actuator.named(file.actuator)
-    twin = Twin(file, actuator, TwinSettings(seed=1, effects=from_pairs([effect])))
+    twin = Twin(file, actuator, TwinSettings(seed=1, effects=effects_from_pairs([effect])))
     ends: list[StepResult] = []
     runner = Runner(
         Guard(twin, file.limits, actuator),

@@ -4,9 +4,9 @@ import numpy as np
 
 from figures.canvas import Panel, Picture, staircase
 from smarig import Preisach
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 
-WIRE = surface("one_e")
+WIRE = thesis_surface("one_e")
 RANGE = (0.0, WIRE.upper)
 KELVIN, TRAVEL = (0, 50, 100, 150), (0, 4, 8, 12)
 INPUT, OUTPUT = "T above ambient (K)", "position (mm)"
@@ -73,7 +73,7 @@ def relay() -> Picture:
 
 def _sum_of_relays(picture: Picture, left: float, count: int, title: str) -> None:
     """The loop of ``count`` relays of equal weight drawn from the positive surface's density and reversible part."""
-    positive = surface("one_c")
+    positive = thesis_surface("one_c")
     edges = np.linspace(0, positive.upper, 241)
     a, b = np.meshgrid(edges, edges, indexing="ij")
     F = np.asarray(positive.swept(np.maximum(a, b), b))

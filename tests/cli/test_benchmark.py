@@ -9,7 +9,7 @@ import pytest
 from benchmarks import forward, inverse
 from smarig.cli import run
 from smarig.core.catalogue import catalogue_names
-from smarig.preisach.compiled import available
+from smarig.preisach.compiled import compiled_available
 
 
 def call(capsys, *arguments):
@@ -27,7 +27,7 @@ def test_forward_reports_ratios_memory_and_agreement(capsys):
     assert 0 < found["peak_memory_MB"] < 50
     assert set(found["plain_python"]) == {"measure", "table", "surface_two_c", "surface_two_e"}
     assert all(rate > 0 for kind in found["plain_python"].values() for rate in kind.values())
-    if available():
+    if compiled_available():
         assert found["numba"]["equal_to_plain_bit_for_bit"] is True
         assert len(found["numba"]["random_walk_per_s"]) == 3
     else:

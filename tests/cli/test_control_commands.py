@@ -8,16 +8,21 @@ import pytest
 from control.model_files import model_file, model_of
 from smarig.app.regulation_loop import REGULATORS
 from smarig.cli import run as cli
-from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
+from smarig.control.controller_settings import (
+    TRACKING_CONTROLLERS,
+    VELOCITY_CONTROLLERS,
+    default_numbers,
+    documented_numbers,
+)
 from smarig.control.regulation import SetpointPI
 from smarig.control.tracking import tracking_protocol as loop
 from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.record import load_run
 from smarig.replay.model_file import SignalDescription, load_model
-from smarig.report.closed_loop.loop_result import closed_loop
+from smarig.report.closed_loop.loop_result import closed_loop_result
 from smarig.runner.run_control import RunControl
 
 RAMPS = ("--reference", "ramps", "--set", "seconds=20", "--set", "every_s=5")
@@ -62,7 +67,7 @@ def test_a_certificate_names_its_hypotheses(capsys, one):
 
 
 def test_where_passivity_fails_the_counterexample_is_printed(capsys, two):
-    from smarig.preisach.hysteresis.gorbet_1997 import surface
+    from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     from smarig.theory.energy import energy_balance
 
     status, out, _ = call(
@@ -79,11 +84,11 @@ def test_where_passivity_fails_the_counterexample_is_printed(capsys, two):
     start, low, high = found["breaking"]["way"]
     cycles = found["breaking"]["cycles_until_negative"]
     u = [start, low, high, *[low, high] * cycles]
-    assert energy_balance(surface("two_p"), np.array(u), "anhysteretic").supplied[-1] < 0
+    assert energy_balance(thesis_surface("two_p"), np.array(u), "anhysteretic").supplied[-1] < 0
 
 
 def test_a_model_with_effects_is_certified_for_its_hysteresis_alone(capsys, tmp_path):
-    (effect,) = from_pairs(["backlash"])
+    (effect,) = effects_from_pairs(["backlash"])
     effects = ({"name": effect.kind.name, "parameters": dict(effect.values)},)
     model = model_file(tmp_path, "one_e", effects=effects)
     status, out, _ = call(capsys, "certify", model)
@@ -120,7 +125,7 @@ def test_a_tracked_run_is_reported_in_the_rigs_unit_and_in_counts(capsys, one, t
     assert run.meta["settings"]["gain_share"] == "10.0"
     assert run.meta["settings"]["model"] == one.name
     assert len(run.meta["settings"]["model_sha256"]) == 64
-    loop = closed_loop(run).loop
+    loop = closed_loop_result(run).loop
     assert loop.t_s[-1] == pytest.approx(20.0)
     assert track["largest"] == pytest.approx(np.abs(loop.position - loop.wanted).max())
 
@@ -189,7 +194,7 @@ def test_a_velocity_loop_is_read_again_from_its_samples(one, tmp_path):
         numbers={"gain": 1000},
         **path,
     )
-    found = closed_loop(run)
+    found = closed_loop_result(run)
     signals = VelocitySignals.of(found.reference, found.loop.t_s, found.loop.position, found.velocity)
     assert signals.ratio[-1] == pytest.approx(found.velocity.ratio, rel=1e-6)
     assert np.abs(np.diff(signals.rate)).max() > 0.01, "it turns"
@@ -360,17 +365,19 @@ def test_controllers_are_listed_with_their_numbers(capsys):
     assert found["controllers"]["pi (regulate)"].startswith("regulate: ")
     assert found["settings"]["pi (regulate)"] == {"gain": None, "band": 0.0}
     assert set(found["settings"]) == set(found["controllers"])
-    assert found["settings"]["pi"] == default_numbers(TRACKING, "pi")
+    assert found["settings"]["pi"] == default_numbers(TRACKING_CONTROLLERS, "pi")
     assert (
         found["settings"]["scheduled_gain"]
-        == default_numbers(VELOCITY, "scheduled_gain")
+        == default_numbers(VELOCITY_CONTROLLERS, "scheduled_gain")
         == {"least": 50.0, "most": 200.0}
     )
 
 
 def test_every_number_has_a_unit_and_a_meaning(capsys):
-    documented = [(p, n) for p in (TRACKING, VELOCITY) for n in catalogue_names(p)]
-    assert all(list(documented_numbers(catalogue_entry(p, n))) == list(default_numbers(p, n)) for p, n in documented)
+    documented = [(p, n) for p in (TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS) for n in catalogue_names(p)]
+    assert all(
+        list(documented_numbers(catalogue_entry(p, n))) == list(default_numbers(p, n)) for p, n in documented
+    )
     assert tuple(documented_numbers(SetpointPI)) == REGULATORS["pi"]
     assert call(capsys, "list", "controllers", "--settings")[0] == 0
 

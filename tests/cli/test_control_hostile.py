@@ -13,7 +13,7 @@ from smarig.app.loop_model import ModelSource
 from smarig.app.tracking_loop import tracking as tracking_loop
 from smarig.cli import run as cli
 from smarig.config import load_rig
-from smarig.control.controller_settings import TRACKING, default_numbers
+from smarig.control.controller_settings import TRACKING_CONTROLLERS, default_numbers
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_curve import ForcCurve
@@ -130,7 +130,7 @@ def test_nonsense_gets_one_sentence_and_leaves_nothing(capsys, tmp_path, files, 
 @pytest.mark.parametrize("value", ["1e12", "1e-100"])
 @pytest.mark.parametrize(
     ("controller", "key"),
-    [(c, k) for c in ("gain_scheduled", "inverse", "pi") for k in default_numbers(TRACKING, c)],
+    [(c, k) for c in ("gain_scheduled", "inverse", "pi") for k in default_numbers(TRACKING_CONTROLLERS, c)],
 )
 def test_what_is_let_through_can_be_computed_with(capsys, files, controller, key, value):
     words = ("--controller", controller, "--controller-set", f"{key}={value}", "--dry-run")

@@ -9,7 +9,7 @@ import pytest
 
 import smarig
 from smarig.cli import run as cli
-from smarig.plant.effect_catalogue import effect_types, from_pairs
+from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -20,7 +20,9 @@ TRAIN = ("congruency", "first_order_descending")
 def session_folder(tmp_path_factory):
     """Runs of one twin that walks, and the model identified from them."""
     folder = tmp_path_factory.mktemp("walking")
-    with Session("one_wire_twin", twin=TwinSettings(seed=2, effects=from_pairs(["walking=0.4"]))) as session:
+    with Session(
+        "one_wire_twin", twin=TwinSettings(seed=2, effects=effects_from_pairs(["walking=0.4"]))
+    ) as session:
         for name in (*TRAIN, "validation"):
             session.run(name, {"points": 15} if name == "validation" else {}, folder / f"{name}.run.sqlite")
     model = smarig.identify([folder / f"{name}.run.sqlite" for name in TRAIN], surface="positive").model

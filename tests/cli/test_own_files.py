@@ -12,7 +12,7 @@ from control.model_files import model_file
 from runner.interrupted import cut
 from smarig.cli import run as cli
 from smarig.config import locate
-from smarig.control.controller_settings import TRACKING
+from smarig.control.controller_settings import TRACKING_CONTROLLERS
 from smarig.core.catalogue import own_files, resolve_name
 from smarig.core.errors import UsageError
 from smarig.record import load_run
@@ -324,7 +324,7 @@ def test_a_loop_is_closed_by_an_own_controller_and_the_run_holds_it(capsys, trac
 
 
 def test_a_run_by_a_shipped_controller_holds_no_file(here):
-    resolve_name(TRACKING, "./push.py")
+    resolve_name(TRACKING_CONTROLLERS, "./push.py")
     model = model_file(here, "one_e")
     run = smarig.track(model, "ramps", rig="one_wire_twin", out="p.run.sqlite", seconds=5, controller="pi")
     assert run.meta["own_files"] == []

@@ -8,7 +8,7 @@ from smarig.cli import run as cli
 from smarig.core.atomic_file import atomic_file, check_writable
 from smarig.core.errors import UsageError
 from smarig.core.file_content import JSON, MODEL, PAGE, RUN, TABLE, TOML, content_kind
-from smarig.diagnosis.diagnosis_files import FILES, prepare_folder
+from smarig.diagnosis.diagnosis_files import DIAGNOSIS_FILES, prepare_folder
 from smarig.exchange import export_run
 from smarig.record.recorder import Recorder, write_run
 from smarig.report.components.page import page, write_page
@@ -132,7 +132,7 @@ def test_force_destroys_nothing_of_another_kind(capsys, tmp_path, there, words):
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", DIAGNOSIS_FILES)
 def test_a_diagnosis_looks_at_its_folder_before_it_computes(tmp_path, name):
     made(tmp_path, TABLE, name)
     with pytest.raises(

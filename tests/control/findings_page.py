@@ -9,7 +9,7 @@ from smarig.certify.velocity import k_e, velocity_loop
 from smarig.control.position_feedback import SwitchedGain, position_loop
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.velocity_protocol import velocity_feedback
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 from smarig.rig.twin import Twin
 
@@ -42,8 +42,8 @@ def velocity_rows() -> list[str]:
         setup = Setup.of(name)
         for gain in gains:
             control = constant_gain(gain)
-            alone = velocity_loop(surface(model), control, rate, initial=start)
-            lagging = velocity_loop(surface(model), control, rate, initial=start, lag_s=setup.tau_s)
+            alone = velocity_loop(thesis_surface(model), control, rate, initial=start)
+            lagging = velocity_loop(thesis_surface(model), control, rate, initial=start, lag_s=setup.tau_s)
             twins = [
                 drive(velocity_feedback(setup, control, rate.tolist()), Twin.named(name, seed=1, noise=n))
                 for n in (False, True)
@@ -82,7 +82,7 @@ def position_rows() -> list[str]:
     )
     rows = []
     for name, law, potential, delayed in cases:
-        loop = position_loop(surface("two_e"), law, np.full(400, 4.0), lag_s=5.3, delayed=delayed)
+        loop = position_loop(thesis_surface("two_e"), law, np.full(400, 4.0), lag_s=5.3, delayed=delayed)
         v = np.array(
             [
                 q + (law(k, e) * e / 2 if law is _by_turns else potential.potential(e))
@@ -97,7 +97,7 @@ def position_rows() -> list[str]:
 
 def indistinguishable_row() -> str:
     """The pair of states at zero input with one output."""
-    pair = indistinguishable_states(surface("two_e"))
+    pair = indistinguishable_states(thesis_surface("two_e"))
     path = " → ".join(f"{u:.4g}" for u in (*pair.second.extrema, pair.second.u))
     return (
         f"| two_e | {path} | {pair.first.y:.4f}° | {pair.second.y:.4f}° | {pair.distance / pair.most:.1%} |"

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.replay import Model, NoiseRecord
 from smarig.replay.model_file import ActuatorRecord, Provenance, SignalDescription
 
@@ -16,7 +16,7 @@ def model_of(name: str, **other) -> Model:
     rig = f"{arrangement}_wire_twin"
     fields = {
         "name": name,
-        "hysteresis": surface(name),
+        "hysteresis": thesis_surface(name),
         "rig": rig,
         "actuator": ActuatorRecord(name=actuator, parameters={}),
         "arrangement": f"{arrangement}_wire",

@@ -7,7 +7,7 @@ from smarig.control.regulation import BoundaryPlane, plan, regulate
 from smarig.control.regulation.approach import _rate_limited
 from smarig.core.errors import UsageError
 from smarig.plant.heating import temperature_along
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
@@ -55,7 +55,7 @@ def anywhere(rig, seed):
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize(("share", "within"), [(0.12, 0.01), (0.4, 0.01), (0.75, 0.004)])
 def test_the_twin_comes_as_near_as_predicted_from_wherever_it_was(rig, share, within):
-    hysteresis, plane = surface(RIGS[rig]), BoundaryPlane.of(surface(RIGS[rig]))
+    hysteresis, plane = thesis_surface(RIGS[rig]), BoundaryPlane.of(thesis_surface(RIGS[rig]))
     ell = plane.lower + share * (plane.upper - plane.lower)
     planned = plan(Setup.of(rig), hysteresis, ell, within)
     assert 0.3 * within < planned.share <= within
@@ -84,7 +84,7 @@ def test_a_sinusoid_that_is_followed_exactly_misses_by_a_square_over_four_cycles
 
 @pytest.mark.parametrize("rig", RIGS)
 def test_more_cycles_for_less_distance_and_in_the_end_little_is_the_lags(rig):
-    setup, hysteresis = Setup.of(rig), surface(RIGS[rig])
+    setup, hysteresis = Setup.of(rig), thesis_surface(RIGS[rig])
     ell = setup.at(0.3)
     coarse, fine = (plan(setup, hysteresis, ell, within) for within in (0.02, 0.005))
     assert fine.cycles > 2 * coarse.cycles
@@ -95,7 +95,7 @@ def test_more_cycles_for_less_distance_and_in_the_end_little_is_the_lags(rig):
 
 def test_the_print_taken_literally_does_not_get_there():
     """(8.2) by the steady law, from t = 0, for as long as our plan takes: the lag eats the swings."""
-    setup, hysteresis, ell = Setup.of("one_wire_twin"), surface("one_e"), 60.0
+    setup, hysteresis, ell = Setup.of("one_wire_twin"), thesis_surface("one_e"), 60.0
     plane, planned = BoundaryPlane.of(hysteresis), plan(setup, hysteresis, ell, 0.01)
     t = planned.period_s * np.arange(1, len(planned.currents_A) + 1)
     u = (1 - t / t[-1]) * (174.1 - ell) * np.sin(0.2 * np.pi * t) + ell
@@ -105,7 +105,7 @@ def test_the_print_taken_literally_does_not_get_there():
 
 
 def test_an_output_tolerance_can_be_required_as_well():
-    setup, hysteresis = Setup.of("one_wire_twin"), surface("one_e")
+    setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     loose, tight = plan(setup, hysteresis, 13.8, 0.01), plan(setup, hysteresis, 13.8, 0.01, 0.005)
     assert abs(loose.output_error) > 0.01
     assert abs(tight.output_error) <= 0.005
@@ -114,7 +114,7 @@ def test_an_output_tolerance_can_be_required_as_well():
 
 
 def test_an_unmodelled_lag_costs_little():
-    setup, hysteresis, ell = Setup.of("one_wire_twin"), surface("one_e"), 80.0
+    setup, hysteresis, ell = Setup.of("one_wire_twin"), thesis_surface("one_e"), 80.0
     plane, planned = BoundaryPlane.of(hysteresis), plan(setup, hysteresis, ell, 0.005)
     decay, wire, wire_K = np.exp(-0.1 / (1.1 * setup.tau_s)), 0.0, []
     for current_A in planned.currents_A:  # (5.1) with τ 10 % longer, written out
@@ -129,7 +129,7 @@ def test_the_prediction_is_the_heating_law_along_the_currents_slow_amplifiers_in
     setup = Setup.of("two_wire_twin")
     slow = Setup(setup.actuator, setup.limits.model_copy(update={"current_rate_A_per_s": 1.0}), 0.1)
     for one in (setup, slow):
-        planned = plan(one, surface("two_e"), -60.0, 0.02)
+        planned = plan(one, thesis_surface("two_e"), -60.0, 0.02)
         along = temperature_along(one.actuator, planned.currents_A, 0.1)
         assert np.max(np.abs(along - planned.temperature_K)) < 1e-9
         assert np.max(np.abs(np.diff(planned.currents_A))) <= one.limits.current_rate_A_per_s * 0.1 + 1e-12
@@ -137,13 +137,13 @@ def test_the_prediction_is_the_heating_law_along_the_currents_slow_amplifiers_in
 
 
 def test_the_ends_of_the_range_need_no_sinusoid():
-    setup, hysteresis = Setup.of("one_wire_twin"), surface("one_e")
+    setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     for ell in (hysteresis.lower, hysteresis.upper):
         assert plan(setup, hysteresis, ell, 0.01).share < 0.005
 
 
 def test_what_limits_do_not_allow_is_refused_in_a_sentence():
-    setup, hysteresis = Setup.of("one_wire_twin"), surface("one_e")
+    setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     cool = Setup(setup.actuator, setup.limits.model_copy(update={"temperature_max_K": 120.0}), 0.1)
     with pytest.raises(UsageError, match=r"from 0.0 to 119.5 K.*cannot be wiped out.*Widen the limits"):
         plan(cool, hysteresis, 60.0, 0.01)
@@ -158,13 +158,13 @@ def test_what_limits_do_not_allow_is_refused_in_a_sentence():
 def test_what_no_sinusoid_reaches_is_refused_in_a_sentence(monkeypatch):
     monkeypatch.setattr("smarig.control.regulation.approach.MAX_CYCLES", 5)
     with pytest.raises(UsageError, match=r"No sinusoid brings the wire within 1 % of B_ℓ.*at most 5 cycles"):
-        plan(Setup.of("one_wire_twin"), surface("one_e"), 87.0, 0.01)
+        plan(Setup.of("one_wire_twin"), thesis_surface("one_e"), 87.0, 0.01)
 
 
 def regulated(rig, listener=None, **settings):
     twin = Twin.named(rig, seed=2)
     runner = Runner(Guard(twin, twin.file.limits, twin.actuator), twin.position_per_count, listener or [])
-    runner.run(regulate(Setup.of(rig), hysteresis=surface(RIGS[rig]), **settings))
+    runner.run(regulate(Setup.of(rig), hysteresis=thesis_surface(RIGS[rig]), **settings))
     return twin
 
 
@@ -183,14 +183,14 @@ def test_the_protocol_regulates_through_the_runner_and_ends_at_zero(rig, setpoin
     assert currents[:600].min() > 0.0 == currents[-1]
     assert np.all(np.diff(currents[599:]) < 0.0)
     held = held[:600]
-    start = surface(RIGS[rig]).y_lower if rig == "one_wire_twin" else 1.59  # where the encoder woke up
+    start = thesis_surface(RIGS[rig]).y_lower if rig == "one_wire_twin" else 1.59  # where the encoder woke up
     error = np.array([position for position, _ in held[300:]]) - (setpoint - start)
     assert abs(error.mean()) < 0.5 * twin.position_per_count
     assert np.abs(error).max() < 3 * twin.position_per_count
 
 
 def test_bad_regulation_is_refused_before_any_current():
-    setup, hysteresis = Setup.of("one_wire_twin"), surface("one_e")
+    setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     for settings, says in (
         ({"setpoint": 13.0}, "outside the outputs"),
         ({"setpoint": 6.0, "start": "sideways"}, "diagonal, ascending or descending"),

@@ -22,10 +22,10 @@ from smarig.certify.model_certificate import certificate
 from smarig.certify.passivity import passivity
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.report.models.certificate_page import certificate_page, certified_model, units_of
+from smarig.report.models.certificate_page import certificate_page, certificate_units, certified_model
 
 PROMISES = ("bounds the energy", "energy is bounded", "never rises", "stays passive", "covers it")
 ONE = {"constant_gain": {"gain": 4.0}}
@@ -33,7 +33,7 @@ ONE = {"constant_gain": {"gain": 4.0}}
 
 def sampled(name: str, unit: str) -> FodTable:
     """A surface by its first-order curves on eight levels, as ``--surface table`` makes one."""
-    s = surface(name)
+    s = thesis_surface(name)
     u = np.linspace(s.lower, s.upper, 8)
     y = s.y_lower + np.array(
         [[s.everett(a, s.lower) - s.everett(a, b) if b <= a else np.nan for b in u] for a in u]
@@ -44,7 +44,7 @@ def sampled(name: str, unit: str) -> FodTable:
 def all_texts(hysteresis, controllers=None) -> tuple[str, str, str]:
     """Text, page without its marks, and JSON of one model's certificate."""
     model = model_of("one_e", hysteresis=hysteresis)
-    found = certificate(hysteresis, controllers, units_of(model))
+    found = certificate(hysteresis, controllers, certificate_units(model))
     page = certificate_page(model, found, certified_model(model, "m.model.json", "0" * 64)).replace(
         "<sub>", "_"
     )
@@ -54,7 +54,7 @@ def all_texts(hysteresis, controllers=None) -> tuple[str, str, str]:
 
 @pytest.mark.parametrize("kind", ["one_p", "two_p", "table"])
 def test_what_is_not_dissipative_gets_no_bound(kind):
-    hysteresis = sampled("two_p", "deg") if kind == "table" else surface(kind)
+    hysteresis = sampled("two_p", "deg") if kind == "table" else thesis_surface(kind)
     found = certificate(hysteresis)
     assert found.passive is False
     for words in all_texts(hysteresis):
@@ -69,9 +69,9 @@ def test_what_is_not_dissipative_gets_no_bound(kind):
 
 
 def test_a_model_that_is_covered_gets_its_bound():
-    for words in all_texts(surface("one_e")):
+    for words in all_texts(thesis_surface("one_e")):
         assert [promise for promise in PROMISES if promise not in words] == []
-    found = certificate(surface("one_e"), ONE)
+    found = certificate(thesis_surface("one_e"), ONE)
     assert found.text.count("k_e = 2.") == 1
     assert found.to_json()["controllers"][0]["k_e"] == 2.0
 
@@ -99,18 +99,18 @@ def test_a_dissipative_model_whose_theorem_fails_keeps_its_stored_energy():
 
 @pytest.mark.parametrize("name", ["one_e", "two_p"])
 def test_text_page_and_json_list_the_same_limits(name):
-    found = certificate(surface(name))
+    found = certificate(thesis_surface(name))
     subjects = {limit.about for limit in found.limits}
     assert {"hysteresis alone", "delay and counts", "position loops"} <= subjects
     assert ("units of k_e" in subjects) == ("lag and limits" in subjects) == (name == "one_e")
-    words = all_texts(surface(name))
+    words = all_texts(thesis_surface(name))
     for limit in found.limits:
         assert [limit.text in w for w in words] == [True] * 3, limit.about
     assert [limit["text"] for limit in found.to_json()["limits"]] == [limit.text for limit in found.limits]
 
 
 def test_every_number_of_a_loop_has_its_unit():
-    found = certificate(surface("one_e"), ONE)
+    found = certificate(thesis_surface("one_e"), ONE)
     assert "constant_gain: δ = 4 K·s/mm, γ = 4 K·s/mm, k_e = 2." in found.text
     assert "k_e bounds ‖ė‖ in mm/s by ‖ṙ‖ in mm/s + ‖u_o‖ in K" in found.text
     assert found.to_json()["units"] == {
@@ -119,7 +119,7 @@ def test_every_number_of_a_loop_has_its_unit():
         "gain": "K·s/mm",
         "k_e": "bounds ‖ė‖ in mm/s by ‖ṙ‖ in mm/s + ‖u_o‖ in K",
     }
-    back = certificate(surface("two_p"), ONE).text
+    back = certificate(thesis_surface("two_p"), ONE).text
     assert re.search(r"bring the output back by [0-9.]+ deg,", back)
     assert re.search(r"μ is -[0-9.]+ deg/K² at \(α, β\) = \([^)]*\) K\.", back)
 
@@ -130,7 +130,7 @@ def test_a_table_has_the_units_of_its_model():
     assert re.search(r"↔ 185 K gives back [0-9.]+ deg·K in every cycle", found["text"])
     nameless = certificate(table(1), ONE, Units("deg", "K"))
     assert nameless.dissipativity.unit == nameless.storage_bound.unit == "deg·K"
-    mirrored = certificate(Mirrored(surface("one_e")), ONE, Units("mm", "K"))
+    mirrored = certificate(Mirrored(thesis_surface("one_e")), ONE, Units("mm", "K"))
     assert "at least 0 mm·K" in mirrored.text
     assert "δ = 4, γ = 4, k_e = 2." in certificate(table(1), ONE).text, (
         "and nothing is made up where none is known"
@@ -147,7 +147,7 @@ def test_rounding_is_no_energy(seed):
 
 
 def test_an_energy_within_rounding_reads_zero():
-    along = passivity(surface("one_e"), [50.0, 20.0])
+    along = passivity(thesis_surface("one_e"), [50.0, 20.0])
     tiny = type(along)(
         np.array([-9.3e-23, 4.0]),
         0.0,
@@ -166,10 +166,10 @@ def test_a_failing_hypothesis_is_a_sentence():
         == "Output follows input: no, it does not."
     )
     assert Hypothesis("ν ≥ 0", None, "nobody looked").text == "ν ≥ 0: not decided, nobody looked."
-    assert not re.search(r"[.:] [a-z ]+: fails", certificate(surface("two_p")).text)
+    assert not re.search(r"[.:] [a-z ]+: fails", certificate(thesis_surface("two_p")).text)
 
 
 @pytest.mark.parametrize("name", ["inverse", "pi", "gain_scheduled"])
 def test_a_position_loop_is_refused_by_what_it_is(name):
     with pytest.raises(UsageError, match=r"is a position loop \(.*control_findings\.md"):
-        certificate(surface("one_e"), {name: {}})
+        certificate(thesis_surface("one_e"), {name: {}})

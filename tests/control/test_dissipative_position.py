@@ -12,7 +12,7 @@ from smarig.certify.position_assumptions import indistinguishable_states, supply
 from smarig.certify.position_supply_rate import PositionController, SupplyRate
 from smarig.control.position_feedback import SwitchedGain, position_loop
 from smarig.core.errors import DataError, UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.theory.energy import available_storage
 from smarig.theory.properties.classes import classes
@@ -75,7 +75,7 @@ def test_with_a_static_gain_nothing_is_left_of_a():
 
 
 def test_a_hysteresis_has_no_b():
-    model = surface("two_c")
+    model = thesis_surface("two_c")
     held = [supply_while_held(model, 60.0, t, b=0.01) for t in (0.0, 1e6, 2e6)]
     assert held[1] < -1000.0
     assert held[2] - held[1] == pytest.approx(held[1] - held[0])
@@ -83,7 +83,7 @@ def test_a_hysteresis_has_no_b():
 
 
 def test_states_of_one_output_are_indistinguishable_at_zero_input():
-    model = surface("two_e")
+    model = thesis_surface("two_e")
     pair = indistinguishable_states(model)
     first, second = Preisach(model, pair.first), Preisach(model, pair.second)
     assert (first.u, second.u) == (0.0, 0.0)
@@ -91,7 +91,7 @@ def test_states_of_one_output_are_indistinguishable_at_zero_input():
     assert pair.distance > 0.1 * pair.most
     assert abs(first.step(60.0) - second.step(60.0)) > 0.5, "they are different states: an input tells"
     with pytest.raises(UsageError, match="one side"):
-        indistinguishable_states(surface("one_c"))
+        indistinguishable_states(thesis_surface("one_c"))
 
 
 laws = st.builds(SwitchedGain, st.floats(0.1, 5), st.floats(5, 50), st.floats(0.05, 2), st.floats(0.2, 5))
@@ -119,7 +119,7 @@ def test_the_potential_is_the_integral_of_the_law():
 
 def test_the_certificate_is_about_storage():
     """Q_r is S_a for ν ≥ 0, so V counts all that can be taken out."""
-    model = surface("two_c")
+    model = thesis_surface("two_c")
     assert classes(model).positive
     loop = position_loop(model, SwitchedGain(60.0, 60.0, 1.0), np.full(3, 6.0))
     wire = Preisach(model, "anhysteretic")
@@ -131,12 +131,12 @@ def test_the_certificate_is_about_storage():
 def test_schedules_by_time_and_delay_have_none():
     goal = np.full(300, 4.0)
     by_time = position_loop(
-        surface("two_e"), lambda k, e: (60.0 if k // 25 % 2 else 20.0) * e, goal, lag_s=1.0
+        thesis_surface("two_e"), lambda k, e: (60.0 if k // 25 % 2 else 20.0) * e, goal, lag_s=1.0
     )
     assert by_time.late_travel() > 0.5, "the wire is kept moving by the schedule alone"
     hard = SwitchedGain(6000.0, 6000.0, 1.0)
-    prompt = position_loop(surface("two_e"), hard, goal, lag_s=5.3)
-    late = position_loop(surface("two_e"), hard, goal, lag_s=5.3, delayed=True)
+    prompt = position_loop(thesis_surface("two_e"), hard, goal, lag_s=5.3)
+    late = position_loop(thesis_surface("two_e"), hard, goal, lag_s=5.3, delayed=True)
     assert prompt.late_travel() < 1e-6
     assert late.late_travel() > 1.0, "a tick's delay is enough for a limit cycle"
     assert np.diff(prompt.certificate(hard.potential)).max() <= 1e-6
@@ -153,4 +153,4 @@ def test_what_is_no_position_controller_is_refused(n, d):
 
 def test_a_reference_is_required():
     with pytest.raises(DataError, match="finite references"):
-        position_loop(surface("two_e"), SwitchedGain(1.0, 1.0, 1.0), [])
+        position_loop(thesis_surface("two_e"), SwitchedGain(1.0, 1.0, 1.0), [])

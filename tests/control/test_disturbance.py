@@ -16,7 +16,7 @@ from benchmarks.disturbance_comparison import (
 from preisach.relay_reference import Printed, cells, lower_half
 from smarig.control.regulation import BoundaryPlane, Psi
 from smarig.control.regulation.setpoint_pi import SetpointPI, steepest
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
@@ -41,7 +41,7 @@ def test_a_small_fall_sweeps_d_squared_from_the_diagonal_and_half_of_it_from_a_r
 
 @pytest.mark.parametrize("name", ["one_e", "two_e"])
 def test_pushes_from_the_diagonal_are_what_relays_do(name):
-    printed, h = Printed(name), surface(name)
+    printed, h = Printed(name), thesis_surface(name)
     psi, span = Psi(h), h.upper - h.lower
     ell = h.lower + 0.3 * span
     near = ell + np.linspace(h.lower - ell, ell - h.lower, 21)
@@ -58,7 +58,7 @@ def test_pushes_from_the_diagonal_are_what_relays_do(name):
 
 @pytest.mark.parametrize("name", ["one_e", "two_e"])
 def test_on_the_operator_the_diagonal_is_better_in_the_worse_of_both_signs(name):
-    h = surface(name)
+    h = thesis_surface(name)
     psi, rows = Psi(h), []
     for y in setpoints(h, 20)[1::3]:
         rows.append(disturbance_comparison(h, y, 0.03 * (h.upper - h.lower), psi))
@@ -74,7 +74,7 @@ def test_on_the_operator_the_diagonal_is_better_in_the_worse_of_both_signs(name)
 @pytest.mark.parametrize("name", ["one_e", "two_e"])
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_after_the_recovery_the_state_is_what_it_was(name, sign):
-    h = surface(name)
+    h = thesis_surface(name)
     plane, push = BoundaryPlane.of(h), sign * 0.03 * (h.upper - h.lower)
     for kind in STATE_KINDS:
         before = state_of_output(h, setpoints(h, 5)[2], kind)
@@ -90,7 +90,7 @@ def test_after_the_recovery_the_state_is_what_it_was(name, sign):
 
 
 def test_the_output_is_back_after_each_correction():
-    h = surface("one_e")
+    h = thesis_surface("one_e")
     state = state_of_output(h, 6.0, "descending")
     operator = Preisach(h, state)
     fall = operator.step(state.u - 5.0) - 6.0
@@ -102,7 +102,7 @@ def test_the_output_is_back_after_each_correction():
 
 
 def test_the_gentle_loops_zero_cancels_the_lag_so_the_temperature_keeps_one_direction():
-    setup, h = Setup.of("one_wire_twin"), surface("one_e")
+    setup, h = Setup.of("one_wire_twin"), thesis_surface("one_e")
     loop = SetpointPI.for_model(setup, h)
     slope = max(float(np.max(h.strip_beta(h.upper, np.linspace(0, 174.1, 999)))), 0.0)
     assert steepest(h) >= 0.99 * slope
@@ -121,7 +121,7 @@ def test_the_gentle_loops_zero_cancels_the_lag_so_the_temperature_keeps_one_dire
 @pytest.mark.parametrize(("rig", "setpoint"), [("one_wire_twin", 7.8375), ("two_wire_twin", 8.5826)])
 def test_on_the_twin_through_lag_and_loop_too(rig, setpoint):
     """One set-point of twenty for each rig; all of them: ``smarig benchmark regulation``."""
-    h = surface(RIGS[rig])
+    h = thesis_surface(RIGS[rig])
     push_K = 0.03 * (h.upper - h.lower)
     worst = {
         kind: max(

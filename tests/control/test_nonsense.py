@@ -13,7 +13,7 @@ from smarig.certify.velocity.stability import sharp_bound
 from smarig.control.velocity.controllers.constant_gain import constant_gain
 from smarig.control.velocity.controllers.lead_lag import lead_lag
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 
 GAIN = constant_gain(4.0)
 SEEN = inequalities(GAIN, [1.0, -2.0], 0.1)
@@ -67,16 +67,16 @@ def test_an_index_is_delta_or_gamma():
 @pytest.mark.parametrize("hold_s", [-1e6, math.nan, math.inf])
 def test_no_supply_over_a_time_that_is_none(hold_s):
     with pytest.raises(UsageError, match="hold_s must"):
-        supply_while_held(surface("two_c"), 60.0, hold_s, 0.1)
+        supply_while_held(thesis_surface("two_c"), 60.0, hold_s, 0.1)
 
 
 def test_no_supply_of_what_is_no_number():
     with pytest.raises(UsageError, match="u must be a finite number"):
-        supply_while_held(surface("two_c"), math.nan, 1.0, 0.1)
+        supply_while_held(thesis_surface("two_c"), math.nan, 1.0, 0.1)
     with pytest.raises(UsageError, match="b must be a finite number"):
-        supply_while_held(surface("two_c"), 60.0, 1.0, math.nan)
+        supply_while_held(thesis_surface("two_c"), 60.0, 1.0, math.nan)
     with pytest.raises(UsageError, match="The supply must be a finite number"):
-        supply_while_held(surface("two_c"), 60.0, 1.0, 1e200)
+        supply_while_held(thesis_surface("two_c"), 60.0, 1.0, 1e200)
 
 
 @pytest.mark.parametrize(
@@ -103,11 +103,11 @@ def test_a_supply_rate_has_constants_from_0_on(name, value):
 @pytest.mark.parametrize("gain", [5e-324, 1e308])
 def test_a_bound_that_overflows_is_a_hypothesis_that_fails(gain):
     controller = constant_gain(gain)
-    found = stability(surface("one_e"), controller)
+    found = stability(thesis_surface("one_e"), controller)
     assert k_e(controller) == math.inf
     assert found.holds is False
     assert "k_e is beyond what can be computed with" in found.text
-    assert stability(surface("one_e"), constant_gain(1e-300)).holds
+    assert stability(thesis_surface("one_e"), constant_gain(1e-300)).holds
 
 
 @pytest.mark.parametrize("gain", ["3", None, math.nan, -1.0])

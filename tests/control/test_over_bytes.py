@@ -8,7 +8,7 @@ from rig.bench.broken_rig import LEASE_S, rig_file
 from smarig.certify.model_certificate import certificate
 from smarig.certify.rig_assessment import RigAssessment
 from smarig.config import load_rig
-from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers
+from smarig.control.controller_settings import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, default_numbers
 from smarig.control.regulation import regulate
 from smarig.control.tracking import ControllerModel, reference, track
 from smarig.control.tracking.tuning import controller_factory
@@ -16,13 +16,16 @@ from smarig.control.velocity.velocity_protocol import velocity_feedback
 from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.command import Drive, Settled
 from smarig.core.errors import SmarigError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 from smarig.record import load_run
 from smarig.runner.preview import Preview
 from smarig.runner.session import Session
 
-CONTROLLERS, VELOCITY_CONTROLLERS = catalogue_names(TRACKING), catalogue_names(VELOCITY)
+CONTROLLERS, VELOCITY_CONTROLLERS = (
+    catalogue_names(TRACKING_CONTROLLERS),
+    catalogue_names(VELOCITY_CONTROLLERS),
+)
 COLUMNS = (
     "tick",
     "t_s",
@@ -44,14 +47,14 @@ def following(name, rig):
 
     def make(setup):
         controller_model = ControllerModel(
-            setup, surface("two_e" if setup.two_wire else "one_e"), file.encoder.counts_per_rev
+            setup, thesis_surface("two_e" if setup.two_wire else "one_e"), file.encoder.counts_per_rev
         )
         low, high = controller_model.reach
         places = (low + 0.3 * (high - low), low + 0.6 * (high - low))
         follow = reference("steps", *places, seconds=20.0, every_s=5.0, seed=1)
         return track(
             controller_model,
-            controller_factory(name, default_numbers(TRACKING, name)),
+            controller_factory(name, default_numbers(TRACKING_CONTROLLERS, name)),
             follow,
             name=name,
             prepare=False,
@@ -70,7 +73,11 @@ def velocity_following(name, rig):
     def make(setup):
         yield Drive(0.0)
         yield from velocity_feedback(
-            setup, catalogue_entry(VELOCITY, name)(), [0.6] * 60 + [-0.3] * 40, 20.0, assess=assess
+            setup,
+            catalogue_entry(VELOCITY_CONTROLLERS, name)(),
+            [0.6] * 60 + [-0.3] * 40,
+            20.0,
+            assess=assess,
         )
 
     return make
@@ -80,7 +87,7 @@ def holding(setup):
     """A set-point held from an outer branch, with short holds before."""
     quick = Settled(window_s=1.0, timeout_s=2.0, approach_K=100.0, band_counts=400.0)
     return regulate(
-        setup, hysteresis=surface("one_e"), setpoint=6.0, start="ascending", hold_s=20.0, settle=quick
+        setup, hysteresis=thesis_surface("one_e"), setpoint=6.0, start="ascending", hold_s=20.0, settle=quick
     )
 
 

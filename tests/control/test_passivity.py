@@ -6,7 +6,7 @@ from hypothesis import assume, given
 
 from smarig.certify.passivity import counterexample, passivity
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 from smarig.theory.butterfly import butterfly_relays
@@ -84,7 +84,7 @@ def test_rest_alone_is_not_enough_without_positivity():
 
 @pytest.mark.parametrize("name", ["one_e", "two_e"])
 def test_the_e_surfaces_are_passive_although_they_are_not_positive(name: str):
-    model = surface(name)
+    model = thesis_surface(name)
     rng = np.random.default_rng(3)
     inputs = rng.uniform(model.lower, model.upper, 300)
     operator = Preisach(model, "anhysteretic")
@@ -104,7 +104,7 @@ def by_outputs(model, inputs, state) -> float:
 
 @pytest.mark.parametrize(("name", "start"), [("one_p", "negative"), ("two_p", "anhysteretic")])
 def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
-    model = surface(name)
+    model = thesis_surface(name)
     found = counterexample(model, start)
     _, low, high = found.violation.turning_points
     operator = Preisach(model, start)
@@ -121,7 +121,7 @@ def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
 
 
 def test_the_input_that_breaks_two_p_does_so_by_exact_work_too():
-    model, found = surface("two_p"), counterexample(surface("two_p"), "anhysteretic")
+    model, found = thesis_surface("two_p"), counterexample(thesis_surface("two_p"), "anhysteretic")
     n = found.cycles_below(0.0)
     found_again = passivity(model, found.inputs(n)[1:], "anhysteretic")
     assert found_again.supplied[-1] < 0
@@ -136,11 +136,11 @@ def test_a_loop_of_relays_breaks_the_butterfly():
 
 def test_what_is_passive_is_not_broken():
     with pytest.raises(UsageError, match="Dissipative"):
-        counterexample(surface("one_c"))
+        counterexample(thesis_surface("one_c"))
 
 
 def test_the_hypothesis_that_fails_is_named():
-    found = passivity(surface("two_c"), [0.0, 50.0], "positive")
+    found = passivity(thesis_surface("two_c"), [0.0, 50.0], "positive")
     assert [h.name for h in found.failing] == ["u(0) = 0"]
     assert "begins at 185" in found.text
     assert found.bound == pytest.approx(found.supplied.min(), rel=1e-9), "the return to zero attains it"

@@ -7,7 +7,7 @@ from preisach.relay_reference import TABLE_5_1, Printed, cells, lower_half
 from smarig.control.regulation import Psi
 from smarig.core.errors import UsageError
 from smarig.identification.positive import Observations, fit_positive
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
@@ -25,7 +25,7 @@ def by_columns(y, lower, upper, y_lower, ell, n=2000):
 @pytest.fixture(scope="module")
 def positive():
     """A positive measure fitted to the noisy first-order curves of a surface that is negative somewhere."""
-    truth, levels = surface("one_p"), np.array(PARTITIONS["one_wire"])
+    truth, levels = thesis_surface("one_p"), np.array(THESIS_PARTITIONS["one_wire"])
     i, j = np.tril_indices(levels.size)
     y = truth.y(levels[i], levels[j]) + 0.02 * np.random.default_rng(3).standard_normal(i.size)
     observations = Observations.of_points(
@@ -36,7 +36,7 @@ def positive():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_it_is_the_output_of_the_columns_below_the_diagonal(name):
-    printed, psi = Printed(name), Psi(surface(name))
+    printed, psi = Printed(name), Psi(thesis_surface(name))
     for ell in np.linspace(printed.lower, printed.upper, 14):
         expected = by_columns(printed.y, printed.lower, printed.upper, printed.y_lower, ell)
         assert psi(ell) == pytest.approx(expected, abs=1e-5 * printed.range)
@@ -44,7 +44,7 @@ def test_it_is_the_output_of_the_columns_below_the_diagonal(name):
 
 @pytest.mark.parametrize("name", ["one_p", "two_e"])
 def test_it_is_the_output_of_the_relays_of_the_diagonal_state(name):
-    printed, psi = Printed(name), Psi(surface(name))
+    printed, psi = Printed(name), Psi(thesis_surface(name))
     ell = printed.lower + 0.3 * (printed.upper - printed.lower)
     near = ell + np.linspace(printed.lower - ell, ell - printed.lower, 25)
     levels = np.append(near, np.linspace(near[-1], printed.upper, 8)[1:])
@@ -72,7 +72,7 @@ def continuous_and_onto(psi):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_it_is_continuous_and_onto(name):
-    continuous_and_onto(Psi(surface(name)))
+    continuous_and_onto(Psi(thesis_surface(name)))
 
 
 def test_it_is_continuous_and_onto_for_a_fitted_positive_measure(positive):
@@ -81,7 +81,7 @@ def test_it_is_continuous_and_onto_for_a_fitted_positive_measure(positive):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_smaller_ell_has_that_output(name):
-    psi, printed = Psi(surface(name)), Printed(name)
+    psi, printed = Psi(thesis_surface(name)), Printed(name)
     assert psi.monotone == (name != "one_p")
     for y in np.linspace(psi.y_lower, psi.y_upper, 7)[1:-1]:
         right_inverse = psi.right_inverse(y)
@@ -90,7 +90,7 @@ def test_no_smaller_ell_has_that_output(name):
 
 
 def test_where_one_wire_p_turns_back_the_first_of_three_is_taken():
-    psi = Psi(surface("one_p"))
+    psi = Psi(thesis_surface("one_p"))
     ell = np.linspace(70.0, 100.0, 1001)
     values = psi(ell)
     top = int(np.argmax(values[:500]))
@@ -120,13 +120,13 @@ def test_single_relays_jump_and_the_least_ell_brings_at_least_the_output():
 
 
 def test_it_equals_the_output_of_the_operator():
-    psi, operator = Psi(surface("two_e")), Preisach(surface("two_e"))
+    psi, operator = Psi(thesis_surface("two_e")), Preisach(thesis_surface("two_e"))
     assert psi(np.array([[-40.0], [70.0]])).shape == (2, 1)
     assert psi(-40.0) == operator.go_to_diagonal(-40.0)
 
 
 def test_set_points_and_centres_outside_are_refused_in_one_sentence():
-    psi = Psi(surface("one_e"))
+    psi = Psi(thesis_surface("one_e"))
     with pytest.raises(UsageError, match=r"set-point 13 lies outside .* \[0, 12.54\]; give one inside\.$"):
         psi.right_inverse(13.0)
     for bad in (-0.1, float("nan")):

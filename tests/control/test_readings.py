@@ -17,7 +17,7 @@ from smarig.certify.measured_passivity import (
 from smarig.certify.passivity import counterexample, passivity
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.run_passivity import passivity_of_run
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.record import load_run
 from smarig.replay.model_file import SignalDescription
@@ -47,7 +47,7 @@ def synthetic(run, u, y, **meta):
 def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
     found = passivity_of_run(run, model_of("one_e"))
     (one,) = found.segments
-    exact = passivity(surface("one_e"), run["input"])
+    exact = passivity(thesis_surface("one_e"), run["input"])
     np.testing.assert_allclose(one.model, exact.supplied, atol=1e-9)
     assert np.ptp(one.model) > 100, "mm·K: energy went in"
     assert (np.abs(one.supplied - one.model) <= SPREADS * one.spread + one.sampling).all()
@@ -62,11 +62,11 @@ def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
 
 def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
     """A two_p wire around its breaking loop, judged by a model that says it is passive; and by its own."""
-    broken, count = counterexample(surface("two_p"), "anhysteretic"), 0.18
+    broken, count = counterexample(thesis_surface("two_p"), "anhysteretic"), 0.18
     cosine = (1 - np.cos(np.linspace(0, np.pi, 20, endpoint=False))) / 2
     turns = broken.inputs(2000)
     u = np.concatenate([a + (b - a) * cosine for a, b in zip(turns, turns[1:])])
-    y = Preisach(surface("two_p"), "anhysteretic").simulate(u) + np.random.default_rng(1).normal(
+    y = Preisach(thesis_surface("two_p"), "anhysteretic").simulate(u) + np.random.default_rng(1).normal(
         0, 0.06, u.size
     )
     output = {"quantity": "shaft angle", "unit": "deg", "per_count": count}
@@ -95,9 +95,9 @@ def test_gaps_cut_the_sum_and_not_the_memory(run):
     assert (first.first, first.supplied.size, second.first) == (0, 4000, 4100)
     np.testing.assert_allclose(second.model, whole.model[4100:] - whole.model[4100], atol=1e-9)
     np.testing.assert_allclose(second.supplied, whole.supplied[4100:] - whole.supplied[4100], atol=1e-9)
-    there = Preisach(surface("one_e"))
+    there = Preisach(thesis_surface("one_e"))
     there.follow(run["input"][:4101])
-    assert second.bound == passivity(surface("one_e"), [there.u], there.state).bound
+    assert second.bound == passivity(thesis_surface("one_e"), [there.u], there.state).bound
     assert second.bound < -10, "a warm wire holds energy"
     assert found.within is True
     assert "2 segments" in found.text
@@ -135,7 +135,7 @@ def test_an_unknown_start_is_reported_and_may_be_supplied(run):
 def test_the_noise_of_a_sum_is_that_of_many(run):
     """Against two thousand draws of independent readings."""
     u = np.concatenate([np.linspace(0, 90, 60), np.full(30, 90.0), np.linspace(90, 20, 50)])
-    y, rng = Preisach(surface("one_e")).simulate(u), np.random.default_rng(5)
+    y, rng = Preisach(thesis_surface("one_e")).simulate(u), np.random.default_rng(5)
     drawn = np.array([trapezoid(u, y + rng.normal(0, 0.05, u.size)) for _ in range(2000)])
     said = 0.05 * noise_weight(u, y + rng.normal(0, 0.05, u.size))
     np.testing.assert_allclose(drawn.std(axis=0)[1:], said[1:], rtol=0.08)
@@ -145,7 +145,7 @@ def test_readings_on_one_count_err_together():
     """A slow rise on a coarse encoder: what its rounding does to the sum is never more than is allowed for."""
     u = np.linspace(0, 120, 4000)
     u = np.concatenate([u, u[::-1]])
-    y = Preisach(surface("one_e")).simulate(u)
+    y = Preisach(thesis_surface("one_e")).simulate(u)
     for phase in np.linspace(0, 1, 9):
         rounded = (np.round(y / 0.5 + phase) - phase) * 0.5
         off = np.abs(trapezoid(u, rounded) - trapezoid(u, y))
@@ -164,7 +164,10 @@ def test_what_cannot_be_judged_is_refused(run):
         passivity_of_run(run, model_of("one_e", input=SignalDescription(quantity="current", unit="A")))
     with pytest.raises(DataError, match="reversal curves"):
         passivity_of_run(replace(run, meta=run.meta | {"protocol": "first_order_reversal_curves"}), model)
-    hysteresis_analysis, cold = HysteresisAnalysis.of(surface("one_e")), Preisach(surface("one_e")).state
+    hysteresis_analysis, cold = (
+        HysteresisAnalysis.of(thesis_surface("one_e")),
+        Preisach(thesis_surface("one_e")).state,
+    )
     with pytest.raises(DataError, match="as many readings"):
         segment_passivity(hysteresis_analysis, [0.0, 1.0], [0.0], 0.0, 0, cold)
     with pytest.raises(DataError, match="no gap"):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.control.tracking.reference import Reference, from_csv, reference
+from smarig.control.tracking.reference import Reference, reference, reference_from_csv
 from smarig.core.errors import UsageError
 
 
@@ -42,7 +42,7 @@ def test_a_shape_stays_in_its_bounds_and_follows_from_its_seed(shape):
 def test_a_file(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text("time_s,position_mm\n0,1\n5,2.5\n", encoding="utf-8")
-    assert from_csv(path, "mm").at(2.5) == 1.75
+    assert reference_from_csv(path, "mm").at(2.5) == 1.75
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_a_file_that_is_none_gets_a_sentence(tmp_path, text, said):
     path = tmp_path / "r.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(UsageError, match=said):
-        from_csv(path, "mm")
+        reference_from_csv(path, "mm")
 
 
 def test_shapes_that_are_none():
@@ -81,7 +81,7 @@ def test_a_file_too_large_is_not_read(tmp_path):
     with path.open("w") as file:
         file.truncate(20_000_001)
     with pytest.raises(UsageError, match="larger than 20 MB"):
-        from_csv(path, "mm")
+        reference_from_csv(path, "mm")
 
 
 NOT_NUMBERS = [

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 
 from benchmarks.tracking import controller_model, perturbed_surface, simulate_loop
-from smarig.control.controller_settings import TRACKING
+from smarig.control.controller_settings import TRACKING_CONTROLLERS
 from smarig.control.divergence_monitor import DivergenceLimits
 from smarig.control.tracking import ControllerModel, Reference, reference, track
 from smarig.control.tracking.heating_lag import current_towards, source_towards
 from smarig.control.tracking.slope_observer import SlopeObserver
-from smarig.control.tracking.tuning import controller_factory, defaults, ranges, tuned_numbers
+from smarig.control.tracking.tuning import controller_factory, default_settings, ranges, tuned_numbers
 from smarig.core.catalogue import catalogue_names
 from smarig.core.command import Drive, Mark
 from smarig.core.errors import LimitExceeded
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin, TwinSettings
 from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
-CONTROLLERS = catalogue_names(TRACKING)
+CONTROLLERS = catalogue_names(TRACKING_CONTROLLERS)
 COUNT_mm = Actuator.named("gorbet_one_wire").position_per_count(2000)
 
 
@@ -45,7 +45,9 @@ def driven(protocol, limits=None, twin=None):
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_every_controller_follows_a_wire_its_model_is_wrong_about(name):
     follow = reference("ramps", 2.0, 8.0, seconds=90.0, seed=4)
-    loop = simulate_loop(controller_model(), name, defaults(name), perturbed_surface(4), follow, seed=4)
+    loop = simulate_loop(
+        controller_model(), name, default_settings(name), perturbed_surface(4), follow, seed=4
+    )
     assert not loop.fault
     assert np.ptp(follow.position) > 2.0, "the reference moves"
     assert loop.true.rms < 1.0 * COUNT_mm
@@ -58,7 +60,7 @@ def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
     def error(name):
         follow = [reference("multisine", 2.0, 8.0, seconds=100.0, seed=seed) for seed in (1, 2, 3)]
         loops = [
-            simulate_loop(controller_model(), name, defaults(name), perturbed_surface(s), f, s)
+            simulate_loop(controller_model(), name, default_settings(name), perturbed_surface(s), f, s)
             for s, f in zip((1, 2, 3), follow)
         ]
         return np.mean([loop.true.rms for loop in loops])
@@ -81,11 +83,13 @@ def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
 )
 def test_a_modelled_effect_in_the_feed_forward_reduces_the_error(effect, times):
     """Whatever an effect changes: the output, the lag, the heat of a current, the current of a command."""
-    planted = from_pairs([effect])
+    planted = effects_from_pairs([effect])
     follow = reference("multisine", 2.0, 8.0, seconds=100.0, seed=2)
     plain, with_effects_model = controller_model(), controller_model().with_effects(planted)
     hidden, there = (
-        simulate_loop(k, "inverse", defaults("inverse"), plain.hysteresis, follow, 2, planted).true.rms
+        simulate_loop(
+            k, "inverse", default_settings("inverse"), plain.hysteresis, follow, 2, planted
+        ).true.rms
         for k in (plain, with_effects_model)
     )
     assert hidden > times * there
@@ -107,7 +111,7 @@ def test_feedback_with_preview_of_the_reference_lags_less():
     for lead_s in (0.0, 0.5):
         given = track(
             controller_model(),
-            controller_factory("pi", {**defaults("pi"), "lead_s": lead_s}),
+            controller_factory("pi", {**default_settings("pi"), "lead_s": lead_s}),
             follow,
             prepare=False,
         )
@@ -140,7 +144,7 @@ def test_limits_hold_whatever_a_controller_commands(name):
     tight = within(rate_A_per_s, most_A)
     follow = reference("steps", 1.0, 6.0, seconds=60.0, every_s=10.0, seed=1)
     flowed, ended = driven(
-        track(tight, controller_factory(name, defaults(name)), follow, prepare=False),
+        track(tight, controller_factory(name, default_settings(name)), follow, prepare=False),
         {"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A},
     )
     assert ended is None
@@ -208,7 +212,7 @@ def test_it_begins_and_ends_at_zero_and_records_the_reference():
         None,
     )
     protocol = track(
-        controller_model(), controller_factory("pi", defaults("pi")), follow, name="pi", prepare=False
+        controller_model(), controller_factory("pi", default_settings("pi")), follow, name="pi", prepare=False
     )
     while True:
         try:
@@ -246,7 +250,7 @@ def test_through_the_lag_in_one_move():
 )
 def test_through_the_lag_and_the_amplifier_of_a_model_with_effects(effects):
     """The model's own steps are the judge: where would the wire be after this current?"""
-    with_effects_model = controller_model().with_effects(from_pairs(effects))
+    with_effects_model = controller_model().with_effects(effects_from_pairs(effects))
     model = with_effects_model.plant()
     for _ in range(100):
         model.step(0.6)

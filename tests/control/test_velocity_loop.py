@@ -15,7 +15,7 @@ from smarig.plant.actuator import Actuator
 from smarig.plant.heating import JouleHeating
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach, State
 
@@ -76,7 +76,7 @@ def test_the_energy_stored_at_the_start_is_all_that_is_added(model, controller, 
 def test_the_wires_obey_it_and_move(name: str, controller, lag_s: float):
     rate = 0.3 * np.sin(np.arange(200) * DT_S)
     start = "negative" if name.startswith("one") else "anhysteretic"
-    loop = velocity_loop(surface(name), controller, rate, dt_s=DT_S, initial=start, lag_s=lag_s)
+    loop = velocity_loop(thesis_surface(name), controller, rate, dt_s=DT_S, initial=start, lag_s=lag_s)
     assert np.ptp(loop.y) > 0.3, "the reference must be followed at all"
     assert loop.final_ratio < 0.95
     assert loop.largest_ratio <= loop.k_e
@@ -85,21 +85,21 @@ def test_the_wires_obey_it_and_move(name: str, controller, lag_s: float):
 
 def test_a_tick_of_delay_breaks_the_bound():
     """The same controller, plant and reference, but u_k from ė_{k−1}: what every rig does."""
-    controller, operator = constant_gain(4000.0), Preisach(surface("two_e"), "anhysteretic")
+    controller, operator = constant_gain(4000.0), Preisach(thesis_surface("two_e"), "anhysteretic")
     rate, velocity, errors = 0.05 * np.ones(200), 0.0, []
     for r in rate.tolist():
         before = operator.y
         velocity = (operator.step(controller.gamma * (r - velocity)) - before) / DT_S
         errors.append(r - velocity)
     assert np.linalg.norm(errors) > 10 * k_e(controller) * np.linalg.norm(rate)
-    without = velocity_loop(surface("two_e"), controller, rate, dt_s=DT_S, initial="anhysteretic")
+    without = velocity_loop(thesis_surface("two_e"), controller, rate, dt_s=DT_S, initial="anhysteretic")
     assert without.largest_ratio <= k_e(controller)
 
 
 @pytest.mark.parametrize("name", ["one_e", "two_e"])
 def test_heating_within_limits_keeps_the_current_passive(name: str):
     """Σ s_k Δy_k ≥ 0, s the temperature a current stands for, on the heating law of the twin."""
-    model = surface(name)
+    model = thesis_surface(name)
     actuator = Actuator.named("gorbet_two_wire" if name.startswith("two") else "gorbet_one_wire")
     rng = np.random.default_rng(5)
     source = np.repeat(rng.uniform(model.lower, model.upper, 200), 5)
@@ -133,12 +133,12 @@ def test_signals_of_different_lengths_are_refused():
 
 
 def test_the_statement_names_what_fails():
-    fine = stability(surface("one_e"), constant_gain(4.0))
+    fine = stability(thesis_surface("one_e"), constant_gain(4.0))
     assert fine.holds
     assert fine.text.startswith("Stable (Thm 8.2)")
-    warm = stability(surface("two_c"), constant_gain(4.0), "positive")
+    warm = stability(thesis_surface("two_c"), constant_gain(4.0), "positive")
     assert [h.name for h in warm.hypotheses if not h.holds] == ["u(0) = 0"]
-    broken = stability(surface("two_p"), constant_gain(4.0), "anhysteretic")
+    broken = stability(thesis_surface("two_p"), constant_gain(4.0), "anhysteretic")
     assert broken.holds is False
     assert "gives energy back" in broken.text
     assert "Assumption 2.1" not in broken.text

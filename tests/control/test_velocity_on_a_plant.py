@@ -18,7 +18,7 @@ from smarig.control.velocity.velocity_protocol import (
 )
 from smarig.core.command import Drive, Hold, Mark
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 from smarig.rig.twin import Twin
 
@@ -31,7 +31,7 @@ def measured(rig: str, *args, noise: bool = False, **more):
 
 
 def assessed(rig: str, model: str, gain: float) -> RigAssessment:
-    (proved,) = certificate(surface(model), {"constant_gain": {"gain": gain}}).controllers
+    (proved,) = certificate(thesis_surface(model), {"constant_gain": {"gain": gain}}).controllers
     return RigAssessment(proved, Setup.of(rig), 1.0)
 
 
@@ -39,7 +39,7 @@ def test_gentle_feedback_on_the_twin_is_the_loop_with_its_lag():
     setup = Setup.of("two_wire_twin")
     ran = measured("two_wire_twin", GENTLE, RATE.tolist())
     loop = velocity_loop(
-        surface("two_e"), GENTLE, RATE, dt_s=setup.period_s, initial="anhysteretic", lag_s=setup.tau_s
+        thesis_surface("two_e"), GENTLE, RATE, dt_s=setup.period_s, initial="anhysteretic", lag_s=setup.tau_s
     )
     assert np.ptp(ran.position) > 0.5
     assert ran.ratio == pytest.approx(loop.final_ratio, rel=0.05)

@@ -9,7 +9,7 @@ from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonito
 from smarig.control.regulation import SetpointPI, regulate
 from smarig.control.regulation.sensor_plausibility import SensorPlausibility
 from smarig.core.errors import LimitExceeded, UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
@@ -17,7 +17,7 @@ from smarig.rig.twin import Twin
 from smarig.runner.listener import CallbackListener as Listener
 from smarig.runner.runner import Runner
 
-SETUP, H = Setup.of("one_wire_twin"), surface("one_e")
+SETUP, H = Setup.of("one_wire_twin"), thesis_surface("one_e")
 
 
 def looked(errors, seconds=30.0):
@@ -144,7 +144,7 @@ def test_limits_short_of_saturation_are_refused(start):
     with pytest.raises(
         UsageError, match=r"begins in negative saturation, at -185 K; this rig's limits reach"
     ):
-        next(regulate(short, hysteresis=surface("two_e"), setpoint=1.0, start=start))
+        next(regulate(short, hysteresis=thesis_surface("two_e"), setpoint=1.0, start=start))
 
 
 class Hot:

@@ -4,10 +4,23 @@ import pytest
 
 from smarig.control.controller_settings import TRACKING as CONTROLLERS
 from smarig.core import catalogue
-from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries, own_file_error, own_files, resolve_name
+from smarig.core.catalogue import (
+    catalogue_entry,
+    catalogue_names,
+    own_entries,
+    own_file_error,
+    own_files,
+    resolve_name,
+)
 from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
-from smarig.plant.effect_catalogue import from_arguments, from_pairs, mystery, to_arguments, to_pairs
+from smarig.plant.effect_catalogue import EFFECTS as EFFECTS
+from smarig.plant.effect_catalogue import (
+    effects_from_arguments,
+    effects_from_pairs,
+    effects_to_arguments,
+    effects_to_pairs,
+    mystery_effects,
+)
 from smarig.protocols._settings import PACKAGE as PROTOCOLS
 
 GOOD = 'def mine(setup, *, n: int = 3):\n    """Stand still."""\n    yield from ()\n'
@@ -53,7 +66,7 @@ def test_names_and_file_contents_load_nothing(tmp_path):
     with pytest.raises(UsageError, match=r"No protocol '\./mine\.py'"):
         catalogue_entry(PROTOCOLS, "./mine.py")
     with pytest.raises(UsageError, match="No effect ''"):
-        from_pairs(["./mine.py=3"])
+        effects_from_pairs(["./mine.py=3"])
     with pytest.raises(UsageError, match="executed"):
         resolve_name(PROTOCOLS, "./mine.py")
 
@@ -170,22 +183,24 @@ def test_a_wrong_effect_controller_or_driver_is_one_sentence(tmp_path, package, 
 @pytest.mark.parametrize("package", [PROTOCOLS, EFFECTS, CONTROLLERS, "smarig.device.drivers"])
 def test_everything_that_ships_would_pass_as_an_own_file(package):
     misfit = __import__(package, fromlist=["misfit"]).misfit
-    assert [misfit(name, catalogue_entry(package, name)) for name in catalogue_names(package)] == [""] * len(catalogue_names(package))
+    assert [misfit(name, catalogue_entry(package, name)) for name in catalogue_names(package)] == [""] * len(
+        catalogue_names(package)
+    )
 
 
 def test_own_effects_are_written_like_others(stretch_effect):
-    (planted,) = from_arguments([f"{stretch_effect}=3", f"{stretch_effect}.from_mm=2"])
+    (planted,) = effects_from_arguments([f"{stretch_effect}=3", f"{stretch_effect}.from_mm=2"])
     assert planted.values == {"percent": 3.0, "from_mm": 2.0}
-    assert from_arguments([str(stretch_effect)])[0].strength == 1.0
-    assert to_pairs([planted]) == ["stretch.percent=3.0", "stretch.from_mm=2.0"]
-    assert from_arguments(to_arguments([planted])) == (planted,)
-    assert to_arguments(from_arguments(["creep=2"])) == ["creep.percent_per_decade=2.0"]
+    assert effects_from_arguments([str(stretch_effect)])[0].strength == 1.0
+    assert effects_to_pairs([planted]) == ["stretch.percent=3.0", "stretch.from_mm=2.0"]
+    assert effects_from_arguments(effects_to_arguments([planted])) == (planted,)
+    assert effects_to_arguments(effects_from_arguments(["creep=2"])) == ["creep.percent_per_decade=2.0"]
 
 
 def test_a_mystery_is_drawn_from_what_ships(stretch_effect):
-    before = [mystery(seed, "one_wire") for seed in range(40)]
+    before = [mystery_effects(seed, "one_wire") for seed in range(40)]
     resolve_name(EFFECTS, str(stretch_effect))
-    assert [mystery(seed, "one_wire") for seed in range(40)] == before
+    assert [mystery_effects(seed, "one_wire") for seed in range(40)] == before
 
 
 def test_an_error_in_an_own_file_is_reported_with_its_line(tmp_path):

@@ -6,10 +6,10 @@ import pytest
 from diagnosis.made_memories import prediction_for_inputs
 from smarig.diagnosis.explain.density_prior import MIN_PRIOR_SHARE, density_prior
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 
-WIRE = surface("one_e")
+WIRE = thesis_surface("one_e")
 LEVELS = np.linspace(0.0, WIRE.upper, 41)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.made_memories import prediction_for_inputs
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 
 CORRELATION_S = 60.0
@@ -31,7 +31,7 @@ def ornstein_uhlenbeck(t_s, rng):
     [("one_e", "negative", 65.0, 95.0), ("two_c", "anhysteretic", -100.0, 100.0)],
 )
 def test_covariance_is_that_of_many_noisy_simulations(wire, initial, low, high):
-    hysteresis, size_K = surface(wire), 0.01
+    hysteresis, size_K = thesis_surface(wire), 0.01
     inputs, t_s = wander(low, high, 24, seed=4)
     J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s, initial))
     covariance = memory_covariance(J, times, CORRELATION_S)
@@ -51,7 +51,7 @@ def test_covariance_is_that_of_many_noisy_simulations(wire, initial, low, high):
 
 
 def test_constant_noise_moves_every_remembered_input_equally():
-    hysteresis = surface("one_e")
+    hysteresis = thesis_surface("one_e")
     inputs, t_s = wander(65.0, 95.0, 12, seed=5)
     J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s))
     operator, small = Preisach(hysteresis), 1e-4
@@ -63,7 +63,7 @@ def test_constant_noise_moves_every_remembered_input_equally():
 
 @pytest.mark.parametrize(("wire", "beyond"), [("one_e", 200.0), ("two_c", 210.0), ("one_c", -20.0)])
 def test_a_reading_in_saturation_has_no_temperature_noise(wire, beyond):
-    hysteresis = surface(wire)
+    hysteresis = thesis_surface(wire)
     prediction = prediction_for_inputs(hysteresis, [60.0, beyond])
     J, times = memory_slopes(hysteresis, prediction)
     assert Preisach(hysteresis).simulate([60.0, beyond + 1.0])[1] == prediction.output[1]
@@ -73,7 +73,7 @@ def test_a_reading_in_saturation_has_no_temperature_noise(wire, beyond):
 
 
 def test_saturation_forgets_the_noise_before_it():
-    hysteresis = surface("one_e")
+    hysteresis = thesis_surface("one_e")
     J, times = memory_slopes(
         hysteresis, prediction_for_inputs(hysteresis, [60.0, 90.0, 70.0, 200.0, 80.0], [1, 2, 3, 4, 5])
     )
@@ -83,7 +83,7 @@ def test_saturation_forgets_the_noise_before_it():
 
 
 def test_a_wiped_out_reversal_leaves_no_trace():
-    hysteresis = surface("one_e")
+    hysteresis = thesis_surface("one_e")
     inputs, t_s = [110.0, 60.0, 90.0, 70.0, 95.0, 65.0], np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
     J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s))
     slope = {t: J.toarray()[:, k] for k, t in enumerate(times.tolist())}
@@ -103,7 +103,7 @@ def test_a_wiped_out_reversal_leaves_no_trace():
 
 def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
     """A hold is many ticks at one input: the reversal is where the wire left it."""
-    hysteresis = surface("one_e")
+    hysteresis = thesis_surface("one_e")
     prediction = prediction_for_inputs(hysteresis, [100.0, 100.0, 100.0, 70.0], [10.0, 20.0, 30.0, 40.0])
     J, times = memory_slopes(hysteresis, prediction)
     assert times[J.toarray()[3] != 0].tolist() == [30.0, 40.0]
@@ -111,7 +111,7 @@ def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
 
 def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
     """From saturation to 60, up to 95 and down, read; much later, from saturation, once more."""
-    hysteresis = surface("one_e")
+    hysteresis = thesis_surface("one_e")
     inputs = [200.0, 60.0, 95.0, 75.0, 200.0, 60.0, 95.0, 76.0]
     t_s = [10.0, 20.0, 30.0, 40.0, 5010.0, 5020.0, 5030.0, 5040.0]
     J, times = memory_slopes(hysteresis, prediction_for_inputs(hysteresis, inputs, t_s))
@@ -126,7 +126,7 @@ def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
 
 def two_sittings(first, second, initial):
     """Every tick is read, and the second sitting begins anew, much later."""
-    hysteresis = surface("one_e")
+    hysteresis = thesis_surface("one_e")
     one = prediction_for_inputs(hysteresis, first, initial=initial)
     other = prediction_for_inputs(hysteresis, second, 1e5 + np.arange(1.0, len(second) + 1), initial)
     n = len(first)
@@ -144,7 +144,7 @@ def two_sittings(first, second, initial):
 
 def test_an_input_of_an_earlier_session_is_not_remembered_from_there():
     """90 and 70 are in the memory that both begin with; the first sitting feels them again, the second never."""
-    operator = Preisach(surface("one_e"))
+    operator = Preisach(thesis_surface("one_e"))
     operator.simulate([90.0, 70.0])
     hysteresis, prediction = two_sittings([110.0, 90.0, 70.0, 85.0, 75.0], [80.0, 75.0], operator.state)
     assert {90.0, 70.0} <= set(prediction.states[6].extrema)

@@ -10,11 +10,11 @@ from diagnosis.made_memories import prediction_for_inputs
 from smarig.diagnosis.critique.critique import null_data
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.critique.refit import NoiseEstimate
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.replay import PlantModel
 
-WIRE = surface("one_e")
+WIRE = thesis_surface("one_e")
 ACTUATOR: Any = None
 CORRELATION_S = 60.0
 DRAWS = 600

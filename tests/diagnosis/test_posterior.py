@@ -9,10 +9,10 @@ from scipy.linalg import cho_solve, cholesky
 from diagnosis.made_memories import prediction_for_inputs
 from smarig.diagnosis.critique.density_posterior import DensityPosterior
 from smarig.diagnosis.explain.density_prior import density_prior
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 
-WIRE = surface("one_c")  # nowhere negative
+WIRE = thesis_surface("one_c")  # nowhere negative
 STROKE = WIRE.everett(WIRE.upper, WIRE.lower)
 NOISE, FREE_ZERO_SD, ZERO = 1e-4, 30.0, 0.3  # strokes
 VARIANCES = np.array([1.0, 0.2, 1e-4])

@@ -6,7 +6,7 @@ import pytest
 
 from smarig.app.proposal import DECISIVE_NATS, Proposal, RunOption, _best, propose_run, write_campaign
 from smarig.config import CampaignFile
-from smarig.core.toml_file import load
+from smarig.core.toml_file import load_toml
 from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
 
 QUICK = RunOption("wiping_out", {}, 0.5, DECISIVE_NATS + 1)
@@ -34,7 +34,7 @@ def test_its_campaign_is_one_that_run_takes(tmp_path):
     proposal = Proposal(STAIRS, (STAIRS, WEAK), (("settling",), ("accommodation", "creep")))
     path = tmp_path / "next.toml"
     write_campaign(proposal, path)
-    campaign = load(CampaignFile, path)
+    campaign = load_toml(CampaignFile, path)
     (step,) = campaign.step
     assert (step.protocol, step.purpose, step.set) == ("step_currents", "train", STAIRS.settings)
     assert "settling or accommodation + creep" in campaign.summary

@@ -8,7 +8,7 @@ import pytest
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.diagnosis.critique.refit import refit
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.replay import build_timeline, predict
 
 
@@ -72,7 +72,7 @@ def test_the_density_of_a_refit_predicts_what_a_wrong_one_missed(timeline, fair)
 
 def test_a_refit_puts_no_negative_mass_where_the_model_has_none(timeline):
     """``one_c`` is positive, and so is what is found from a wrong density as positive."""
-    positive = surface("one_c")
+    positive = thesis_surface("one_c")
     assert least_step(positive) > -1e-9
     wrong = later(refitted(timeline, plant_model(positive)).posterior.table(), 0.94)
     found = refitted(timeline, plant_model(wrong)).posterior.table()

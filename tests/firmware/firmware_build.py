@@ -9,7 +9,7 @@ from typing import NamedTuple
 import pytest
 
 from smarig.device.wire.crc import crc16
-from smarig.device.wire.register import RegisterMap, load_map, to_words
+from smarig.device.wire.register import RegisterMap, load_register_map, to_words
 
 FIRMWARE = Path(__file__).resolve().parents[2] / "firmware_protocol" / "firmware"
 RTU, LINES = 0, 1
@@ -88,7 +88,7 @@ class Device:
     """One device of the library in memory of its own, spoken to by lines unless said otherwise."""
 
     def __init__(self, library: ctypes.CDLL, name: str, boot_count: int = 7) -> None:
-        self.map = load_map(name)
+        self.map = load_register_map(name)
         self._library, self._short = library, _SHORT[name]
         self._memory = ctypes.create_string_buffer(self._call("size"))
         self._reply = ctypes.create_string_buffer(_ROOM)

@@ -8,9 +8,9 @@ import time
 
 from firmware.codes import ARMED, LEASE, NONE, REARM, TRIPPED
 from firmware.firmware_build import frame, read_line, sealed, status_of
-from smarig.device.wire.register import load_map, to_words
+from smarig.device.wire.register import load_register_map, to_words
 
-MAP = load_map("amplifier")
+MAP = load_register_map("amplifier")
 WORDS = MAP.size("status")
 LONG = bool(os.environ.get("SMARIG_LONG"))  # and a machine that keeps real time
 PATIENCE_S = 60.0  # ends a test that has failed

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.record import Run, Step
 from smarig.record.schema import SAMPLE_COLUMNS
 
 PER_COUNT = {"one": 2 * np.pi * 15 / 2000, "two": 0.18}
 UNIT = {"one": "mm", "two": "deg"}
-PARTITION = {"one": PARTITIONS["one_wire"], "two": PARTITIONS["two_wire"]}
+PARTITION = {"one": THESIS_PARTITIONS["one_wire"], "two": THESIS_PARTITIONS["two_wire"]}
 NOISE_COUNTS = 0.4
 
 
@@ -54,7 +54,7 @@ def read(y, wire, rng):
 def driven_run(surface_name, inputs, *, seed=None, initial="negative", offset=0.0, **meta):
     """A run of a Table 5.1 surface along inputs; exact outputs without a seed."""
     wire = surface_name[:3]
-    y = Preisach.from_surface(surface(surface_name)).simulate(inputs, initial) + offset
+    y = Preisach.from_surface(thesis_surface(surface_name)).simulate(inputs, initial) + offset
     y = y if seed is None else read(y, wire, np.random.default_rng(seed))
     return made_run(inputs, y, unit=UNIT[wire], initial=initial, **meta)
 

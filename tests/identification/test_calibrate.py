@@ -11,7 +11,7 @@ from smarig.core.errors import UsageError
 from smarig.identification.calibration.calibrate import Calibration, calibrate
 from smarig.identification.interval_estimate import Estimate, linear_fit, variance_inflation
 from smarig.plant.actuator import Actuator
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import Run, load_run
 from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.runner.session import Session
@@ -175,16 +175,16 @@ def test_the_twin_s_resistances_and_time_constant(tmp_path):
     # The ends of the travel are not the extremes of the encoder's noise (that would be 0.002 ohm off).
     assert without.parameters["R_M"].value == pytest.approx(5.0, abs=0.001)
     assert "cannot be given from position alone without a model" in without.not_available["tau"]
-    tau = estimate(calibrate(runs, wire, surface("one_e")), "tau")
+    tau = estimate(calibrate(runs, wire, thesis_surface("one_e")), "tau")
     assert covers(tau, wire.tau_s)
     assert tau.ci95[1] - tau.ci95[0] < 0.1
     # The encoder's zero is arbitrary.
     moved = [replace(r, columns={**r.columns, "position": r["position"] + 3.0}) for r in runs]
-    assert estimate(calibrate(moved, wire, surface("one_e")), "tau").value == pytest.approx(
+    assert estimate(calibrate(moved, wire, thesis_surface("one_e")), "tau").value == pytest.approx(
         tau.value, rel=1e-3
     )
     # A model that fits worse is less sure, and still right.
-    rough = estimate(calibrate(runs, wire, surface("one_c")), "tau")
+    rough = estimate(calibrate(runs, wire, thesis_surface("one_c")), "tau")
     assert covers(rough, wire.tau_s)
     assert rough.ci95[1] - rough.ci95[0] > tau.ci95[1] - tau.ci95[0]
 
@@ -193,7 +193,7 @@ def test_the_differential_twin(tmp_path):
     wire = Actuator.named("gorbet_two_wire")
     with Session("two_wire_twin", seed=1) as session:
         run = load_run(session.run("step_currents", {"points": 8}, tmp_path / "a.run.sqlite"))
-    found = calibrate([run], wire, surface("two_e"))
+    found = calibrate([run], wire, thesis_surface("two_e"))
     assert covers(estimate(found, "R_M"), wire.file.heating.resistance_martensite.value)
     assert covers(estimate(found, "R_A"), wire.file.heating.resistance_austenite.value)
     assert covers(estimate(found, "tau"), wire.tau_s)

@@ -21,10 +21,10 @@ from smarig.identification.surface.choose_surface import (
 from smarig.identification.surface.surface_kinds import kinds_by_freedom, surface_kinds
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.operator import Preisach
 
-TABLE_5_2 = {name: name.endswith("_c") for name in NAMES}  # in M_P
+TABLE_5_2 = {name: name.endswith("_c") for name in THESIS_SURFACES}  # in M_P
 
 
 def of_masses(masses, nodes):
@@ -49,7 +49,7 @@ def two_hills(n=61):
 @pytest.fixture(scope="module")
 def compared():
     """One choice for each surface of Table 5.1, on exact curves."""
-    return {name: choose_surface(fod_data(fod_run(name))) for name in NAMES}
+    return {name: choose_surface(fod_data(fod_run(name))) for name in THESIS_SURFACES}
 
 
 # --- the comparison ---------------------------------------------------------------------------------------
@@ -175,9 +175,9 @@ def test_the_share_of_planted_masses_is_met_exactly():
     assert negative_share(of_masses(np.zeros((4, 4)), np.arange(5.0))) == 0.0
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_the_share_of_a_surface_is_that_of_its_density(name):
-    s = surface(name)
+    s = thesis_surface(name)
     rng = np.random.default_rng(9)
     alpha, beta = np.sort(rng.uniform(s.lower, s.upper, (2, 400_000)), axis=0)[::-1]
     mu = s.density(alpha, beta)
@@ -190,7 +190,7 @@ def test_positive_has_no_negative_mass_and_what_crosses_has(compared):
     for name, choice in compared.items():
         assert choice.negative_share["positive"] == 0.0
         form = {"c": "constant", "p": "parabolic", "e": "exponential"}[name[-1]]
-        assert choice.negative_share[form] == pytest.approx(negative_share(surface(name)), abs=1e-3)
+        assert choice.negative_share[form] == pytest.approx(negative_share(thesis_surface(name)), abs=1e-3)
 
 
 # --- thinning ---------------------------------------------------------------------------------------------

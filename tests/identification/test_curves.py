@@ -15,7 +15,7 @@ from identification.made_runs import (
 from smarig.identification.fod_data import fod_data
 from smarig.identification.surface.curve_fit import fit_curves
 from smarig.identification.surface.curve_report import curve_report, reading_noise
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.operator import Preisach
 
 
@@ -25,7 +25,7 @@ def reading_sd(wire):
 
 def test_sigmoids_of_exact_curves_are_those_of_the_surface():
     """(5.5) at constant α is b₁σ(b₂(β + b₃)) + b₄ with b₂ = x₄ and b₃ = f(α)."""
-    s = surface("two_p")
+    s = thesis_surface("two_p")
     alpha, b, _ = fit_curves(fod_data(fod_run("two_p"))).against_alpha()
     assert set(alpha) >= set(PARTITION["two"][6:])
     assert np.allclose(b[:, 1], s.x[2], rtol=1e-3)
@@ -43,7 +43,7 @@ def test_short_curves_are_named_and_nothing_fails():
 
 
 def test_standard_errors_of_a_long_curve_cover():
-    truth = surface("two_c")
+    truth = thesis_surface("two_c")
     inside = []
     for seed in range(30):
         alpha, b, error = fit_curves(fod_data(fod_run("two_c", seed=seed))).against_alpha()
@@ -65,7 +65,7 @@ def test_noise_of_dense_curves_is_read_off_third_differences():
 
 
 @pytest.mark.parametrize("seed", [None, 0, 1, 2, 3])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_a_fully_exercised_range_raises_no_warning_of_it(name, seed):
     report = curve_report(fod_data(fod_run(name, seed=seed)))
     assert report.exercised
@@ -87,7 +87,7 @@ def test_a_fully_exercised_range_raises_no_warning_of_it(name, seed):
 def test_a_truncated_range_is_found(name, levels, end, seed):
     # Driven between limits that are no saturation: the wire's own memory reaches further than the partition.
     inputs = fod_inputs(levels)
-    y = Preisach.from_surface(surface(name)).simulate([surface(name).lower, *inputs])[1:]
+    y = Preisach.from_surface(thesis_surface(name)).simulate([thesis_surface(name).lower, *inputs])[1:]
     rng = np.random.default_rng(seed)
     q = PER_COUNT[name[:3]]
     y = np.round(y / q + NOISE_COUNTS * rng.standard_normal(y.size)) * q

@@ -6,7 +6,7 @@ import pytest
 from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run, made_run
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data, select
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 
 
 def points(data):
@@ -19,7 +19,7 @@ def test_the_thesis_protocol_gives_n_n_plus_3_over_2_points(name, n):
     assert len(data) == n * (n + 3) // 2
     assert data.curves == n
     assert data.curve.max() == n - 1
-    assert np.allclose(data.y, surface(name).y(data.alpha, data.beta), atol=1e-12)
+    assert np.allclose(data.y, thesis_surface(name).y(data.alpha, data.beta), atol=1e-12)
     top = max(PARTITION[name[:3]])
     assert (data.major == ((data.alpha == data.beta) | (data.alpha == top))).all()
 
@@ -33,7 +33,7 @@ def test_minor_loops_are_left_out_until_they_are_wiped_out():
         *[(40, 40, 1), (40, 20, 1)],
         *[(60, 60, 2), (60, 0, 2)],  # past 40 the rise is on the major branch again
     ]
-    assert np.allclose(data.y, surface("one_e").y(data.alpha, data.beta), atol=1e-12)
+    assert np.allclose(data.y, thesis_surface("one_e").y(data.alpha, data.beta), atol=1e-12)
 
 
 def test_ascending_curves_come_in_the_mirror():
@@ -44,7 +44,7 @@ def test_ascending_curves_come_in_the_mirror():
     assert data.mirrored
     assert data.curves == 11
     # y(positive saturation → β → α) = y₊ − F(u₊, β) + F(α, β), an independent expression of the same output
-    s = surface("two_e")
+    s = thesis_surface("two_e")
     falls = [s.everett(185.0, -a) for a in data.alpha]
     rises = [s.everett(-b, -a) for a, b in zip(data.alpha, data.beta)]
     assert np.allclose(data.y, -(s.y_upper - np.array(falls) + np.array(rises)), atol=1e-9)
@@ -113,7 +113,7 @@ def test_table_of_a_regular_partition_and_the_first_missing_cell():
     assert beta.tolist() == list(PARTITION["one"])
     below = beta <= alpha[:, None]
     assert np.allclose(
-        y[below], surface("one_p").y(*np.broadcast_arrays(alpha[:, None], beta))[below], atol=1e-12
+        y[below], thesis_surface("one_p").y(*np.broadcast_arrays(alpha[:, None], beta))[below], atol=1e-12
     )
     assert np.isnan(y[~below]).all()
     hole = data.where((data.alpha != 62.7) | (data.beta != 15.7))

@@ -16,7 +16,7 @@ from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data
 from smarig.identification.forc.forc_curves import curves_from_run
 from smarig.identification.forc.forc_density import fod_density, forc_density, grid_steps
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 
 
 def triangle(nodes: int, low: float = 0.0, high: float = 1.0):
@@ -112,9 +112,9 @@ def test_variforc_weights_are_egli_s_equation_6_on_irregular_points():
         assert found.mu[k] == pytest.approx((c[5] - c[3]) / 4 / step**2, abs=1e-8)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_the_density_of_the_thesis_s_surfaces_is_found_from_exact_points(name):
-    s = surface(name)
+    s = thesis_surface(name)
     a, b = triangle(61, s.lower, s.upper)
     found = forc_density(a, b, s.y(a, b), nearest=30, degree=4)
     truth = s.density(a, b)

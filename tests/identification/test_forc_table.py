@@ -13,7 +13,7 @@ from smarig.core.errors import DataError
 from smarig.identification.forc.forc_curves import curves_from_run
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcCurve, ForcTable
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record.run import Run
@@ -22,7 +22,7 @@ from smarig.record.schema import SAMPLE_COLUMNS
 DATA = Path(__file__).resolve().parents[2] / ".." / "shared" / "data" / "forc_magnetic"
 # The required figures for held-out interior curves, as shares of the measured output range.
 REQUIRED = {"hchb_forc": 0.0006, "MSM33-55-1_d330.forc": 0.0005, "UB199BF": 0.00015}
-ONE_C = surface("one_c")
+ONE_C = thesis_surface("one_c")
 
 
 def run_of(step, field, moment, protocol="first_order_reversal_curves") -> Run:
@@ -110,7 +110,7 @@ def test_held_out_curves_of_a_known_surface_are_predicted():
 
 @pytest.fixture(scope="module")
 def twins():
-    nodes = np.array(PARTITIONS["one_wire"])
+    nodes = np.array(THESIS_PARTITIONS["one_wire"])
     values = np.where(np.tri(nodes.size, dtype=bool), ONE_C.y(nodes[:, None], nodes), np.nan)
     regular = FodTable.from_arrays(nodes, nodes, values)
     curves = [ForcCurve(float(nodes[i]), nodes[i::-1], values[i, i::-1]) for i in range(1, nodes.size)]

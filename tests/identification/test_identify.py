@@ -10,7 +10,7 @@ from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 
@@ -36,7 +36,7 @@ def test_json_begins_with_the_contract(kind):
 
 def test_the_model_predicts_what_was_not_measured():
     result = identify(fod_run("one_e", seed=4), "exponential")
-    truth = Preisach.from_surface(surface("one_e")).simulate(WALK)
+    truth = Preisach.from_surface(thesis_surface("one_e")).simulate(WALK)
     error = result.model.predict(WALK) - truth
     assert np.sqrt(np.mean(error**2)) < 0.03
     assert result.model.twin
@@ -100,7 +100,7 @@ def test_reversal_curves_are_fitted_in_the_mirror():
     result = identify(run, "constant")
     assert isinstance(result.model.hysteresis, Mirrored)
     assert result.model.mirrored
-    truth = Preisach.from_surface(surface("two_c"))
+    truth = Preisach.from_surface(thesis_surface("two_c"))
     walk = np.random.default_rng(2).uniform(-185, 185, 100)
     error = result.model.predict(walk) - truth.simulate(walk)
     # the mirror of a constant surface is no constant surface: close, not equal

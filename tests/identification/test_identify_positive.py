@@ -9,7 +9,7 @@ from identification.made_runs import PARTITION, driven_run, fod_inputs, fod_run,
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
@@ -24,7 +24,7 @@ WALK = np.random.default_rng(11).uniform(0.0, 174.1, 300)
 
 def error_on(inputs, result, name, initial="negative"):
     """Rms of a model along inputs against the surface that made its data."""
-    truth = Preisach.from_surface(surface(name)).simulate(inputs, initial)
+    truth = Preisach.from_surface(thesis_surface(name)).simulate(inputs, initial)
     return float(np.sqrt(np.mean((result.model.predict(inputs, initial) - truth) ** 2)))
 
 
@@ -158,7 +158,7 @@ def test_ascending_curves_need_no_mirror():
     assert not result.model.mirrored
     walk = np.random.default_rng(2).uniform(-185, 185, 200)
     assert error_on(walk, result, "two_e") < 0.02 * np.ptp(
-        Preisach.from_surface(surface("two_e")).simulate(walk)
+        Preisach.from_surface(thesis_surface("two_e")).simulate(walk)
     )
 
 
@@ -175,7 +175,7 @@ def test_a_selection_leaves_its_points_alone():
 
 def test_reversal_curves_are_fitted_in_the_mirror():
     fields = np.linspace(-185.0, 185.0, 30)
-    truth = Preisach.from_surface(surface("two_c"))
+    truth = Preisach.from_surface(thesis_surface("two_c"))
     branches = [(k, fields[fields >= start]) for k, start in enumerate(fields[:-1:2])]
     u = np.concatenate([b for _, b in branches])
     step = np.concatenate([np.full(b.size, float(k)) for k, b in branches])
@@ -205,7 +205,7 @@ def test_a_dense_record_is_thinned_but_its_memory_is_not(monkeypatch):
 
 def even(name, n=61):
     """The mean of a surface and its own mirror image, F(α, β) = (F₀(α, β) + F₀(−β, −α))/2, as a fine table."""
-    s = surface(name)
+    s = thesis_surface(name)
     nodes = np.linspace(s.lower, s.upper, n)
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
     high, low = np.maximum(a, b), np.minimum(a, b)

@@ -5,7 +5,7 @@ import pytest
 
 from identification.made_runs import driven_run, fod_run, made_run, read
 from smarig.identification.noise_floor import noise_floor
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 
 LOOPS = [0, *([100, 50, 80, 60] * 40)]
@@ -39,7 +39,7 @@ def test_holding_on_is_no_repeat_and_nothing_repeated_is_none():
 
 
 def test_repeats_are_pooled_within_runs_never_across_encoder_zeros():
-    y = Preisach.from_surface(surface("one_e")).simulate(LOOPS)
+    y = Preisach.from_surface(thesis_surface("one_e")).simulate(LOOPS)
     rng = np.random.default_rng(0)
     a, b = made_run(LOOPS, read(y, "one", rng)), made_run(LOOPS, read(y, "one", rng) + 5.0)
     assert noise_floor([a, b]).value == pytest.approx(noise_floor(a).value, rel=0.1)

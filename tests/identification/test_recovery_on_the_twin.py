@@ -9,7 +9,7 @@ import pytest
 from smarig.config import load_rig
 from smarig.identification.fod_data import fod_data
 from smarig.identification.surface.surface_fit import fit_surface
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.preview import preview
@@ -30,7 +30,7 @@ class Recovery:
 
 def recovered(tmp_path, rig, truth_name, form):
     cost = preview("first_order_descending", load_rig(rig))
-    rows = [one(tmp_path, rig, surface(truth_name), form, seed, cost) for seed in SEEDS]
+    rows = [one(tmp_path, rig, thesis_surface(truth_name), form, seed, cost) for seed in SEEDS]
     rms, density_error, worst, inside = (list(column) for column in zip(*rows, strict=True))
     return Recovery(np.array(rms), np.array(density_error), np.array(worst), float(np.mean(inside)))
 

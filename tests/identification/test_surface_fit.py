@@ -9,7 +9,7 @@ from smarig.identification.fod_data import fod_data, select
 from smarig.identification.surface.surface_fit import fit_surface
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 
 FORM = {"c": "constant", "p": "parabolic", "e": "exponential"}
 SEEDS = range(20)
@@ -28,9 +28,9 @@ def truth_of(s):
     return np.array([*s.x, s.y_upper, s.y_lower])
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_jacobian_is_the_slope_of_the_surface(name):
-    s = surface(name)
+    s = thesis_surface(name)
     rng = np.random.default_rng(1)
     alpha = rng.uniform(s.lower, s.upper, 40)
     beta = s.lower + rng.uniform(0, 1, 40) * (alpha - s.lower)
@@ -49,7 +49,7 @@ def test_jacobian_is_the_slope_of_the_surface(name):
         assert np.allclose(J[:, k], numeric, rtol=1e-6, atol=1e-7 * np.abs(J[:, k]).max())
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_exact_data_gives_the_exact_surface(name):
     data = fod_data(fod_run(name))
     fit = fit_surface(data, FORM[name[-1]])
@@ -57,11 +57,11 @@ def test_exact_data_gives_the_exact_surface(name):
     assert fit.rms < 1e-6
     assert fit.points == len(data)
     assert np.allclose(fit.surface.y(data.alpha, data.beta), data.y, atol=1e-5)
-    assert np.allclose(fit.values, truth_of(surface(name)), rtol=1e-4, atol=1e-4)
+    assert np.allclose(fit.values, truth_of(thesis_surface(name)), rtol=1e-4, atol=1e-4)
 
 
 def test_one_e_is_found_within_the_stated_error(fits):
-    s = surface("one_e")
+    s = thesis_surface("one_e")
     data = fod_data(fod_run("one_e"))
     grid = np.linspace(s.lower, s.upper, 121)
     a, b = np.meshgrid(grid, grid, indexing="ij")
@@ -76,7 +76,7 @@ def test_one_e_is_found_within_the_stated_error(fits):
 
 
 def test_two_c_parameters_are_found_within_the_stated_error(fits):
-    truth = np.array(surface("two_c").x)
+    truth = np.array(thesis_surface("two_c").x)
     worst = [np.abs(f.values[:4] / truth - 1).max() for f in fits["two_c"]]
     assert np.median(worst) <= 0.03
     assert max(worst) <= 0.07
@@ -87,7 +87,7 @@ def test_intervals_cover_as_often_as_they_say(fits):
         low <= value <= high
         for name, several in fits.items()
         for fit in several
-        for (low, high), value in zip(fit.intervals.values(), truth_of(surface(name)), strict=True)
+        for (low, high), value in zip(fit.intervals.values(), truth_of(thesis_surface(name)), strict=True)
     ]
     assert 0.90 <= np.mean(inside) <= 0.99
 
@@ -155,7 +155,9 @@ def test_half_the_curves_predict_the_other_half():
 def test_an_encoder_zero_elsewhere_moves_the_ends_only():
     run = fod_run("two_p", offset=-7.25)
     fit = fit_surface(fod_data(run), "parabolic")
-    assert np.allclose(fit.values, truth_of(surface("two_p")) - np.r_[np.zeros(6), 7.25, 7.25], rtol=1e-4)
+    assert np.allclose(
+        fit.values, truth_of(thesis_surface("two_p")) - np.r_[np.zeros(6), 7.25, 7.25], rtol=1e-4
+    )
 
 
 def test_what_cannot_be_fitted_is_said():

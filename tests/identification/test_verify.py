@@ -9,7 +9,7 @@ from identification.made_runs import driven_run, fod_run, made_run
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.identify import identify
 from smarig.identification.verify import verify
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.replay import simulate, simulate_samples
 
@@ -24,7 +24,7 @@ def one():
 
 @pytest.fixture(scope="module")
 def two():
-    psi = Preisach(surface("two_e"), "anhysteretic").y
+    psi = Preisach(thesis_surface("two_e"), "anhysteretic").y
     return identify(fod_run("two_e", offset=-psi), "exponential").model
 
 
@@ -36,14 +36,14 @@ def test_a_right_model_has_no_error_and_a_wrong_one_the_right_error(one):
     assert run["rms"] < 1e-5
     measured = driven_run("one_c", WALK)
     (run,) = verify(one, measured).to_json()["runs"]
-    error = Preisach.from_surface(surface("one_e")).simulate(WALK) - measured.points()[1]
+    error = Preisach.from_surface(thesis_surface("one_e")).simulate(WALK) - measured.points()[1]
     assert run["rms"] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-4)
     assert run["max_abs"] == pytest.approx(np.abs(error).max(), rel=1e-4)
     assert run["nrmse"] == pytest.approx(run["rms"] / np.ptp(measured.points()[1]), rel=1e-9)
 
 
 def test_power_up_in_a_named_state_is_a_known_zero(two):
-    psi = Preisach(surface("two_e"), "anhysteretic").y
+    psi = Preisach(thesis_surface("two_e"), "anhysteretic").y
     run = driven_run("two_e", TWO_WALK, initial="anhysteretic", offset=-psi)
     judged = verify(two, run).runs[0]
     assert judged.offset_kind == "known"
@@ -53,7 +53,7 @@ def test_power_up_in_a_named_state_is_a_known_zero(two):
 
 def test_a_model_in_another_zero_is_moved_by_its_output_in_the_initial_state():
     model = identify(fod_run("two_e"), "exponential").model  # outputs from −16.5 to 18.1 deg
-    psi = Preisach(surface("two_e"), "anhysteretic").y
+    psi = Preisach(thesis_surface("two_e"), "anhysteretic").y
     run = driven_run("two_e", TWO_WALK, initial="anhysteretic", offset=-psi, encoder_zero="power-up")
     judged = verify(model, run).runs[0]
     assert judged.offset_kind == "known"
@@ -128,7 +128,7 @@ def test_a_run_that_continues_another_needs_it(one):
 
 
 def test_reversal_curves_start_from_positive_saturation_each():
-    s = surface("two_c")
+    s = thesis_surface("two_c")
     truth = Preisach.from_surface(s)
     rows = []
     for number, reversal in enumerate((100.0, 0.0, -100.0, -185.0)):

@@ -11,7 +11,7 @@ from smarig.app.loop_model import ModelSource
 from smarig.app.regulation_loop import regulation
 from smarig.identification.identify import identify
 from smarig.identification.verify import verify
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.record import load_run
 from smarig.replay import Model, memory_histories
@@ -44,7 +44,7 @@ def test_a_waveform_between_settled_points_does_not_spoil_a_fit(runs):
     alone, both = (identify(given, "positive").model for given in (runs[:1], runs))
     assert isinstance(both, Model)
     u = [170.0, 60.0, 90.0, 30.0, 120.0]
-    truth = Preisach(surface("one_e")).simulate(u)
+    truth = Preisach(thesis_surface("one_e")).simulate(u)
     errors = [np.abs(Preisach(model.hysteresis).simulate(u) - truth).max() for model in (alone, both)]
     assert errors[1] < 1.5 * errors[0]
 
@@ -54,7 +54,7 @@ def test_the_memory_at_a_point_is_that_of_the_whole_input_path(runs):
     inputs, where = input_path(runs[1])
     assert inputs.size > where.size == 2
     assert len(held.states[-1].extrema) > 5, "the sinusoid's reversals are remembered"
-    whole = Preisach(surface("one_e")).simulate(np.clip(inputs, lower, upper))
+    whole = Preisach(thesis_surface("one_e")).simulate(np.clip(inputs, lower, upper))
     assert whole[where[-1]] == pytest.approx(6.0, abs=0.05)
 
 

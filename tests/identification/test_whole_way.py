@@ -8,7 +8,7 @@ import pytest
 from smarig.exchange.importing import import_file
 from smarig.identification.identify import identify
 from smarig.identification.verify import verify
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import load_run
 from smarig.replay import load_model
 from smarig.runner.session import Session
@@ -32,7 +32,7 @@ def test_twin_to_model_to_verification(session_folder, tmp_path):
     result = identify(str(fod), "best")
     assert result.surface == "exponential"
     assert len(result.data) == 77
-    assert np.allclose(result.fit.values[:6], surface("two_e").x, rtol=0.01)
+    assert np.allclose(result.fit.values[:6], thesis_surface("two_e").x, rtol=0.01)
     assert result.curves.exercised
     model = load_model(result.model.save(tmp_path / "wire.model.json"))
     assert model.provenance[0].sha256

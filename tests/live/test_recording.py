@@ -104,13 +104,13 @@ def test_view_saves_models_beside_one_another(one_wire, tmp_path, capsys):
 
 def a_model():
     """The twin's own surface, as a model file would hold it."""
-    from smarig.preisach.hysteresis.gorbet_1997 import surface
+    from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     from smarig.replay import Model, NoiseRecord
     from smarig.replay.model_file import ActuatorRecord, SignalDescription
 
     return Model(
         name="own",
-        hysteresis=surface("one_e"),
+        hysteresis=thesis_surface("one_e"),
         rig="one_wire_twin",
         actuator=ActuatorRecord(name="gorbet_one_wire", parameters={}),
         arrangement="one_wire",

@@ -25,7 +25,7 @@ from smarig.live.primitives import (
 )
 from smarig.live.scene_renderer import SceneRenderer
 from smarig.live.view_layout import Split, View
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
 from smarig.replay import HysteresisPredictor, NamedPredictor
@@ -144,7 +144,7 @@ def test_the_boundary_is_that_of_the_inputs(one_wire):
     screen, scene_renderer = drawn(one_wire)
     primitives = [m for m in screen.at(f"{scene_renderer.plane.inside}/boundary") if isinstance(m, Polylines)]
     last = primitives[-1].strips[-1]
-    memory = Preisach(surface("one_e"))
+    memory = Preisach(thesis_surface("one_e"))
     t_last = primitives[-1].times_s[-1]
     for u in one_wire["input"][one_wire["t_s"] <= t_last].tolist():
         memory.step(u)
@@ -153,7 +153,7 @@ def test_the_boundary_is_that_of_the_inputs(one_wire):
 
 
 def test_a_diagonal_boundary_leaves_the_line_where_the_input_turned():
-    memory = Preisach(surface("two_e"), "anhysteretic")
+    memory = Preisach(thesis_surface("two_e"), "anhysteretic")
     top = memory.hysteresis.upper
     assert boundary(memory.state, -top, top).tolist() == [[-top, top], [0.0, 0.0]]
     memory.step(40.0)
@@ -163,7 +163,7 @@ def test_a_diagonal_boundary_leaves_the_line_where_the_input_turned():
 
 
 def test_the_map_holds_the_surface_less_its_reversible_part():
-    h = surface("one_c")
+    h = thesis_surface("one_c")
     mu = density(h, 60)
     cell = (h.upper - h.lower) / 60
     below = np.nansum(mu) * cell**2

@@ -20,8 +20,8 @@ from live.made import LEVELS_A
 from smarig.config import load_rig
 from smarig.live import colours
 from smarig.live.display_info import rig_display_info
-from smarig.live.live_view import live_listener, save
-from smarig.live.viewer_process import ViewerProcess, address, free_port, web_page
+from smarig.live.live_view import live_listener, save_recording
+from smarig.live.viewer_process import ViewerProcess, free_port, viewer_address, web_page
 from smarig.plant.actuator import Actuator
 from smarig.record import load_run
 from smarig.runner.session import Session
@@ -61,7 +61,7 @@ def headless(url: str) -> tuple[ViewerProcess, str]:
     """A native viewer without a screen, and where it is asked; skipped where nothing can draw."""
     port = free_port()
     viewer = ViewerProcess.headless(url, port, f"{SIZE[0]}x{SIZE[1]}")
-    asked = address(port)
+    asked = viewer_address(port)
     from smarig.live.rerun_output import viewer_state
 
     def up() -> object:
@@ -116,7 +116,7 @@ def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_pa
     port, told = free_port(), []
     with live_listener(display_info(), viewer=False, port=port, show_message=told.append) as listener:
         end_s = float(load_run(run_watched(tmp_path, "native", listener))["t_s"][-1])
-        first, asked = headless(address(port))
+        first, asked = headless(viewer_address(port))
         try:
             state = until(lambda: shows(asked, end_s), "the run is shown")
             picture = pictures(tmp_path) / "live_native.png"
@@ -129,7 +129,7 @@ def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_pa
         finally:
             first.process.kill()
             first.close()
-        second, asked = headless(address(port))
+        second, asked = headless(viewer_address(port))
         try:
             again = until(lambda: shows(asked, end_s), "the run is shown again, all of it")
         finally:
@@ -150,7 +150,7 @@ def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_pa
 def test_two_wires_and_a_shaft_are_shown_without_a_complaint(two_wire, tmp_path):
     from smarig.live.rerun_output import save_screenshot_of, viewer_state
 
-    save(two_wire, tmp_path / "two.rrd")
+    save_recording(two_wire, tmp_path / "two.rrd")
     viewer, asked = headless(str(tmp_path / "two.rrd"))
     try:
         state = until(
@@ -172,7 +172,7 @@ def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
     port, web_port = free_port(), free_port()
     with live_listener(display_info(), viewer=False, port=port, show_message=print) as listener:
         run_watched(tmp_path, "web", listener)
-        server = ViewerProcess.web(address(port), web_port)
+        server = ViewerProcess.web(viewer_address(port), web_port)
         try:
             with Browser(*SIZE) as page:
                 until(lambda: is_served(web_port), "the page is served")
@@ -206,7 +206,7 @@ def is_served(port: int) -> bool:
 def test_a_viewer_ends_with_us_and_leaves_nothing_behind(ending, tmp_path):
     import signal
 
-    viewer = ViewerProcess.web(address(free_port()), free_port())
+    viewer = ViewerProcess.web(viewer_address(free_port()), free_port())
     home = viewer._home
     if ending == "stopped":
         os.kill(viewer.process.pid, signal.SIGSTOP)
@@ -222,7 +222,7 @@ def test_nothing_listens_beyond_loopback():
         pytest.skip("no /proc/net/tcp here")
     port, web_port = free_port(), free_port()
     with live_listener(display_info(), viewer=False, port=port, show_message=print):
-        server = ViewerProcess.web(address(port), web_port)
+        server = ViewerProcess.web(viewer_address(port), web_port)
         try:
             until(lambda: is_served(web_port), "the page is served")
             tables = [t.read_text() for t in (table, Path("/proc/net/tcp6")) if t.is_file()]

@@ -9,7 +9,7 @@ from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Stage
 from smarig.plant.heating import temperature_along
 from smarig.plant.plant import Plant
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 
 CASES = [
@@ -39,12 +39,12 @@ def test_the_plant_is_the_page(rig: str, name: str, initial):
     u = input_along(rig, current, dt_s)
     y = output_along(name, u, initial == "anhysteretic")
     range_ = Printed(name).range
-    assert np.ptp(u) > 0.8 * (surface(name).upper - surface(name).lower) * (
+    assert np.ptp(u) > 0.8 * (thesis_surface(name).upper - thesis_surface(name).lower) * (
         1 if rig.endswith("two_wire") else 0.9
     )
     assert np.ptp(y) > 0.8 * range_
     assert np.allclose(temperature_along(actuator, current, dt_s), u, rtol=0, atol=1e-10)
-    plant = Plant(actuator, surface(name), initial, dt_s)
+    plant = Plant(actuator, thesis_surface(name), initial, dt_s)
     position = np.array([plant.step(i) for i in current.tolist()])
     assert np.max(np.abs(position - y)) <= 1e-11 * range_
     counts = position / actuator.position_per_count(2000)
@@ -58,7 +58,7 @@ def test_the_operator_is_its_boundary_integral(name: str, anhysteretic: bool):
     p = Printed(name)
     rng = np.random.default_rng(5)
     inputs = rng.uniform(p.lower - 10, p.upper + 10, 150) * rng.uniform(0.3, 1, 150)
-    here = Preisach(surface(name)).simulate(inputs, "anhysteretic" if anhysteretic else "negative")
+    here = Preisach(thesis_surface(name)).simulate(inputs, "anhysteretic" if anhysteretic else "negative")
     assert np.max(np.abs(here - output_along(name, inputs, anhysteretic))) <= 1e-12 * p.range
 
 
@@ -74,7 +74,7 @@ class Nothing:
 def test_hooks_that_change_nothing_change_nothing(rig: str):
     """The long way through the plant is the short way, bit for bit; negative currents too."""
     actuator = Actuator.named(rig)
-    h, initial = surface("one_e" if rig == "gorbet_one_wire" else "two_e"), "anhysteretic"
+    h, initial = thesis_surface("one_e" if rig == "gorbet_one_wire" else "two_e"), "anhysteretic"
     short, long = Plant(actuator, h, initial, 0.1), Plant(actuator, h, initial, 0.1, [Nothing()])
     for i in np.random.default_rng(2).uniform(-1, 1, 500).tolist():
         assert long.step(i, 0.3) == short.step(i, 0.3)

@@ -8,17 +8,17 @@ from hypothesis import strategies as st
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.inverse import InverseSolver, root
+from smarig.preisach.inverse import InverseSolver, bracketed_root
 from smarig.preisach.operator import Preisach
 
 
 def _table() -> FodTable:
     nodes = np.array([-185.0, -140.0, -60.0, -20.0, -15.0, 30.0, 31.0, 90.0, 150.0, 185.0])
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
-    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, surface("two_e").y(a, b), np.nan))
+    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, thesis_surface("two_e").y(a, b), np.nan))
 
 
 def _measure() -> RelayMeasure:
@@ -31,10 +31,10 @@ def _measure() -> RelayMeasure:
 
 
 SMOOTH: dict[str, Everett] = {
-    "two_e": surface("two_e"),
-    "two_c": surface("two_c"),
+    "two_e": thesis_surface("two_e"),
+    "two_c": thesis_surface("two_c"),
     "table": _table(),
-    "mirror": Mirrored(surface("two_e")),
+    "mirror": Mirrored(thesis_surface("two_e")),
 }
 MEASURE = _measure()
 SPAN = 35.0
@@ -143,7 +143,7 @@ def test_a_trajectory_of_relays_is_met_exactly_where_it_can_be():
 
 
 def test_an_unreachable_sample_is_named_and_what_came_before_stays():
-    h = surface("two_e")
+    h = thesis_surface("two_e")
     op = Preisach(h)
     with pytest.raises(DataError, match=r"Sample 2: Output 30 cannot be reached: the range ends at 18\.1"):
         op.inverse_trajectory([0.0, -5.0, 30.0, 0.0])
@@ -152,7 +152,7 @@ def test_an_unreachable_sample_is_named_and_what_came_before_stays():
 
 @pytest.mark.parametrize("excess", [1e-6, 1e-9, 2e-11])
 def test_a_refusal_prints_a_target_that_differs_from_the_end(excess: float):
-    h = surface("one_e")
+    h = thesis_surface("one_e")
     with pytest.raises(DataError, match="cannot be reached") as refused:
         Preisach(h).inverse(h.y_upper + excess)
     words = str(refused.value).rstrip(".").split()
@@ -162,15 +162,15 @@ def test_a_refusal_prints_a_target_that_differs_from_the_end(excess: float):
 @pytest.mark.parametrize("y", [[[1.0, 2.0]], 1.0, np.ones((2, 1))], ids=str)
 def test_a_trajectory_is_one_row_of_outputs(y):
     with pytest.raises(UsageError, match="The inverse takes a one-dimensional output, got shape"):
-        Preisach(surface("two_e")).inverse_trajectory(y)
+        Preisach(thesis_surface("two_e")).inverse_trajectory(y)
     with pytest.raises(UsageError, match="The inverse takes numbers as its output"):
-        Preisach(surface("two_e")).inverse_trajectory(["high"])
+        Preisach(thesis_surface("two_e")).inverse_trajectory(["high"])
 
 
 @pytest.mark.parametrize("target", [float("nan"), float("inf"), -float("inf")])
 def test_what_is_no_number_is_no_target(target: float):
     with pytest.raises(DataError, match="it is no number"):
-        Preisach(surface("two_e")).inverse(target)
+        Preisach(thesis_surface("two_e")).inverse(target)
 
 
 # --- where there is no inverse --------------------------------------------------------------------------
@@ -178,7 +178,7 @@ def test_what_is_no_number_is_no_target(target: float):
 
 def test_two_wire_p_turns_back_rising_and_the_error_names_where():
     """The named stretch is where the output falls while the input rises; before it there is an inverse."""
-    op = Preisach(surface("two_p"))
+    op = Preisach(thesis_surface("two_p"))
     op.follow([170.0, -55.0])
     u = np.linspace(-55.0, 185.0, 4001)
     y = np.array([op.peek(v) for v in u.tolist()])
@@ -195,7 +195,7 @@ def test_two_wire_p_turns_back_rising_and_the_error_names_where():
 
 def test_an_output_passed_on_the_way_up_is_not_looked_for_behind_the_dip():
     """From 175 the branch overshoots 18.1, comes back below it, and would pass it a second time."""
-    op = Preisach(surface("two_p"))
+    op = Preisach(thesis_surface("two_p"))
     op.follow([175.0, -55.0])
     assert op.peek(175.0) < 18.1 < op.peek(159.0)
     u = op.inverse(18.1)
@@ -204,7 +204,7 @@ def test_an_output_passed_on_the_way_up_is_not_looked_for_behind_the_dip():
 
 
 def test_two_wire_p_falls_monotonically_and_is_invertible_that_way():
-    op = Preisach(surface("two_p"), "positive")
+    op = Preisach(thesis_surface("two_p"), "positive")
     for target in (15.0, 3.0, -16.0):
         assert op.peek(op.inverse(target)) == pytest.approx(target, abs=1e-12 * SPAN)
 
@@ -212,7 +212,7 @@ def test_two_wire_p_falls_monotonically_and_is_invertible_that_way():
 @pytest.mark.parametrize("name", ["one_c", "one_e", "two_c", "two_e", "two_p", "one_p"])
 def test_which_surfaces_are_monotone_everywhere(name: str):
     """Non-negative strip sums, not μ ≥ 0: all but two-wire p, whose slope goes down to −0.037 (theory.md §1)."""
-    assert InverseSolver(surface(name)).monotone == (name != "two_p")
+    assert InverseSolver(thesis_surface(name)).monotone == (name != "two_p")
 
 
 def test_relays_of_negative_mass_turn_back_and_the_error_names_where():
@@ -250,11 +250,11 @@ def test_the_root_is_found_in_few_calls_whatever_the_shape(zero: float, power: f
         return float(np.sign(d) * abs(d) ** power)
 
     ends = (5.0, -4.0) if turned else (-4.0, 5.0)
-    assert abs(root(f, *ends) - zero) <= 1e-14 * 9
+    assert abs(bracketed_root(f, *ends) - zero) <= 1e-14 * 9
     assert len(calls) < 300
 
 
 def test_a_linear_function_takes_one_step():
     calls = []
-    assert root(lambda u: calls.append(u) or u - 1.5, 0.0, 2.0) == 1.5
+    assert bracketed_root(lambda u: calls.append(u) or u - 1.5, 0.0, 2.0) == 1.5
     assert len(calls) == 3

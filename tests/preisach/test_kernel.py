@@ -10,18 +10,18 @@ from hypothesis import strategies as st
 
 from preisach.relay_reference import Relays, histories
 from smarig.core.errors import DataError, UsageError
-from smarig.preisach.compiled import available
+from smarig.preisach.compiled import compiled_available
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_curve import ForcCurve
 from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.kernel import CHUNK
 from smarig.preisach.operator import Preisach, State
 
-needs_numba = pytest.mark.skipif(not available(), reason="numba (extra `fast`) is not installed")
+needs_numba = pytest.mark.skipif(not compiled_available(), reason="numba (extra `fast`) is not installed")
 LOOPS = [pytest.param(False, id="plain"), pytest.param(True, id="compiled", marks=needs_numba)]
 
 
@@ -32,7 +32,7 @@ def _uneven_nodes() -> np.ndarray:
 def _table() -> FodTable:
     nodes = _uneven_nodes()
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
-    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, surface("two_p").y(a, b), np.nan))
+    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, thesis_surface("two_p").y(a, b), np.nan))
 
 
 def _measure(count: int = 200, seed: int = 1) -> RelayMeasure:
@@ -45,15 +45,15 @@ def _measure(count: int = 200, seed: int = 1) -> RelayMeasure:
 def _curves() -> ForcTable:
     tops = np.linspace(-150.0, 185.0, 7)
     downs = [np.linspace(top, -185.0, 5 + k) for k, top in enumerate(tops)]
-    return ForcTable.from_curves([ForcCurve(b[0], b, surface("two_c").y(b[0], b)) for b in downs])
+    return ForcTable.from_curves([ForcCurve(b[0], b, thesis_surface("two_c").y(b[0], b)) for b in downs])
 
 
 KINDS: dict[str, Everett] = {
     "measure": _measure(),
     "table": _table(),
-    **{name: surface(name) for name in ("two_c", "two_p", "two_e")},
+    **{name: thesis_surface(name) for name in ("two_c", "two_p", "two_e")},
 }
-OTHERS: dict[str, Everett] = {"mirror": Mirrored(surface("two_e")), "curves": _curves()}
+OTHERS: dict[str, Everett] = {"mirror": Mirrored(thesis_surface("two_e")), "curves": _curves()}
 ALL = {**KINDS, **OTHERS, "mirrored measure": Mirrored(_measure())}
 initials = st.sampled_from(["negative", "positive", "anhysteretic"])
 inputs = st.one_of(st.integers(-38, 38).map(lambda k: 5.0 * k), st.floats(-190, 190, width=32))
@@ -163,7 +163,7 @@ def test_a_look_ahead_changes_nothing_that_comes_later(name: str, initial, befor
 
 def test_a_growing_oscillation_from_the_diagonal_leaves_it_anew_at_each_turn():
     """Every second sample asks the integral along B_ℓ; outputs are those of a swing from B_ℓ in one move."""
-    h = surface("two_e")
+    h = thesis_surface("two_e")
     reach = np.linspace(1.0, 180.0, 40)
     u = np.column_stack([reach, -reach]).ravel()
     y = Preisach(h).simulate(u, "anhysteretic")
@@ -177,10 +177,10 @@ def test_deep_memory_is_held_and_wiped_out(compiled: bool):
     """A decaying swing remembers every turn, past any one chunk; one large move forgets them all."""
     turns = 2 * CHUNK
     u = 184.0 * np.linspace(1, 0.001, turns) * np.where(np.arange(turns) % 2, -1.0, 1.0)
-    op = Preisach(surface("two_c"), compiled=compiled)
+    op = Preisach(thesis_surface("two_c"), compiled=compiled)
     y = op.simulate([*u, 184.5])
     assert op.state.extrema == (-185.0,)
-    assert y[-1] == Preisach(surface("two_c")).step(184.5)
+    assert y[-1] == Preisach(thesis_surface("two_c")).step(184.5)
     op.simulate(u)
     assert len(op.state.extrema) == turns
     assert op.state.extrema[-1] == u[-2]
@@ -259,10 +259,10 @@ def test_leaving_a_diagonal_in_arrays_agrees_with_one_by_one(name: str, centre: 
     assert np.allclose(from_diagonal(h, centre, u), one_by_one, rtol=0, atol=1e-12 * 35)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_swept_is_the_difference_of_outputs(name: str):
     """F(α, β) = y(α, α) − y(α, β), from the surface's own values."""
-    s = surface(name)
+    s = thesis_surface(name)
     a, b = np.meshgrid(*[np.linspace(s.lower, s.upper, 60)] * 2, indexing="ij")
     assert np.allclose(s.swept(a, b), s.y(a, a) - s.y(a, b), rtol=0, atol=1e-13 * (s.y_upper - s.y_lower))
 
@@ -334,7 +334,7 @@ def test_a_text_that_is_no_state_is_refused(text):
     ],
 )
 def test_a_state_of_another_hysteresis_is_refused(state: State):
-    op = Preisach(surface("two_e"))
+    op = Preisach(thesis_surface("two_e"))
     before = op.state
     with pytest.raises(DataError, match=r"does not belong to a hysteresis over \[-185, 185\]"):
         op.reset(state)
@@ -343,16 +343,16 @@ def test_a_state_of_another_hysteresis_is_refused(state: State):
 
 def test_a_state_that_is_not_nested_is_refused():
     with pytest.raises(DataError, match="must alternate and be nested"):
-        Preisach(surface("two_e"), State((-185.0, 50.0, 70.0), (0.0, 1.0, 2.0), 60.0, 1.0))
+        Preisach(thesis_surface("two_e"), State((-185.0, 50.0, 70.0), (0.0, 1.0, 2.0), 60.0, 1.0))
 
 
 def test_a_present_point_kept_as_an_extremum_is_one_point():
     """A state that ends in its last extremum goes on either way like the operator that stands there."""
-    op = Preisach(surface("two_e"))
+    op = Preisach(thesis_surface("two_e"))
     op.simulate([100.0, -20.0])
     twice = State((*op.state.extrema, op.u), (*op.state.outputs, op.y), op.u, op.y)
     for u in (-60.0, 40.0, 130.0):
-        assert Preisach(surface("two_e"), twice).step(u) == op.peek(u)
+        assert Preisach(thesis_surface("two_e"), twice).step(u) == op.peek(u)
 
 
 # --- refusals --------------------------------------------------------------------------------------------
@@ -371,11 +371,11 @@ def test_nan_in_a_run_is_refused_where_it_stands_and_nothing_moves(name: str, in
 
 
 def test_what_has_no_compiled_form_is_refused():
-    if not available():
+    if not compiled_available():
         with pytest.raises(UsageError, match=r"install smarig\[fast\]"):
-            Preisach(surface("two_e"), compiled=True).simulate([1.0])
+            Preisach(thesis_surface("two_e"), compiled=True).simulate([1.0])
     with pytest.raises(UsageError, match="no compiled form"):
-        Preisach(Mirrored(surface("two_e")), compiled=True).simulate([1.0])
+        Preisach(Mirrored(thesis_surface("two_e")), compiled=True).simulate([1.0])
 
 
 def test_without_numba_everything_runs_plain(monkeypatch):
@@ -386,6 +386,8 @@ def test_without_numba_everything_runs_plain(monkeypatch):
     monkeypatch.setattr(fast, "WORTH", 10)
     monkeypatch.setattr(fast, "_loop", lambda between: pytest.fail("numba was asked for"))
     u = walk(200, 16)
-    assert np.array_equal(Preisach(surface("two_e")).simulate(u), Preisach(surface("two_e")).follow(u))
+    assert np.array_equal(
+        Preisach(thesis_surface("two_e")).simulate(u), Preisach(thesis_surface("two_e")).follow(u)
+    )
     with pytest.raises(UsageError, match=r"numba is not installed; install smarig\[fast\]"):
-        Preisach(surface("two_e"), compiled=True).simulate(u)
+        Preisach(thesis_surface("two_e"), compiled=True).simulate(u)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach, State
@@ -19,7 +19,7 @@ from smarig.preisach.operator import Preisach, State
 def _table() -> FodTable:
     nodes = np.linspace(-185.0, 185.0, 9)
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
-    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, surface("two_p").y(a, b), np.nan))
+    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, thesis_surface("two_p").y(a, b), np.nan))
 
 
 def _measure(seed: int, *, positive: bool) -> RelayMeasure:
@@ -31,14 +31,14 @@ def _measure(seed: int, *, positive: bool) -> RelayMeasure:
 
 # One of each kind on one input range, by name for readable failures.
 SYSTEMS: dict[str, Everett] = {
-    "surface": surface("two_e"),
+    "surface": thesis_surface("two_e"),
     "table": _table(),
     "measure": _measure(1, positive=False),
-    "mirror": Mirrored(surface("two_p")),
+    "mirror": Mirrored(thesis_surface("two_p")),
 }
 POSITIVE: dict[str, Everett] = {
-    "two_c": surface("two_c"),
-    "one_c": surface("one_c"),
+    "two_c": thesis_surface("two_c"),
+    "one_c": thesis_surface("one_c"),
     "measure": _measure(2, positive=True),
 }
 SPAN = 35.0  # output range of every system here, within a factor of ten
@@ -232,7 +232,7 @@ def test_mirrored_twice_is_the_hysteresis_itself(name: str, initial, history):
 @given(histories)
 def test_the_mirror_turns_everything_round(history):
     """Γ̃[u] = −Γ[−u], from B* too (signs of F and of both diagonal integrals)."""
-    h = surface("two_e")
+    h = thesis_surface("two_e")
     there = Preisach(Mirrored(h)).simulate(history, "anhysteretic")
     here = Preisach(h).simulate([-u for u in history], "anhysteretic")
     assert np.max(np.abs(there + here)) <= 1e-12 * SPAN
@@ -241,7 +241,7 @@ def test_the_mirror_turns_everything_round(history):
 @given(st.sampled_from([-90.0, 10.0, 120.0]), histories)
 def test_the_mirror_of_a_diagonal_state_is_one(centre: float, history):
     """B_ℓ is seen in the mirror as B_−ℓ, clipped at the other end of the range."""
-    op, image = Preisach(Mirrored(surface("two_e"))), Preisach(surface("two_e"))
+    op, image = Preisach(Mirrored(thesis_surface("two_e"))), Preisach(thesis_surface("two_e"))
     assert op.go_to_diagonal(centre) == pytest.approx(-image.go_to_diagonal(-centre), abs=1e-12 * SPAN)
     for u in history:
         assert op.step(u) == pytest.approx(-image.step(-u), abs=1e-12 * SPAN)
@@ -253,7 +253,7 @@ def test_the_mirror_of_a_diagonal_state_is_one(centre: float, history):
 @given(st.sampled_from(["one_c", "one_e", "two_c", "two_e"]), histories, st.floats(0.001, 0.999))
 def test_the_inverse_goes_back_and_forth(name: str, history, share: float):
     """Non-negative strip sums suffice, μ ≥ 0 is not needed: both e surfaces are invertible (theory §1)."""
-    h = surface(name)
+    h = thesis_surface(name)
     op = Preisach(h, "anhysteretic")
     for u in history:
         op.step(u)
@@ -265,7 +265,7 @@ def test_the_inverse_goes_back_and_forth(name: str, history, share: float):
 
 
 def test_the_inverse_starts_from_a_given_state_and_ends_at_saturation():
-    h = surface("two_e")
+    h = thesis_surface("two_e")
     op = after("surface", "negative", [100.0, -50.0])
     elsewhere = after("surface", "negative", [20.0]).state
     u = op.inverse(9.0, elsewhere)
@@ -275,10 +275,10 @@ def test_the_inverse_starts_from_a_given_state_and_ends_at_saturation():
     assert Preisach(h, "positive").step(op.inverse(h.y_lower)) == pytest.approx(h.y_lower, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_saturation_is_reachable_to_the_last_bit(name: str):
     """Outputs computed elsewhere differ from y₊ and y₋ by rounding; that is no reason to refuse them."""
-    h = surface(name)
+    h = thesis_surface(name)
     for initial in ("negative", "anhysteretic", "positive"):
         op = Preisach(h, initial)
         for target, end in ((h.y_upper, h.upper), (h.y_lower, h.lower)):
@@ -347,7 +347,7 @@ def test_an_operator_needs_a_hysteresis(wrong):
 
 
 def test_words_and_tables_of_inputs_are_refused():
-    op = Preisach(surface("two_e"))
+    op = Preisach(thesis_surface("two_e"))
     with pytest.raises(
         UsageError, match="Initial state 'cold' is not negative, positive, anhysteretic or a State"
     ):

@@ -5,7 +5,7 @@ import pytest
 
 from preisach.relay_reference import TABLE_5_1, Printed, Relays, cells, histories, lower_half
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
@@ -16,7 +16,9 @@ SIDE = np.array(
     [7.0, 15.0, 24.5, 37.0, 45.0, 60.0, 75.0, 90.0, 99.0, 100.0, 101.0, 102.0, 125.0, 145.0, 185.0]
 )
 TWO_WIRE = np.concatenate([-SIDE[::-1], [0.0], SIDE])
-ONE_WIRE = np.unique([*PARTITIONS["one_wire"], 3.1, 12.0, 20.0, 35.5, 50.0, 75.0, 100.0, 101.0, 102.0, 125.0])
+ONE_WIRE = np.unique(
+    [*THESIS_PARTITIONS["one_wire"], 3.1, 12.0, 20.0, 35.5, 50.0, 75.0, 100.0, 101.0, 102.0, 125.0]
+)
 EVEN = np.linspace(-185.0, 185.0, 21)
 
 
@@ -45,7 +47,7 @@ def test_surface_is_its_relays(name: str, initial: str, history: str):
     printed, levels = Printed(name), levels_of(name)
     centre = None if initial == "negative" else 0.0
     relays = cells(levels, printed.y, centre, lower_half(printed.y_alpha_beta))
-    op = Preisach(surface(name))
+    op = Preisach(thesis_surface(name))
     start(op, centre)
     assert op.y == pytest.approx(printed.y_lower + relays.nu[relays.on].sum(), abs=TOLERANCE * printed.range)
     assert worst(op, relays, printed.y_lower, histories(levels, 1)[history]) <= TOLERANCE * printed.range
@@ -58,7 +60,7 @@ def test_surface_is_its_relays_from_any_diagonal(name: str, centre: float):
     printed, relative = Printed(name), TOLERANCE * Printed(name).range
     for inputs in histories(EVEN, 2).values():
         relays = cells(EVEN, printed.y, centre, lower_half(printed.y_alpha_beta))
-        op = Preisach(surface(name))
+        op = Preisach(thesis_surface(name))
         assert op.go_to_diagonal(centre) == pytest.approx(
             printed.y_lower + relays.nu[relays.on].sum(), abs=relative
         )
@@ -131,7 +133,7 @@ def test_table_is_its_relays(centre: float | None, history: str):
 
 def test_table_returns_its_own_data():
     """FOD inputs along the partition give back the table: exact at the nodes."""
-    nodes = np.array(PARTITIONS["two_wire"])
+    nodes = np.array(THESIS_PARTITIONS["two_wire"])
     y = random_table(nodes, 5)
     op = Preisach.from_table(nodes, nodes, y)
     for i in range(1, nodes.size):
@@ -185,7 +187,7 @@ def test_one_jump_past_the_last_maximum():
 @pytest.mark.parametrize("name", ["one_p", "two_e"])
 def test_mirror_is_its_mirrored_relays(name: str):
     printed, levels = Printed(name), levels_of(name)
-    op = Preisach(Mirrored(surface(name)), "positive")
+    op = Preisach(Mirrored(thesis_surface(name)), "positive")
     for inputs in histories(levels, 10).values():
         op.reset("positive")
         relays = cells(levels, printed.y, None)
@@ -202,5 +204,6 @@ def test_measure_of_a_table_is_the_table():
     inputs = histories(TWO_WIRE, 11)["random"]
     by_measure = Preisach(measure).simulate(inputs) + offset
     assert (
-        np.max(np.abs(by_measure - Preisach(surface("two_c")).simulate(inputs))) <= TOLERANCE * printed.range
+        np.max(np.abs(by_measure - Preisach(thesis_surface("two_c")).simulate(inputs)))
+        <= TOLERANCE * printed.range
     )

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach, State
 from smarig.preisach.sensitivity import sensitivity
@@ -18,14 +18,14 @@ NODES = np.array([-185.0, -130.0, -60.0, -12.0, 20.0, 75.0, 130.0, 185.0])
 
 def _table() -> FodTable:
     a, b = np.meshgrid(NODES, NODES, indexing="ij")
-    return FodTable.from_arrays(NODES, NODES, np.where(b <= a, surface("two_c").y(a, b), np.nan))
+    return FodTable.from_arrays(NODES, NODES, np.where(b <= a, thesis_surface("two_c").y(a, b), np.nan))
 
 
 SYSTEMS: dict[str, Everett] = {
-    "two_p": surface("two_p"),
-    "two_e": surface("two_e"),
+    "two_p": thesis_surface("two_p"),
+    "two_e": thesis_surface("two_e"),
     "table": _table(),
-    "mirror": Mirrored(surface("two_e")),
+    "mirror": Mirrored(thesis_surface("two_e")),
 }
 STEP = 1e-4
 
@@ -72,7 +72,7 @@ def test_slopes_are_those_of_simulations(name: str, initial, parts, up: bool):
 
 
 def test_a_remembered_maximum_still_matters_and_a_wiped_one_does_not():
-    h = surface("one_e")
+    h = thesis_surface("one_e")
     op = Preisach(h)
     op.follow([90.0, 40.0, 60.0])
     assert np.all(np.abs(sensitivity(h, op.state)[1:]) > 1e-3)
@@ -82,7 +82,7 @@ def test_a_remembered_maximum_still_matters_and_a_wiped_one_does_not():
 
 def test_noise_of_past_inputs_propagates_through_the_memory():
     """First-order propagation with these slopes is the scatter of simulations with noisy inputs."""
-    h, path, sigma = surface("two_e"), [120.0, -40.0, 80.0, 10.0], 0.05
+    h, path, sigma = thesis_surface("two_e"), [120.0, -40.0, 80.0, 10.0], 0.05
     op = Preisach(h)
     op.follow(path)
     expected = sigma * np.linalg.norm(sensitivity(h, op.state))
@@ -92,7 +92,7 @@ def test_noise_of_past_inputs_propagates_through_the_memory():
 
 
 def test_in_saturation_only_the_input_is_left():
-    h = surface("two_e")
+    h = thesis_surface("two_e")
     slopes = sensitivity(h, Preisach(h, "positive").state)
     assert slopes.tolist() == [0.0, pytest.approx(float(h.strip_alpha(185.0, -185.0)))]
 

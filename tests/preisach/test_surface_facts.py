@@ -7,7 +7,7 @@ from scipy.integrate import quad
 from preisach.relay_reference import NODES, TABLE_5_1, WEIGHTS, Printed
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, PARTITIONS, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, THESIS_SURFACES, thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.theory.energy import available_storage, certify
 from smarig.theory.properties import properties
@@ -15,29 +15,29 @@ from smarig.theory.properties import properties
 
 def grid(name: str, n: int = 371) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """α, β, and where α ≥ β."""
-    s = surface(name)
+    s = thesis_surface(name)
     a, b = np.meshgrid(*[np.linspace(s.lower, s.upper, n)] * 2, indexing="ij")
     return a, b, a >= b
 
 
 def test_the_built_in_sets_are_the_printed_table():
-    assert set(NAMES) == set(TABLE_5_1)
+    assert set(THESIS_SURFACES) == set(TABLE_5_1)
     for name, (x, _, (lower, upper), (y_lower, y_upper)) in TABLE_5_1.items():
-        s = surface(name)
+        s = thesis_surface(name)
         assert (s.x, s.lower, s.upper, s.y_lower, s.y_upper) == (x, lower, upper, y_lower, y_upper)
 
 
 def test_partitions_are_the_currents_of_the_protocol():
     """One-wire: 174.1 I² for I = 0 … 1 A by 0.1; two-wire: symmetric about zero (theory §3)."""
     assert np.allclose(
-        PARTITIONS["one_wire"], 174.1 * np.linspace(0, 1, 11) ** 2, atol=0.06
+        THESIS_PARTITIONS["one_wire"], 174.1 * np.linspace(0, 1, 11) ** 2, atol=0.06
     )  # 27.856 is printed 27.8
-    assert np.array_equal(PARTITIONS["two_wire"], -np.array(PARTITIONS["two_wire"])[::-1])
+    assert np.array_equal(THESIS_PARTITIONS["two_wire"], -np.array(THESIS_PARTITIONS["two_wire"])[::-1])
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_values_and_derivatives_are_the_printed_formula(name: str):
-    s, printed = surface(name), Printed(name)
+    s, printed = thesis_surface(name), Printed(name)
     a, b, inside = grid(name, 60)
     scale = printed.range
     assert np.allclose(s.y(a, b)[inside], printed.y(a, b)[inside], rtol=0, atol=1e-13 * scale)
@@ -54,19 +54,19 @@ def test_values_and_derivatives_are_the_printed_formula(name: str):
     )
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_ends_are_exact(name: str):
     """ỹ(ū, ū) matches the measured output to the last bit but one, ỹ(α, u̲) to the last (§5.4)."""
-    s = surface(name)
+    s = thesis_surface(name)
     assert float(s.y(s.upper, s.upper)) == pytest.approx(s.y_upper, rel=2.3e-16, abs=0)
     assert np.all(s.y(np.linspace(s.lower, s.upper, 99), s.lower) == s.y_lower)
 
 
 @pytest.mark.parametrize(
-    ("name", "percent"), list(zip(NAMES, [28.8, 33.7, 8.2, 26.2, 13.1, 12.6], strict=True))
+    ("name", "percent"), list(zip(THESIS_SURFACES, [28.8, 33.7, 8.2, 26.2, 13.1, 12.6], strict=True))
 )
 def test_share_of_the_reversible_part(name: str, percent: float):
-    s, printed = surface(name), Printed(name)
+    s, printed = thesis_surface(name), Printed(name)
     carried, _ = quad(lambda b: float(s.reversible(b)), s.lower, s.upper, limit=200)
     by_print, _ = quad(lambda b: float(printed.y_beta(b, b)), s.lower, s.upper, limit=200)
     assert carried == pytest.approx(by_print, rel=1e-9)
@@ -74,10 +74,10 @@ def test_share_of_the_reversible_part(name: str, percent: float):
     assert np.all(s.reversible(np.linspace(s.lower, s.upper, 500)) >= 0)  # 0 only below the last bit of y
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_density_and_reversible_part_reach_saturation_together(name: str):
     """2∬μ + ∫g = y₊ − y₋; μ alone falls short by g's share (erratum 8)."""
-    s = surface(name)
+    s = thesis_surface(name)
     edges = np.linspace(s.lower, s.upper, 41)
     half, middle = np.diff(edges)[0] / 2, (edges[1:] + edges[:-1]) / 2
     a = (middle[:, None] + half * NODES).ravel()
@@ -92,7 +92,7 @@ def test_density_and_reversible_part_reach_saturation_together(name: str):
 @pytest.mark.parametrize("name", ["one_c", "two_c"])
 def test_closed_form_of_the_constant_density(name: str):
     """μ̃_c with its last factor as erratum 3 corrects it; non-negative because x₂ > 0."""
-    s = surface(name)
+    s = thesis_surface(name)
     a, b, inside = grid(name, 80)
     x2, x3, x4, x5 = s.x
     e_lower, e_b, e_a = np.exp(-x4 * (s.lower + x5)), np.exp(-x4 * (b + x5)), np.exp(-x2 * (a + x3))
@@ -108,7 +108,7 @@ def test_closed_form_of_the_constant_density(name: str):
 def test_the_best_fits_are_not_positive(name: str, least: float):
     """Table 5.2: only the c surfaces are in M_P."""
     a, b, inside = grid(name)
-    assert surface(name).density(a, b)[inside].min() == pytest.approx(least, rel=0.05)
+    assert thesis_surface(name).density(a, b)[inside].min() == pytest.approx(least, rel=0.05)
 
 
 # --- branches, as the operator draws them -----------------------------------------------------------
@@ -116,7 +116,7 @@ def test_the_best_fits_are_not_positive(name: str, least: float):
 
 def falling_branches(name: str) -> np.ndarray:
     """FOD curves, rows: up from negative saturation to α, then down in steps to u₋; NaN elsewhere."""
-    s = surface(name)
+    s = thesis_surface(name)
     levels = np.linspace(s.lower, s.upper, 186)
     op = Preisach(s)
     curves = np.full((levels.size, levels.size), np.nan)
@@ -127,7 +127,7 @@ def falling_branches(name: str) -> np.ndarray:
 
 def rising_branches(name: str) -> np.ndarray:
     """FOA curves, rows: down from positive saturation to β, then up in steps to u₊; NaN elsewhere."""
-    s = surface(name)
+    s = thesis_surface(name)
     levels = np.linspace(s.lower, s.upper, 186)
     op = Preisach(s)
     curves = np.full((levels.size, levels.size), np.nan)
@@ -136,13 +136,13 @@ def rising_branches(name: str) -> np.ndarray:
     return curves
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_falling_branches_are_monotone(name: str):
     curves = falling_branches(name)
     assert np.nanmin(np.diff(curves, axis=1)) >= -1e-14
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n != "two_p"])
+@pytest.mark.parametrize("name", [n for n in THESIS_SURFACES if n != "two_p"])
 def test_rising_branches_are_monotone(name: str):
     curves = rising_branches(name)
     assert np.nanmin(np.diff(curves, axis=1)) >= -1e-14
@@ -153,7 +153,7 @@ def test_rising_branches_of_the_two_wire_parabola_go_back():
     curves, step_K = rising_branches("two_p"), 2.0
     assert np.nanmin(np.diff(curves, axis=1)) / step_K == pytest.approx(-0.036, abs=0.001)  # mean over 2 K
     a, b, inside = grid("two_p")
-    assert surface("two_p").strip_alpha(a, b)[inside].min() == pytest.approx(-0.037, abs=0.0005)
+    assert thesis_surface("two_p").strip_alpha(a, b)[inside].min() == pytest.approx(-0.037, abs=0.0005)
     known = np.where(np.isnan(curves), -np.inf, curves)
     lost = np.nanmax(np.maximum.accumulate(known, axis=1) - curves)
     assert lost == pytest.approx(0.55, abs=0.01)
@@ -164,15 +164,15 @@ def test_anhysteretic_output_is_not_zero(name: str, psi_0: float):
     """ψ(0) = r(B*), by adaptive quadrature of the printed formula and as theory §1 states it."""
     printed = Printed(name)
     by_print, _ = quad(lambda b: float(printed.y_beta(-b, b)), printed.lower, 0.0, epsabs=1e-12)
-    here = Preisach(surface(name), "anhysteretic").y
+    here = Preisach(thesis_surface(name), "anhysteretic").y
     assert here == pytest.approx(printed.y_lower + by_print, abs=1e-11)
     assert here == pytest.approx(psi_0, abs=0.005)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_psi_is_onto(name: str):
     """ψ(ℓ) = r(B_ℓ) runs from y₋ to y₊ (Thm 8.5); beyond the range ℓ is clipped."""
-    s = surface(name)
+    s = thesis_surface(name)
     op = Preisach(s)
     assert op.go_to_diagonal(s.lower) == pytest.approx(s.y_lower, abs=1e-12)
     assert op.go_to_diagonal(s.upper) == pytest.approx(s.y_upper, abs=1e-11)
@@ -180,14 +180,14 @@ def test_psi_is_onto(name: str):
 
 
 def test_psi_of_the_one_wire_parabola_is_not_monotone():
-    s = surface("one_p")
+    s = thesis_surface("one_p")
     psi = [Preisach(s).go_to_diagonal(ell) for ell in np.linspace(s.lower, s.upper, 80)]
     assert np.min(np.diff(psi)) < 0
 
 
 @pytest.mark.parametrize("name", ["one_c", "one_p", "one_e"])
 def test_one_wire_anhysteretic_state_is_negative_saturation(name: str):
-    s = surface(name)
+    s = thesis_surface(name)
     inputs = np.random.default_rng(1).uniform(s.lower, s.upper, 400)
     op = Preisach(s)
     cold, anhysteretic = op.simulate(inputs), op.simulate(inputs, "anhysteretic")
@@ -230,4 +230,4 @@ def test_an_output_that_never_moves_is_a_hysteresis_all_the_same():
 
 def test_an_unknown_surface_is_refused_with_the_nearest_name():
     with pytest.raises(UsageError, match="No surface 'one_w'; did you mean one_"):
-        surface("one_w")
+        thesis_surface("one_w")

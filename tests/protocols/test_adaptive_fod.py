@@ -6,7 +6,7 @@ import pytest
 
 from smarig.core.command import Hold, Mark, Settled, StepResult, StepVerdict
 from smarig.core.errors import Interrupted, UsageError
-from smarig.protocols._settings import build, setting_texts
+from smarig.protocols._settings import build_protocol, setting_texts
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import NextInputs, adaptive_fod, halving
 from smarig.record import load_run
@@ -153,14 +153,16 @@ def test_halving_refines_even_partitions_and_ends():
 )
 def test_bad_settings_get_one_sentence_before_anything_is_run(settings, message):
     with pytest.raises(UsageError, match=message) as caught:
-        build("adaptive_fod", ONE, settings)
+        build_protocol("adaptive_fod", ONE, settings)
     assert "\n" not in str(caught.value)
 
 
 def test_a_chooser_is_handed_to_the_protocols_that_take_one():
     chooser = ScriptedChooser(NextInputs((33.0,)))
-    assert 33.0 in held(carried_out(build("adaptive_fod", ONE, {}, chooser)))
-    assert len(held(list(build("wiping_out", ONE, {}, chooser)))) == len(held(list(build("wiping_out", ONE))))
+    assert 33.0 in held(carried_out(build_protocol("adaptive_fod", ONE, {}, chooser)))
+    assert len(held(list(build_protocol("wiping_out", ONE, {}, chooser)))) == len(
+        held(list(build_protocol("wiping_out", ONE)))
+    )
     assert "chooser" not in dict(setting_texts("adaptive_fod"))
 
 

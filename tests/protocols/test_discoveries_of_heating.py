@@ -6,7 +6,7 @@ import pytest
 import smarig
 from smarig.plant.actuator import Actuator
 from smarig.plant.heating import temperature_along
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.runner.initialisation_spread import initialisation_spread
 
@@ -23,7 +23,10 @@ def loop_tops(run, loop_s):
 def replay_residual(run):
     """Counts the operator fails to explain, driven by the simulated temperature."""
     temperature = temperature_along(Actuator.named("gorbet_one_wire"), run["current_command_A"], 0.1)
-    return Preisach(surface("one_e")).simulate(temperature) / run.meta["output"]["per_count"] - run["counts"]
+    return (
+        Preisach(thesis_surface("one_e")).simulate(temperature) / run.meta["output"]["per_count"]
+        - run["counts"]
+    )
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -6,7 +6,7 @@ from smarig.config import load_rig
 from smarig.core.catalogue import catalogue_names, catalogue_summary
 from smarig.core.command import Hold, Waveform
 from smarig.core.errors import UsageError
-from smarig.protocols._settings import build, parse_pairs, setting_texts
+from smarig.protocols._settings import build_protocol, parse_pairs, setting_texts
 from smarig.protocols._setup import Setup
 from smarig.rig.guard import Guard
 from smarig.rig.twin import Twin
@@ -37,23 +37,23 @@ def test_it_runs_on_the_noisy_twin_settles_and_ends_at_zero(rig, name):
     runner = Runner(
         Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
     )
-    runner.run(build(name, Setup.of(rig)))
+    runner.run(build_protocol(name, Setup.of(rig)))
     assert twin.output_A == 0.0
     assert not [r for r in results if r.verdict == "timed_out"]
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_it_is_inert_documented_and_refuses_unknown_settings(name):
-    build(name, Setup.of("one_wire_twin"))  # nothing happens: no rig is there
+    build_protocol(name, Setup.of("one_wire_twin"))  # nothing happens: no rig is there
     assert catalogue_summary("smarig.protocols", name).endswith(".")
     assert all(key.replace(".", "").isidentifier() for key, _ in setting_texts(name))
     with pytest.raises(UsageError, match=f"'{name}' has no setting 'nonsense'"):
-        build(name, Setup.of("one_wire_twin"), {"nonsense": "1"})
+        build_protocol(name, Setup.of("one_wire_twin"), {"nonsense": "1"})
 
 
 def targets(name, rig="one_wire_twin", **settings):
     """The inputs a protocol asks for, in order; nothing is run (answers are not needed)."""
-    return [c.target for c in build(name, Setup.of(rig), settings) if isinstance(c, Hold)]
+    return [c.target for c in build_protocol(name, Setup.of(rig), settings) if isinstance(c, Hold)]
 
 
 def test_golden_first_order_descending():
@@ -63,7 +63,9 @@ def test_golden_first_order_descending():
 
 @pytest.mark.parametrize(("rig", "curves"), [("one_wire_twin", 10), ("two_wire_twin", 11)])
 def test_number_of_curves_and_points_follow_from_the_partition(rig, curves):
-    labels = [c.branch for c in build("first_order_descending", Setup.of(rig)) if isinstance(c, Hold)]
+    labels = [
+        c.branch for c in build_protocol("first_order_descending", Setup.of(rig)) if isinstance(c, Hold)
+    ]
     assert len({b for b in labels if b.startswith("fod")}) == curves
     points = sum(b.startswith(("fod", "rise")) for b in labels)
     assert points == curves * (curves + 3) // 2
@@ -75,14 +77,14 @@ def test_golden_first_order_ascending_is_the_mirror():
 
 
 def test_wiping_out_segments_are_identical():
-    steps = [c for c in build("wiping_out", Setup.of("one_wire_twin")) if isinstance(c, Hold)]
+    steps = [c for c in build_protocol("wiping_out", Setup.of("one_wire_twin")) if isinstance(c, Hold)]
     a, b = ([c.target for c in steps if c.branch.startswith(s) and "peak" not in c.branch] for s in "AB")
     assert a == b
     assert len(a) == 20
 
 
 def test_congruency_loops_visit_the_same_inputs():
-    steps = [c for c in build("congruency", Setup.of("two_wire_twin")) if isinstance(c, Hold)]
+    steps = [c for c in build_protocol("congruency", Setup.of("two_wire_twin")) if isinstance(c, Hold)]
     by = {
         label: [c.target for c in steps if c.branch == label]
         for label in ("A down", "A up", "B down", "B up")
@@ -125,7 +127,7 @@ def test_profiles_from_lists_and_files(tmp_path):
 )
 def test_bad_settings_get_one_sentence(name, settings, message):
     with pytest.raises(UsageError, match=message) as caught:
-        list(build(name, Setup.of("one_wire_twin"), settings))
+        list(build_protocol(name, Setup.of("one_wire_twin"), settings))
     assert "\n" not in str(caught.value)
 
 
@@ -133,7 +135,7 @@ def test_profile_file_errors_name_the_line(tmp_path):
     file = tmp_path / "p.csv"
     file.write_text("temperature_K\n5\nsix\n")
     with pytest.raises(Exception, match=r"line 3: 'six'"):
-        list(build("step_currents", Setup.of("one_wire_twin"), {"file": str(file)}))
+        list(build_protocol("step_currents", Setup.of("one_wire_twin"), {"file": str(file)}))
 
 
 def test_pairs_must_be_pairs():
@@ -147,7 +149,7 @@ def test_initialise_thesis_uses_the_printed_formula():
 
     waves = [
         c
-        for c in build("initialise", Setup.of("two_wire_twin"), {"method": "thesis"})
+        for c in build_protocol("initialise", Setup.of("two_wire_twin"), {"method": "thesis"})
         if isinstance(c, Waveform)
     ]
     current = waves[0].currents_A[249]  # t = 25 s

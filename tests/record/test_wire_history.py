@@ -8,7 +8,7 @@ import pytest
 import smarig
 from runner.interrupted import cut
 from smarig.core.errors import DataError, Interrupted, LimitExceeded
-from smarig.record.wire_history import Wear, WireHistory, histories, load_history
+from smarig.record.wire_history import Wear, WireHistory, load_wire_history, wire_histories
 from smarig.runner.listener import CallbackListener
 from smarig.runner.resume.resume_run import resume
 from smarig.runner.run_control import RunControl
@@ -23,7 +23,7 @@ def _empty(tmp_path, monkeypatch):
 
 
 def of(wire="twin-one-wire"):
-    return load_history(wire, twin=True)
+    return load_wire_history(wire, twin=True)
 
 
 def test_what_is_counted():
@@ -47,7 +47,7 @@ def test_it_adds_up_over_runs_and_stands_in_their_records(tmp_path):
     assert one.largest_input_K == pytest.approx(0.9 * 174.1, abs=0.2)
     assert first.meta["wire_history"].startswith("0 runs")
     assert smarig.load_run(tmp_path / "b.run.sqlite").meta["wire_history"] == one.sentence()
-    assert [h.wire for h in histories()] == ["twin-one-wire"]
+    assert [h.wire for h in wire_histories()] == ["twin-one-wire"]
 
 
 def test_an_interrupted_run_counts_once_however_it_ended(tmp_path):
@@ -73,12 +73,12 @@ def test_an_interrupted_run_counts_once_however_it_ended(tmp_path):
 
 
 def test_a_simulation_wears_nothing(tmp_path):
-    from smarig.preisach.hysteresis.gorbet_1997 import surface
+    from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     from smarig.rig.twin import TwinSettings
 
-    with Session("one_wire_twin", twin=TwinSettings(hysteresis=surface("one_e"))) as session:
+    with Session("one_wire_twin", twin=TwinSettings(hysteresis=thesis_surface("one_e"))) as session:
         session.run("validation", {"points": "2"}, tmp_path / "s.run.sqlite")
-    assert histories() == []
+    assert wire_histories() == []
 
 
 def test_a_worn_wire_is_refused_before_anything_moves(tmp_path):

@@ -2,8 +2,8 @@
 
 from smarig.config import locate
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import from_pairs
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.plant.effect_catalogue import effects_from_pairs
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import load_run
 from smarig.replay import PlantModel
 from smarig.rig.twin import TwinSettings
@@ -22,7 +22,7 @@ def session_runs(folder, *protocols, rig="one_wire_twin", effects=(), seed=1, no
         rig = str(folder / "fine.toml")
         text = coarse.replace("counts_per_rev = 2000", f"counts_per_rev = {2000 * FINER}")
         (folder / "fine.toml").write_text(text, encoding="utf-8")
-    settings = TwinSettings(seed=seed, noise=noise, effects=from_pairs(effects))
+    settings = TwinSettings(seed=seed, noise=noise, effects=effects_from_pairs(effects))
     with Session(rig, twin=settings) as rig_session:
         paths = [
             rig_session.run(name, settings_of_run, folder / f"{k}.run.sqlite")
@@ -37,6 +37,10 @@ def twin_plant_model(effects=(), wire="gorbet_one_wire"):
     hysteresis = actuator.file.hysteresis
     per_count = actuator.position_per_count(2000)
     plant_model = PlantModel(
-        actuator, surface(hysteresis.surface), hysteresis.initial, from_pairs(effects), per_count
+        actuator,
+        thesis_surface(hysteresis.surface),
+        hysteresis.initial,
+        effects_from_pairs(effects),
+        per_count,
     )
     return plant_model, per_count

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.plant.effect_catalogue import effect_types, from_pairs
+from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
 from smarig.replay import ReadingSeries, build_timeline
 from smarig.replay import trajectory as life
 from smarig.replay.timeline import CurrentProfile
@@ -64,12 +64,13 @@ def test_both_methods_give_the_same_to_the_last_bit(cases, wire, kind):
 @pytest.mark.parametrize("wire", WIRES)
 def test_a_late_sensor_is_late_by_whole_ticks_however_these_are_cut(cases, wire, heat):
     timeline, plant_model = cases[wire]
-    cut = from_pairs([heat])
+    cut = effects_from_pairs([heat])
     inputs = hysteresis_input(timeline, plant_model, cut)
     assert inputs is not None
     assert inputs["t_s"].size > 1.5 * timeline.ticks[0].size
     late, true = (
-        by_parts_and_by_ticks(timeline, plant_model, e) for e in ((*cut, *from_pairs(["sensor_lag"])), cut)
+        by_parts_and_by_ticks(timeline, plant_model, e)
+        for e in ((*cut, *effects_from_pairs(["sensor_lag"])), cut)
     )
     assert_the_same(*late)
     assert np.abs(late[0]["counts"] - true[0]["counts"]).max() > 10
@@ -83,7 +84,7 @@ def test_backlash_starts_from_its_rest_position(cases):
     at_once = replace(
         timeline, drive=CurrentProfile(at[-1:], np.array([1.5])), settled=settled, other_readings=()
     )
-    a, b = by_parts_and_by_ticks(at_once, plant_model, from_pairs(["backlash"]))
+    a, b = by_parts_and_by_ticks(at_once, plant_model, effects_from_pairs(["backlash"]))
     assert_the_same(a, b)
     half = 0.0075 * plant_model.stroke
     assert a["output"][0] > 5 * half

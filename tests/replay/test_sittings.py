@@ -9,7 +9,7 @@ from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.core.errors import DataError
 from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.critique.refit import refit
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, build_timeline, predict
 
 TAU_S = 5.3
@@ -142,7 +142,7 @@ def test_effects_restart_in_each_session(tmp_path, effect):
         *session_runs(tmp_path / "b", LISTED, noise=False),
     ]
     timeline, plant_model = build_timeline(runs, TAU_S), twin_plant_model()[0]
-    trace = predict(timeline, plant_model, from_pairs([effect])).values["settled"]
+    trace = predict(timeline, plant_model, effects_from_pairs([effect])).values["settled"]
     trace = trace - predict(timeline, plant_model).values["settled"]
     first, second = trace[timeline.zero == 0], trace[timeline.zero == 1]
     assert np.abs(first).max() > 0.01

@@ -11,12 +11,12 @@ from smarig.app.loop_model import ModelSource
 from smarig.app.regulation_loop import regulation
 from smarig.app.tracking_loop import tracking
 from smarig.certify.model_certificate import certificate
-from smarig.control.regulation.regulation_protocol import DISTURBED
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.control.regulation.regulation_protocol import SETPOINT_DISTURBED
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import Event, load_run
 from smarig.report.closed_loop.closed_loop_figures import clipped_text, error_half_range
-from smarig.report.closed_loop.closed_loop_text import result_text
-from smarig.report.closed_loop.loop_result import closed_loop
+from smarig.report.closed_loop.closed_loop_text import loop_result_text
+from smarig.report.closed_loop.loop_result import closed_loop_result
 from smarig.report.models.certificate_page import certificate_page, certified_model
 from smarig.report.runs.run_page import run_page
 from smarig.runner.session import Session
@@ -48,7 +48,7 @@ def runs(tmp_path_factory, closed_loop_model):
 
 def test_a_tracked_run_shows_wanted_and_measured_and_the_error_in_counts(runs):
     run = runs["track"]
-    page, found = Page(run_page(run)), closed_loop(run)
+    page, found = Page(run_page(run)), closed_loop_result(run)
     wanted, measured = page.traces("wanted")[0], page.traces("measured")[0]
     np.testing.assert_allclose(unpacked(wanted["y"]), found.loop.wanted, rtol=1e-6)
     np.testing.assert_allclose(unpacked(measured["y"]), found.loop.position, atol=1e-6)
@@ -63,7 +63,7 @@ def test_a_tracked_run_shows_wanted_and_measured_and_the_error_in_counts(runs):
 
 def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     run = runs["regulate"]
-    page, found = Page(run_page(run)), closed_loop(run)
+    page, found = Page(run_page(run)), closed_loop_result(run)
     psi = page.traces("ψ(ℓ)")[0]
     drawn = np.interp(found.setpoint_data["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
     assert drawn == pytest.approx(6.0, abs=0.02)
@@ -80,7 +80,7 @@ def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
 
 
 def test_the_transient_is_the_largest_error_since_the_disturbance(runs):
-    found = closed_loop(runs["regulate"])
+    found = closed_loop_result(runs["regulate"])
     later = found.loop.t_s > found.disturbance_s[0]
     assert found.transient == np.abs(found.loop.position - found.loop.wanted)[later].max()
     assert found.zero == pytest.approx(6.0 - found.loop.wanted[0])
@@ -88,7 +88,7 @@ def test_the_transient_is_the_largest_error_since_the_disturbance(runs):
 
 def test_the_end_is_the_mean_and_the_spread_of_the_last_quarter(runs):
     run = runs["regulate"]
-    found = closed_loop(run)
+    found = closed_loop_result(run)
     last = found.loop.t_s > 90.0
     off = found.loop.position - found.loop.wanted
     assert found.to_json()["last_error"] == pytest.approx(off[last].mean())
@@ -97,7 +97,7 @@ def test_the_end_is_the_mean_and_the_spread_of_the_last_quarter(runs):
     page = Page(run_page(run))
     assert "mean of the last 30 s" in page.card("At the end")
     assert "of the readings" in page.card("Largest transient")
-    assert "of the readings from the disturbance on" in result_text(found, "mm")
+    assert "of the readings from the disturbance on" in loop_result_text(found, "mm")
     assert "does not rest" not in page.visible
 
 
@@ -113,7 +113,7 @@ def test_a_loop_that_swings_or_rests_off_is_reported(runs):
     swinging = moved(runs["regulate"], lambda t: 5 * np.sin(t / 2))
     elsewhere = moved(runs["regulate"], lambda t: 0 * t + 13)
     for run, words in ((swinging, "It does not rest: it swings by"), (elsewhere, "It rests")):
-        assert words in result_text(closed_loop(run), "mm")
+        assert words in loop_result_text(closed_loop_result(run), "mm")
         assert words in Page(run_page(run)).visible
 
 
@@ -126,7 +126,7 @@ def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
         for plot in page.plots
         if "range" in plot["layout"].get("yaxis2", {})
     ]
-    assert ranges[0][1] > np.abs(closed_loop(elsewhere).loop.error).max() > 40
+    assert ranges[0][1] > np.abs(closed_loop_result(elsewhere).loop.error).max() > 40
     assert "cut off" not in page.visible
     jumps = np.r_[np.full(97, 0.5), np.full(3, 80.0)]
     assert error_half_range(jumps) == 12.0
@@ -139,11 +139,11 @@ def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
 def test_a_transient_before_the_disturbance_does_not_count(runs):
     """Half a millimetre before the push, in the readings themselves."""
     run = runs["regulate"]
-    before = closed_loop(run)
-    mark = next(e for e in run.events if e.kind == "mark" and e.text == DISTURBED)
+    before = closed_loop_result(run)
+    mark = next(e for e in run.events if e.kind == "mark" and e.text == SETPOINT_DISTURBED)
     position = run["position"].copy()
     position[run["t_s"] < mark.t_s - 1.0] += 0.5
-    shifted = closed_loop(replace(run, columns={**run.columns, "position": position}))
+    shifted = closed_loop_result(replace(run, columns={**run.columns, "position": position}))
     assert np.abs(shifted.loop.error).max() > 10
     assert shifted.transient == before.transient
 
@@ -151,7 +151,7 @@ def test_a_transient_before_the_disturbance_does_not_count(runs):
 def test_the_end_of_the_last_step_is_none(runs):
     """At its last time a held reference has its last position already: no wire jumps there within a tick."""
     run = runs["track"]
-    found = closed_loop(run)
+    found = closed_loop_result(run)
     assert found.loop.t_s[-1] < found.reference.duration_s - 1e-6
     assert found.loop.wanted[-1] == found.reference.position[-2]
 
@@ -187,7 +187,7 @@ def test_the_page_of_a_certificate(name, verdict):
     assert page.row("constant_gain")[-1] == ("covered" if name == "one_c" else "not covered: passive fails")
     assert page.row("Thm 8.1")[1:3] == ["ν ≥ 0", "holds"] if name == "one_c" else "gives back" in page.visible
     psi = page.traces("ψ(ℓ)")[0]
-    assert unpacked(psi["y"])[0] == pytest.approx(surface(name).y_lower)
+    assert unpacked(psi["y"])[0] == pytest.approx(thesis_surface(name).y_lower)
     assert f"{name}.model.json" in page.visible
     assert "f.run.sqlite" in page.visible
 
@@ -219,7 +219,7 @@ def test_marks_that_say_too_little_cost_the_section_and_not_the_page(mark):
         "psi_ell_K": [0, 1],
         "psi": [0, 1],
     }
-    assert closed_loop(run_of({}, (), (Event(0.0, "info", "mark", "regulate", odd),))) is not None, (
+    assert closed_loop_result(run_of({}, (), (Event(0.0, "info", "mark", "regulate", odd),))) is not None, (
         "the least there is"
     )
     columns = {"t_s": [0.1], "position": [1.0], "input": [3.0], "current_A": [0.2]}

@@ -6,7 +6,7 @@ import pytest
 import smarig
 from report.pages import Page, run_of, step, unpacked
 from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.record import load_run
 from smarig.report.models.model_comparison_page import models_page
 from smarig.report.runs.run_alignment import aligned, common_steps
@@ -86,7 +86,9 @@ def wire(tmp_path_factory):
         curves = {"partition_K": (0, 50, 70, 90, 110, 160)}
         session.run("first_order_descending", curves, folder / "c.run.sqlite")
         session.run("validation", {"points": 6}, folder / "v.run.sqlite")
-    with Session("one_wire_twin", twin=TwinSettings(seed=3, effects=from_pairs(["walking=2"]))) as session:
+    with Session(
+        "one_wire_twin", twin=TwinSettings(seed=3, effects=effects_from_pairs(["walking=2"]))
+    ) as session:
         session.run("validation", {"points": 6}, folder / "w.run.sqlite")
     return {name: load_run(folder / f"{name}.run.sqlite") for name in "cvw"}
 

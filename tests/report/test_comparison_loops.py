@@ -12,7 +12,7 @@ from smarig.app.regulation_loop import regulation
 from smarig.app.tracking_loop import tracking
 from smarig.core.errors import UsageError
 from smarig.record import Event, load_run
-from smarig.report.closed_loop.loop_result import closed_loop
+from smarig.report.closed_loop.loop_result import closed_loop_result
 from smarig.report.components.numbers import number
 from smarig.report.components.style import COMPARED
 from smarig.report.runs.run_comparison_page import comparison_page
@@ -78,7 +78,7 @@ def test_controllers_along_one_reference_are_in_one_table(runs):
     table = table_of(page, "Controller")
     assert list(table) == ["inverse", "pi"]
     for name, row in table.items():
-        f, count = closed_loop(runs[name]).measures, closed_loop(runs[name]).loop.count
+        f, count = closed_loop_result(runs[name]).measures, closed_loop_result(runs[name]).loop.count
         settled = [s for s in f.settle_s if np.isfinite(s)]
         assert row["Controller"] == name
         assert row["Error, rms (mm)"] == number(f.rms)
@@ -96,11 +96,11 @@ def test_positions_errors_and_what_was_wanted_are_drawn_over_each_other(runs):
     page = page_of(runs, "inverse", "pi")
     drawn = plot_of(page, "Error (counts)")
     for name in ("inverse", "pi"):
-        loop = closed_loop(runs[name]).loop
+        loop = closed_loop_result(runs[name]).loop
         np.testing.assert_allclose(unpacked(drawn[name, "y"]["y"]), loop.position, atol=1e-6)
         np.testing.assert_allclose(unpacked(drawn[name, "y2"]["y"]), loop.error, rtol=1e-5, atol=1e-4)
         np.testing.assert_allclose(unpacked(drawn[name, "y3"]["y"]), loop.current_A, atol=1e-6)
-    wanted, follow = drawn["wanted", "y"], closed_loop(runs["pi"]).reference
+    wanted, follow = drawn["wanted", "y"], closed_loop_result(runs["pi"]).reference
     assert unpacked(wanted["x"]).tolist() == [0.0, 10.0, 10.0, 20.0]
     assert unpacked(wanted["y"]).tolist() == [follow.position[k] for k in (0, 0, 1, 1)]
     assert all(words.strip(" .") for caption in page.captions for words in caption.split(": "))
@@ -124,7 +124,7 @@ def test_different_references_are_said_and_not_drawn_over_each_other(runs):
 
 def test_set_points_have_their_transients_beside_each_other(runs):
     page = page_of(runs, "diagonal", "ascending")
-    found = {name: closed_loop(runs[name]) for name in ("diagonal", "ascending")}
+    found = {name: closed_loop_result(runs[name]) for name in ("diagonal", "ascending")}
     table = table_of(page, "Over the smallest")
     least = min(f.transient for f in found.values())
     for name, f in found.items():
@@ -149,13 +149,15 @@ def test_transients_begin_where_each_loop_was_closed(runs):
     page = page_of(runs, "diagonal", "ascending")
     drawn = next(p for p in page.plots if "set-point|" in p["layout"]["yaxis"]["title"]["text"])
     for name in ("diagonal", "ascending"):
-        loop = closed_loop(runs[name]).loop
+        loop = closed_loop_result(runs[name]).loop
         error = next(t for t in drawn["data"] if t["name"] == name and t["yaxis"] == "y")
         np.testing.assert_allclose(unpacked(error["x"]), loop.t_s, atol=1e-4)
         np.testing.assert_allclose(unpacked(error["y"]), np.abs(loop.error), rtol=1e-5, atol=1e-4)
         assert drawn["layout"]["yaxis"]["range"][1] > np.abs(loop.error).max()
     (tint,) = [t for t in drawn["data"] if t["name"] == "disturbance"]
-    assert unpacked(tint["x"]).min() == pytest.approx(closed_loop(runs["diagonal"]).disturbance_s[0], abs=0.5)
+    assert unpacked(tint["x"]).min() == pytest.approx(
+        closed_loop_result(runs["diagonal"]).disturbance_s[0], abs=0.5
+    )
 
 
 def test_the_states_and_the_output_paths_are_those_of_the_runs(runs):
@@ -163,7 +165,7 @@ def test_the_states_and_the_output_paths_are_those_of_the_runs(runs):
     plane = next(p for p in page.plots if p["layout"]["yaxis"]["title"]["text"] == "α (K)")
     way = next(p for p in page.plots if "s scale (mm)" in p["layout"]["yaxis"]["title"]["text"])
     for name in ("diagonal", "ascending"):
-        found = closed_loop(runs[name])
+        found = closed_loop_result(runs[name])
         state = next(t for t in plane["data"] if t["name"] == name)
         np.testing.assert_allclose(unpacked(state["x"]), [beta for beta, _ in found.boundary])
         gone = next(t for t in way["data"] if t["name"] == name)

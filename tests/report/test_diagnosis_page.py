@@ -19,7 +19,7 @@ from smarig.diagnosis.diagnose import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.held_out_gain import held_out_gain
-from smarig.plant.effect_catalogue import effect_types, from_pairs
+from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
 from smarig.record import load_run
 from smarig.replay import build_timeline, plant_model_of, predict
 from smarig.replay.plant_model import actuator_of
@@ -31,7 +31,7 @@ from smarig.report.diagnosis.residual_axes import half_ranges, symmetric_layout
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
-DRIFT, SLIP = from_pairs(["ambient_drift=3", "slip=1"])
+DRIFT, SLIP = effects_from_pairs(["ambient_drift=3", "slip=1"])
 COMPETE = ("ambient_drift", "creep", "sensor_lag", "slack", "walking")
 LEVELS = (0, 50, 70, 80, 90, 110, 160)
 NAMED = DiagnosisVerdict("named", ((("ambient_drift",), 0.97), (("slip",), 0.03)))

@@ -8,7 +8,7 @@ import smarig
 from report.browser import Browser, axe, chromium
 from smarig.app.characterise import characterise
 from smarig.cli import run as cli
-from smarig.plant.effect_catalogue import from_pairs
+from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -38,7 +38,9 @@ def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     runs = folder / "runs"
     for name, seed, effects in (("first", 1, []), ("second", 2, []), ("walked", 1, ["walking=2"])):
-        with Session("one_wire_twin", twin=TwinSettings(seed=seed, effects=from_pairs(effects))) as session:
+        with Session(
+            "one_wire_twin", twin=TwinSettings(seed=seed, effects=effects_from_pairs(effects))
+        ) as session:
             session.run("validation", {"points": 6}, runs / f"{name}.run.sqlite")
     (folder / "short.toml").write_text(CAMPAIGN, encoding="utf-8")
     characterise("one_wire_twin", folder / "out", campaign=str(folder / "short.toml"), seed=2)

@@ -7,7 +7,7 @@ from identification.made_runs import PARTITION, driven_run, fod_inputs, made_run
 from report.pages import Page, unpacked
 from smarig.identification.identify import identify
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
@@ -113,7 +113,7 @@ def test_the_density_is_drawn_where_it_is(ascending):
 
 def test_reversal_curves_have_their_intervals_in_the_signs_of_the_measurement():
     fields = np.linspace(-185.0, 185.0, 24)
-    truth = Preisach.from_surface(surface("two_c"))
+    truth = Preisach.from_surface(thesis_surface("two_c"))
     curves = [fields[k:] for k in range(0, 22, 3)]
     u = np.concatenate(curves)
     y = np.concatenate([truth.simulate(np.concatenate([[185.0], c]))[1:] for c in curves])

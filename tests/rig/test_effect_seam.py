@@ -5,7 +5,7 @@ import pytest
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Stage
 from smarig.plant.plant import Plant
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 
 
 class Effect:
@@ -19,7 +19,7 @@ class Effect:
 
 
 def positions(effects):
-    plant = Plant(Actuator.named("gorbet_two_wire"), surface("two_e"), "anhysteretic", 0.1, effects)
+    plant = Plant(Actuator.named("gorbet_two_wire"), thesis_surface("two_e"), "anhysteretic", 0.1, effects)
     return [plant.step(i) for i in [0.9] * 150 + [-0.6] * 150 + [0.4] * 150]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from rig.rig_contract import drive
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.rig.specimen import TickNoise
 from smarig.rig.twin import Twin
 
@@ -17,7 +17,7 @@ def test_noise_free_position_follows_heating_and_hysteresis_in_closed_form():
     samples = drive(twin, [0.6] * 400)
     t = np.array([s.t_s for s in samples])
     temperature = 174.1 * 0.36 * (1 - np.exp(-t / twin.actuator.tau_s))
-    expected = surface("one_e").y(temperature, temperature) / twin.position_per_count
+    expected = thesis_surface("one_e").y(temperature, temperature) / twin.position_per_count
     assert np.max(np.abs(np.array([s.counts for s in samples]) - expected)) <= 0.5 + 1e-9
     assert samples[-1].counts > 90
 

@@ -6,7 +6,7 @@ import pytest
 
 from smarig.core.command import Elapsed, Hold, Mark, Waveform
 from smarig.core.errors import DataError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 from smarig.record import Run, Step, load_run
@@ -20,7 +20,7 @@ from smarig.runner.resume.resume_plan import _settled_input, find_restore_path
 )
 def test_it_leads_to_the_same_future(name, start, seed):
     """From any state (or the first, where it says so), the way back leaves what the whole history left."""
-    hysteresis = surface(name)
+    hysteresis = thesis_surface(name)
     low, high = hysteresis.lower, hysteresis.upper
     dice = random.Random(seed)
     history = [dice.uniform(low, high) for _ in range(dice.randint(1, 12))]

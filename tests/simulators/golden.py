@@ -14,7 +14,7 @@ from simulators.station import PythonAmplifier, PythonDaq
 from smarig.core.resources import shipped
 from smarig.device.wire import lines, rtu
 from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import from_words, load_map
+from smarig.device.wire.register import from_words, load_register_map
 
 FOLDER = shipped("firmware_protocol") / "golden"
 MAKERS = {"amplifier": PythonAmplifier, "encoder_daq": PythonDaq}
@@ -41,7 +41,7 @@ class Script:
     """Recorded step by step; a reply that is not what was stated is refused at once."""
 
     def __init__(self, name: str, device: str, framing: str, title: str) -> None:
-        self.name, self._map = name, load_map(device)
+        self.name, self._map = name, load_register_map(device)
         self.map_hash = self._map.hash
         address = self._map.device.default_address
         self.head = {

@@ -16,10 +16,10 @@ from talks import PATIENCE_S, Talk
 from smarig.core.resources import shipped
 from smarig.device.wire import lines
 from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
-AMPLIFIER = load_map("amplifier")
-DAQ = load_map("encoder_daq")
+AMPLIFIER = load_register_map("amplifier")
+DAQ = load_register_map("encoder_daq")
 STATUS = 18  # words of the amplifier's status block before its ring
 LONG = bool(os.environ.get("SMARIG_LONG"))  # and a machine that keeps real time
 

@@ -5,7 +5,7 @@ import contextlib
 import pytest
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
 
 @pytest.fixture(params=["modbus_tcp", "modbus_rtu"])
@@ -22,7 +22,7 @@ def client(request, devices):
 
 
 def test_reads_writes_both_and_refusals(client):
-    m = load_map("amplifier")
+    m = load_register_map("amplifier")
     me = {"device_id": m.device.default_address}
     assert client.read_holding_registers(1, count=2, **me).registers == [m.device.kind, m.device.version]
     assert len(client.read_holding_registers(0, count=m.size("status"), **me).registers) == m.size("status")

@@ -13,8 +13,8 @@ from typing import Any
 from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
 from smarig.core.errors import DataError, StorageError, UsageError
 from smarig.diagnosis.diagnose import Diagnosis, diagnose
-from smarig.diagnosis.diagnosis_files import JSON, PAGE, write_diagnosis
-from smarig.diagnosis.diagnosis_files import MODEL as EXTENDED
+from smarig.diagnosis.diagnosis_files import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, write_diagnosis
+from smarig.diagnosis.diagnosis_files import DIAGNOSIS_MODEL as EXTENDED
 from smarig.identification.calibration.calibrate import calibrate
 from smarig.identification.identification_result import Identification
 from smarig.identification.identify import identify
@@ -98,7 +98,7 @@ def characterise(
     evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
     if evidence.diagnosis is not None:
         write_diagnosis(evidence.diagnosis, out / DIAGNOSIS, force=force)
-        write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / PAGE, force=force)
+        write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / DIAGNOSIS_PAGE, force=force)
     write_page(characterisation_page(evidence), out / "report.html", force=force)
     return Characterisation(out, evidence)
 
@@ -115,7 +115,7 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> No
         *([] if go_on else plan.run_files(out / "runs")),
         out / "model.json",
         out / "report.html",
-        *(out / DIAGNOSIS / name for name in (JSON, PAGE, EXTENDED)),
+        *(out / DIAGNOSIS / name for name in (DIAGNOSIS_JSON, DIAGNOSIS_PAGE, EXTENDED)),
     ]
     existing = [t for t in targets if t.exists()]
     if existing and not force:

@@ -10,7 +10,7 @@ from smarig.config import RigFile
 from smarig.control.tracking import ControllerModel
 from smarig.core.errors import UsageError
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import from_json
+from smarig.plant.effect_catalogue import effects_from_json
 from smarig.protocols._setup import Setup
 from smarig.replay import Model, load_model
 from smarig.runner.preview import ProtocolFactory
@@ -68,7 +68,7 @@ def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:
         )
     setup = Setup(actuator, rig.limits, rig.period_s)
     controller_model = ControllerModel(
-        setup, model.hysteresis, rig.encoder.counts_per_rev, from_json(model.effects)
+        setup, model.hysteresis, rig.encoder.counts_per_rev, effects_from_json(model.effects)
     )
     _check_motion(controller_model, model)
     return controller_model

@@ -5,7 +5,7 @@ from typing import Any
 
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, controller_model_for
 from smarig.config import RigFile
-from smarig.control.controller_settings import TRACKING, finite_number
+from smarig.control.controller_settings import TRACKING_CONTROLLERS, finite_number
 from smarig.control.regulation import SetpointPI
 from smarig.control.regulation import regulate as regulation_protocol
 from smarig.control.regulation.regulation_protocol import START_STATES, check_times
@@ -85,7 +85,7 @@ def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) 
     if name not in REGULATORS:
         raise UsageError(
             f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}; "
-            f"{', '.join(catalogue_names(TRACKING))} track."
+            f"{', '.join(catalogue_names(TRACKING_CONTROLLERS))} track."
         )
     loop = SetpointPI.for_model(setup, model.hysteresis)
     for key, value in pairs.items():

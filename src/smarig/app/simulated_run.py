@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.config import load_rig
 from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import from_json
+from smarig.plant.effect_catalogue import effects_from_json
 from smarig.record import Run, Step
 from smarig.record.recorder import write_run
 from smarig.replay import Model, simulate, simulate_samples
@@ -43,7 +43,7 @@ def simulate_protocol(
         raise UsageError("The model names no rig; give one with --rig to simulate a protocol.")
     if not rig:
         check_drivers(load_rig(name), f"Model {model.name}", f"to have it executed, say so with --rig {name}")
-    twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=from_json(model.effects))
+    twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=effects_from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")
 

@@ -7,10 +7,15 @@ from typing import Any
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, check_path, controller_model_for
 from smarig.app.velocity_loop import checked_offset, refuse_offset, velocity_factory, velocity_reference
 from smarig.config import RigFile
-from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers, finite_number
+from smarig.control.controller_settings import (
+    TRACKING_CONTROLLERS,
+    VELOCITY_CONTROLLERS,
+    controller_numbers,
+    finite_number,
+)
 from smarig.control.tracking import ControllerModel, Reference, reference
 from smarig.control.tracking import track as tracking_protocol
-from smarig.control.tracking.reference import SHAPES, from_csv
+from smarig.control.tracking.reference import REFERENCE_SHAPES, reference_from_csv
 from smarig.control.tracking.tuning import controller_factory
 from smarig.core.catalogue import catalogue_names, resolve_name, suggestion
 from smarig.core.errors import UsageError
@@ -38,14 +43,14 @@ def tracking(
     check_arguments(controller, numbers)
     check_path("The reference", wanted)
     controller_model = controller_model_for(source.model, rig)
-    controller = resolve_name(TRACKING, controller)
+    controller = resolve_name(TRACKING_CONTROLLERS, controller)
     package = _controller_package(controller)
     pairs = controller_numbers(package, controller, numbers or {})
     followed = _reference(wanted, settings or {}, controller_model, source.model.unit)
     _check_length(followed, rig.period_s)
     _check_reach(followed, controller_model, source.model.unit)
     velocity_numbers: dict[str, float] = {}
-    if package == VELOCITY:
+    if package == VELOCITY_CONTROLLERS:
         velocity_numbers = {"offset_K": checked_offset(offset_K, controller_model.setup)}
         given_s, followed = followed.duration_s, velocity_reference(followed, controller, **velocity_numbers)
         velocity_numbers["lead_in_s"] = followed.duration_s - given_s
@@ -63,7 +68,7 @@ def tracking(
             raise UsageError(
                 f"Controller '{controller}': '{key}' means something else in the record; rename it."
             )
-    if package == VELOCITY:
+    if package == VELOCITY_CONTROLLERS:
         make = velocity_factory(
             source.model, controller_model.setup, controller, pairs, followed, **velocity_numbers
         )
@@ -81,29 +86,29 @@ def _position_factory(
 
 def _controller_package(controller: str) -> str:
     """The catalogue a controller stands in: of positions, an own file's too, or of velocities."""
-    known = {package: catalogue_names(package) for package in (TRACKING, VELOCITY)}
+    known = {package: catalogue_names(package) for package in (TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS)}
     for package, there in known.items():
         if controller in there:
             return package
     raise UsageError(
-        f"No controller '{controller}'{suggestion(controller, [*known[TRACKING], *known[VELOCITY]])}."
+        f"No controller '{controller}'{suggestion(controller, [name for names in known.values() for name in names])}."
     )
 
 
 def _reference(
     wanted: str, settings: Mapping[str, Any], controller_model: ControllerModel, unit: str
 ) -> Reference:
-    if wanted not in SHAPES:
+    if wanted not in REFERENCE_SHAPES:
         if not Path(wanted).suffix and not Path(wanted).is_file():
             raise UsageError(
-                f"No reference '{wanted}'{suggestion(wanted, list(SHAPES))}, or a CSV file with time_s and "
+                f"No reference '{wanted}'{suggestion(wanted, list(REFERENCE_SHAPES))}, or a CSV file with time_s and "
                 f"position_{unit}."
             )
         if settings:
             raise UsageError(
                 "--set belongs to steps, ramps and multisine; a file says itself what is wanted."
             )
-        return from_csv(Path(wanted), unit)
+        return reference_from_csv(Path(wanted), unit)
     for key in settings:
         if key not in _REFERENCE_SETTINGS:
             raise UsageError(

@@ -6,7 +6,7 @@ from typing import Any
 from smarig.certify.certificate_units import Units
 from smarig.certify.model_certificate import certificate
 from smarig.certify.rig_assessment import RigAssessment
-from smarig.control.controller_settings import VELOCITY, finite_number
+from smarig.control.controller_settings import VELOCITY_CONTROLLERS, finite_number
 from smarig.control.tracking import Reference
 from smarig.control.velocity.velocity_protocol import FILTER_TICKS, velocity_tracking, with_lead_in
 from smarig.core.catalogue import catalogue_entry, catalogue_names
@@ -30,8 +30,9 @@ def checked_offset(offset_K: Any, setup: Setup) -> float:
 def refuse_offset(offset_K: Any, controller: str) -> None:
     """UsageError for an offset that a position loop would ignore."""
     if offset_K is not None:
+        names = ", ".join(catalogue_names(VELOCITY_CONTROLLERS))
         raise UsageError(
-            f"An offset u_o belongs to velocity controllers ({', '.join(catalogue_names(VELOCITY))}); '{controller}' feeds back "
+            f"An offset u_o belongs to velocity controllers ({names}); '{controller}' feeds back "
             "the position."
         )
 
@@ -68,7 +69,7 @@ def velocity_factory(
     units = Units(model.unit, model.input.unit)
     (result,) = certificate(model.hysteresis, {controller: numbers}, units).controllers
     assessment = RigAssessment(result, setup, FILTER_TICKS * setup.period_s)
-    law = catalogue_entry(VELOCITY, controller)(**numbers)
+    law = catalogue_entry(VELOCITY_CONTROLLERS, controller)(**numbers)
     return lambda _: velocity_tracking(
         setup,
         law,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from smarig.certify.certificate_units import UNKNOWN, Units
 from smarig.certify.storage_bound import BoundBasis
 
-FINDINGS = "docs/explanation/control_findings.md"
+CONTROL_FINDINGS = "docs/explanation/control_findings.md"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from smarig.certify.certificate_scope import (
-    FINDINGS,
+    CONTROL_FINDINGS,
     CertificateLimit,
     CertificateScope,
     k_e_units,
@@ -25,7 +25,7 @@ from smarig.certify.passivity import PassivityCounterexample, counterexample
 from smarig.certify.position_assumptions import IndistinguishableStates, indistinguishable_states
 from smarig.certify.storage_bound import StorageBound, storage_bound
 from smarig.certify.velocity.stability import Stability, basis, controller_stability
-from smarig.control.controller_settings import TRACKING, VELOCITY, controller_numbers
+from smarig.control.controller_settings import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, controller_numbers
 from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
@@ -160,7 +160,7 @@ class ModelCertificate:
             *([self.indistinguishable.text] if self.indistinguishable else []),
             "Limits:",
             *(f"  {limit.text}" for limit in self.limits),
-            f"  (see {FINDINGS})",
+            f"  (see {CONTROL_FINDINGS})",
         ]
         return "\n".join(lines)
 
@@ -258,13 +258,16 @@ def certificate(
     >>> certificate(surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
     True
     """
-    requested = {name: {} for name in catalogue_names(VELOCITY)} if controllers is None else controllers
+    requested = (
+        {name: {} for name in catalogue_names(VELOCITY_CONTROLLERS)} if controllers is None else controllers
+    )
     _check_names(requested)
     numbers_by_controller = {
-        name: controller_numbers(VELOCITY, name, pairs) for name, pairs in requested.items()
+        name: controller_numbers(VELOCITY_CONTROLLERS, name, pairs) for name, pairs in requested.items()
     }
     built_controllers = {
-        name: catalogue_entry(VELOCITY, name)(**numbers) for name, numbers in numbers_by_controller.items()
+        name: catalogue_entry(VELOCITY_CONTROLLERS, name)(**numbers)
+        for name, numbers in numbers_by_controller.items()
     }
     hysteresis_analysis = HysteresisAnalysis.of(hysteresis, units)
     initial = initial_of(hysteresis_analysis.hysteresis)
@@ -299,10 +302,11 @@ def certificate(
 def _check_names(requested: Iterable[str]) -> None:
     """A position loop is no mistake of spelling."""
     for name in requested:
-        if name in catalogue_names(TRACKING):
+        if name in catalogue_names(TRACKING_CONTROLLERS):
             raise UsageError(
                 f"'{name}' is a position loop (of smarig track and regulate), which Thm 8.2 does not cover: certify "
-                f"takes {', '.join(catalogue_names(VELOCITY))}; what is known of position loops is in {FINDINGS}."
+                f"takes {', '.join(catalogue_names(VELOCITY_CONTROLLERS))}; "
+                f"what is known of position loops is in {CONTROL_FINDINGS}."
             )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from smarig.control.argument_checks import finite, not_negative
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.inverse import root
+from smarig.preisach.inverse import bracketed_root
 from smarig.preisach.operator import Initial, Preisach
 from smarig.preisach.state import State
 from smarig.theory.energy import work
@@ -87,7 +87,7 @@ def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
         operator.simulate([hysteresis.upper, -x, 0.0])
         return target - operator.y
 
-    output_difference(root(output_difference, 0.0, -hysteresis.lower))
+    output_difference(bracketed_root(output_difference, 0.0, -hysteresis.lower))
     second, bound = operator.state, max(-hysteresis.lower, hysteresis.upper)
     separation = distance(boundary_of(first, hysteresis), boundary_of(second, hysteresis))
     return IndistinguishableStates(first, second, separation, 2 * bound**2)

@@ -17,8 +17,8 @@ NOT_RESUMABLE = "A closed loop is not resumed: close it anew."
 
 def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:
     """Preview it, run it into ``out`` and say how it went."""
-    from smarig.report.closed_loop.closed_loop_text import result_text
-    from smarig.report.closed_loop.loop_result import closed_loop
+    from smarig.report.closed_loop.closed_loop_text import loop_result_text
+    from smarig.report.closed_loop.loop_result import closed_loop_result
 
     session = options.session()
     if out is None and not options.dry_run:
@@ -47,9 +47,9 @@ def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *
         raise
     run = load_run(out)
     print_warnings(run)
-    found = closed_loop(run)
+    found = closed_loop_result(run)
     loop_json = {loop.protocol: found.to_json()} if found else {}
     emit(
         run_summary(run) | loop_json,
-        "\n".join([repr(run), *([result_text(found, run.unit)] if found else [])]),
+        "\n".join([repr(run), *([loop_result_text(found, run.unit)] if found else [])]),
     )

@@ -85,7 +85,7 @@ def live_view(
 def _live_predictions(
     paths: Sequence[Path], rig: "RigFile", actuator: Any
 ) -> "tuple[list[NamedPredictor], Everett | None]":
-    from smarig.plant.effect_catalogue import from_json
+    from smarig.plant.effect_catalogue import effects_from_json
     from smarig.replay import HysteresisPredictor, NamedPredictor, PlantPredictor, load_model
 
     found, initial = [], actuator.file.hysteresis.initial
@@ -93,7 +93,7 @@ def _live_predictions(
     for name, model in models:
         if model.unit != actuator.unit:
             raise UsageError(f"Model {name} speaks in {model.unit}, the rig measures in {actuator.unit}.")
-        effects = from_json(model.effects)
+        effects = effects_from_json(model.effects)
         predictor = (
             PlantPredictor(actuator, model.hysteresis, initial, rig.period_s, effects)
             if effects

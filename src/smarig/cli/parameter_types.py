@@ -12,7 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from smarig.config import shipped_names
-from smarig.core.catalogue import is_path, catalogue_names, own_entries, resolve_name
+from smarig.core.catalogue import catalogue_names, is_path, own_entries, resolve_name
 from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
 
@@ -46,7 +46,9 @@ class CatalogueName(click.ParamType):
         """Names that begin as typed."""
         del ctx, param
         candidates = [
-            n for c in self._catalogues for n in (catalogue_names(_PACKAGES[c]) if c in _PACKAGES else shipped_names(c))
+            n
+            for c in self._catalogues
+            for n in (catalogue_names(_PACKAGES[c]) if c in _PACKAGES else shipped_names(c))
         ]
         return [CompletionItem(n) for n in candidates if n.startswith(incomplete)]
 

@@ -21,7 +21,7 @@ from smarig.core.atomic_file import check_replaceable
 from smarig.core.errors import UsageError
 from smarig.core.file_content import RUN
 from smarig.core.sample import Quality
-from smarig.plant.effect_catalogue import from_arguments
+from smarig.plant.effect_catalogue import effects_from_arguments
 from smarig.record import Run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.listener import Listener
@@ -48,7 +48,7 @@ class RunOptions(NamedTuple):
 
     def session(self) -> Session:
         """The session asked for, not opened yet."""
-        twin = TwinSettings(seed=self.seed, effects=from_arguments(self.effects))
+        twin = TwinSettings(seed=self.seed, effects=effects_from_arguments(self.effects))
         return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire)
 
     @contextmanager

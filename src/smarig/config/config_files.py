@@ -10,7 +10,7 @@ from smarig.config.file_schemas import ActuatorFile, CampaignFile, RigFile
 from smarig.core.catalogue import is_path, suggestion
 from smarig.core.errors import ConfigError, UsageError
 from smarig.core.resources import shipped
-from smarig.core.toml_file import check, load, read_toml
+from smarig.core.toml_file import check_table, load_toml, read_toml
 
 
 def shipped_names(folder: str) -> list[str]:
@@ -36,7 +36,7 @@ def locate(folder: str, name: str) -> Path:
 
 def load_actuator(name: str) -> ActuatorFile:
     """An actuator by name or path."""
-    return load(ActuatorFile, locate("actuators", name))
+    return load_toml(ActuatorFile, locate("actuators", name))
 
 
 def load_rig(name: str) -> RigFile:
@@ -45,7 +45,7 @@ def load_rig(name: str) -> RigFile:
     raw: dict[str, Any] = {}
     for path, table in files:
         raw = _merge(_with_resolved_paths(table, path.parent), raw)
-    return check(RigFile, raw, str(files[0][0]))
+    return check_table(RigFile, raw, str(files[0][0]))
 
 
 def _merge(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
@@ -114,7 +114,7 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
 def load_campaign(name: str) -> CampaignFile:
     """A campaign by name or path; own protocols by their paths, which stand in it from its own folder."""
     path = locate("campaigns", name)
-    plan = load(CampaignFile, path)
+    plan = load_toml(CampaignFile, path)
     steps = (
         s.model_copy(update={"protocol": str((path.parent / s.protocol).resolve())})
         if is_path(s.protocol)

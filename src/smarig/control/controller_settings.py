@@ -13,8 +13,8 @@ from typing import Any
 from smarig.core.catalogue import catalogue_entry, suggestion
 from smarig.core.errors import UsageError
 
-TRACKING = "smarig.control.tracking.controllers"
-VELOCITY = "smarig.control.velocity.controllers"
+TRACKING_CONTROLLERS = "smarig.control.tracking.controllers"
+VELOCITY_CONTROLLERS = "smarig.control.velocity.controllers"
 _LINE = re.compile(r"^\s+(\w+) \(([^()]*)\): (.+)$", flags=re.M)
 # What may be typed, zero apart: with squares and quotients of these can still be computed.
 SMALLEST, LARGEST = 1e-100, 1e12

@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.inverse import root
+from smarig.preisach.inverse import bracketed_root
 from smarig.preisach.operator import Initial, Preisach
 
 _RESIDUAL_TOLERANCE = 1e-9  # of the input range
@@ -73,7 +73,7 @@ class LaggedOperator:
             return u - command(self.output_at(u))
 
         near, far = (present, command_at_rest) if command_at_rest > present else (command_at_rest, present)
-        u = root(residual, near, far)
+        u = bracketed_root(residual, near, far)
         if not jumps and abs(residual(u)) > _RESIDUAL_TOLERANCE * (
             self.upper - self.lower + abs(command_at_rest)
         ):

@@ -68,7 +68,9 @@ def catalogue_entry(package: str, name: str) -> Any:
 
 def catalogue_summary(package: str, name: str) -> str:
     """First line of the catalogue entry's docstring."""
-    return next(iter((catalogue_entry(package, name).__doc__ or "").strip().splitlines()), "(it has no docstring)")
+    return next(
+        iter((catalogue_entry(package, name).__doc__ or "").strip().splitlines()), "(it has no docstring)"
+    )
 
 
 def suggestion(name: str, known: list[str]) -> str:

@@ -26,9 +26,9 @@ class TomlTable(BaseModel):
 SchemaType = TypeVar("SchemaType", bound=BaseModel)
 
 
-def load(schema: type[SchemaType], path: Path) -> SchemaType:
+def load_toml(schema: type[SchemaType], path: Path) -> SchemaType:
     """Read and check a TOML file against a schema; ConfigError names file, key and what was expected."""
-    return check(schema, read_toml(path), str(path))
+    return check_table(schema, read_toml(path), str(path))
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -41,7 +41,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path} is not valid TOML: {error}.") from None
 
 
-def check(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
+def check_table(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
     """Validate data against a schema; every problem in one ConfigError."""
     try:
         return schema.model_validate(data)

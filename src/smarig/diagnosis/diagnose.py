@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core.errors import UsageError
 from smarig.core.notebook_display import NotebookDisplay
-from smarig.diagnosis.critique.critique import ALPHA, NULLS, Critique, critique
+from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, critique
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
@@ -185,7 +185,7 @@ def diagnose(
     held_out: Sequence[Run | str | Path] | Run | str | Path = (),
     *,
     alpha: float = ALPHA,
-    nulls: int = NULLS,
+    nulls: int = NULL_DATA_SETS,
     seed: int = 0,
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,

@@ -10,7 +10,11 @@ from smarig.core.errors import StorageError, UsageError
 from smarig.diagnosis.diagnose import Diagnosis
 from smarig.diagnosis.thermal.thermal_diagnosis import ThermalDiagnosis
 
-FILES = JSON, MODEL, PAGE = "diagnosis.json", "extended.model.json", "report.html"
+DIAGNOSIS_FILES = DIAGNOSIS_JSON, DIAGNOSIS_MODEL, DIAGNOSIS_PAGE = (
+    "diagnosis.json",
+    "extended.model.json",
+    "report.html",
+)
 
 
 def prepare_folder(out: Path, *, force: bool) -> None:
@@ -19,7 +23,7 @@ def prepare_folder(out: Path, *, force: bool) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StorageError(f"Folder {out} cannot be made: {error.strerror or error}.") from None
-    for name, kind in zip(FILES, (file_kind.JSON, file_kind.MODEL, file_kind.PAGE)):
+    for name, kind in zip(DIAGNOSIS_FILES, (file_kind.JSON, file_kind.MODEL, file_kind.PAGE)):
         if (out / name).exists() and not force:
             raise UsageError(f"{out / name} exists; give another folder or --force to replace it.")
         check_replaceable(out / name, kind)
@@ -29,8 +33,8 @@ def write_diagnosis(result: Diagnosis, out: Path, *, force: bool = False) -> dic
     """Write what was found; returns the paths, by key of the CLI's JSON object."""
     paths: dict[str, Any] = {"out": str(out)}
     if result.extended:
-        paths["model"] = str(result.model.save(out / MODEL, force=force))
-    with atomic_file(out / JSON, force=force) as part:
+        paths["model"] = str(result.model.save(out / DIAGNOSIS_MODEL, force=force))
+    with atomic_file(out / DIAGNOSIS_JSON, force=force) as part:
         part.write_text(json.dumps(result.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
     return paths
 
@@ -38,6 +42,6 @@ def write_diagnosis(result: Diagnosis, out: Path, *, force: bool = False) -> dic
 def write_transient(result: ThermalDiagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:
     """Write what was found on a thermal record; returns the paths, by key of the CLI's JSON object."""
     paths = {"out": str(out)}
-    with atomic_file(out / JSON, force=force) as part:
+    with atomic_file(out / DIAGNOSIS_JSON, force=force) as part:
         part.write_text(json.dumps(result.to_json() | paths, indent=2, ensure_ascii=False), encoding="utf-8")
     return paths

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from smarig.config import locate
 from smarig.core.errors import ConfigError, UsageError
-from smarig.core.toml_file import TomlTable, load
+from smarig.core.toml_file import TomlTable, load_toml
 from smarig.exchange.unit_conversion import dimension
 
 ChannelName = Literal[
@@ -180,7 +180,7 @@ def load_mapping(name: str) -> MappingFile:
     if match := re.fullmatch(r"(.+):(\d+)", name):
         plain, table = match[1], int(match[2])
     path = locate("imports", plain)
-    mapping = load(MappingFile, path)
+    mapping = load_toml(MappingFile, path)
     if table is None:
         return mapping
     if not mapping.file.header_starts or not table:

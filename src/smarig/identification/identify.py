@@ -41,13 +41,13 @@ from smarig.identification.surface.fit_figures import (
 )
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
-from smarig.identification.surface.surface_kinds import BEST, POSITIVE, surface_kinds
+from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.surface_form import forms
+from smarig.preisach.hysteresis.surface_form import surface_forms
 from smarig.record import FORC_PROTOCOL, Run, load_run
 from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provenance
 
@@ -72,7 +72,7 @@ class _FittedHysteresis:
 
 def identify(
     runs: Run | str | Path | Sequence[Run | str | Path],
-    surface: str = BEST,
+    surface: str = BEST_KIND,
     *,
     select: str | None = None,
     anchor: bool = False,
@@ -97,13 +97,13 @@ def identify(
     loaded = _loaded(runs)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
-    choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST else None
+    choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST_KIND else None
     kind = choice.kind if choice else surface
-    if kind == POSITIVE:
+    if kind == POSITIVE_KIND:
         found = _positive(loaded, data, select, weights, symmetric)
     else:
         fit = choice.fit if choice and choice.fit and choice.fit.points == len(data) else None
-        if kind in forms() and fit is None:
+        if kind in surface_forms() and fit is None:
             fit = fit_surface(data, kind, anchor=anchor, weights=weights)
         found = _surface(loaded, data, fit, select, weights)
     curves = curve_report(everything)  # a selection says nothing of the range
@@ -148,13 +148,15 @@ def _extended(
 
 
 def _check_words(surface: str, weights: str, symmetric: bool) -> None:
-    known = [*surface_kinds(), BEST]
+    known = [*surface_kinds(), BEST_KIND]
     if surface not in known:
         raise UsageError(f"No surface '{surface}'{suggestion(surface, known)}.")
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
-    if symmetric and surface != POSITIVE:
-        raise UsageError(f"Mirror symmetry can be asked of the {POSITIVE} surface only, not of '{surface}'.")
+    if symmetric and surface != POSITIVE_KIND:
+        raise UsageError(
+            f"Mirror symmetry can be asked of the {POSITIVE_KIND} surface only, not of '{surface}'."
+        )
 
 
 def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
@@ -168,14 +170,14 @@ def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
 def _first_order_curves(runs: Sequence[Run], surface: str) -> FodData:
     """The runs' first-order curves; DataError where a surface needs some and there are too few."""
     data = first_order_points(runs)
-    if surface == POSITIVE:
+    if surface == POSITIVE_KIND:
         return data
     if data.curves < 2:
         try:
             fod_data(runs)
         except DataError as error:
             raise DataError(
-                f"{error} Without such curves only the {POSITIVE} surface can be identified: it learns from "
+                f"{error} Without such curves only the {POSITIVE_KIND} surface can be identified: it learns from "
                 "every point whose memory is known."
             ) from None
     _check_usable(data.y, data.alpha, data.unit)

@@ -15,7 +15,7 @@ from smarig.core.errors import SmarigError
 from smarig.live.plot_axes import Axis, rounded
 from smarig.plant.actuator import Actuator
 from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.protocols._setup import Setup
 from smarig.record import Run
 
@@ -69,7 +69,7 @@ def rig_display_info(
     ``known``: the wire is in the state that its actuator file names.
     """
     setup = Setup(actuator, file.limits, file.period_s)
-    twin_hysteresis = surface(actuator.file.hysteresis.surface)
+    twin_hysteresis = thesis_surface(actuator.file.hysteresis.surface)
     span = twin_hysteresis.everett(twin_hysteresis.upper, twin_hysteresis.lower)
     low, high = (-span / 2, span / 2) if actuator.two_wire else (0.0, span)
     return DisplayInfo(
@@ -97,7 +97,9 @@ def run_display_info(run: Run) -> DisplayInfo:
     low, high = _finite_range(input_K)
     if actuator is not None and not actuator.two_wire:
         low = min(low, 0.0)
-    twin_hysteresis = surface(actuator.file.hysteresis.surface) if actuator is not None and run.twin else None
+    twin_hysteresis = (
+        thesis_surface(actuator.file.hysteresis.surface) if actuator is not None and run.twin else None
+    )
     return DisplayInfo(
         title=f"{run.info.text_of('protocol', 'run')} on {run.info.text_of('rig', 'an unnamed rig')}",
         source=run.info.text_of("source", ""),

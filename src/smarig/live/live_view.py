@@ -15,7 +15,7 @@ from smarig.live.draw_queue import DrawQueue
 from smarig.live.live_items import QueueListener
 from smarig.live.playback import batches, replay
 from smarig.live.scene_renderer import SceneRenderer
-from smarig.live.viewer_process import WEB_REMARK, ViewerProcess, address, free_port, web_page
+from smarig.live.viewer_process import WEB_REMARK, ViewerProcess, free_port, viewer_address, web_page
 from smarig.preisach.everett import Everett
 from smarig.record import Run
 from smarig.replay import HysteresisPredictor, NamedPredictor
@@ -73,7 +73,7 @@ def live_listener(
                 rerun_output.close()
 
 
-def view(
+def view_run(
     run: Run,
     predictions: Sequence[NamedPredictor] = (),
     hysteresis: Everett | None = None,
@@ -103,7 +103,7 @@ def view(
         rerun_output.close()
 
 
-def save(
+def save_recording(
     run: Run, path: Path, predictions: Sequence[NamedPredictor] = (), hysteresis: Everett | None = None
 ) -> None:
     """A recorded run as an .rrd file with its layout, in big batches: compact, and opened by any viewer."""
@@ -155,9 +155,9 @@ def _open_output(
 
 def _open_viewer(port: int, web: bool, show_message: Report) -> ViewerProcess:
     if not web:
-        return ViewerProcess.native(address(port))
+        return ViewerProcess.native(viewer_address(port))
     web_port = free_port()
-    viewer_process = ViewerProcess.web(address(port), web_port)
+    viewer_process = ViewerProcess.web(viewer_address(port), web_port)
     show_message(f"Live view: {web_page(web_port, port)}\n{WEB_REMARK}")
     return viewer_process
 

@@ -46,7 +46,7 @@ def free_port(requested: int = 0) -> int:
         return probe.getsockname()[1]
 
 
-def address(port: int) -> str:
+def viewer_address(port: int) -> str:
     """Of a server of ours."""
     return f"rerun+http://{LOOPBACK}:{port}/proxy"
 
@@ -135,7 +135,7 @@ class ViewerProcess:
 
 def web_page(web_port: int, port: int) -> str:
     """What to open in a browser."""
-    return f"http://{LOOPBACK}:{web_port}/?url={address(port).replace('+', '%2B')}&hide_welcome_screen"
+    return f"http://{LOOPBACK}:{web_port}/?url={viewer_address(port).replace('+', '%2B')}&hide_welcome_screen"
 
 
 def _check_screen() -> None:

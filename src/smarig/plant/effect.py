@@ -224,7 +224,7 @@ def in_order(effects: Iterable[SupportsHooks]) -> tuple[SupportsHooks, ...]:
     return tuple(sorted(effects, key=lambda e: e.kind.name if isinstance(e, Effect) else ""))
 
 
-def chains(effects: Iterable[SupportsHooks], context: EffectContext) -> dict[Stage, tuple[Hook, ...]]:
+def hook_chains(effects: Iterable[SupportsHooks], context: EffectContext) -> dict[Stage, tuple[Hook, ...]]:
     """The hooks of every stage in the order of composition."""
     all_values = [effect.hooks(context) for effect in in_order(effects)]
     return {stage: tuple(hooks[stage] for hooks in all_values if stage in hooks) for stage in Stage}

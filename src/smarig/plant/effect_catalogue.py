@@ -13,13 +13,13 @@ from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries,
 from smarig.core.errors import DataError, UsageError
 from smarig.plant.effect import Effect, EffectType
 
-PACKAGE = "smarig.plant.effects"
+EFFECTS = "smarig.plant.effects"
 NO_EFFECT_SHARE = 0.15  # share of mystery rigs that hide nothing
 
 
 def effect_types(arrangement: str = "") -> tuple[EffectType, ...]:
     """All kinds of effects, or those that exist on a rig of one arrangement, by name."""
-    every = (catalogue_entry(PACKAGE, name) for name in catalogue_names(PACKAGE))
+    every = (catalogue_entry(EFFECTS, name) for name in catalogue_names(EFFECTS))
     return tuple(k for k in every if not arrangement or k.arrangement in ("", arrangement))
 
 
@@ -28,7 +28,7 @@ def effect_types_only_on(arrangement: str) -> tuple[EffectType, ...]:
     return tuple(k for k in effect_types() if k.arrangement == arrangement)
 
 
-def from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
+def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
     """Effects from texts ``name``, ``name=strength`` or ``name.parameter=value``.
 
     >>> from_pairs(["settling=3", "settling.time_constant_s=900", "creep"])
@@ -38,7 +38,7 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
     for pair in pairs:
         key, equals, text = pair.partition("=")
         name, dot, parameter = key.strip().partition(".")
-        kind: EffectType = catalogue_entry(PACKAGE, name)
+        kind: EffectType = catalogue_entry(EFFECTS, name)
         parameters_of_effect = values.setdefault(name, {})
         if not equals and not dot:
             continue
@@ -50,31 +50,34 @@ def from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
         if parameter in parameters_of_effect:
             raise UsageError(f"'{pair}' gives {name}.{parameter} a second time.")
         parameters_of_effect[parameter] = number
-    return tuple(catalogue_entry(PACKAGE, name)(**parameters_of_effect) for name, parameters_of_effect in values.items())
+    return tuple(
+        catalogue_entry(EFFECTS, name)(**parameters_of_effect)
+        for name, parameters_of_effect in values.items()
+    )
 
 
-def from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
-    """Effects as a person writes them: as in ``from_pairs``, or own files (``./mine.py=3``, ``./mine.py.share=3``).
+def effects_from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
+    """Effects as a person writes them: as in ``effects_from_pairs``, or own files (``./mine.py=3``, ``./mine.py.share=3``).
 
-    Own files are executed: what stands in a run or a model must go to ``from_pairs``.
+    Own files are executed: what stands in a run or a model must go to ``effects_from_pairs``.
     """
-    return from_pairs([_registered_name(word) for word in words])
+    return effects_from_pairs([_registered_name(word) for word in words])
 
 
 def _registered_name(word: str) -> str:
     path = re.fullmatch(r"(.+\.py)((?:\..*)?(?:=.*)?)", word)
-    return f"{resolve_name(PACKAGE, path[1])}{path[2]}" if path else word
+    return f"{resolve_name(EFFECTS, path[1])}{path[2]}" if path else word
 
 
-def to_arguments(effects: Iterable[Effect]) -> list[str]:
+def effects_to_arguments(effects: Iterable[Effect]) -> list[str]:
     """The texts that ``from_arguments`` reads the same effects from, in any folder."""
-    paths = {name: str(file.place) for name, file in own_entries(PACKAGE).items()}
-    pairs = (pair.partition(".") for pair in to_pairs(effects))
+    paths = {name: str(file.place) for name, file in own_entries(EFFECTS).items()}
+    pairs = (pair.partition(".") for pair in effects_to_pairs(effects))
     return [f"{paths.get(name, name)}{dot}{rest}" for name, dot, rest in pairs]
 
 
-def to_pairs(effects: Iterable[Effect]) -> list[str]:
-    """The texts that ``from_pairs`` reads the same effects from.
+def effects_to_pairs(effects: Iterable[Effect]) -> list[str]:
+    """The texts that ``effects_from_pairs`` reads the same effects from.
 
     >>> to_pairs(from_pairs(["settling=3"]))
     ['settling.share_percent=3.0', 'settling.time_constant_s=600.0']
@@ -82,7 +85,7 @@ def to_pairs(effects: Iterable[Effect]) -> list[str]:
     return [f"{e.kind.name}.{name}={value!r}" for e in effects for name, value in e.values.items()]
 
 
-def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
+def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
     """Effects of a model file, {"name", "parameters"} each; DataError when they are not."""
     try:
         found_effects = tuple(_effect_from_record(**r) for r in records)
@@ -99,15 +102,15 @@ def from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
 
 
 def _effect_from_record(name: str, parameters: Mapping[str, float]) -> Effect:
-    return catalogue_entry(PACKAGE, str(name))(**dict(parameters))
+    return catalogue_entry(EFFECTS, str(name))(**dict(parameters))
 
 
-def mystery(seed: int, arrangement: str) -> tuple[Effect, ...]:
+def mystery_effects(seed: int, arrangement: str) -> tuple[Effect, ...]:
     """The hidden effect of a seed: one of the catalogue, at 0.6 to 1.8 times its typical strength, or none."""
     draw = random.Random(f"mystery {arrangement} {seed}")  # the same in every version of every library
     if draw.random() < NO_EFFECT_SHARE:
         return ()
-    kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own_entries(PACKAGE)])
+    kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own_entries(EFFECTS)])
     strength = kind.primary.typical * draw.uniform(0.6, 1.8)
     if kind.primary.lower < 0 and draw.random() < 0.5:
         strength = -strength

@@ -6,7 +6,7 @@ One step is one tick at constant current. Knows no instruments, no noise of thei
 from collections.abc import Callable, Sequence
 
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect import EffectContext, PlantState, Stage, SupportsHooks, chains
+from smarig.plant.effect import EffectContext, PlantState, Stage, SupportsHooks, hook_chains
 from smarig.plant.thermal_stages import ThermalStages, apply_hooks
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
@@ -39,7 +39,7 @@ class Plant:
         self.operator = Preisach(hysteresis, initial)
         span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
         self._y_lower, self._per_stroke = hysteresis.y_lower, 1.0 / span if span else 0.0
-        self._chains = chains(effects, EffectContext(actuator, hysteresis, initial))
+        self._chains = hook_chains(effects, EffectContext(actuator, hysteresis, initial))
         self._no_effects = not any(self._chains.values())
         self.now = PlantState(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
         self._thermal_stages = ThermalStages(actuator, self._chains, self.now)

@@ -28,18 +28,18 @@ _compiled: set[KeyedFunction] = set()
 
 
 @cache
-def available() -> bool:
+def compiled_available() -> bool:
     """Whether numba is installed."""
     return find_spec("numba") is not None
 
 
 def worth_compiling(keyed: KeyedEverett, n: int, wanted: bool | None) -> bool:
     """Whether to compile for n samples; UsageError when that is wanted and impossible."""
-    if wanted is False or (wanted is None and not (keyed.compilable and available())):
+    if wanted is False or (wanted is None and not (keyed.compilable and compiled_available())):
         return False
     if wanted and not keyed.compilable:
         raise UsageError("This hysteresis has no compiled form; leave out compiled=True.")
-    if wanted and not available():
+    if wanted and not compiled_available():
         raise UsageError("numba is not installed; install smarig[fast], or leave out compiled=True.")
     return bool(wanted) or n >= WORTH or keyed.between in _compiled
 

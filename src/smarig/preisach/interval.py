@@ -50,7 +50,7 @@ class Interval:
         return self.high - self.low
 
 
-def shift(surface: FodSurface, alpha: Interval) -> tuple[Interval, Interval]:
+def shift_bounds(surface: FodSurface, alpha: Interval) -> tuple[Interval, Interval]:
     """Ranges of f and f′ over α: their values at the ends, and where the form says that they turn in between."""
     form, x = surface.surface_form, surface.x[3:]
     values, slopes = ([at(x, alpha.low), at(x, alpha.high)] for at in (form.value, form.slope))

@@ -39,7 +39,7 @@ class BranchSegment(NamedTuple):
     outputs: Callable[[Array], Array]
 
 
-def root(f: Callable[[float], float], near: float, far: float) -> float:
+def bracketed_root(f: Callable[[float], float], near: float, far: float) -> float:
     """Zero of a function that is negative at ``near`` and positive at ``far``, or the end at which it is not.
 
     Regula falsi with Anderson and Björck's weights, which ends at once where f is linear; every fourth step
@@ -149,7 +149,11 @@ class InverseSolver:
         for segment in self._branch_segments(stack, u, y, up):
             ends = self._bracket(segment, target, up)
             if ends is not None:
-                return ends[1] if self.steps else root(self._residual_function(segment, target, up), *ends)
+                return (
+                    ends[1]
+                    if self.steps
+                    else bracketed_root(self._residual_function(segment, target, up), *ends)
+                )
             end, u = segment.y_end, segment.end
         if abs(target - end) <= self.rounding:
             return u

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from smarig.core.command import Hold, Protocol, Settled
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS
 from smarig.protocols._setup import Setup
 
 
@@ -31,7 +31,7 @@ def checked_inputs(setup: Setup, inputs_K: Sequence[float], name: str) -> tuple[
 
 def default_partition(setup: Setup) -> tuple[float, ...]:
     """The thesis's partition (§5.4.1), scaled to the range this rig's limits leave."""
-    levels = PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
+    levels = THESIS_PARTITIONS["two_wire" if setup.two_wire else "one_wire"]
     up = setup.upper_K / levels[-1]
     down = setup.lower_K / levels[0] if levels[0] else 1.0
     return tuple(level * (up if level > 0 else down) for level in levels)

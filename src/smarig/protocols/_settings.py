@@ -17,11 +17,11 @@ from smarig.core.errors import UsageError
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 
-PACKAGE = "smarig.protocols"
+PROTOCOLS = "smarig.protocols"
 _LOOPS = ("regulate", "track")  # need a model, and have commands of their own
 
 
-def build(
+def build_protocol(
     name: str, setup: Setup, settings: Mapping[str, Any] | None = None, chooser: Chooser | None = None
 ) -> Protocol:
     """A protocol by name with settings (strings as typed by a user, or values); dots reach into groups.
@@ -34,7 +34,7 @@ def build(
     5
     """
     refuse_closed_loops(name)
-    function = catalogue_entry(PACKAGE, name)
+    function = catalogue_entry(PROTOCOLS, name)
     hints = get_type_hints(function)
     parameters = inspect.signature(function).parameters
     known = [p.name for p in parameters.values() if p.kind is p.KEYWORD_ONLY]
@@ -51,7 +51,7 @@ def build(
 
 def refuse_closed_loops(name: str) -> None:
     """UsageError that says what closes a loop, where a closed loop is asked for as if it were a protocol."""
-    if name in _LOOPS and name not in catalogue_names(PACKAGE):
+    if name in _LOOPS and name not in catalogue_names(PROTOCOLS):
         raise UsageError(
             f"'{name}' closes a loop by a model, and is no protocol: 'smarig {name} MODEL …' ('smarig {name} --help'), "
             f"in Python smarig.{name}(model, …)."
@@ -60,7 +60,7 @@ def refuse_closed_loops(name: str) -> None:
 
 def with_loaded_protocols(plan: CampaignFile) -> CampaignFile:
     """A campaign with its steps' protocols by name; own files join the catalogue."""
-    steps = (s.model_copy(update={"protocol": resolve_name(PACKAGE, s.protocol)}) for s in plan.step)
+    steps = (s.model_copy(update={"protocol": resolve_name(PROTOCOLS, s.protocol)}) for s in plan.step)
     return plan.model_copy(update={"step": tuple(steps)})
 
 
@@ -70,7 +70,7 @@ def setting_texts(name: str) -> list[tuple[str, str]]:
     >>> dict(setting_texts("initialise"))["method"]
     "'planned' (planned | thesis)"
     """
-    function = catalogue_entry(PACKAGE, name)
+    function = catalogue_entry(PROTOCOLS, name)
     hints, found = get_type_hints(function), []
     for p in inspect.signature(function).parameters.values():
         if p.kind is not p.KEYWORD_ONLY:

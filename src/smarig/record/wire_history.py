@@ -98,13 +98,13 @@ class WireHistory:
             part.write_text(json.dumps(asdict(self), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def load_history(wire: str, *, twin: bool) -> WireHistory:
+def load_wire_history(wire: str, *, twin: bool) -> WireHistory:
     """A wire's history, empty for a wire that has none; DataError when its file is damaged."""
     path = _path(wire, twin)
     return _read(path) if path.is_file() else WireHistory(wire, twin)
 
 
-def histories() -> list[WireHistory]:
+def wire_histories() -> list[WireHistory]:
     """All wires', by name."""
     found: Iterable[Path] = history_folder().glob("*.json")
     return sorted(map(_read, found), key=lambda h: (h.wire, h.twin))

@@ -15,7 +15,7 @@ from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.surface_form import find_form
+from smarig.preisach.hysteresis.surface_form import surface_form
 
 LARGEST = 1e12  # squares of it can still be computed with
 
@@ -54,7 +54,7 @@ def _dump_surface(hysteresis: FodSurface) -> dict[str, Any]:
 
 
 def _load_surface(data: dict[str, Any]) -> FodSurface:
-    names = find_form(data["form"]).parameters
+    names = surface_form(data["form"]).parameters
     x = data.pop("x")
     if set(x) != set(names):
         raise DataError(f"a {data['form']} surface has parameters {', '.join(names)}")

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from smarig.core.atomic_file import atomic_file
 from smarig.core.errors import DataError, UsageError
 from smarig.core.notebook_display import NotebookDisplay
-from smarig.plant.effect_catalogue import from_json
+from smarig.plant.effect_catalogue import effects_from_json
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial, Preisach
 from smarig.replay.extended_model import Operator, extended_operator
@@ -228,7 +228,7 @@ def _from_file(file: _ModelFileSchema) -> Model:
     size = len(file.parameters)
     if len(file.covariance) != size or any(len(row) != size for row in file.covariance):
         raise DataError(f"'covariance' is not {size} × {size}, one row for each of 'parameters'")
-    from_json(file.effects)  # raises where they are none
+    effects_from_json(file.effects)  # raises where they are none
     covariance = np.array(file.covariance, dtype=float).reshape(size, size)
     rest |= {
         "hysteresis": load_hysteresis(file.hysteresis),

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 from smarig.config import ActuatorFile
 from smarig.core.errors import DataError
-from smarig.core.toml_file import check
+from smarig.core.toml_file import check_table
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Effect, SupportsHooks
-from smarig.plant.effect_catalogue import from_json
+from smarig.plant.effect_catalogue import effects_from_json
 from smarig.plant.measured_input import PassThroughActuator
 from smarig.preisach.everett import Everett
 from smarig.preisach.operator import Initial
@@ -49,7 +49,7 @@ def plant_model_of(model: Model, first: Run) -> PlantModel:
     actuator = actuator_for_run(model, first)
     start = recorded_start(first) or ("anhysteretic" if actuator.two_wire else "negative")
     return PlantModel(
-        actuator, model.hysteresis, start, from_json(model.effects), first.info.output.resolution
+        actuator, model.hysteresis, start, effects_from_json(model.effects), first.info.output.resolution
     )
 
 
@@ -62,7 +62,7 @@ def actuator_of(model: Model) -> Actuator:
             "from runs that name their actuator."
         )
     return Actuator(
-        check(
+        check_table(
             ActuatorFile,
             {
                 "name": record.name,

@@ -23,7 +23,7 @@ from smarig.plant.effect import (
     Stage,
     SupportsHooks,
     ThermalState,
-    chains,
+    hook_chains,
 )
 from smarig.plant.plant import Plant
 from smarig.plant.thermal_stages import EARLY_STAGES, ThermalStages, apply_hooks
@@ -116,7 +116,7 @@ def _by_parts(
     at = inputs.ends[timeline.ticks[2]]  # the parts at whose ends something was read
     output, states = _outputs_and_states(plant_model, inputs["hysteresis_input_K"], at)
     context = EffectContext(plant_model.actuator, h, plant_model.initial)
-    late = chains(effects, context)
+    late = hook_chains(effects, context)
     if any(late[stage] for stage in AFTER_HYSTERESIS):
         requested = at if _late_effects_memoryless(effects, context) else np.arange(inputs["t_s"].size)
         counts = _sensor_counts(plant_model, late, inputs, requested)[at]
@@ -245,7 +245,7 @@ def _cached_trajectory(
     timeline: Timeline, actuator: Actuator, input_range: tuple[float, float], initial: Initial, early: Values
 ) -> InputTrajectory:
     context = EffectContext(actuator, _HysteresisRange(*input_range), initial)  # pyright: ignore[reportArgumentType]
-    hooks = chains([kind(**dict(values)) for kind, values in early], context)
+    hooks = hook_chains([kind(**dict(values)) for kind, values in early], context)
     return _computed_trajectory(timeline, ThermalStages(actuator, hooks, ThermalState()))  # pyright: ignore[reportArgumentType]
 
 

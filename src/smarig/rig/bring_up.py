@@ -16,7 +16,7 @@ from smarig.config import RigFile
 from smarig.core.errors import RigFault
 from smarig.core.sample import Quality, Sample
 from smarig.plant.actuator import Actuator
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.rig.guard import Guard
 from smarig.rig.plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE, RESISTANCE_FACTORS
@@ -135,7 +135,7 @@ def _heating_checks(
 def _input_of_certain_motion_K(actuator: Actuator, file: RigFile, sign: int) -> float:
     """The input, from rest, at which the model has moved several times what is looked for."""
     of_wire = actuator.file.hysteresis
-    h = surface(of_wire.surface)
+    h = thesis_surface(of_wire.surface)
     inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
     y = Preisach(h).simulate(inputs, of_wire.initial)
     moved = np.abs(y - y[0]) / actuator.position_per_count(file.encoder.counts_per_rev)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from smarig.config import LinksFile, ProtectionFile, RigFile
 from smarig.core.catalogue import catalogue_names, resolve_name, suggestion
 from smarig.core.errors import UsageError
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 from smarig.plant.actuator import Actuator
 
 DRIVERS = "smarig.device.drivers"
@@ -35,7 +35,7 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         if not link.url and not simulated:
             yield f"links.{device}.url: say where it is."
     if links.amplifier.driver == "smarig_amplifier":
-        lease = load_map("amplifier")["lease"]
+        lease = load_register_map("amplifier")["lease"]
         low, high = (lease.value.decode(raw) for raw in lease.limits)
         if not low <= file.lease_s <= high:
             yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, which the amplifier allows."

@@ -21,7 +21,7 @@ from smarig.core.resources import shipped
 from smarig.device.drivers._roles import CurrentSource, PositionSensor, missing_members
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Effect
-from smarig.plant.effect_catalogue import PACKAGE, to_arguments
+from smarig.plant.effect_catalogue import EFFECTS, effects_to_arguments
 from smarig.rig.bench import Bench
 from smarig.rig.consistency import DRIVERS
 from smarig.rig.paced_rig import PacedRig
@@ -123,13 +123,15 @@ def _started_simulator(
             "Simulated devices follow the rig file; another state or no noise is for the twin in process."
         )
     with_type = [effect for effect in settings.effects if isinstance(effect, Effect)]
-    if len(with_type) < len(settings.effects) or any(e.kind.name not in catalogue_names(PACKAGE) for e in with_type):
+    if len(with_type) < len(settings.effects) or any(
+        e.kind.name not in catalogue_names(EFFECTS) for e in with_type
+    ):
         raise UsageError("Simulated devices know effects of the catalogue only.")
     if links.amplifier.framing != links.encoder_daq.framing:
         raise UsageError("Simulated devices speak one framing; give both links the same.")
     pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
     min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
-    effects = [word for pair in to_arguments(with_type) for word in ("--effect", pair)]
+    effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
     files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
     extra = [word for option, path in files.items() if path for word in (option, path)]
     command = [sys.executable, "-m", "simulators", "--rig", rig, "--framing", links.amplifier.framing]

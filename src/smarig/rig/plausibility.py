@@ -9,7 +9,7 @@ import math
 from smarig.config import RigFile
 from smarig.core.sample import Quality, Sample
 from smarig.plant.actuator import Actuator
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.rig.rig import Alarm
 
 REST_TAUS = 12.0  # until a wire is at rest, whatever it was before, and whatever its sensors lag behind
@@ -39,7 +39,7 @@ class Plausibility:
         self._saturation_A = rig.amplifier.saturation_A
         low, high = heating.resistance_austenite.value, heating.resistance_martensite.value
         self._ohm = RESISTANCE_FACTORS[0] * min(low, high), RESISTANCE_FACTORS[1] * max(low, high)
-        h = surface(actuator.file.hysteresis.surface)
+        h = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
         travel = abs(h.y_upper - h.y_lower)

@@ -14,13 +14,13 @@ import numpy as np
 
 from smarig.config import RigFile
 from smarig.core.errors import UsageError
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import SupportsHooks
-from smarig.plant.effect_catalogue import mystery
+from smarig.plant.effect_catalogue import mystery_effects
 from smarig.plant.plant import Plant
 from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Initial
 
 _COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
@@ -62,8 +62,8 @@ class RegisterScales(NamedTuple):
 
 def register_scales() -> RegisterScales:
     """Of the registers that readings go into."""
-    amplifier = {f.name: f for f in load_map("amplifier")["ring"].field}
-    ambient = next(f for f in load_map("encoder_daq")["ring"].field if f.name == "ambient")
+    amplifier = {f.name: f for f in load_register_map("amplifier")["ring"].field}
+    ambient = next(f for f in load_register_map("encoder_daq")["ring"].field if f.name == "ambient")
     none = amplifier["temperature"].none
     return RegisterScales(
         amplifier["current"].per_unit,
@@ -82,10 +82,10 @@ class Specimen:
         self.tick = 0
         self.file, self.actuator = rig, actuator
         hysteresis = actuator.file.hysteresis
-        hidden = mystery(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
+        hidden = mystery_effects(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
         self.plant = Plant(
             actuator,
-            settings.hysteresis or surface(hysteresis.surface),
+            settings.hysteresis or thesis_surface(hysteresis.surface),
             settings.initial or hysteresis.initial,
             rig.period_s,
             (*hidden, *settings.effects),

@@ -7,7 +7,7 @@ seconds. It has the lease of the real devices: left alone for longer, its output
 from smarig.config import RigFile, load_rig
 from smarig.core.errors import LeaseExpired, UsageError
 from smarig.core.sample import NAN, Quality, Sample
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 from smarig.plant.actuator import Actuator
 from smarig.rig.rig import Alarm
 from smarig.rig.specimen import Specimen, TwinSettings, register_scales
@@ -28,7 +28,7 @@ class Twin:
         self.tripped = ""
         self.specimen = Specimen(rig, actuator, self.settings)
         self.position_per_count = self.specimen.position_per_count
-        self._current_register = load_map("amplifier")["current"].value
+        self._current_register = load_register_map("amplifier")["current"].value
         self._scales = register_scales()
         self._zero_counts = 0
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from smarig.config import RigFile, own_drivers
-from smarig.control.controller_settings import TRACKING
+from smarig.control.controller_settings import TRACKING_CONTROLLERS
 from smarig.core.catalogue import catalogue_kind, own_entries
 from smarig.core.errors import DataError, UsageError
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
@@ -28,7 +28,7 @@ def used_own_files(
     drivers = own_drivers(file)
     used = {
         PROTOCOLS: {protocol},
-        TRACKING: {controller},
+        TRACKING_CONTROLLERS: {controller},
         EFFECTS: set(with_type),
         DRIVERS: {name for name, f in own_entries(DRIVERS).items() if str(f.place) in drivers},
     }

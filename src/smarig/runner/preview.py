@@ -12,7 +12,7 @@ from smarig.core.command import Protocol, StepResult, StepVerdict
 from smarig.core.errors import LimitExceeded, UsageError
 from smarig.core.sample import Sample
 from smarig.plant.actuator import Actuator
-from smarig.protocols._settings import build
+from smarig.protocols._settings import build_protocol
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.rig.guard import Guard
@@ -91,7 +91,11 @@ def preview(
     )
     try:
         setup = Setup(actuator, rig.limits, rig.period_s)
-        runner.run(protocol_factory(setup) if protocol_factory else build(protocol, setup, settings, chooser))
+        runner.run(
+            protocol_factory(setup)
+            if protocol_factory
+            else build_protocol(protocol, setup, settings, chooser)
+        )
     except LimitExceeded as refused:
         raise UsageError(
             f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"

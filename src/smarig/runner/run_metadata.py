@@ -15,14 +15,14 @@ from smarig.config import RigFile
 from smarig.core.catalogue import catalogue_names
 from smarig.core.errors import Interrupted, SmarigError
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import PACKAGE, Effect, to_pairs
+from smarig.plant.effect_catalogue import EFFECTS, Effect, effects_to_pairs
 from smarig.rig.twin import TwinSettings
 
 LAUNCH_ARGS = "begun_with"  # key of what a run needs to be gone on with
 CLOSED_LOOP = "closed_loop"  # key of runs whose protocol stands in no catalogue
 
 
-def source_of(file: RigFile, twin: TwinSettings) -> str:
+def twin_source(file: RigFile, twin: TwinSettings) -> str:
     """Whose data these are: simulated devices are a twin too."""
     if twin.hysteresis is not None:
         return "simulation"
@@ -66,12 +66,12 @@ def launch_args(
 ) -> dict:
     """What `smarig resume` builds the same run from: rig file, its wire, the twin's effects, settings as given."""
     path = Path(rig)
-    with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in catalogue_names(PACKAGE)]
+    with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in catalogue_names(EFFECTS)]
     return {
         "rig": str(path.resolve()) if path.is_file() else rig,
         "rig_wire": wire,
         "speed": speed,
-        "effects": to_pairs(with_type) if len(with_type) == len(twin.effects) else None,
+        "effects": effects_to_pairs(with_type) if len(with_type) == len(twin.effects) else None,
         "noise": twin.noise,
         "settings": json.loads(json.dumps(dict(settings), default=_to_json)),
     }

@@ -19,12 +19,12 @@ from smarig.core.command import Protocol
 from smarig.core.errors import LimitExceeded, SmarigError, StorageError
 from smarig.core.sample import Sample
 from smarig.plant.actuator import Actuator
-from smarig.protocols._settings import PACKAGE, build
+from smarig.protocols._settings import PROTOCOLS, build_protocol
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.record import CONTINUED, Recorder, Run, load_run
 from smarig.record.clock_watch import ClockWatch
-from smarig.record.wire_history import Wear, WireHistory, load_history
+from smarig.record.wire_history import Wear, WireHistory, load_wire_history
 from smarig.rig.guard import Guard
 from smarig.rig.open_rig import open_rig
 from smarig.rig.plausibility import Plausibility
@@ -42,7 +42,7 @@ from smarig.runner.run_metadata import (
     experiment_metadata,
     launch_args,
     outlives_session,
-    source_of,
+    twin_source,
 )
 from smarig.runner.runner import Runner
 from smarig.runner.shift import Shift
@@ -120,11 +120,11 @@ class Session:
         ``protocol_factory``
         makes a protocol that stands in no catalogue, a closed loop; ``protocol`` is its name in the record.
         """
-        out, protocol = Path(out), protocol if protocol_factory else resolve_name(PACKAGE, protocol)
+        out, protocol = Path(out), protocol if protocol_factory else resolve_name(PROTOCOLS, protocol)
         generator = (
             protocol_factory(self.setup)
             if protocol_factory
-            else build(protocol, self.setup, settings, chooser)
+            else build_protocol(protocol, self.setup, settings, chooser)
         )
         cost = expected or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
         check_free_space(out, cost.bytes)
@@ -170,7 +170,7 @@ class Session:
         """What the wire has been through; None for a simulation, which has no wire."""
         if self.source == "simulation":
             return None
-        return load_history(self.wire, twin=self.source == "twin")
+        return load_wire_history(self.wire, twin=self.source == "twin")
 
     def _count_wear(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.wear.add(s.tick, input_K)
@@ -205,7 +205,7 @@ class Session:
     @property
     def source(self) -> str:
         """Whose data these are: "bench", "twin" or "simulation"."""
-        return source_of(self.file, self.settings)
+        return twin_source(self.file, self.settings)
 
     @property
     def device(self) -> str:

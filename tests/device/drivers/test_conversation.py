@@ -7,9 +7,9 @@ from smarig.core.errors import ConfigError
 from smarig.device.drivers._conversation import ATTEMPTS, PAUSES_S, STALE_REPLIES, Conversation
 from smarig.device.wire.exchange import Refusal
 from smarig.device.wire.link_faults import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
-MAP = load_map("amplifier")
+MAP = load_register_map("amplifier")
 
 
 @pytest.fixture

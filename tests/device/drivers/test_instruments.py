@@ -14,7 +14,7 @@ from smarig.device.drivers.smarig_amplifier import SmarigAmplifier
 from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
 from smarig.device.wire.exchange import Refusal
 from smarig.device.wire.link_faults import Garbled, Refused, Silent, WrongDevice
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
 SETTINGS = {"period": 0.1, "lease": 1.0, "current_max": 1.0, "resistance_max": 20.0}
 OFF, ARM = 2, 1
@@ -22,7 +22,7 @@ OFF, ARM = 2, 1
 
 @pytest.fixture
 def link():
-    return Scripted(load_map("amplifier"))
+    return Scripted(load_register_map("amplifier"))
 
 
 def orders(link):
@@ -46,7 +46,7 @@ def test_opening_writes_settings_while_off_and_moves_nothing(link):
     ("driver", "other"), [(smarig_amplifier, "encoder_daq"), (smarig_encoder_daq, "amplifier")]
 )
 def test_a_device_that_is_another_is_let_go_of(driver, other, monkeypatch):
-    link = Scripted(load_map(other))
+    link = Scripted(load_register_map(other))
     monkeypatch.setattr(driver, "opened", lambda *_: link)
     rig = load_rig("bench_one_wire")
     with pytest.raises(WrongDevice):
@@ -121,7 +121,7 @@ def test_a_refused_current_is_no_current(link):
 
 
 def test_the_encoder_writes_its_period_and_zeroes():
-    link = Scripted(load_map("encoder_daq"))
+    link = Scripted(load_register_map("encoder_daq"))
     daq = SmarigEncoderDaq(link, 0.05)
     assert link.settings == [50]
     daq.zero()

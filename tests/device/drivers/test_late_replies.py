@@ -29,9 +29,9 @@ from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
 from smarig.device.links.text_line import TextLine
 from smarig.device.wire.exchange import Exchange, Refusal
 from smarig.device.wire.link_faults import Garbled, Refused, Silent, Stale
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
-MAP = load_map("amplifier")
+MAP = load_register_map("amplifier")
 TIMEOUT_S = 0.3
 NEVER_S = 30.0  # patience that only the test ends
 FRAMINGS = {"lines": (TextFraming(), TEXT), "modbus_rtu": (Rtu(65), rtu_framing(65))}

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from smarig.core.errors import ConfigError, UsageError
-from smarig.core.toml_file import check
+from smarig.core.toml_file import check_table
 from smarig.device.wire.generate import DEVICES, header, outdated, reference
-from smarig.device.wire.register import SPANS, Register, Value, from_words, load_map, to_words
+from smarig.device.wire.register import VALUE_RANGES, Register, Value, from_words, load_register_map, to_words
 
-MAPS = [load_map(name) for name in DEVICES]
+MAPS = [load_register_map(name) for name in DEVICES]
 VALUES = [r.value for m in MAPS for r in m.registers.values() if not r.field] + [
     f for m in MAPS for r in m.registers.values() for f in r.field
 ]
@@ -21,13 +21,13 @@ VALUES = [r.value for m in MAPS for r in m.registers.values() if not r.field] + 
 @pytest.mark.parametrize("value", VALUES, ids=lambda v: f"{v.name}-{v.type}")
 @given(st.data())
 def test_what_a_register_holds_comes_back(value, data):
-    raw = data.draw(st.integers(*SPANS[value.type]).filter(lambda raw: raw != value.none))
+    raw = data.draw(st.integers(*VALUE_RANGES[value.type]).filter(lambda raw: raw != value.none))
     assert value.encode(value.decode(raw)) == raw
     assert from_words(to_words(raw, value.words), value.type) == raw
 
 
 def test_a_value_is_rounded_to_the_nearest_and_refused_beyond_the_words():
-    current = load_map("amplifier")["current"].value
+    current = load_register_map("amplifier")["current"].value
     assert current.rounded(0.1234564) == 0.123456
     assert current.rounded(0.8) == 0.8
     assert math.isnan(current.rounded(math.nan))
@@ -36,7 +36,7 @@ def test_a_value_is_rounded_to_the_nearest_and_refused_beyond_the_words():
 
 
 def test_no_reading_is_not_a_number():
-    temperature = next(f for f in load_map("amplifier")["ring"].field if f.name == "temperature")
+    temperature = next(f for f in load_register_map("amplifier")["ring"].field if f.name == "temperature")
     assert math.isnan(temperature.decode(temperature.none))
     assert temperature.decode(2150) == 21.5
 
@@ -83,7 +83,7 @@ def test_a_map_that_cannot_be_is_refused():
         {"name": "x", "address": 0, "type": "u64", "access": "r", "text": ""},
     ):
         with pytest.raises(ConfigError):
-            check(Register, wrong, "map")
+            check_table(Register, wrong, "map")
     with pytest.raises(UsageError, match="no register 'colour'"):
         MAPS[0]["colour"]
 

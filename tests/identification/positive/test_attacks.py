@@ -7,7 +7,7 @@ from identification.made_runs import PARTITION, driven_run, fod_inputs, made_run
 from smarig.core.errors import DataError, SmarigError
 from smarig.identification.identify import identify
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.theory.extended.moving_operator import MovingPreisach
 
@@ -42,9 +42,9 @@ def test_a_hysteresis_that_is_not_finite_is_refused():
 
 def test_nan_is_refused_by_the_moving_model_too():
     with pytest.raises(DataError, match="NaN"):
-        MovingPreisach(surface("one_e"), -0.1).simulate([np.nan, 1.0])
+        MovingPreisach(thesis_surface("one_e"), -0.1).simulate([np.nan, 1.0])
 
 
 def test_words_for_inputs_are_refused():
     with pytest.raises(SmarigError, match="numbers"):
-        Preisach(surface("one_c")).simulate(["a"])
+        Preisach(thesis_surface("one_c")).simulate(["a"])

@@ -8,7 +8,7 @@ from identification.made_runs import PARTITION, driven_run, fod_inputs, made_run
 from smarig.core.errors import DataError, UsageError
 from smarig.identification.fod_data import fod_data
 from smarig.identification.positive import Observations, fit_positive
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 
 
@@ -33,7 +33,7 @@ def rms(fit, truth):
 
 @pytest.fixture(scope="module")
 def noisy():
-    truth = surface("one_e")
+    truth = thesis_surface("one_e")
     return truth, fit_positive(points(truth, np.array(PARTITION["one"]), noise=0.019), intervals=30)
 
 
@@ -48,7 +48,7 @@ def test_no_mass_is_negative_although_the_truths_are(noisy):
 
 
 def test_finer_triangles_converge():
-    truth = surface("two_c")
+    truth = thesis_surface("two_c")
     observations = points(truth, np.array(PARTITION["two"]))
     fits = [fit_positive(observations, intervals=n, smoothing=1e-11) for n in (12, 24, 48)]
     alpha, beta, _ = dense(truth)
@@ -84,7 +84,7 @@ def test_the_solution_is_one_whatever_the_order_of_the_data(noisy):
 
 
 def test_what_the_data_leaves_open_is_counted():
-    truth = surface("one_c")
+    truth = thesis_surface("one_c")
     levels = np.linspace(0, truth.upper, 11)
     nodes = levels
     whole = points(truth, levels)
@@ -121,7 +121,7 @@ def test_intervals_cover_the_truth_and_grow_where_nothing_was_measured():
         inside.append(float(np.mean((low <= y + noise) & (y + noise <= high))))
     assert 0.8 < np.mean(inside) < 0.99
     levels = np.array(PARTITION["one"])
-    observations = points(surface("one_c"), levels, noise=0.019)
+    observations = points(thesis_surface("one_c"), levels, noise=0.019)
     gap = fit_positive(
         observations.where((observations.curve < 4) | (observations.curve > 7)), nodes=levels, smoothing=1e-11
     )
@@ -133,7 +133,7 @@ def test_intervals_cover_the_truth_and_grow_where_nothing_was_measured():
 
 
 def test_any_run_will_do_loops_and_ladders_without_one_first_order_curve():
-    truth = surface("one_c")
+    truth = thesis_surface("one_c")
     rng = np.random.default_rng(3)
     u = np.concatenate([[0.0], rng.uniform(0, truth.upper, 160), [truth.upper, 0.0]])
     u[1::2], u[2::2] = np.maximum(u[1::2], u[2::2]), np.minimum(u[1::2], u[2::2])
@@ -149,7 +149,7 @@ def test_any_run_will_do_loops_and_ladders_without_one_first_order_curve():
 
 def test_symmetry_is_kept_when_requested():
     levels = np.array(PARTITION["two"])
-    observations = points(surface("two_c"), levels)
+    observations = points(thesis_surface("two_c"), levels)
     centred = Observations.of_points(
         observations.alpha,
         observations.beta,
@@ -172,7 +172,7 @@ def test_symmetry_is_kept_when_requested():
 
 def test_the_cost_of_non_negativity_is_reported():
     costly, free = (
-        fit_positive(points(surface(name), np.linspace(0, 174.1, 41)), smoothing=1e-14).held_out
+        fit_positive(points(thesis_surface(name), np.linspace(0, 174.1, 41)), smoothing=1e-14).held_out
         for name in ("one_p", "one_c")
     )
     assert costly.rms > 1.5 * costly.signed_rms
@@ -180,7 +180,7 @@ def test_the_cost_of_non_negativity_is_reported():
 
 
 def test_little_or_no_data_is_refused_in_a_sentence():
-    observations = points(surface("one_c"), np.array(PARTITION["one"]))
+    observations = points(thesis_surface("one_c"), np.array(PARTITION["one"]))
     with pytest.raises(DataError, match="three are the least"):
         fit_positive(observations.where(np.arange(len(observations)) < 2))
     still = Observations.of_points(
@@ -195,7 +195,7 @@ def test_little_or_no_data_is_refused_in_a_sentence():
 
 
 def test_a_run_of_the_worst_bench_is_within_a_count_of_the_truth():
-    truth = surface("one_e")
+    truth = thesis_surface("one_e")
     fit = fit_positive(Observations.of_runs([driven_run("one_e", fod_inputs(PARTITION["one"]), seed=2)]))
     assert rms(fit, truth) < 0.075
     assert "65" in repr(fit) or "66" in repr(fit) or "points" in repr(fit)

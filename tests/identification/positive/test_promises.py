@@ -14,7 +14,7 @@ from smarig.identification.fod_data import FodData, fod_data
 from smarig.identification.positive import Observations, fit_positive
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import fit_surface
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import load_run
 from smarig.rig.twin import TwinSettings
 from smarig.runner.preview import Preview, preview
@@ -68,7 +68,7 @@ def fit_errors(folder, rig, truth, seed, kinds) -> PredictionErrors:
     ("rig", "name", "most"), [("one_wire_twin", "one_e", 0.055), ("two_wire_twin", "two_e", 0.09)]
 )
 def test_positive_and_good_on_truths_that_are_not_positive(tmp_path, rig, name, most):
-    truth = surface(name)
+    truth = thesis_surface(name)
     all_seeds = [fit_errors(tmp_path, rig, truth, seed, ("constant", "table")) for seed in range(SEEDS)]
     for found in all_seeds:
         assert found.least_mass >= 0

@@ -5,12 +5,12 @@ import numpy as np
 from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.plant.actuator import Actuator
 from smarig.plant.plant import Plant
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 
 CATALOGUE = catalogue_names("smarig.plant.effects")
 WIRES = {
-    "one_wire": (Actuator.named("gorbet_one_wire"), surface("one_e"), "negative"),
-    "two_wire": (Actuator.named("gorbet_two_wire"), surface("two_c"), "negative"),
+    "one_wire": (Actuator.named("gorbet_one_wire"), thesis_surface("one_e"), "negative"),
+    "two_wire": (Actuator.named("gorbet_two_wire"), thesis_surface("two_c"), "negative"),
 }
 
 

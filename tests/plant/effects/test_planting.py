@@ -8,17 +8,17 @@ import pytest
 from smarig.cli import run
 from smarig.config import load_rig
 from smarig.core.errors import DataError, UsageError
-from smarig.plant.effect_catalogue import effect_types, from_json, from_pairs, mystery
+from smarig.plant.effect_catalogue import effect_types, effects_from_json, effects_from_pairs, mystery_effects
 from smarig.record import load_run
 from smarig.rig.twin import Twin
 from smarig.runner.preview import preview
 
 
 def test_pairs_name_strengths_and_parameters():
-    settling, walking = from_pairs(["settling.time_constant_s=900", "walking=0.5", "settling=3"])
+    settling, walking = effects_from_pairs(["settling.time_constant_s=900", "walking=0.5", "settling=3"])
     assert settling.values == {"share_percent": 3.0, "time_constant_s": 900.0}
     assert walking.strength == 0.5
-    assert from_pairs(["creep"])[0].strength == 1.0
+    assert effects_from_pairs(["creep"])[0].strength == 1.0
 
 
 @pytest.mark.parametrize(
@@ -35,12 +35,12 @@ def test_pairs_name_strengths_and_parameters():
 )
 def test_what_is_no_effect_is_refused(pair, message):
     with pytest.raises(UsageError, match=message):
-        from_pairs([pair])
+        effects_from_pairs([pair])
 
 
 def test_a_model_file_gives_back_what_was_written():
-    effects = from_pairs(["settling=3", "walking=-0.5"])
-    assert from_json(json.loads(json.dumps([e.to_json() for e in effects]))) == effects
+    effects = effects_from_pairs(["settling=3", "walking=-0.5"])
+    assert effects_from_json(json.loads(json.dumps([e.to_json() for e in effects]))) == effects
     wrong = [
         {},
         {"name": "x", "parameters": {}},
@@ -50,21 +50,21 @@ def test_a_model_file_gives_back_what_was_written():
     ]
     for record in wrong:
         with pytest.raises(DataError):
-            from_json([record])
+            effects_from_json([record])
 
 
 def test_what_is_there_twice_or_has_more_to_say_is_no_effect():
     creep = {"name": "creep", "parameters": {"percent_per_decade": 1.0}}
     with pytest.raises(DataError, match="creep is there twice"):
-        from_json([creep, creep])
+        effects_from_json([creep, creep])
     with pytest.raises(DataError, match="unexpected keyword"):
-        from_json([creep | {"since": 1997}])
+        effects_from_json([creep | {"since": 1997}])
 
 
 def test_one_wire_has_no_other_that_would_warm_it():
     with pytest.raises(UsageError, match="cross_talk needs two wires, and this rig has one"):
-        Twin.named("one_wire_twin", effects=from_pairs(["cross_talk=2"]))
-    assert Twin.named("two_wire_twin", effects=from_pairs(["cross_talk=2"]))
+        Twin.named("one_wire_twin", effects=effects_from_pairs(["cross_talk=2"]))
+    assert Twin.named("two_wire_twin", effects=effects_from_pairs(["cross_talk=2"]))
 
 
 def test_kinds_of_a_rig_leave_out_what_needs_another():
@@ -78,8 +78,8 @@ def test_kinds_of_a_rig_leave_out_what_needs_another():
 
 
 def test_a_seed_hides_one_effect_or_none_and_every_effect_has_seeds():
-    drawn = [mystery(seed, "one_wire") for seed in range(600)]
-    assert drawn == [mystery(seed, "one_wire") for seed in range(600)]
+    drawn = [mystery_effects(seed, "one_wire") for seed in range(600)]
+    assert drawn == [mystery_effects(seed, "one_wire") for seed in range(600)]
     assert 0.08 < sum(not d for d in drawn) / 600 < 0.25
     assert {d[0].kind.name for d in drawn if d} == {k.name for k in effect_types("one_wire")}
     for hidden in drawn:
@@ -90,10 +90,12 @@ def test_a_seed_hides_one_effect_or_none_and_every_effect_has_seeds():
 
 def test_the_mystery_rig_behaves_like_its_hidden_effect_and_does_not_reveal_it(tmp_path):
     seed = next(
-        s for s in range(99) if mystery(s, "one_wire") and mystery(s, "one_wire")[0].kind.name == "backlash"
+        s
+        for s in range(99)
+        if mystery_effects(s, "one_wire") and mystery_effects(s, "one_wire")[0].kind.name == "backlash"
     )
     hides = Twin.named("mystery", seed=seed)
-    openly = Twin.named("one_wire_twin", seed=seed, effects=mystery(seed, "one_wire"))
+    openly = Twin.named("one_wire_twin", seed=seed, effects=mystery_effects(seed, "one_wire"))
     drive = [0.8] * 200 + [0.3] * 200
     assert [hides.step(i)[0].counts for i in drive] == [openly.step(i)[0].counts for i in drive]
     out = tmp_path / "m.run.sqlite"
@@ -125,7 +127,7 @@ def test_run_plants_effects_on_a_twin_and_records_them(tmp_path):
 )
 def test_repeated_or_incomplete_pairs_are_refused(pairs, said):
     with pytest.raises(UsageError, match=said):
-        from_pairs(pairs)
+        effects_from_pairs(pairs)
 
 
 def test_a_preview_reveals_nothing_of_a_mystery():

@@ -16,9 +16,9 @@ from smarig.identification.surface.surface_kinds import kinds_by_freedom, surfac
 from smarig.identification.verify import verify
 from smarig.preisach import compiled
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.gorbet_1997 import PARTITIONS, surface
-from smarig.preisach.hysteresis.surface_form import PACKAGE, find_form, forms
-from smarig.preisach.interval import Interval, shift
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
+from smarig.preisach.hysteresis.surface_form import FORMS, surface_form, surface_forms
+from smarig.preisach.interval import Interval, shift_bounds
 from smarig.preisach.operator import Preisach
 from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 from smarig.replay.model_file import load_model
@@ -38,19 +38,19 @@ RANGES = {"one_c": (0.0, 174.1), "two_c": (-185.0, 185.0)}
 def own_form():
     """The form of one's own is loaded as a person would name it, and gone after each test."""
     with own_files():
-        yield resolve_name(PACKAGE, str(OWN))
+        yield resolve_name(FORMS, str(OWN))
 
 
-@pytest.fixture(params=[*forms(), "logistic"])
+@pytest.fixture(params=[*surface_forms(), "logistic"])
 def form(request):
     return request.param
 
 
 def grown(form):
     """(x, u₋, u₊) of every third of the form's own starts, over the ranges of both wires."""
-    found = find_form(form)
+    found = surface_form(form)
     for name, (lower, upper) in RANGES.items():
-        fitted = surface(name).x if found.grows_from else ()
+        fitted = thesis_surface(name).x if found.grows_from else ()
         for x in found.starts(lower, upper, fitted)[::3]:
             yield x, lower, upper
 
@@ -63,7 +63,7 @@ def shape(form, x, lower, upper):
 
 
 def test_the_slope_is_the_derivative_of_the_value(form):
-    found = find_form(form)
+    found = surface_form(form)
     for x, lower, upper in grown(form):
         alpha, h = np.linspace(lower, upper, 41), 1e-5 * (upper - lower)
         f = found.value(x[3:], alpha)
@@ -72,7 +72,7 @@ def test_the_slope_is_the_derivative_of_the_value(form):
 
 
 def test_the_jacobian_is_the_derivative_by_each_parameter(form):
-    found = find_form(form)
+    found = surface_form(form)
     for x, lower, upper in grown(form):
         alpha, own = np.linspace(lower, upper, 41), np.array(x[3:])
         for k, column in enumerate(found.jacobian(x[3:], alpha).T):
@@ -84,7 +84,7 @@ def test_the_jacobian_is_the_derivative_by_each_parameter(form):
 
 
 def test_starts_are_finite_and_within_the_bounds(form):
-    found = find_form(form)
+    found = surface_form(form)
     for x, lower, upper in grown(form):
         assert len(x) == len(found.parameters)
         assert np.isfinite(x).all()
@@ -106,25 +106,25 @@ def test_the_value_in_plain_numbers_is_the_value_in_arrays(form):
         assert s.swept(alpha, beta) == pytest.approx(scalar, rel=1e-12, abs=1e-12 * max(scalar))
 
 
-@pytest.mark.skipif(not compiled.available(), reason="needs numba")
+@pytest.mark.skipif(not compiled.compiled_available(), reason="needs numba")
 def test_the_value_in_plain_numbers_can_be_compiled(form):
     import numba
 
     x, lower, upper = next(g for g in grown(form) if shape(form, *g).shape(g[2], g[2]) > 1e-3)
     s = shape(form, x, lower, upper)
     beta, alpha = np.sort(np.random.default_rng(2).uniform(lower, upper, (2, 20)), axis=0)
-    fast = numba.njit(find_form(form).between)
+    fast = numba.njit(surface_form(form).between)
     made = [fast(s.keyed.params, a, b) for a, b in zip(alpha.tolist(), beta.tolist())]
     assert made == pytest.approx([s.everett(a, b) for a, b in zip(alpha.tolist(), beta.tolist())])
 
 
 def test_value_and_slope_stay_within_their_ranges_between_turning_points(form):
     """The proofs of the theory rest on this: no α in an interval leaves what ``interval.shift`` encloses."""
-    rng, found = np.random.default_rng(3), find_form(form)
+    rng, found = np.random.default_rng(3), surface_form(form)
     for x, lower, upper in grown(form):
         s, ends = shape(form, x, lower, upper), np.sort(rng.uniform(lower, upper, (2, 30)), axis=0)
         inside = ends[0] + np.linspace(0, 1, 101)[:, None] * (ends[1] - ends[0])
-        values, slopes = shift(s, Interval(*ends))
+        values, slopes = shift_bounds(s, Interval(*ends))
         for held, at in ((values, found.value(x[3:], inside)), (slopes, found.slope(x[3:], inside))):
             slack = 1e-12 * np.abs(at).max()
             assert np.all(held.low - slack <= at)
@@ -132,7 +132,7 @@ def test_value_and_slope_stay_within_their_ranges_between_turning_points(form):
 
 
 def test_every_parameter_has_a_unit_and_every_form_its_colour(form):
-    found = find_form(form)
+    found = surface_form(form)
     assert list(found.units("K")) == list(found.parameters)
     assert set(found.units("K").values()) <= {"K", "1/K", "1"}
     assert surface_colour(form) == found.colour != INK
@@ -148,8 +148,8 @@ KNOWN = "'cubic' is not one of constant, parabolic, exponential, logistic"
 @pytest.mark.parametrize(
     "use",
     [
-        lambda: find_form("cubic"),
-        lambda: FodSurface("cubic", surface("one_e").x, 0.0, 174.1, 0.0, 12.5),
+        lambda: surface_form("cubic"),
+        lambda: FodSurface("cubic", thesis_surface("one_e").x, 0.0, 174.1, 0.0, 12.5),
         lambda: fit_surface(fod_data(stepped_run()), "cubic"),
     ],
 )
@@ -159,7 +159,7 @@ def test_an_unknown_form_is_an_error_that_lists_the_known_ones(use):
 
 
 def test_an_unknown_form_in_a_model_file_is_an_error_that_lists_the_known_ones():
-    data = dump_hysteresis(surface("one_e")) | {"form": "cubic"}
+    data = dump_hysteresis(thesis_surface("one_e")) | {"form": "cubic"}
     with pytest.raises(DataError, match=KNOWN):
         load_hysteresis(data)
 
@@ -189,13 +189,13 @@ def test_an_unknown_kind_of_surface_is_an_error_that_lists_the_known_ones():
 def test_a_file_that_is_no_form_says_why(tmp_path, text, sentence):
     (tmp_path / "odd.py").write_text(text, encoding="utf-8")
     with pytest.raises(UsageError, match=sentence):
-        resolve_name(PACKAGE, str(tmp_path / "odd.py"))
+        resolve_name(FORMS, str(tmp_path / "odd.py"))
 
 
 # --- a new form, from its fit to its page -------------------------------------------------------------------
 
 
-def stepped_run(seed=None, partition=PARTITIONS["one_wire"]):
+def stepped_run(seed=None, partition=THESIS_PARTITIONS["one_wire"]):
     """First-order curves of a wire whose curves shift by a step, which no shipped form follows."""
     truth = FodSurface("logistic", STEP, 0.0, 174.1, 0.0, 12.54, "mm")
     inputs = fod_inputs(partition)

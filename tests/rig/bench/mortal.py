@@ -13,7 +13,7 @@ import numpy as np
 from rig.bench.wired_chips import PERIOD_S, write_rig
 from smarig.device.drivers._conversation import Conversation
 from smarig.device.links.serial_line import TEXT, SerialLine
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 from smarig.identification.fod_data import fod_data
 from smarig.record import Run, load_run
 
@@ -60,7 +60,7 @@ class SimulatedDevices:
             time.sleep(2.5 * self.lease_s / self.speed + 0.1)
             return
         line = SerialLine(self._daq, TEXT, PATIENCE_S)
-        talk = Conversation(line, load_map("encoder_daq"))
+        talk = Conversation(line, load_register_map("encoder_daq"))
         tick = talk.handshake()["tick"]
         for k in range(3 * self.lease_ticks):
             talk.command({"ring_next": tick + 1 + k}, 1)

@@ -2,7 +2,7 @@
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.operator import Initial
 from smarig.theory.butterfly import butterfly_relays, butterfly_table
 from smarig.theory.energy import DissipativityCertificate, certify, confirm
@@ -13,10 +13,10 @@ def models() -> dict[str, tuple[Everett, str, Initial]]:
     """Name → hysteresis, unit of work, initial state of the confirmation."""
     found: dict[str, tuple[Everett, str, Initial]] = {
         name: (
-            surface(name),
+            thesis_surface(name),
             *(("mm·K", "negative") if name.startswith("one") else ("deg·K", "anhysteretic")),
         )
-        for name in NAMES
+        for name in THESIS_SURFACES
     }
     found["butterfly table"] = (butterfly_table(), "1", "negative")
     found["butterfly relays"] = (butterfly_relays(), "1", "negative")

@@ -17,7 +17,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from smarig.core.errors import DataError, UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 from smarig.theory.energy import certify, energy_balance, loop_area, recoverable_energy, work
@@ -124,9 +124,9 @@ def test_prop_7_1_notices_energy_counted_outside_its_quadrants():
     assert -(reference.nu * reference.beta)[reference.on].sum() != 0.0
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_prop_7_1_holds_on_every_surface_after_any_history(name):
-    s, rng = surface(name), np.random.default_rng(7)
+    s, rng = thesis_surface(name), np.random.default_rng(7)
     operator = Preisach(s)
     for u in rng.uniform(s.lower, s.upper, 40):
         operator.step(float(u))
@@ -147,10 +147,10 @@ def test_thm_7_2_sweep_energy_is_the_switching_work_for_any_sign(measure, histor
     assert swept == pytest.approx(reference.supplied - before, **NEAR)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 @pytest.mark.parametrize("start", ["negative", "anhysteretic"])
 def test_thm_7_2_sweep_energy_is_the_integral_along_a_fine_path(name, start):
-    s, rng = surface(name), np.random.default_rng(72)
+    s, rng = thesis_surface(name), np.random.default_rng(72)
     operator = Preisach(s, start)
     for target in rng.uniform(s.lower, s.upper, 4):
         swept = work(s, operator.state, float(target))
@@ -221,7 +221,7 @@ def test_thm_7_4_notices_one_negative_relay():
 @pytest.mark.parametrize("name", ["one_c", "two_c", "one_e", "two_e"])
 @pytest.mark.parametrize("start", ["negative", "anhysteretic", "positive"])
 def test_thm_7_4_holds_along_random_runs_of_dissipative_surfaces(name, start):
-    s, rng = surface(name), np.random.default_rng(74)
+    s, rng = thesis_surface(name), np.random.default_rng(74)
     u = np.concatenate([rng.uniform(s.lower, s.upper, 150), np.cumsum(rng.normal(0, 4, 150))])
     balance = energy_balance(s, u, start)
     assert balance.holds
@@ -230,7 +230,7 @@ def test_thm_7_4_holds_along_random_runs_of_dissipative_surfaces(name, start):
 
 @pytest.mark.parametrize(("name", "high", "low"), [("one_p", 104.5, 59.0), ("two_p", 185.0, 84.0)])
 def test_thm_7_4_notices_the_surfaces_that_give_energy_back(name, high, low):
-    s = surface(name)
+    s = thesis_surface(name)
     operator = Preisach(s)
     operator.simulate([low, high])
     balance = energy_balance(s, [low, high] * 3, operator.state)
@@ -240,7 +240,7 @@ def test_thm_7_4_notices_the_surfaces_that_give_energy_back(name, high, low):
 
 
 def test_energies_of_bad_inputs_are_refused_in_one_sentence():
-    s = surface("one_c")
+    s = thesis_surface("one_c")
     for bad in ([], [1.0, float("nan")]):
         with pytest.raises(DataError, match="at least one input, all of them finite"):
             energy_balance(s, bad)

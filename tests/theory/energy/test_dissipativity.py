@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from preisach.relay_reference import Printed
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.interval import Interval, shift
+from smarig.preisach.interval import Interval, shift_bounds
 from smarig.preisach.operator import Preisach
 from smarig.theory.butterfly import butterfly_relays, butterfly_table
 from smarig.theory.energy import (
@@ -44,7 +44,7 @@ SMALL = LEVELS[[0, 1, 3, 5, 6]]
 @cache
 def certificate(name: str):
     """Of a surface of Table 5.1; computed once."""
-    return certify(surface(name))
+    return certify(thesis_surface(name))
 
 
 def measure_of(values) -> RelayMeasure:
@@ -112,9 +112,9 @@ def test_available_storage_notices_a_negative_measure():
 # --- loop areas ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_loop_area_is_the_closed_integral_of_the_forward_model(name):
-    s, rng = surface(name), np.random.default_rng(1)
+    s, rng = thesis_surface(name), np.random.default_rng(1)
     for low, high in np.sort(rng.uniform(s.lower, s.upper, (6, 2))).tolist():
         down, up = np.linspace(high, low, 2001), np.linspace(low, high, 2001)
         y = Preisach(s).simulate(np.concatenate([[high, low], up, down]))[1:]
@@ -149,7 +149,7 @@ EXPECTED = {  # theory.md §6: the loop and its area
 }
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_the_six_surfaces_agree_with_theory(name):
     c = certificate(name)
     assert c.dissipative == (name in PASS)
@@ -160,9 +160,9 @@ def test_the_six_surfaces_agree_with_theory(name):
         assert c.area == 0.0 <= c.lower_bound
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_no_sampled_loop_lies_below_the_verified_bound(name):
-    s, rng = surface(name), np.random.default_rng(5)
+    s, rng = thesis_surface(name), np.random.default_rng(5)
     low, high = np.sort(rng.uniform(s.lower, s.upper, (4000, 2)), axis=1).T
     areas = loop_area(s, high, low)
     assert areas.min() >= certificate(name).lower_bound - 1e-9
@@ -171,15 +171,15 @@ def test_no_sampled_loop_lies_below_the_verified_bound(name):
 
 def test_the_bound_closes_in_on_the_minimum():
     """… with the square of the cell; a bound that did not would not be tight, one above would be wrong."""
-    s, least = surface("two_p"), certificate("two_p").area
+    s, least = thesis_surface("two_p"), certificate("two_p").area
     gaps = [least - area_bound(s, n, 0.0).low for n in (64, 128, 256)]
     assert gaps[0] > 3 * gaps[1] > 9 * gaps[2] > 0
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_density_bounds_hold_the_printed_density(name):
     """Against the reference that differentiates (5.5) as printed; a box of no size must give it exactly."""
-    s, printed, rng = surface(name), Printed(name), np.random.default_rng(6)
+    s, printed, rng = thesis_surface(name), Printed(name), np.random.default_rng(6)
     a = np.sort(rng.uniform(s.lower, s.upper, (500, 2)), axis=1)
     b = np.sort(rng.uniform(s.lower, a[:, :1], (500, 2)), axis=1)
     bounds = density_bounds(s, a[:, 0], a[:, 1], b[:, 0], b[:, 1])
@@ -192,10 +192,10 @@ def test_density_bounds_hold_the_printed_density(name):
 
 def test_a_negative_diagonal_is_never_missed():
     """μ(u, u) < 0 makes every small loop about u negative, however small its area."""
-    bound, (high, low) = negative_small_loop(surface("one_p"))
-    assert float(loop_area(surface("one_p"), high, low)) <= bound < 0
-    assert negative_small_loop(surface("one_e")) is None
-    barely = replace(surface("one_p"), x=(0.0439, -44.166, 0.0996, -0.001039425, 0.2392, -36.3101))
+    bound, (high, low) = negative_small_loop(thesis_surface("one_p"))
+    assert float(loop_area(thesis_surface("one_p"), high, low)) <= bound < 0
+    assert negative_small_loop(thesis_surface("one_e")) is None
+    barely = replace(thesis_surface("one_p"), x=(0.0439, -44.166, 0.0996, -0.001039425, 0.2392, -36.3101))
     found = certify(barely)  # every area it has is rounding
     assert found.dissipative is False
     assert -found.tolerance < found.area < 0
@@ -222,9 +222,9 @@ def test_the_minimum_of_a_table_is_not_at_its_nodes():
     assert missed >= 1
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_a_table_of_a_surface_gets_the_verdict_of_the_surface(name):
-    s = surface(name)
+    s = thesis_surface(name)
     u = np.linspace(s.lower, s.upper, 41)
     a, b = np.meshgrid(u, u, indexing="ij")
     t = FodTable.from_arrays(u, u, np.where(a >= b, s.y(a, b), np.nan))
@@ -232,9 +232,9 @@ def test_a_table_of_a_surface_gets_the_verdict_of_the_surface(name):
 
 
 def test_the_mirror_image_gives_back_as_much():
-    image, own = certify(Mirrored(surface("two_p"))), certificate("two_p")
+    image, own = certify(Mirrored(thesis_surface("two_p"))), certificate("two_p")
     assert (image.area, image.at) == (own.area, (-own.at[1], -own.at[0]))
-    assert float(loop_area(Mirrored(surface("two_p")), *image.at)) == pytest.approx(image.area)
+    assert float(loop_area(Mirrored(thesis_surface("two_p")), *image.at)) == pytest.approx(image.area)
 
 
 def test_a_kind_that_cannot_be_decided_is_refused():
@@ -250,32 +250,32 @@ def test_a_kind_that_cannot_be_decided_is_refused():
 )
 def test_a_loop_outside_the_triangle_has_no_area(loop):
     with pytest.raises(UsageError, match="A loop needs -185 ≤ m ≤ M ≤ 185, got m = "):
-        loop_area(surface("two_e"), *loop)
+        loop_area(thesis_surface("two_e"), *loop)
     with pytest.raises(UsageError, match="A loop needs .* got m = 0.0 and M = 200.0"):
-        loop_area(surface("two_e"), [100.0, 200.0], 0.0)
+        loop_area(thesis_surface("two_e"), [100.0, 200.0], 0.0)
 
 
 def test_what_is_no_loop_is_refused():
     for ends in (("high", 0.0), ([1.0, 2.0, 3.0], [0.0, 1.0])):
         with pytest.raises(UsageError, match="ends of loops must be numbers"):
-            loop_area(surface("two_e"), *ends)
+            loop_area(thesis_surface("two_e"), *ends)
     for loop in ((10.0, 50.0), (50.0, 50.0), (np.nan, 1.0)):
         with pytest.raises(UsageError, match=r"A loop \(M, m\) needs M > m"):
-            confirm(surface("two_p"), loop)
+            confirm(thesis_surface("two_p"), loop)
     with pytest.raises(UsageError, match=r"A loop is two numbers \(M, m\), got 5"):
-        confirm(surface("two_p"), 5)
+        confirm(thesis_surface("two_p"), 5)
 
 
 @pytest.mark.parametrize("levels", [0, 1, -1, 1.5, np.nan, "many", None, 10**9], ids=str)
 def test_levels_that_are_no_number_of_levels_are_refused(levels):
     with pytest.raises(UsageError, match="number of levels must be a whole number from 2 to 2000"):
-        available_storage(surface("two_e"), levels=levels)
+        available_storage(thesis_surface("two_e"), levels=levels)
 
 
 @pytest.mark.parametrize("cells", [0, 1.5, "many"], ids=str)
 def test_cells_that_are_no_number_of_cells_are_refused(cells):
     with pytest.raises(UsageError, match="number of cells must be a whole number"):
-        recoverable_energy_is_storage(surface("two_e"), cells)
+        recoverable_energy_is_storage(thesis_surface("two_e"), cells)
 
 
 def test_a_certificate_names_its_units_where_they_are_known():
@@ -283,7 +283,7 @@ def test_a_certificate_names_its_units_where_they_are_known():
     assert "at least 0 mm·K)" in certificate("one_e").text
     undecided = replace(certificate("one_e"), dissipative=None, lower_bound=-2.0, area=-1.0)
     assert undecided.text == "Undecided: loop areas lie above -2 mm·K, none seen is below -1 mm·K."
-    unknown = certify(replace(surface("two_p"), unit=""))
+    unknown = certify(replace(thesis_surface("two_p"), unit=""))
     assert unknown.text == certificate("two_p").text.replace(" deg·K", "").replace(" K", "")
 
 
@@ -291,7 +291,7 @@ def test_a_certificate_names_its_units_where_they_are_known():
 
 
 def test_a_negative_loop_repays_its_approach_in_the_forward_model():
-    s = surface("two_p")
+    s = thesis_surface("two_p")
     found = confirm(s, certificate("two_p").at, "anhysteretic")
     assert found.confirmed
     assert found.approach > 1000
@@ -314,7 +314,7 @@ def test_every_certified_violation_is_confirmed_and_nothing_else(values):
 
 def test_a_loop_that_pays_too_little_is_refused():
     with pytest.raises(UsageError, match="would need more than 200000 cycles"):
-        confirm(surface("one_p"), (85.0, 82.0))
+        confirm(thesis_surface("one_p"), (85.0, 82.0))
 
 
 def test_the_butterfly_gives_energy_back_on_its_negative_wing():
@@ -349,9 +349,9 @@ def test_q_r_is_verified_for_a_measure_with_a_negative_relay_and_not_for_every_d
     assert not recoverable_energy_is_storage(measure_of((alpha, beta, [1.0, -0.125])))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_the_e_surfaces_are_passive_with_zero_bias_although_partly_negative(name):
-    s = surface(name)
+    s = thesis_surface(name)
     assert recoverable_energy_is_storage(s) == (name in PASS)
     if name in PASS:
         rng = np.random.default_rng(8)
@@ -423,9 +423,9 @@ def test_strip_bounds_know_the_longer_lever_of_a_negative_cell():
 
 
 def test_the_shift_of_a_parabola_is_bounded_over_its_vertex():
-    s = surface("two_p")
+    s = thesis_surface("two_p")
     a0, a1 = np.array([100.0, 140.0]), np.array([180.0, 150.0])
-    f, slope = shift(s, Interval(a0, a1))
+    f, slope = shift_bounds(s, Interval(a0, a1))
     inside, rates = s.shift(np.linspace(a0, a1, 101))
     assert np.all((inside >= f.low - 1e-12) & (inside <= f.high + 1e-12))
     assert np.all((rates >= slope.low - 1e-12) & (rates <= slope.high + 1e-12))

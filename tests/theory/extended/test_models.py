@@ -8,17 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smarig.core.errors import DataError, UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 from smarig.theory.extended.accommodating_operator import AccommodatingPreisach
-from smarig.theory.extended.moving_operator import MovingPreisach, slopes
+from smarig.theory.extended.moving_operator import MovingPreisach, slope_range
 from smarig.theory.extended.nonlinear_operator import NonlinearPreisach, SecondOrderExcess
 from smarig.theory.extended.restricted_operator import RestrictedPreisach
 from smarig.theory.extended.reversible_operator import ReversiblePart, ReversiblePreisach
 from theory.extended import truths
 
-WIRE = surface("one_e")
+WIRE = thesis_surface("one_e")
 NODES = np.linspace(0.0, 174.1, 7)
 MANY = st.lists(st.floats(-5, 180, allow_subnormal=False), min_size=2, max_size=25)
 
@@ -182,18 +182,18 @@ def test_the_moving_model_agrees_with_relays_that_feel_the_output(k):
 
 
 def test_a_feedback_beyond_the_steepest_branch_is_refused_with_its_place():
-    s = slopes(WIRE)
+    s = slope_range(WIRE)
     MovingPreisach(WIRE, 0.999 / s.greatest)
     with pytest.raises(UsageError, match=f"from {s.greatest_at[0]:g} the slope near {s.greatest_at[1]:g}"):
         MovingPreisach(WIRE, 1.001 / s.greatest)
 
 
 def test_a_branch_that_turns_back_bounds_negative_feedback():
-    s = slopes(surface("two_p"))
+    s = slope_range(thesis_surface("two_p"))
     assert s.least == pytest.approx(-0.037, abs=2e-3)  # theory.md §1
     with pytest.raises(UsageError, match="ill posed"):
-        MovingPreisach(surface("two_p"), 1.001 / s.least)
-    MovingPreisach(surface("two_p"), 0.999 / s.least)
+        MovingPreisach(thesis_surface("two_p"), 1.001 / s.least)
+    MovingPreisach(thesis_surface("two_p"), 0.999 / s.least)
 
 
 def test_relays_in_steps_take_no_feedback():
@@ -214,14 +214,14 @@ def test_accommodation_converges_geometrically():
 @given(u=MANY, n=st.integers(2, 6))
 def test_samples_in_between_change_no_accommodation(u, n):
     fine = np.interp(np.arange((len(u) - 1) * n + 1) / n, np.arange(len(u)), np.clip(u, 0, 174.1))
-    model = AccommodatingPreisach(surface("one_c"), 0.7, 0.5)
+    model = AccommodatingPreisach(thesis_surface("one_c"), 0.7, 0.5)
     coarse = model.simulate(np.clip(u, 0, 174.1))
     assert model.simulate(fine)[::n] == pytest.approx(coarse, abs=1e-9)
 
 
 @given(u=MANY)
 def test_accommodation_stays_between_the_saturations(u):
-    y = AccommodatingPreisach(surface("one_c"), 1.0, 0.05).simulate(u)
+    y = AccommodatingPreisach(thesis_surface("one_c"), 1.0, 0.05).simulate(u)
     assert np.all(y >= -1e-9)
     assert np.all(y <= 12.54 + 1e-9)
 
@@ -275,7 +275,7 @@ def test_mistakes_are_answered_in_one_sentence():
         AccommodatingPreisach(replace(WIRE, y_upper=-12.54), 0.5, 1.0)
     with pytest.raises(UsageError, match="saturation"):
         NonlinearPreisach(
-            surface("two_e"),
+            thesis_surface("two_e"),
             SecondOrderExcess.from_nodes([-185.0, 185.0], np.zeros((2,) * 3)),
             "anhysteretic",
         )

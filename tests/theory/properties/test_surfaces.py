@@ -13,7 +13,7 @@ from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.forc_curve import ForcCurve
 from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.gorbet_1997 import NAMES, surface
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.interval import Interval
 from smarig.preisach.operator import Preisach
@@ -29,7 +29,7 @@ from smarig.theory.properties.variation import uncertainty
 from theory.properties.planes import counterexample
 
 MU_MIN = {"one_p": -6.9e-4, "one_e": -1.9e-3, "two_p": -2.5e-4, "two_e": -1.2e-4}  # theory.md §4
-names = st.sampled_from(NAMES)
+names = st.sampled_from(THESIS_SURFACES)
 unit = st.floats(0, 1, width=32)
 
 
@@ -46,10 +46,10 @@ def points(s: FodSurface, seed: int, n: int = 40_000):
 # --- classes, slopes, crossings -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_table_5_2_with_proof(name):
     """M_PC / M_P as Table 5.2 has them; the least μ as theory.md §4 has it; no point lies beyond the bounds."""
-    s, c = surface(name), classes(surface(name))
+    s, c = thesis_surface(name), classes(thesis_surface(name))
     printed = Printed(name)
     alpha, beta = points(s, 1)
     mu = printed.y_alpha_beta(alpha, beta) / 2
@@ -70,10 +70,10 @@ def test_table_5_2_with_proof(name):
     assert g.max() <= c.g_max.bound <= 1.01 * c.g_max.value
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_slopes_with_proof(name):
     """Falling branches are monotone for all six, rising ones for all but two_p (theory.md §1)."""
-    s, m = surface(name), monotone(surface(name))
+    s, m = thesis_surface(name), monotone(thesis_surface(name))
     alpha, beta = points(s, 2)
     assert s.strip_alpha(alpha, beta).min() >= m.rising.bound
     assert s.strip_beta(alpha, beta).min() >= m.falling.bound >= 0
@@ -87,10 +87,10 @@ def test_slopes_with_proof(name):
         assert m.setback == 0.0
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", THESIS_SURFACES)
 def test_crossing_curves_of_the_thesis(name):
     """Only surfaces with negative regions have curves that cross, and each crossing is one of printed curves."""
-    s, printed = surface(name), Printed(name)
+    s, printed = thesis_surface(name), Printed(name)
     down, up = crossing_descending(s), crossing_ascending(s)
     if name.endswith("_c"):
         assert down is None
@@ -108,7 +108,7 @@ def test_crossing_curves_of_the_thesis(name):
 
 def test_bounds_can_fail():
     """A search on a coarse grid alone misses the least μ; what is proved does not."""
-    s = surface("one_e")
+    s = thesis_surface("one_e")
     a, b = np.meshgrid(*[np.linspace(s.lower, s.upper, 12)] * 2)
     coarse = s.density(a, b)[b <= a].min()
     assert coarse > 0.9 * classes(s).mu_min.value
@@ -119,7 +119,7 @@ def test_bounds_can_fail():
 @given(names, unit, unit, st.floats(0, 0.5), unit, unit)
 def test_enclosures_hold_their_boxes(name, at, down, size, p, q):
     """μ, g and both slopes at any point of a box lie in the interval of the box."""
-    s = surface(name)
+    s = thesis_surface(name)
     span = s.upper - s.lower
     a0 = s.lower + at * span
     b0 = s.lower + down * span
@@ -139,7 +139,7 @@ def test_enclosures_hold_their_boxes(name, at, down, size, p, q):
 
 def test_enclosures_see_the_turn_of_a_parabola():
     """f of one_p turns at α = 119.6: over a box about it, f at the ends alone says nothing of the middle."""
-    s = surface("one_p")
+    s = thesis_surface("one_p")
     alpha = Interval(np.array([69.6]), np.array([169.6]))
     for b in (0.0, 20.0, 60.0):
         beta = Interval(np.array([b]), np.array([b]))
@@ -169,7 +169,7 @@ def test_enclosures_can_fail():
 
     def corners(case):
         name, at, down, size = case
-        s = surface(name)
+        s = thesis_surface(name)
         span = s.upper - s.lower
         a, b = s.lower + (at + np.array([0, size])) * span, s.lower + (down + np.array([0, size])) * span
         middle = s.density(a.mean(), b.mean())
@@ -185,25 +185,25 @@ def test_enclosures_can_fail():
 @cache
 def limits(name: str, xi: float) -> tuple[float, float, float]:
     """Every proved limit of a monotone input change ξ."""
-    s = surface(name)
+    s = thesis_surface(name)
     return largest_change(s, xi, levels=32).bound, strips.bound(s, xi), constant(name) * xi
 
 
 @cache
 def constant(name: str) -> float:
-    return lipschitz(surface(name))
+    return lipschitz(thesis_surface(name))
 
 
 @cache
 def widest(name: str, xi: float) -> float:
-    return modulus(surface(name), xi, levels=64).bound
+    return modulus(thesis_surface(name), xi, levels=64).bound
 
 
 @settings(max_examples=40)
 @given(names, st.lists(st.integers(0, 32), min_size=2, max_size=8))
 def test_no_sweep_exceeds_its_bound(name, steps):
     """The relays of the printed surface, driven anywhere: every move within the bounds of chapter 4."""
-    s, printed = surface(name), Printed(name)
+    s, printed = thesis_surface(name), Printed(name)
     levels = np.linspace(s.lower, s.upper, 33)
     y = cells(levels, printed.y, None).drive(levels[steps], printed.y_lower)
     du, dy = abs(float(levels[steps[-1]] - levels[steps[-2]])), abs(y[-1] - y[-2])
@@ -214,7 +214,7 @@ def test_no_sweep_exceeds_its_bound(name, steps):
 @pytest.mark.parametrize("name", ["two_c", "one_e", "two_p"])
 def test_largest_change_closes_in(name):
     """What finer grids attain stays below what coarser ones prove; the gap falls with the square of the cell."""
-    s = surface(name)
+    s = thesis_surface(name)
     xi = (s.upper - s.lower) / 4
     coarse, fine = largest_change(s, xi, levels=32), largest_change(s, xi, levels=160)
     assert coarse.attained - 1e-9 <= fine.attained <= coarse.bound
@@ -226,7 +226,7 @@ def test_largest_change_closes_in(name):
 
 def test_K_of_a_signed_surface_is_exceeded():
     """two_p: memory makes a change larger than K (planted by nature): the strip's modulus is no bound."""
-    s = surface("two_p")
+    s = thesis_surface("two_p")
     assert largest_change(s, 92.5).attained > 1.005 * strips.K(s, 92.5)
     assert largest_setback(s) > 0.5
 
@@ -234,7 +234,7 @@ def test_K_of_a_signed_surface_is_exceeded():
 @settings(max_examples=30)
 @given(names, st.lists(unit, min_size=2, max_size=6), st.sampled_from([1 / 16, 1 / 4]), st.booleans())
 def test_inputs_that_stay_together_keep_outputs_together(name, shares, part, up):
-    s = surface(name)
+    s = thesis_surface(name)
     xi = part * (s.upper - s.lower)
     u = s.lower + np.array([*shares]) * (s.upper - s.lower)
     v = np.clip(u + (xi if up else -xi) * np.cos(np.arange(u.size)), s.lower, s.upper)
@@ -246,7 +246,7 @@ def test_inputs_that_stay_together_keep_outputs_together(name, shares, part, up)
 
 
 def test_properties_in_one_answer():
-    p = properties(surface("two_p"))
+    p = properties(thesis_surface("two_p"))
     assert (p.kind, p.lower, p.upper) == ("surface", -185.0, 185.0)
     assert p.y_upper == pytest.approx(18.1055)
     assert [c.xi for c in p.changes] == [23.125, 46.25, 92.5, 185.0, 370.0]
@@ -274,7 +274,7 @@ def test_properties_as_json():
 
 
 def test_the_mirror_turns_places_and_keeps_sizes():
-    s = surface("two_p")
+    s = thesis_surface("two_p")
     here, there = properties(s), properties(Mirrored(s))
     assert there.monotone.falling.value == here.monotone.rising.value
     assert there.classes.mu_min.at == (-here.classes.mu_min.at[1], -here.classes.mu_min.at[0])

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
@@ -14,7 +14,7 @@ from smarig.preisach.operator import Preisach
 def table() -> FodTable:
     nodes = np.linspace(-185.0, 185.0, 12)
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
-    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, surface("two_p").y(a, b), np.nan))
+    return FodTable.from_arrays(nodes, nodes, np.where(b <= a, thesis_surface("two_p").y(a, b), np.nan))
 
 
 def measure(low: int, high: int, seed: int) -> RelayMeasure:
@@ -27,13 +27,13 @@ def measure(low: int, high: int, seed: int) -> RelayMeasure:
 
 
 SYSTEMS: dict[str, Everett] = {
-    "surface": surface("two_e"),
-    "surface on one side": surface("one_p"),
+    "surface": thesis_surface("two_e"),
+    "surface on one side": thesis_surface("one_p"),
     "table": table(),
     "measure": measure(-185, 185, 3),
     "measure on one side": measure(0, 170, 4),
     "measure, more below": measure(-185, 60, 5),
-    "mirror": Mirrored(surface("one_e")),
+    "mirror": Mirrored(thesis_surface("one_e")),
 }
 inputs = st.one_of(st.integers(-38, 38).map(lambda k: 5.0 * k), st.floats(-190, 190, width=32))
 histories = st.lists(inputs, max_size=10)

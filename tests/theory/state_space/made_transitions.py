@@ -1,12 +1,12 @@
 """Made for this chapter: a deep state, an input that wipes it out piece by piece, a transition that forgets."""
 
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import G, H_left
 from smarig.theory.state_space.memory_sequence import MemorySequence
 from theory.state_space.made import BOUND
 
-SOFT = surface("two_e")  # inputs within ±185
+SOFT = thesis_surface("two_e")  # inputs within ±185
 
 
 DEEP = G(MemorySequence((9.0, -8.0, 7.0, -6.0, 5.0), BOUND))

@@ -12,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.theory import state_space
 from smarig.theory.state_space.boundary import Boundary, diagonal
@@ -334,7 +334,7 @@ def test_the_package_offers_the_maps_by_name():
     u = state_space.InputSignal((0, 1, 2), (0, 60, -20))
     drawn = state_space.G(state_space.F(u, 2.0, bound=185.0))
     assert drawn == state_space.H_left(u, 2.0, bound=185.0)
-    wire = Preisach(surface("two_c"), "anhysteretic")
+    wire = Preisach(thesis_surface("two_c"), "anhysteretic")
     wire.simulate([60.0, -20.0], "anhysteretic")
     assert state_space.boundary_of(wire.state, wire.hysteresis) == drawn
     assert state_space.read_out(drawn, wire.hysteresis) == pytest.approx(wire.y, abs=1e-9)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
 from smarig.theory.state_space.operator_state import boundary_of, distance, state_of
@@ -48,7 +48,7 @@ def test_state_to_boundary_to_state_counterexample_a_lost_extremum_shows_in_the_
 
 @given(reachable)
 def test_boundary_to_state_to_boundary_is_the_boundary(boundary):
-    h = surface("two_e")
+    h = thesis_surface("two_e")
     big = Boundary(tuple((18.5 * b, 18.5 * a) for b, a in boundary.points), 185.0)
     state = state_of(big, h)
     assert distance(boundary_of(state, h), big) <= 1e-9
@@ -84,7 +84,7 @@ def test_diagonal_state_to_boundary_and_back(centre):
 
 @pytest.mark.parametrize("name", ["one_c", "one_p", "one_e"])
 def test_one_sided_zero_state_is_negative_saturation(name):
-    h = surface(name)
+    h = thesis_surface(name)
     cold = boundary_of(Preisach(h).state, h)
     rest = anhysteretic(h.upper)
     assert distance(cold, rest) > 1.0, "different curves, but only where there are no relays"
@@ -96,16 +96,17 @@ def test_one_sided_zero_state_is_negative_saturation(name):
 
 
 def test_two_sided_zero_state_counterexample_is_not_negative_saturation():
-    h = surface("two_c")
+    h = thesis_surface("two_c")
     assert read_out(anhysteretic(185.0), h) - h.y_lower > 10
 
 
 def test_states_of_slopes_no_input_draws_are_refused():
     with pytest.raises(UsageError, match="no input draws"):
-        state_of(Boundary(((-185, 185), (-150, 40), (10, 10)), 185.0), surface("two_c"))
+        state_of(Boundary(((-185, 185), (-150, 40), (10, 10)), 185.0), thesis_surface("two_c"))
     with pytest.raises(UsageError, match="no input draws"):  # slope −1, but not where a diagonal state begins
         state_of(
-            Boundary(((-185, 185), (-185, 100), (-100, 100), (-50, 50), (50, 50)), 185.0), surface("two_c")
+            Boundary(((-185, 185), (-185, 100), (-100, 100), (-50, 50), (50, 50)), 185.0),
+            thesis_surface("two_c"),
         )
     with pytest.raises(UsageError, match="û = 185"):
-        state_of(anhysteretic(50.0), surface("two_c"))
+        state_of(anhysteretic(50.0), thesis_surface("two_c"))

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 
 from preisach.relay_reference import Printed, cells, lower_half
 from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import surface
+from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.theory.state_space.boundary import Boundary, anhysteretic, diagonal
 from smarig.theory.state_space.input_signal import InputSignal
@@ -78,7 +78,7 @@ def test_read_out_is_the_sum_of_the_relays(name):
     moves = levels[rng.integers(0, 21, 40)]
     outputs = relays.drive(moves, printed.y_lower)
     u = InputSignal(range(41), (0.0, *moves))
-    here = [read_out(H_left(u, t, 185.0), surface(name)) for t in range(1, 41)]
+    here = [read_out(H_left(u, t, 185.0), thesis_surface(name)) for t in range(1, 41)]
     assert np.ptp(here) > 10
     assert np.max(np.abs(here - outputs)) <= 1e-12 * printed.range
 
@@ -154,12 +154,12 @@ def column_integral(h, boundary: Boundary) -> float:
 
 @pytest.mark.parametrize("name", ["two_c", "two_p", "two_e"])
 def test_read_out_on_other_slopes_is_the_integral_of_its_columns(name):
-    h = surface(name)
+    h = thesis_surface(name)
     assert read_out(STEEP, h) == pytest.approx(column_integral(h, STEEP), abs=1e-6 * 35)
 
 
 def test_read_out_counterexample_a_curve_half_a_kelvin_higher_has_another_output():
-    h = surface("two_c")
+    h = thesis_surface("two_c")
     higher = Boundary(((-185, 185), (-150, 40.5), (-20, 30.5), (10.25, 10.25)), 185.0)
     assert read_out(higher, h) != pytest.approx(column_integral(h, STEEP), abs=1e-6 * 35)
 
@@ -183,4 +183,4 @@ def test_read_out_is_continuous_in_the_area_metric(name):
 
 def test_read_out_needs_a_boundary_that_covers_the_hysteresis():
     with pytest.raises(UsageError, match="û = 185"):
-        read_out(anhysteretic(100.0), surface("two_c"))
+        read_out(anhysteretic(100.0), thesis_surface("two_c"))

@@ -58,7 +58,12 @@ def command(
     from smarig.identification.run_passivity import passivity_of_run
     from smarig.record import load_run
     from smarig.report.components.page import write_page
-    from smarig.report.models.certificate_page import Further, certificate_page, certified_model, units_of
+    from smarig.report.models.certificate_page import (
+        Further,
+        certificate_page,
+        certificate_units,
+        certified_model,
+    )
 
     if pairs and not controller:
         raise UsageError("--set belongs to one controller: name it with --controller.")
@@ -67,7 +72,7 @@ def command(
         check_distinct(out, model, *runs)
         check_writable(out, force=force, kind=PAGE)
     numbers = {controller: parse_pairs(pairs)} if controller else None
-    found = certificate(source.model.hysteresis, numbers, units_of(source.model))
+    found = certificate(source.model.hysteresis, numbers, certificate_units(source.model))
     model_origin = certified_model(source.model, source.name, source.sha256)
     further = Further(
         {path.name: passivity_of_run(load_run(path), source.model) for path in runs},

@@ -16,7 +16,7 @@ from smarig.config import load_campaign, load_rig
 from smarig.rig.twin import TwinSettings
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview
-from smarig.runner.run_metadata import source_of
+from smarig.runner.run_metadata import twin_source
 
 
 @click.command(
@@ -61,7 +61,7 @@ def command(
     run_number = count(1)
 
     file = load_rig(rig)
-    source = source_of(file, TwinSettings(seed))
+    source = twin_source(file, TwinSettings(seed))
 
     def listener_factory(cost: Preview) -> AbstractContextManager[Listener]:
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"

@@ -89,7 +89,7 @@ def command(
     """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
     from smarig.core.atomic_file import check_writable
     from smarig.diagnosis.diagnose import diagnose
-    from smarig.diagnosis.diagnosis_files import FILES, prepare_folder
+    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_FILES, prepare_folder
 
     if transient is not None:
         if model or train or held_out or propose:
@@ -104,7 +104,7 @@ def command(
         raise UsageError("A run cannot teach and judge: the same file is given to --train and --held-out.")
     inputs = (model, *train, *held_out)
     if out is not None:
-        for name in FILES:
+        for name in DIAGNOSIS_FILES:
             check_distinct(out / name, *inputs, propose)
         prepare_folder(out, force=force)
     if propose is not None:
@@ -134,15 +134,15 @@ def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> Non
 
 def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
     """Write the folder of a diagnosis, where one is wanted; returns its paths."""
-    from smarig.diagnosis.diagnosis_files import PAGE, write_diagnosis
+    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_PAGE, write_diagnosis
     from smarig.report.components.page import write_page
     from smarig.report.diagnosis.diagnosis_page import diagnosis_page
 
     if out is None:
         return {}
     paths = write_diagnosis(found, out, force=force)
-    write_page(diagnosis_page(found), out / PAGE, force=force)
-    return paths | {"report": str(out / PAGE)}
+    write_page(diagnosis_page(found), out / DIAGNOSIS_PAGE, force=force)
+    return paths | {"report": str(out / DIAGNOSIS_PAGE)}
 
 
 def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":

@@ -9,7 +9,7 @@ from smarig.cli.parameter_types import FILE
 from smarig.core.atomic_file import check_writable
 from smarig.core.file_content import MODEL
 from smarig.identification.extended.fitted_extension import extension_names
-from smarig.identification.surface.surface_kinds import BEST, surface_kinds
+from smarig.identification.surface.surface_kinds import BEST_KIND, surface_kinds
 
 EPILOG = """\b
 Examples:
@@ -24,8 +24,8 @@ Examples:
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
     "--surface",
-    type=click.Choice([*surface_kinds(), BEST]),
-    default=BEST,
+    type=click.Choice([*surface_kinds(), BEST_KIND]),
+    default=BEST_KIND,
     show_default=True,
     help="Kind of density.",
 )

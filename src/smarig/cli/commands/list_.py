@@ -4,15 +4,20 @@ import click
 
 from smarig.cli.output import emit, json_option
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
-from smarig.control.controller_settings import TRACKING, VELOCITY, default_numbers, documented_numbers
-from smarig.core.catalogue import catalogue_entry, is_path, catalogue_names, resolve_name, catalogue_summary
+from smarig.control.controller_settings import (
+    TRACKING_CONTROLLERS,
+    VELOCITY_CONTROLLERS,
+    default_numbers,
+    documented_numbers,
+)
+from smarig.core.catalogue import catalogue_entry, catalogue_names, catalogue_summary, is_path, resolve_name
 from smarig.core.errors import UsageError
 from smarig.exchange.mapping import load_mapping
 from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
 from smarig.plant.effect_catalogue import effect_types
 from smarig.protocols._settings import PACKAGE as PROTOCOLS
 from smarig.protocols._settings import setting_texts
-from smarig.record.wire_history import histories
+from smarig.record.wire_history import wire_histories
 
 
 def _protocols() -> dict[str, str]:
@@ -45,12 +50,16 @@ def _effects() -> dict[str, str]:
 def _controllers() -> dict[str, str]:
     from smarig.control.regulation.setpoint_pi import SetpointPI
 
-    listed_ = {n: f"{use}: {catalogue_summary(p, n)}" for use, p in _CONTROLLER_PACKAGES.items() for n in catalogue_names(p)}
+    listed_ = {
+        n: f"{use}: {catalogue_summary(p, n)}"
+        for use, p in _CONTROLLER_PACKAGES.items()
+        for n in catalogue_names(p)
+    }
     return listed_ | {_SETPOINT_PI_NAME: f"regulate: {(SetpointPI.__doc__ or '').splitlines()[0]}"}
 
 
 def _wires() -> dict[str, str]:
-    return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in histories()}
+    return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in wire_histories()}
 
 
 EPILOG = """\b
@@ -58,7 +67,10 @@ Examples:
   smarig list protocols
   smarig list protocols ./my_protocol.py --settings
 """
-_CONTROLLER_PACKAGES = {"track": TRACKING, "track, certify": VELOCITY}  # the commands that take them
+_CONTROLLER_PACKAGES = {
+    "track": TRACKING_CONTROLLERS,
+    "track, certify": VELOCITY_CONTROLLERS,
+}  # the commands that take them
 _SETPOINT_PI_NAME = "pi (regulate)"  # there is another pi, which tracks
 _LISTINGS = {
     "effects": _effects,
@@ -74,7 +86,7 @@ _LISTINGS = {
 
 def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
     """Own protocols, controllers or effects, by name: only they are listed then."""
-    package = {"protocols": PROTOCOLS, "controllers": TRACKING, "effects": EFFECTS}.get(kind)
+    package = {"protocols": PROTOCOLS, "controllers": TRACKING_CONTROLLERS, "effects": EFFECTS}.get(kind)
     for file in files:
         if package is None or not is_path(file):
             raise UsageError(

@@ -37,7 +37,7 @@ def command(
     Needs the extra 'live'. The viewer ends with this command.
     """
     from smarig.core.atomic_file import atomic_file
-    from smarig.live.live_view import save, view
+    from smarig.live.live_view import save_recording, view_run
     from smarig.record import load_run
     from smarig.replay import NamedPredictor, PrecomputedPredictor, check_output, load_model, simulate_samples
 
@@ -52,9 +52,9 @@ def command(
     if out is not None:
         check_distinct(out, run, *models)
         with atomic_file(out, force=force) as part:
-            save(recorded, part, predictions, hysteresis)
+            save_recording(recorded, part, predictions, hysteresis)
     else:
-        view(recorded, predictions, hysteresis, web=web, speed=speed, show_message=show_message)
+        view_run(recorded, predictions, hysteresis, web=web, speed=speed, show_message=show_message)
     found = {
         "run": str(run),
         "samples": len(recorded),

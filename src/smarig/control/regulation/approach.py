@@ -100,7 +100,7 @@ class ApproachPlan:
         )
 
 
-def plan(
+def plan_approach(
     setup: Setup, hysteresis: Everett, ell: float, within: float = 0.01, output_within: float = 1.0
 ) -> ApproachPlan:
     """The shortest approach found whose predicted distance is at most ``within``, a share of 2û².

@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar
 
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import Everett
-from smarig.preisach.inverse import root
+from smarig.preisach.inverse import bracketed_root
 
 Array = NDArray[np.float64]
 GRID_POINTS = 256
@@ -136,7 +136,7 @@ class Psi:
             return self.lower
         near, far = float(grid[k - 1]), float(grid[k])
         if self.continuous:
-            return root(lambda ell: self._at(ell) - y, near, far)
+            return bracketed_root(lambda ell: self._at(ell) - y, near, far)
         return far if self._jumps().size else self._bisected(near, far, y)
 
     def _bisected(self, near: float, far: float, y: float) -> float:

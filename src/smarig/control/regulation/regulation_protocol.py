@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from smarig.control.current_limits import limited_current, ramp_to_zero
 from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonitor
-from smarig.control.regulation.approach import ApproachPlan, plan
+from smarig.control.regulation.approach import ApproachPlan, plan_approach
 from smarig.control.regulation.psi import Psi
 from smarig.control.regulation.sensor_plausibility import SensorPlausibility
 from smarig.control.regulation.setpoint_pi import SetpointController, SetpointPI
@@ -25,7 +25,9 @@ from smarig.protocols._setup import Setup
 
 StartState = Literal["diagonal", "ascending", "descending"]
 START_STATES: tuple[StartState, ...] = ("diagonal", "ascending", "descending")
-MARK, CLOSED, DISTURBED, OPENED = "regulate", "loop closed", "disturbance", "loop opened"  # labels of marks
+# labels of marks
+REGULATION_PLANNED, SETPOINT_DISTURBED = "regulate", "disturbance"
+SETPOINT_LOOP_CLOSED, SETPOINT_LOOP_OPENED = "loop closed", "loop opened"
 PULSE_TAUS, QUIET_S = 4.0, 60.0
 LONGEST_S = 24 * 3600.0
 OUTPUT_WITHIN = 0.005  # of the output range: what the loop would have to correct, and spoil the state by it
@@ -60,7 +62,7 @@ def regulate(
     check_saturation(setup, hysteresis, start)
     approach_waveform, state, facts = _approach_to_state(setup, hysteresis, setpoint, within, start, settle)
     rest_K = state.u
-    yield Mark(MARK, {"setpoint": setpoint, "start": start, "rest_K": rest_K} | facts)
+    yield Mark(REGULATION_PLANNED, {"setpoint": setpoint, "start": start, "rest_K": rest_K} | facts)
     result = yield Hold(setup.current_for(setup.lower_K), settle, target=setup.lower_K, branch="reference")
     encoder_offset = hysteresis.y_lower - result.position if result is not None else 0.0
     if approach_waveform is not None:
@@ -133,7 +135,7 @@ def _approach_to_state(
     psi = Psi(hysteresis)
     if start == "diagonal":
         ell = float(psi.right_inverse(setpoint))
-        found = plan(setup, hysteresis, ell, within, OUTPUT_WITHIN)
+        found = plan_approach(setup, hysteresis, ell, within, OUTPUT_WITHIN)
         y = float(psi(ell))
         return found.waveform(), State((ell,), (y,), ell, y, True), _psi_facts(psi) | _planned_facts(found, y)
     if start not in ("ascending", "descending"):
@@ -184,13 +186,13 @@ def _closed_loop(
     """The loop, one tick at a time; what is added to its source is told in the record. Returns the last current."""
     sensor_plausibility, divergence_monitor = monitors
     loop.start(rest_K)
-    yield Mark(CLOSED, {"wanted_position": wanted})
+    yield Mark(SETPOINT_LOOP_CLOSED, {"wanted_position": wanted})
     source_K, pushed_K = rest_K, 0.0
     current_A = setup.current_for(rest_K)
     for k in range(round(hold_s / setup.period_s)):
         pushed_before_K, pushed_K = pushed_K, disturbance_at(k * setup.period_s)
         if pushed_K != pushed_before_K:
-            yield Mark(DISTURBED, {"source_K": pushed_K})
+            yield Mark(SETPOINT_DISTURBED, {"source_K": pushed_K})
         commanded_K = min(max(source_K + pushed_K, setup.lower_K), setup.upper_K)
         current_A = limited_current(setup, setup.current_for(commanded_K), current_A)
         sample: Sample | None = yield Drive(current_A)
@@ -200,5 +202,5 @@ def _closed_loop(
             if not pushed_K:  # what is pushed away is no loop that diverges
                 divergence_monitor.check(sample.t_s, error)
             source_K = loop.step(error)
-    yield Mark(OPENED)
+    yield Mark(SETPOINT_LOOP_OPENED)
     return current_A

@@ -21,7 +21,7 @@ from smarig.core.errors import UsageError
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000
 MOST_POINTS = 400_000
-SHAPES = ("steps", "ramps", "multisine")
+REFERENCE_SHAPES = ("steps", "ramps", "multisine")
 PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's parts at speed 1: no common multiple within an hour
 
 
@@ -98,8 +98,8 @@ def reference(
     >>> reference("ramps", 2.0, 8.0, seconds=60.0).duration_s
     60.0
     """
-    if shape not in SHAPES:
-        raise UsageError(f"No reference '{shape}'{suggestion(shape, list(SHAPES))}, or a CSV file.")
+    if shape not in REFERENCE_SHAPES:
+        raise UsageError(f"No reference '{shape}'{suggestion(shape, list(REFERENCE_SHAPES))}, or a CSV file.")
     for name, value in zip(
         ("low", "high", "seconds", "every_s", "speed"), (low, high, seconds, every_s, speed)
     ):
@@ -137,10 +137,10 @@ def _multisine(low: float, high: float, seconds: float, speed: float, dice: np.r
     return Reference("multisine", tuple(t.tolist()), tuple(scaled.tolist()))
 
 
-def from_csv(path: Path, unit: str) -> Reference:
+def reference_from_csv(path: Path, unit: str) -> Reference:
     """A file with the columns ``time_s`` and ``position_mm`` or ``position_deg``, straight between its rows."""
     if not path.is_file():
-        raise UsageError(f"No reference file {path}; give {', '.join(SHAPES)}, or a CSV file.")
+        raise UsageError(f"No reference file {path}; give {', '.join(REFERENCE_SHAPES)}, or a CSV file.")
     if path.stat().st_size > LARGEST_BYTES:
         raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB: that is no reference.")
     wanted = ("time_s", f"position_{unit}")

@@ -13,7 +13,10 @@ from smarig.core.command import Drive, Mark, Protocol
 from smarig.core.sample import Sample
 from smarig.protocols.initialise import initialise
 
-CLOSED, OPENED = "closed loop", "loop opened"  # labels of the marks that begin and end it
+TRACKING_LOOP_CLOSED, TRACKING_LOOP_OPENED = (
+    "closed loop",
+    "loop opened",
+)  # labels of the marks that begin and end it
 
 
 def track(
@@ -36,7 +39,9 @@ def track(
         yield from initialise(setup)
     first: Sample = yield Drive(0.0)
     start_s = first.t_s
-    yield Mark(CLOSED, {"controller": name, "start_s": start_s, "reference": reference.as_data()})
+    yield Mark(
+        TRACKING_LOOP_CLOSED, {"controller": name, "start_s": start_s, "reference": reference.as_data()}
+    )
     divergence_monitor = DivergenceMonitor(divergence_limits or DivergenceLimits(), controller_model.reach)
     controller = CheckedController(make, controller_model, lambda t_s: reference.at(t_s - start_s), name)
     commanded_A, applied_A = controller.first(), first.current_command_A
@@ -46,5 +51,5 @@ def track(
         divergence_monitor.check(sample.t_s, sample.position - reference.at(sample.t_s - start_s))
         commanded_A = controller.after(sample)
     controller.close()
-    yield Mark(OPENED)
+    yield Mark(TRACKING_LOOP_OPENED)
     yield from ramp_to_zero(setup, applied_A)

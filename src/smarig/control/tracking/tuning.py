@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.optimize import minimize
 
-from smarig.control.controller_settings import TRACKING, default_numbers
+from smarig.control.controller_settings import TRACKING_CONTROLLERS, default_numbers
 from smarig.control.tracking.controller_model import ControllerFactory
 from smarig.core.catalogue import catalogue_entry
 
@@ -19,18 +19,18 @@ FIRST_STEP = 0.7  # of a logarithm: a factor of two
 
 def ranges(name: str) -> Mapping[str, tuple[float, float]]:
     """What may be tuned of a controller, with least and largest values."""
-    return importlib.import_module(f"{TRACKING}.{name}").RANGES
+    return importlib.import_module(f"{TRACKING_CONTROLLERS}.{name}").RANGES
 
 
-def defaults(name: str) -> dict[str, float]:
+def default_settings(name: str) -> dict[str, float]:
     """Its numbers as they are without tuning."""
-    all_numbers = default_numbers(TRACKING, name)
+    all_numbers = default_numbers(TRACKING_CONTROLLERS, name)
     return {key: all_numbers[key] for key in ranges(name)}
 
 
 def controller_factory(name: str, values: Mapping[str, float]) -> ControllerFactory:
     """A controller with its numbers, ready for a loop."""
-    found = catalogue_entry(TRACKING, name)
+    found = catalogue_entry(TRACKING_CONTROLLERS, name)
     return lambda controller_model, reference: found(controller_model, reference, **values)
 
 
@@ -45,7 +45,9 @@ def tuned_numbers(
     ``extra_ranges``: further numbers with their ranges, begun in the middle of these.
     """
     search_ranges = {**ranges(name), **(extra_ranges or {})}
-    start = {key: math.sqrt(low * high) for key, (low, high) in search_ranges.items()} | defaults(name)
+    start = {key: math.sqrt(low * high) for key, (low, high) in search_ranges.items()} | default_settings(
+        name
+    )
     keys = list(search_ranges)
     low, high = (np.log([search_ranges[key][k] for key in keys]) for k in (0, 1))
     centre = np.log([start[key] for key in keys])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from smarig.control.argument_checks import not_negative
 from smarig.control.current_limits import limited_current, ramp_to_zero
 from smarig.control.tracking.reference import Reference
-from smarig.control.tracking.tracking_protocol import CLOSED, OPENED
+from smarig.control.tracking.tracking_protocol import TRACKING_LOOP_CLOSED, TRACKING_LOOP_OPENED
 from smarig.control.velocity.velocity_controller import VelocityController
 from smarig.core.command import Command, Drive, Mark, Protocol
 from smarig.core.errors import UsageError
@@ -30,7 +30,10 @@ Array = NDArray[np.float64]
 # What is known of Thm 8.2 for this loop, for the record; of the share of clipped samples, None before it is measured.
 Assessment = Callable[[float | None], Mapping[str, Any]]
 
-STARTED, MEASURED = "velocity_feedback", "velocity_feedback_outcome"  # labels of the marks
+VELOCITY_LOOP_STARTED, VELOCITY_LOOP_MEASURED = (
+    "velocity_feedback",
+    "velocity_feedback_outcome",
+)  # labels of the marks
 FILTER_TICKS = 10  # time constant of the velocity filter, unless it is given
 LEAD_IN_S = 20.0  # from the encoder's zero to the first position of a reference
 ROUNDING_K = 1e-9  # between a temperature asked for and that of the current which makes it
@@ -160,12 +163,14 @@ def velocity_tracking(
     """
     yield from initialise_wire(setup)
     first: Sample = yield Drive(0.0)
-    yield Mark(CLOSED, {"controller": name, "start_s": first.t_s, "reference": reference.as_data()})
+    yield Mark(
+        TRACKING_LOOP_CLOSED, {"controller": name, "start_s": first.t_s, "reference": reference.as_data()}
+    )
     rates = reference_rates(reference, setup.period_s).tolist()
     measured = yield from velocity_feedback(
         setup, controller, rates, offset_K, filter_s=filter_s, assess=assess
     )
-    yield Mark(OPENED)
+    yield Mark(TRACKING_LOOP_OPENED)
     yield from ramp_to_zero(setup, float(measured.current_A[-1]))
 
 
@@ -201,11 +206,11 @@ def velocity_feedback(
         "offset_K": offsets[0] if constant else None,
         "filter_s": filter_s,
     }
-    yield Mark(STARTED, known | (dict(assess(None)) if assess else {}))
+    yield Mark(VELOCITY_LOOP_STARTED, known | (dict(assess(None)) if assess else {}))
     signals = yield from _drive(setup, controller, rates, offsets, VelocityFilter(setup.period_s, filter_s))
     measured = VelocityMeasurement(controller, setup.period_s, np.array(rates), np.array(offsets), *signals)
     assessed = dict(assess(measured.clipped_share)) if assess else {}
-    yield Mark(MEASURED, known | measured.data() | assessed)
+    yield Mark(VELOCITY_LOOP_MEASURED, known | measured.data() | assessed)
     return measured
 
 

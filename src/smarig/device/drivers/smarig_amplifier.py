@@ -10,14 +10,14 @@ from smarig.device.drivers._roles import CurrentReading
 from smarig.device.links.link import Link, let_go_on_failure
 from smarig.device.links.opening import opened
 from smarig.device.wire.link_faults import Rebooted, Refused
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
 TRIES_OFF = 3
 
 
 def smarig_amplifier(where: LinkFile, rig: RigFile) -> "SmarigAmplifier":
     """The amplifier of a rig file, handshaken, off, its settings written."""
-    with let_go_on_failure(opened(where, load_map("amplifier").device.default_address)) as link:
+    with let_go_on_failure(opened(where, load_register_map("amplifier").device.default_address)) as link:
         return SmarigAmplifier(link, _settings(rig))
 
 
@@ -43,7 +43,7 @@ class SmarigAmplifier:
     """Off until a current is set; ``settings``: values in units by register of the settings block."""
 
     def __init__(self, link: Link, settings: dict[str, float]) -> None:
-        self.map = load_map("amplifier")
+        self.map = load_register_map("amplifier")
         self.talk = Conversation(link, self.map)
         self._settings = {name: self.map[name].value.encode(value) for name, value in settings.items()}
         self._orders = {name: int(code) for code, name in self.map["order"].values.items()}

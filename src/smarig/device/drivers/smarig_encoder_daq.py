@@ -6,12 +6,12 @@ from smarig.device.drivers._conversation import Conversation
 from smarig.device.drivers._roles import PositionReading
 from smarig.device.links.link import Link, let_go_on_failure
 from smarig.device.links.opening import opened
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 
 
 def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":
     """The encoder of a rig file, handshaken, its period written."""
-    with let_go_on_failure(opened(where, load_map("encoder_daq").device.default_address)) as link:
+    with let_go_on_failure(opened(where, load_register_map("encoder_daq").device.default_address)) as link:
         return SmarigEncoderDaq(link, rig.period_s)
 
 
@@ -19,7 +19,7 @@ class SmarigEncoderDaq:
     """Opened: its period is written."""
 
     def __init__(self, link: Link, period_s: float) -> None:
-        self.map = load_map("encoder_daq")
+        self.map = load_register_map("encoder_daq")
         self.talk = Conversation(link, self.map)
         _, self._ambient, _ = self.map.fields("counts", "ambient", "marks")
         self.talk.handshake()

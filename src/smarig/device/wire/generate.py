@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from smarig.core.resources import shipped
-from smarig.device.wire.register import DeviceFault, Register, RegisterMap, Value, load_map
+from smarig.device.wire.register import DeviceFault, Register, RegisterMap, Value, load_register_map
 
 DEVICES = ("amplifier", "encoder_daq")
 GENERATED_NOTE = (
@@ -21,7 +21,7 @@ def header() -> str:
     """``smarig_registers.h``: addresses, sizes, limits, safe values, orders, faults, hashes."""
     lines = [f"/* {GENERATED_NOTE} */", "#ifndef SMARIG_REGISTERS_H", "#define SMARIG_REGISTERS_H", ""]
     for name in DEVICES:
-        lines += _defines(load_map(name))
+        lines += _defines(load_register_map(name))
     return "\n".join([*lines, "#endif", ""])
 
 
@@ -68,7 +68,7 @@ def reference() -> str:
     """``docs/reference/registers.md``."""
     return (
         f"<!-- {GENERATED_NOTE} -->\n# Registers\n\nHow they travel: firmware_protocol/README.md.\n"
-        + "".join(_chapter(load_map(name)) for name in DEVICES)
+        + "".join(_chapter(load_register_map(name)) for name in DEVICES)
     )
 
 

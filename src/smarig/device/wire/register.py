@@ -17,9 +17,9 @@ from smarig.core.catalogue import suggestion
 from smarig.core.errors import UsageError
 from smarig.core.resources import shipped
 from smarig.core.sample import NAN
-from smarig.core.toml_file import TomlTable, load
+from smarig.core.toml_file import TomlTable, load_toml
 
-SPANS = {
+VALUE_RANGES = {
     "u16": (0, 0xFFFF),
     "i16": (-0x8000, 0x7FFF),
     "u32": (0, 0xFFFFFFFF),
@@ -53,7 +53,7 @@ class Value(TomlTable):
     @property
     def span(self) -> tuple[int, int]:
         """Smallest and largest raw value."""
-        return SPANS[self.type]
+        return VALUE_RANGES[self.type]
 
     def decode(self, raw: int) -> float:
         """The value in ``unit``; NaN where there is no reading."""
@@ -119,7 +119,7 @@ class Register(TomlTable):
         """Smallest and largest raw value that may be written."""
         if self.values:
             return min(map(int, self.values)), max(map(int, self.values))
-        return self.range or SPANS[self.type]
+        return self.range or VALUE_RANGES[self.type]
 
 
 class DeviceFault(TomlTable):
@@ -275,13 +275,13 @@ def from_words(words: Sequence[int], kind: str) -> int:
 
 
 @cache
-def load_map(name: str) -> RegisterMap:
+def load_register_map(name: str) -> RegisterMap:
     """The map of a device by name; ConfigError says what is wrong in its file.
 
     >>> load_map("amplifier")["current"].lsb
     1e-06
     """
-    file = load(_RegisterMapFile, shipped("firmware_protocol") / f"{name}.toml")
+    file = load_toml(_RegisterMapFile, shipped("firmware_protocol") / f"{name}.toml")
     ordered = sorted(file.register_, key=lambda r: r.address)
     for before, after in zip(ordered, ordered[1:]):
         if before.address + before.words > after.address:

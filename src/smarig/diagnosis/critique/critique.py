@@ -19,7 +19,7 @@ from smarig.preisach.sensitivity import sensitivities
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
-NULLS = 400
+NULL_DATA_SETS = 400
 ALPHA = 0.03
 MIN_SPREAD_NATS = 1.5  # nats, about what one free strength gains by chance: none is told by a hair
 
@@ -80,7 +80,7 @@ def critique(
     plant_model: PlantModel,
     effect_types: Sequence[EffectType],
     *,
-    count: int = NULLS,
+    count: int = NULL_DATA_SETS,
     alpha: float = ALPHA,
     seed: int = 0,
     warm_start: Critique | None = None,

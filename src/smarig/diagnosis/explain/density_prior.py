@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.sparse import csr_matrix
 
-from smarig.identification.positive.adapted_partition import SAME, adapted_nodes
+from smarig.identification.positive.adapted_partition import SAME_LEVEL, adapted_nodes
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.triangle import Triangle
 from smarig.preisach.everett import Everett
@@ -150,7 +150,7 @@ def _node_positions(triangle: Triangle) -> Array:
 
 def _interval_count(rows: Observations, span: float) -> int:
     """Intervals for which ``adapted_nodes`` keeps the levels of the data."""
-    levels = np.unique(np.round(np.concatenate([rows.alpha, rows.beta]) / (SAME * span)))
+    levels = np.unique(np.round(np.concatenate([rows.alpha, rows.beta]) / (SAME_LEVEL * span)))
     return int(np.clip(2 * levels.size + 6, MIN_INTERVALS, MAX_INTERVALS))
 
 

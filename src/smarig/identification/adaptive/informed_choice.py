@@ -33,7 +33,7 @@ _MIN_READINGS = 6  # readings below which nothing is known of where the measure 
 _PRIOR_REVERSIBLE_SHARE = 0.05  # part of the output range believed reversible then
 
 
-def informed(setup: Setup, seen: Sequence[HoldResult], settle: Settled) -> NextInputs:
+def informed_choice(setup: Setup, seen: Sequence[HoldResult], settle: Settled) -> NextInputs:
     """The next few holds by expected information per minute, and the rms error predicted now.
 
     Information is the reduction of the variance of y(α, β), averaged over the triangle (I-optimality).

@@ -23,7 +23,7 @@ from smarig.identification.extended.spline_surface import first_order_surface
 from smarig.identification.interval_estimate import Estimate
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.record import Run
-from smarig.theory.extended.moving_operator import MovingPreisach, slopes
+from smarig.theory.extended.moving_operator import MovingPreisach, slope_range
 
 Array = NDArray[np.float64]
 _FEWEST = 8
@@ -128,7 +128,7 @@ def _range(surface: FodTable, reach: float | None) -> tuple[float, float]:
     reach = 0.25 * (surface.upper - surface.lower) / stroke if reach is None else reach
     if not reach > 0:
         raise UsageError(f"The reach of k must be positive, got {reach:g}.")
-    return max(-reach, -_SHARE / slopes(surface).greatest), reach
+    return max(-reach, -_SHARE / slope_range(surface).greatest), reach
 
 
 def first_order(record: ExtremumChains) -> NDArray[np.bool_]:

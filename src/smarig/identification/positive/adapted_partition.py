@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from smarig.identification.positive.observations import Observations
 
 Array = NDArray[np.float64]
-SAME = 1e-4  # levels closer than this part of the range are one node
+SAME_LEVEL = 1e-4  # levels closer than this part of the range are one node
 
 
 def adapted_nodes(observations: Observations, intervals: int) -> Array:
@@ -19,10 +19,10 @@ def adapted_nodes(observations: Observations, intervals: int) -> Array:
     span = upper - lower
     used = np.concatenate([observations.alpha, observations.beta])
     levels = np.setdiff1d(np.clip(used, lower, upper), observations.passed)
-    few = _thinned(np.concatenate([[lower], levels, [upper]]), SAME * span)
+    few = _thinned(np.concatenate([[lower], levels, [upper]]), SAME_LEVEL * span)
     if few.size > intervals / 2:  # a dense scan, not a partition: only where it begins and ends is special
         few = _thinned(
-            np.array([lower, used.min(), observations.alpha.min(), used.max(), upper]), SAME * span
+            np.array([lower, used.min(), observations.alpha.min(), used.max(), upper]), SAME_LEVEL * span
         )
     place, share = _activity(observations, span)
     nodes = few.tolist()

@@ -20,12 +20,12 @@ from smarig.identification.positive.quadratic_programme import MeasureProblem
 from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
 from smarig.identification.surface.measured_table import curve_table, table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit, fit_surface
-from smarig.identification.surface.surface_kinds import POSITIVE, kinds_by_freedom, surface_kinds
+from smarig.identification.surface.surface_kinds import POSITIVE_KIND, kinds_by_freedom, surface_kinds
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_table import ForcTable
 from smarig.preisach.hysteresis.lattice import lattice
-from smarig.preisach.hysteresis.surface_form import forms
+from smarig.preisach.hysteresis.surface_form import surface_forms
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -91,7 +91,7 @@ def choose_surface(
             errors[kind] = _held_out_errors(candidate, held, data)
         except DataError:
             continue
-        shares[kind] = 0.0 if kind == POSITIVE else negative_share(candidate.whole)
+        shares[kind] = 0.0 if kind == POSITIVE_KIND else negative_share(candidate.whole)
         fits[kind] = candidate.fit
     if not errors:
         raise DataError("No kind of surface could be fitted with curves held out: name a surface instead.")
@@ -144,7 +144,7 @@ def _held_out_errors(candidate: _Candidate, held: Array, data: FodData) -> Array
 
 
 def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighting) -> _Candidate:
-    if kind in forms():
+    if kind in surface_forms():
         some = thinned(data, MOST_POINTS)
         whole = fit_surface(some, kind, anchor=anchor, weights=weights)
 
@@ -152,7 +152,7 @@ def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighti
             return _refitted_surface(some.where(train), whole, anchor, weights)
 
         return _Candidate(whole.surface, some, fitted, whole)
-    if kind == POSITIVE:
+    if kind == POSITIVE_KIND:
         some = thinned(data, MOST_OBSERVATIONS)
         fit = fit_positive(Observations.of_fod(some))
         return _Candidate(fit.table, some, _positive_refit(some, fit))

@@ -22,7 +22,7 @@ from smarig.identification.fod_data import FodData
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.surface_form import Parameters, SurfaceForm, find_form
+from smarig.preisach.hysteresis.surface_form import Parameters, SurfaceForm, surface_form
 
 Array = NDArray[np.float64]
 MajorLoopWeighting = Literal["residual", "square"]
@@ -87,7 +87,7 @@ class _SurfaceProblem:
 
     @property
     def surface_form(self) -> SurfaceForm:
-        return find_form(self.form)
+        return surface_form(self.form)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -139,7 +139,7 @@ def fit_surface(
     Raises UsageError for an unknown form, DataError when there are fewer points than parameters, or none at an
     anchor.
     """
-    find_form(form)
+    surface_form(form)
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     root_weights = np.where(data.major, ROOT_WEIGHT[weights], 1.0)

@@ -2,11 +2,11 @@
 
 from itertools import groupby
 
-from smarig.preisach.hysteresis.surface_form import forms
+from smarig.preisach.hysteresis.surface_form import surface_forms
 
-POSITIVE = "positive"
-TABLE = "table"
-BEST = "best"  # whichever of them predicts held-out curves best
+POSITIVE_KIND = "positive"
+TABLE_KIND = "table"
+BEST_KIND = "best"  # whichever of them predicts held-out curves best
 
 
 def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
@@ -15,8 +15,12 @@ def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
     >>> kinds_by_freedom()
     (('constant',), ('parabolic', 'exponential'), ('positive',), ('table',))
     """
-    by_parameters = groupby(forms().items(), key=lambda item: len(item[1].parameters))
-    return (*(tuple(name for name, _ in level) for _, level in by_parameters), (POSITIVE,), (TABLE,))
+    by_parameters = groupby(surface_forms().items(), key=lambda item: len(item[1].parameters))
+    return (
+        *(tuple(name for name, _ in level) for _, level in by_parameters),
+        (POSITIVE_KIND,),
+        (TABLE_KIND,),
+    )
 
 
 def surface_kinds() -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from smarig.identification.fod_data import FodData
 from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.surface_form import Parameters, find_form
+from smarig.preisach.hysteresis.surface_form import Parameters, surface_form
 
 Array = NDArray[np.float64]
 FLATTEST = 1e-6  # s(u₊, u₊) below this leaves nothing to scale to the measured height
@@ -17,7 +17,7 @@ FLATTEST = 1e-6  # s(u₊, u₊) below this leaves nothing to scale to the measu
 
 def ranked_starts(form: str, data: FodData, root_weights: Array, fitted: Parameters) -> list[Parameters]:
     """The form's guesses of x, best first; ``fitted`` are the x of the fitted form that it grows from."""
-    guesses = find_form(form).starts(data.lower, data.upper, fitted)
+    guesses = surface_form(form).starts(data.lower, data.upper, fitted)
     ends = (data.lower, data.upper, 0.0, 1.0)
     cost = [_projected_sse(FodSurface(form, x, *ends), data, root_weights) for x in guesses]
     return [guesses[k] for k in np.argsort(cost, kind="stable") if np.isfinite(cost[k])]

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.core.errors import UsageError
 from smarig.preisach.everett import DiagonalIntegrals
-from smarig.preisach.hysteresis.surface_form import SurfaceForm, find_form
+from smarig.preisach.hysteresis.surface_form import SurfaceForm, surface_form
 from smarig.preisach.kernel import KeyedEverett, input_as_keys, inputs_as_keys
 
 Array = NDArray[np.float64]
@@ -71,7 +71,7 @@ class FodSurface(DiagonalIntegrals):
     @property
     def surface_form(self) -> SurfaceForm:
         """The form of f; UsageError where there is none of that name."""
-        return find_form(self.form)
+        return surface_form(self.form)
 
     def shift(self, alpha: ArrayLike) -> tuple[Array, Array]:
         """f(α) and f′(α)."""

@@ -19,22 +19,22 @@ _TABLE_5_1: dict[str, tuple[str, tuple[float, ...], dict]] = {
     "two_p": ("parabolic", (0.0297, -25.0694, 0.0344, 0.0017, -0.4900, 68.6903), _TWO),
     "two_e": ("exponential", (0.0293, -24.2772, 0.0343, 27.2773, 0.0207, 36.0267), _TWO),
 }
-NAMES = tuple(_TABLE_5_1)
+THESIS_SURFACES = tuple(_TABLE_5_1)
 
 # §5.4.1: the partitions of the identification inputs, kelvin above ambient.
-PARTITIONS: dict[str, tuple[float, ...]] = {
+THESIS_PARTITIONS: dict[str, tuple[float, ...]] = {
     "one_wire": (0.0, 1.7, 7.0, 15.7, 27.8, 43.5, 62.7, 85.3, 111.4, 141.0, 174.1),
     "two_wire": (-185.0, -145.0, -105.0, -75.0, -45.0, -15.0, 15.0, 45.0, 75.0, 105.0, 145.0, 185.0),
 }
 
 
-def surface(name: str) -> FodSurface:
+def thesis_surface(name: str) -> FodSurface:
     """A surface of Table 5.1.
 
     >>> surface("one_c").x[1]
     -47.212
     """
     if name not in _TABLE_5_1:
-        raise UsageError(f"No surface '{name}'{suggestion(name, list(NAMES))}.")
+        raise UsageError(f"No surface '{name}'{suggestion(name, list(THESIS_SURFACES))}.")
     form, x, ends = _TABLE_5_1[name]
     return FodSurface(form, x, **ends)

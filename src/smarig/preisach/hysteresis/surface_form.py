@@ -17,7 +17,7 @@ from smarig.core.errors import UsageError
 
 Array = NDArray[np.float64]
 Parameters = tuple[float, ...]
-PACKAGE = "smarig.preisach.hysteresis.forms"
+FORMS = "smarig.preisach.hysteresis.forms"
 _COMMON_POWERS = {"x2": -1, "x3": 1, "x4": -1}
 
 
@@ -85,27 +85,31 @@ class SurfaceForm(ABC):
         return {}
 
 
-def find_form(name: str) -> SurfaceForm:
+def surface_form(name: str) -> SurfaceForm:
     """The form of that name; UsageError lists the known ones."""
     shipped = _shipped_forms().get(name)
     if shipped is not None:
         return shipped
-    known = forms()
+    known = surface_forms()
     if name not in known:
         raise UsageError(f"Surface form '{name}' is not one of {', '.join(known)}.")
     return known[name]
 
 
-def forms() -> dict[str, SurfaceForm]:
+def surface_forms() -> dict[str, SurfaceForm]:
     """Every form by name, by rising number of parameters, own files that were loaded included.
 
     >>> list(forms())
     ['constant', 'parabolic', 'exponential']
     """
-    found = _shipped_forms() | {name: file.found for name, file in own_entries(PACKAGE).items()}
+    found = _shipped_forms() | {name: file.found for name, file in own_entries(FORMS).items()}
     return dict(sorted(found.items(), key=lambda item: (len(item[1].parameters), item[1].place)))
 
 
 @cache
 def _shipped_forms() -> dict[str, SurfaceForm]:
-    return {name: catalogue_entry(PACKAGE, name) for name in catalogue_names(PACKAGE) if name not in own_entries(PACKAGE)}
+    return {
+        name: catalogue_entry(FORMS, name)
+        for name in catalogue_names(FORMS)
+        if name not in own_entries(FORMS)
+    }

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from smarig.certify.model_certificate import certificate
-from smarig.control.controller_settings import VELOCITY, default_numbers
+from smarig.control.controller_settings import VELOCITY_CONTROLLERS, default_numbers
 from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
 from smarig.record import Run
 from smarig.replay import Model
@@ -20,7 +20,7 @@ from smarig.report.closed_loop.closed_loop_text import unsteady_text, zero_below
 from smarig.report.closed_loop.loop_result import (
     RegulationResult,
     TrackingResult,
-    closed_loop,
+    closed_loop_result,
     is_closed_loop,
 )
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL, regulation_plane_figure
@@ -28,7 +28,7 @@ from smarig.report.closed_loop.velocity_sections import velocity_parts
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import counts, number, signed
 from smarig.report.components.page import Section
-from smarig.report.models.certificate_page import certificate_parts, certified_model, units_of
+from smarig.report.models.certificate_page import certificate_parts, certificate_units, certified_model
 from smarig.report.runs.run_description import display_unit
 
 
@@ -36,7 +36,7 @@ def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> 
     """The sections of a closed-loop run, none for others; ``certified``: a model, its file's name and hash."""
     if not is_closed_loop(run):
         return []
-    found = closed_loop(run)
+    found = closed_loop_result(run)
     if found is None:
         parts = [notice("warning", paragraph("What the record says of its closed loop cannot be read."))]
         return [Section("Closed loop", "Closed loop", parts)]
@@ -190,7 +190,7 @@ def _certificate_section(
     if used and used != sha256:
         words = f"{name} is not the model this loop was run with ({run.info.settings.get('model')})."
         parts.append(notice("warning", paragraph(words)))
-    model_certificate = certificate(model.hysteresis, _controllers_run(run, found), units_of(model))
+    model_certificate = certificate(model.hysteresis, _controllers_run(run, found), certificate_units(model))
     parts += certificate_parts(model_certificate, certified_model(model, name, sha256))
     return [Section("Certificate of the model", "Certificate", parts)]
 
@@ -200,5 +200,5 @@ def _controllers_run(run: Run, found: TrackingResult | RegulationResult) -> dict
     if not isinstance(found, TrackingResult) or found.velocity is None:
         return None
     settings = run.info.settings
-    numbers = default_numbers(VELOCITY, found.controller)
+    numbers = default_numbers(VELOCITY_CONTROLLERS, found.controller)
     return {found.controller: {key: settings[key] for key in numbers if key in settings}}

@@ -10,7 +10,7 @@ from smarig.report.components.numbers import counts, number, signed
 from smarig.report.runs.run_description import display_unit
 
 
-def result_text(found: TrackingResult | RegulationResult, unit: str) -> str:
+def loop_result_text(found: TrackingResult | RegulationResult, unit: str) -> str:
     """The result for a terminal."""
     return _tracking_text(found, unit) if isinstance(found, TrackingResult) else _regulation_text(found, unit)
 

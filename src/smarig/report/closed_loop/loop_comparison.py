@@ -24,7 +24,7 @@ from smarig.report.closed_loop.loop_groups import (
     group_by_reference,
     group_by_setpoint,
 )
-from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult, closed_loop
+from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult, closed_loop_result
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL
 from smarig.report.closed_loop.velocity_result import RATIO
 from smarig.report.components.html import Html, joined, notice, paragraph, table, tag
@@ -39,7 +39,9 @@ _MISSING = "–"
 
 def loops_section(runs: Mapping[str, Run], first: int) -> list[Section]:
     """One section of closed-loop runs by name, none without any; ``first`` is the place of the first one's colour."""
-    result = [(k, name, run, closed_loop(run)) for k, (name, run) in enumerate(runs.items(), start=first)]
+    result = [
+        (k, name, run, closed_loop_result(run)) for k, (name, run) in enumerate(runs.items(), start=first)
+    ]
     tracked = [ComparedLoop(k, name, run, f) for k, name, run, f in result if isinstance(f, TrackingResult)]
     held = [ComparedLoop(k, name, run, f) for k, name, run, f in result if isinstance(f, RegulationResult)]
     unreadable = [name for _, name, _, f in result if f is None]

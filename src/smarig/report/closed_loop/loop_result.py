@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.control.regulation.boundary_plane import BoundaryPlane
-from smarig.control.regulation.regulation_protocol import CLOSED as REGULATED
-from smarig.control.regulation.regulation_protocol import DISTURBED, MARK, OPENED
+from smarig.control.regulation.regulation_protocol import (
+    REGULATION_PLANNED,
+    SETPOINT_DISTURBED,
+    SETPOINT_LOOP_OPENED,
+)
+from smarig.control.regulation.regulation_protocol import SETPOINT_LOOP_CLOSED as REGULATED
 from smarig.control.tracking.reference import Reference
 from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
 from smarig.control.tracking.tracking_protocol import CLOSED as TRACKED
-from smarig.control.velocity.velocity_protocol import MEASURED, STARTED
+from smarig.control.velocity.velocity_protocol import VELOCITY_LOOP_MEASURED, VELOCITY_LOOP_STARTED
 from smarig.core.errors import SmarigError
 from smarig.plant.actuator import Actuator
 from smarig.record import Event, Run
@@ -118,15 +122,15 @@ class RegulationResult:
 
 def is_closed_loop(run: Run) -> bool:
     """Whether a run's loop was closed, or was going to be."""
-    return _mark(run, TRACKED) is not None or _mark(run, MARK) is not None
+    return _mark(run, TRACKED) is not None or _mark(run, REGULATION_PLANNED) is not None
 
 
-def closed_loop(run: Run) -> TrackingResult | RegulationResult | None:
+def closed_loop_result(run: Run) -> TrackingResult | RegulationResult | None:
     """What the loop of a run did; None for runs without one, and for marks that are not ours."""
     try:
         if (mark := _mark(run, TRACKED)) is not None:
             return _tracking_result(run, mark)
-        if (mark := _mark(run, MARK)) is not None:
+        if (mark := _mark(run, REGULATION_PLANNED)) is not None:
             return _regulation_result(run, mark)
     except (KeyError, TypeError, ValueError, IndexError, SmarigError):
         return None
@@ -155,7 +159,7 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
             reference, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s
         )
     name = str(mark.data.get("controller") or "unnamed")
-    measured = _mark(run, MEASURED) or _mark(run, STARTED)
+    measured = _mark(run, VELOCITY_LOOP_MEASURED) or _mark(run, VELOCITY_LOOP_STARTED)
     velocity = VelocityResult.of(measured.data) if measured else None
     return TrackingResult(name, reference, skip_s, loop, measures, velocity)
 
@@ -226,7 +230,7 @@ _PLAN_KEYS = (
 
 def _disturbance(run: Run, closed_s: float) -> tuple[tuple[float, float] | None, float]:
     """When the disturbance began and ended, and its kelvin of source; None and 0 without one."""
-    marks = [e for e in run.events if e.kind == "mark" and e.text == DISTURBED]
+    marks = [e for e in run.events if e.kind == "mark" and e.text == SETPOINT_DISTURBED]
     if not marks:
         return None, 0.0
     times = [e.t_s - closed_s for e in marks]
@@ -237,7 +241,12 @@ def _disturbance(run: Run, closed_s: float) -> tuple[tuple[float, float] | None,
 def _closed_rows(run: Run, mark: Event, start_s: float) -> NDArray[np.intp]:
     """Rows of the samples from a mark to the opening of the loop, or to the end."""
     opened = next(
-        (e.t_s for e in run.events if e.kind == "mark" and e.text == OPENED and e.t_s >= mark.t_s), np.inf
+        (
+            e.t_s
+            for e in run.events
+            if e.kind == "mark" and e.text == SETPOINT_LOOP_OPENED and e.t_s >= mark.t_s
+        ),
+        np.inf,
     )
     return np.flatnonzero((run["t_s"] > start_s) & (run["t_s"] <= opened))
 

@@ -6,7 +6,7 @@ Knows no data.
 
 from typing import Any
 
-from smarig.preisach.hysteresis.surface_form import forms
+from smarig.preisach.hysteresis.surface_form import surface_forms
 
 INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
 HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion rises, blue falls
@@ -43,7 +43,7 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, s
 
 def surface_colour(kind: str) -> str:
     """The colour of a kind of surface, the same on every page; that of ink for any other name."""
-    form = forms().get(kind)
+    form = surface_forms().get(kind)
     return form.colour if form else _OTHER_SURFACES.get(kind, INK)
 
 

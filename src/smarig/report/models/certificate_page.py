@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.certify.certificate_scope import FINDINGS
+from smarig.certify.certificate_scope import CONTROL_FINDINGS
 from smarig.certify.certificate_units import Units
 from smarig.certify.hypothesis import Hypothesis
 from smarig.certify.measured_passivity import MeasuredPassivity
@@ -74,7 +74,7 @@ def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
     return CertifiedModel(model.name, file, sha256, model.twin, model.rig, runs, effects)
 
 
-def units_of(model: Model) -> Units:
+def certificate_units(model: Model) -> Units:
     """Of the model's hysteresis, which need not know them itself."""
     return Units(model.unit, model.input.unit)
 
@@ -226,7 +226,7 @@ def velocity_parts(found: ModelCertificate) -> list[Html]:
 def limits_table(found: ModelCertificate) -> Html:
     """How far the certificate reaches."""
     rows = [(with_subscripts(limit.about), with_subscripts(limit.text)) for limit in found.limits]
-    return table(("About", "What holds"), rows, f"How far the certificate reaches; see {FINDINGS}.")
+    return table(("About", "What holds"), rows, f"How far the certificate reaches; see {CONTROL_FINDINGS}.")
 
 
 def other_loops(found: ModelCertificate) -> list[Html]:

@@ -6,8 +6,8 @@ import numpy as np
 
 from smarig.identification.identification_result import Identification
 from smarig.identification.surface.curve_fit import fit_curves
-from smarig.identification.surface.surface_kinds import POSITIVE
-from smarig.preisach.hysteresis.surface_form import forms
+from smarig.identification.surface.surface_kinds import POSITIVE_KIND
+from smarig.preisach.hysteresis.surface_form import surface_forms
 from smarig.record import Run
 from smarig.replay import recorded_start
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
@@ -134,7 +134,7 @@ def _residual_panel(found: Identification, run: Run) -> Panel:
 
 
 def _model_label(name: str) -> str:
-    return f"f {name}" if name in forms() else {POSITIVE: "μ ≥ 0"}.get(name, name)
+    return f"f {name}" if name in surface_forms() else {POSITIVE_KIND: "μ ≥ 0"}.get(name, name)
 
 
 def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
@@ -199,7 +199,7 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
         if short
         else ""
     )
-    *others, last = forms()
+    *others, last = surface_forms()
     mirror = " Ascending curves: parameters of the mirrored data (−u, −y)." if found.data.mirrored else ""
     return Figure(
         panels,

@@ -9,7 +9,7 @@ from smarig.identification.identification_result import Identification
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.verify import Verification
-from smarig.preisach.hysteresis.surface_form import forms
+from smarig.preisach.hysteresis.surface_form import surface_forms
 from smarig.record import Run
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import number, thousands
@@ -131,7 +131,7 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
 
 
 def _units(found: Identification) -> dict[str, str]:
-    form, y = forms().get(found.surface), found.model.unit
+    form, y = surface_forms().get(found.surface), found.model.unit
     units = form.units(found.model.input.unit) if form else {}
     return units | {"y_upper": y, "y_lower": y}
 

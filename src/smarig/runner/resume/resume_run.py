@@ -15,8 +15,8 @@ from smarig.config import RigFile, load_rig
 from smarig.core.command import Elapsed, Hold, Protocol, StepResult, Waveform
 from smarig.core.errors import DataError, UsageError
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import from_pairs
-from smarig.protocols._settings import build
+from smarig.plant.effect_catalogue import effects_from_pairs
+from smarig.protocols._settings import build_protocol
 from smarig.protocols.adaptive_fod import Chooser
 from smarig.record import Recorder, Run, load_run
 from smarig.record.continuation import Continuation
@@ -50,7 +50,7 @@ def session_for(
         )
     with _damaged_record_as_data_error(run):
         seed, noise = int(run.info.seed or 0), bool(launch["noise"])
-        twin = TwinSettings(seed, noise, effects=from_pairs(launch["effects"]))
+        twin = TwinSettings(seed, noise, effects=effects_from_pairs(launch["effects"]))
     return Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control)
 
 
@@ -87,13 +87,13 @@ def resume_in(
     fresh_twin = session.source == "twin" and session.rig.tick == 0
     now = RigState(session.device, session.rig.tick, fresh_twin, session.initial)
     with _damaged_record_as_data_error(run):
-        replayed = replay_protocol(build(protocol, session.setup, settings, chooser), run)
+        replayed = replay_protocol(build_protocol(protocol, session.setup, settings, chooser), run)
         plan = plan_resume(run, replayed, session.setup, now)
         execution = _ResumeExecution(session, run, plan, listeners, _interrupted_rows(run, plan))
     cost = expected or preview(protocol, session.file, settings, session.control, chooser)
     check_free_space(run.path, cost.bytes)
     remaining_protocol = (
-        build(protocol, session.setup, settings, chooser) if plan.start_over else replayed.rest()
+        build_protocol(protocol, session.setup, settings, chooser) if plan.start_over else replayed.rest()
     )
     execution.execute(remaining_protocol)
     return plan

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach.hysteresis.fod_surface import FodSurface, sigmoid
-from smarig.preisach.interval import Interval, shift
+from smarig.preisach.interval import Interval, shift_bounds
 
 Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
@@ -24,7 +24,7 @@ def density_bounds(surface: FodSurface, a0: Array, a1: Array, b0: Array, b1: Arr
     the bracket, where terms cancel, is widened by its rounding.
     """
     x2, x3, x4 = surface.x[:3]
-    f, df = shift(surface, Interval(a0, a1))
+    f, df = shift_bounds(surface, Interval(a0, a1))
     a = Interval.hull(sigmoid(x2 * (a0 + x3)), sigmoid(x2 * (a1 + x3)))
     z = Interval.hull(x4 * (b0 + f.low), x4 * (b1 + f.high))
     bell0, bell1 = _bell(z.low), _bell(z.high)

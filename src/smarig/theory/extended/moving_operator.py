@@ -50,7 +50,7 @@ class SlopeRange:
 
 
 @singledispatch
-def slopes(hysteresis: Everett) -> SlopeRange:
+def slope_range(hysteresis: Everett) -> SlopeRange:
     """Slopes ∂_αF(α, β) of rising and ∂_βy(α, β) of falling branches, as divided differences of F.
 
     Exact for a FOD table (its slopes are linear between nodes); for smooth surfaces on 257 levels, short of
@@ -72,7 +72,7 @@ def slopes(hysteresis: Everett) -> SlopeRange:
     return SlopeRange(float(every[low]), (a[0], a[1]), float(every[high]), (b[0], b[1]))
 
 
-@slopes.register
+@slope_range.register
 def _slopes_of_relays(hysteresis: RelayMeasure) -> SlopeRange:
     del hysteresis
     raise UsageError(
@@ -94,7 +94,7 @@ class MovingPreisach(ExtendedOperator):
 
     def __init__(self, hysteresis: Everett, feedback: float, initial: Initial = "negative") -> None:
         if feedback != 0:
-            _check(slopes(hysteresis), feedback)
+            _check(slope_range(hysteresis), feedback)
         self.feedback = float(feedback)
         super().__init__(hysteresis, initial)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach.hysteresis.fod_surface import FodSurface, sigmoid
-from smarig.preisach.interval import Interval, shift
+from smarig.preisach.interval import Interval, shift_bounds
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def _along_alpha(surface: FodSurface, alpha: Interval) -> tuple[Interval, Interv
     """Ranges of a, f and f′ over α."""
     x2, x3 = surface.x[:2]
     a = Interval.hull(sigmoid(x2 * (alpha.low + x3)), sigmoid(x2 * (alpha.high + x3)))
-    return a, *shift(surface, alpha)
+    return a, *shift_bounds(surface, alpha)
 
 
 def _falling(surface: FodSurface, f: Interval, u: Interval) -> Interval:
