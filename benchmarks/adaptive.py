@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.random_truths import random_truth
-from smarig.identification.adaptive import informed
+from smarig.identification.adaptive import informed_choice
 from smarig.identification.positive import Observations, fit_positive
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.protocols.adaptive_fod import Chooser, halving
@@ -81,7 +81,7 @@ def _compared(seed: int, folder: Path) -> dict[str, Any]:
     truth = random_truth(seed, RIG)
     fixed = _measured(truth, seed, folder / f"fixed_{seed}.run.sqlite", "first_order_descending", {})
     fixed_h, fixed_rms = _hours(fixed, len(fixed.steps)), _error(fixed, len(fixed.steps), truth)
-    adaptive = _adaptive(truth, seed, folder / f"adaptive_{seed}.run.sqlite", informed, fixed_h)
+    adaptive = _adaptive(truth, seed, folder / f"adaptive_{seed}.run.sqlite", informed_choice, fixed_h)
     uninformed = _adaptive(truth, seed, folder / f"uninformed_{seed}.run.sqlite", halving, fixed_h)
     trace = _trace(adaptive, truth)
     other = _trace(uninformed, truth)

@@ -11,7 +11,7 @@ from plant.effects.driven import driven
 from smarig.cli import run as cli
 from smarig.config import load_actuator, load_campaign, load_rig
 from smarig.core.catalogue import catalogue_entry, own_files, resolve_name
-from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
+from smarig.plant.effect_catalogue import EFFECTS
 from smarig.rig.consistency import DRIVERS, inconsistencies
 from smarig.rig.twin import Twin
 

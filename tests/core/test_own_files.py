@@ -13,15 +13,15 @@ from smarig.core.catalogue import (
     resolve_name,
 )
 from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import EFFECTS as EFFECTS
 from smarig.plant.effect_catalogue import (
+    EFFECTS,
     effects_from_arguments,
     effects_from_pairs,
     effects_to_arguments,
     effects_to_pairs,
     mystery_effects,
 )
-from smarig.protocols._settings import PACKAGE as PROTOCOLS
+from smarig.protocols._settings import PROTOCOLS
 
 GOOD = 'def mine(setup, *, n: int = 3):\n    """Stand still."""\n    yield from ()\n'
 

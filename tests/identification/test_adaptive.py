@@ -12,7 +12,7 @@ from benchmarks.adaptive import ErrorTrace
 from benchmarks.random_truths import random_truth
 from smarig.cli import run as command_line
 from smarig.core.command import Hold, Settled, StepResult, StepVerdict
-from smarig.identification.adaptive import informed
+from smarig.identification.adaptive import informed_choice
 from smarig.identification.adaptive.informed_choice import observations
 from smarig.identification.adaptive.memory_path import duration_s, path_after, paths_along, rows
 from smarig.identification.adaptive.plan_search import best_plan
@@ -199,7 +199,9 @@ def test_the_noise_of_a_mean_is_its_scatter_or_a_whole_count_without_dither(sd, 
 def test_the_predicted_error_shrinks_with_more_readings_and_is_of_the_true_size():
     truth = random_truth(2)
     few, many = (FOD_LIKE[:12], FOD_LIKE)
-    predicted = [informed(ONE, seen_at(truth, inputs), Settled()).predicted_share for inputs in (few, many)]
+    predicted = [
+        informed_choice(ONE, seen_at(truth, inputs), Settled()).predicted_share for inputs in (few, many)
+    ]
     assert predicted[1] < predicted[0] / 2
     desk = Desk(truth)
     desk.run(Hold(0.0, Settled(), target=u) for u in many)
@@ -238,7 +240,7 @@ def test_an_error_is_reached_once_or_for_good():
 
 def test_the_same_results_lead_to_the_same_choice_inside_the_range():
     seen = seen_at(random_truth(4), FOD_LIKE[:15])
-    first, again = (informed(ONE, seen, Settled()) for _ in range(2))
+    first, again = (informed_choice(ONE, seen, Settled()) for _ in range(2))
     assert first == again
     assert first.inputs_K
     assert all(ENDS[0] <= u <= ENDS[1] for u in first.inputs_K)
@@ -249,10 +251,10 @@ def test_an_unsettled_reading_changes_the_memory_and_is_not_used():
     late = [
         HoldResult(s.input_K, s.counts + off, 0.4, 250, False) for s, off in ((seen[9], 0), (seen[9], 500))
     ]
-    choices = [informed(ONE, (*seen[:9], one, *seen[10:]), Settled()) for one in late]
+    choices = [informed_choice(ONE, (*seen[:9], one, *seen[10:]), Settled()) for one in late]
     assert choices[0] == choices[1]
     wrong = HoldResult(seen[9].input_K, seen[9].counts + 500, 0.4, 250, True)
-    assert informed(ONE, (*seen[:9], wrong, *seen[10:]), Settled()) != choices[0]
+    assert informed_choice(ONE, (*seen[:9], wrong, *seen[10:]), Settled()) != choices[0]
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -267,19 +269,19 @@ def test_it_always_returns_a_choice_whatever_the_readings(seed):
             inputs, said, rng.choice([0.0, 0.4, 9.0], len(said)), rng.random(len(said)) > 0.2
         )
     )
-    choice = informed(ONE, seen, Settled())
+    choice = informed_choice(ONE, seen, Settled())
     assert all(ENDS[0] <= u <= ENDS[1] for u in choice.inputs_K)
     assert choice.predicted_share > 0 or not choice.inputs_K
 
 
 def test_before_anything_has_settled_it_chooses_both_saturations_again():
     late = tuple(HoldResult(u, 5.0, 0.4, 250, False) for u in ENDS)
-    assert informed(ONE, late, Settled()).inputs_K == ENDS
+    assert informed_choice(ONE, late, Settled()).inputs_K == ENDS
 
 
 def test_a_wire_that_does_not_move_ends_the_experiment():
     still = tuple(HoldResult(u, 5.0, 0.0, 250, True) for u in (*ENDS, 50.0))
-    assert informed(ONE, still, Settled()) == NextInputs(())
+    assert informed_choice(ONE, still, Settled()) == NextInputs(())
 
 
 def test_choosing_pays_against_chance_and_against_a_fixed_order():
@@ -290,16 +292,18 @@ def test_choosing_pays_against_chance_and_against_a_fixed_order():
         return NextInputs(tuple(dice.choice(LEVELS) for _ in range(4)))
 
     rms = {}
-    for chooser in (informed, by_chance, halving):
+    for chooser in (informed_choice, by_chance, halving):
         desk = Desk(truth).run(adaptive_fod(ONE, chooser, target_share=1e-6, longest_h=0.4))
         rms[chooser] = desk.rms(truth)
-    assert rms[informed] < 0.6 * rms[by_chance]
-    assert rms[informed] < 0.6 * rms[halving]
+    assert rms[informed_choice] < 0.6 * rms[by_chance]
+    assert rms[informed_choice] < 0.6 * rms[halving]
 
 
 def test_it_stops_earlier_at_a_larger_target_error():
     truth = random_truth(2)
-    held = [len(Desk(truth).run(adaptive_fod(ONE, informed, target_share=t)).inputs) for t in (0.1, 0.02)]
+    held = [
+        len(Desk(truth).run(adaptive_fod(ONE, informed_choice, target_share=t)).inputs) for t in (0.1, 0.02)
+    ]
     assert 2 < held[0] < held[1] < 60
 
 
@@ -322,7 +326,7 @@ def test_two_wires_are_explored_from_their_own_negative_saturation():
     runner = Runner(
         Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
     )
-    runner.run(adaptive_fod(setup, informed, longest_h=0.2))
+    runner.run(adaptive_fod(setup, informed_choice, longest_h=0.2))
     assert len(results) > 7
     assert all(r.verdict is StepVerdict.SETTLED for r in results)
 

@@ -17,8 +17,8 @@ from smarig.theory.properties.monotone import Monotonicity, monotone
 class HysteresisAnalysis:
     """A hysteresis with its units.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> found = HysteresisAnalysis.of(surface("two_p"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> found = HysteresisAnalysis.of(thesis_surface("two_p"))
     >>> found.classes.M_P, found.dissipativity.dissipative, found.monotone.holds
     (False, False, False)
     """

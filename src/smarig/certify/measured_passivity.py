@@ -152,8 +152,8 @@ def segment_passivity(
     """One stretch of inputs and readings (n,), ``noise`` of one reading; ``start``: the state at its first input, or
     why that is not known. DataError for values that are missing or that do not belong together.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> wire = Preisach(surface("one_e"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> wire = Preisach(thesis_surface("one_e"))
     >>> u = np.concatenate([np.linspace(0, 120, 200), np.linspace(120, 0, 200)])
     >>> found = segment_passivity(HysteresisAnalysis.of(wire.hysteresis), u, wire.simulate(u), 0.0, 0, wire.state)
     >>> found.within, bool(abs(found.supplied - found.model).max() <= found.sampling)

@@ -251,11 +251,11 @@ def certificate(
     ``controllers``: the whole catalogue where it is None; UsageError for one that feeds back the position.
     ``units``: the hysteresis's own where none are given.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> found = certificate(surface("one_e"), {"constant_gain": {"gain": 4.0}})
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> found = certificate(thesis_surface("one_e"), {"constant_gain": {"gain": 4.0}})
     >>> found.passive, found.classes.M_P, found.controllers[0].k_e
     (True, False, 2.0)
-    >>> certificate(surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
+    >>> certificate(thesis_surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
     True
     """
     requested = (

@@ -102,11 +102,11 @@ def passivity(
 
     Raises DataError for an input that is empty or not finite, UsageError for one of another shape.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> found = passivity(surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic")
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> found = passivity(thesis_surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic")
     >>> found.passive, found.within, found.bound
     (True, True, 0.0)
-    >>> [h.name for h in passivity(surface("two_e"), [10.0], "positive").failing]
+    >>> [h.name for h in passivity(thesis_surface("two_e"), [10.0], "positive").failing]
     ['ν ≥ 0', 'u(0) = 0']
     """
     hysteresis_analysis = (
@@ -163,8 +163,8 @@ def counterexample(
 
     Takes a hysteresis that has been examined as well, and does not look again.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> two_p = counterexample(surface("two_p"), "anhysteretic")
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> two_p = counterexample(thesis_surface("two_p"), "anhysteretic")
     >>> n = two_p.cycles_below(1000.0)
     >>> two_p.supplied_after(n) < -1000.0 <= two_p.supplied_after(n - 1)
     True

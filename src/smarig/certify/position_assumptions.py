@@ -24,8 +24,8 @@ def supply_while_held(
     A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 at most
     (``certify`` says whether it is for that). UsageError for a time that runs backwards and for what is no number.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> leaky, pure = (supply_while_held(surface("two_c"), 60.0, 1e6, b=b) for b in (0.1, 0.0))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> leaky, pure = (supply_while_held(thesis_surface("two_c"), 60.0, 1e6, b=b) for b in (0.1, 0.0))
     >>> leaky < -1e5 < 0 < pure
     True
     """
@@ -74,8 +74,8 @@ def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
 
     UsageError for a hysteresis on one side of zero, whose only state at u = 0 is saturation.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> indistinguishable_states(surface("two_c")).distance > 1000.0
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> indistinguishable_states(thesis_surface("two_c")).distance > 1000.0
     True
     """
     if not hysteresis.lower < 0.0 < hysteresis.upper:

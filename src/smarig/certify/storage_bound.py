@@ -35,9 +35,9 @@ class StorageBound:
 def storage_bound(analysis: HysteresisAnalysis, state: State) -> StorageBound:
     """How much energy a state can give back; nothing is assumed of the hysteresis, everything is checked.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.preisach.operator import Preisach
-    >>> wire = Preisach(surface("one_e"))
+    >>> wire = Preisach(thesis_surface("one_e"))
     >>> stored = storage_bound(HysteresisAnalysis.of(wire.hysteresis), wire.state)
     >>> stored.energy, stored.basis, stored.proven
     (0.0, 'recoverable', True)

@@ -14,7 +14,7 @@ from click.shell_completion import CompletionItem
 from smarig.config import shipped_names
 from smarig.core.catalogue import catalogue_names, is_path, own_entries, resolve_name
 from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
+from smarig.plant.effect_catalogue import EFFECTS
 
 _PACKAGES = {
     "protocols": "smarig.protocols",

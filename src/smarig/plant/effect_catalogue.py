@@ -57,7 +57,7 @@ def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
 
 
 def effects_from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
-    """Effects as a person writes them: as in ``effects_from_pairs``, or own files (``./mine.py=3``, ``./mine.py.share=3``).
+    """Effects in command-line form: as in ``effects_from_pairs``, or own files (``./mine.py=3``).
 
     Own files are executed: what stands in a run or a model must go to ``effects_from_pairs``.
     """

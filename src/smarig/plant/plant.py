@@ -19,8 +19,8 @@ EQUAL_STEPS, STEP_GROWTH = 10, 1.5
 class Plant:
     """State of the wire(s): temperatures, hysteresis memory, position (rig unit, operator's own zero).
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> plant = Plant(Actuator.named("gorbet_one_wire"), surface("one_e"), "negative", dt_s=0.1)
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> plant = Plant(Actuator.named("gorbet_one_wire"), thesis_surface("one_e"), "negative", dt_s=0.1)
     >>> for _ in range(1200):
     ...     position_mm = plant.step(1.0)
     >>> round(position_mm, 2)

@@ -40,8 +40,8 @@ class Preisach:
     long enough to be worth it, or the ``samples`` are that are still to come; True always, False never. The loop
     is the same.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> wire = Preisach.from_surface(surface("one_c"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> wire = Preisach.from_surface(thesis_surface("one_c"))
     >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])       # a minor loop closes: wiping-out
     >>> bool(y[1] == y[3])
     True

@@ -27,9 +27,9 @@ def sensitivity(hysteresis: Everett | Differentiable, state: State) -> Array:
     of B_ℓ is no input. ∂y/∂u is that of going on in the direction of the last move. On a kink the slopes are
     one-sided. UsageError for relays, which have none.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.preisach.operator import Preisach
-    >>> wire = Preisach.from_surface(surface("one_c"))
+    >>> wire = Preisach.from_surface(thesis_surface("one_c"))
     >>> y = wire.simulate([90.0, 40.0])
     >>> sensitivity(wire.hysteresis, wire.state).round(4).tolist()     # base, the maximum 90, now
     [0.0, 0.0504, 0.165]

@@ -11,9 +11,8 @@ from smarig.config import RigFile, own_drivers
 from smarig.control.controller_settings import TRACKING_CONTROLLERS
 from smarig.core.catalogue import catalogue_kind, own_entries
 from smarig.core.errors import DataError, UsageError
-from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
-from smarig.plant.effect_catalogue import Effect
-from smarig.protocols._settings import PACKAGE as PROTOCOLS
+from smarig.plant.effect_catalogue import EFFECTS, Effect
+from smarig.protocols._settings import PROTOCOLS
 from smarig.record import Run
 from smarig.rig.consistency import DRIVERS
 

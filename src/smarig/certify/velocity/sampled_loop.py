@@ -112,8 +112,8 @@ def velocity_loop(
     finite or of different lengths; UsageError for a measure of relays.
 
     >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> loop = velocity_loop(surface("one_c"), constant_gain(40.0), [0.1] * 300)
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> loop = velocity_loop(thesis_surface("one_c"), constant_gain(40.0), [0.1] * 300)
     >>> loop.largest_ratio < loop.k_e
     True
     """

@@ -110,10 +110,10 @@ def stability(
     """The hypotheses of Thm 8.2, one by one, for the loop without delay (``loop``).
 
     >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> stability(surface("one_e"), constant_gain(4.0)).holds
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> stability(thesis_surface("one_e"), constant_gain(4.0)).holds
     True
-    >>> [h.name for h in failing(stability(surface("two_p"), constant_gain(4.0), "anhysteretic").hypotheses)]
+    >>> [h.name for h in failing(stability(thesis_surface("two_p"), constant_gain(4.0), "anhysteretic").hypotheses)]
     ['passive', 'output follows input']
     """
     return controller_stability(basis(HysteresisAnalysis.of(hysteresis), initial), controller)

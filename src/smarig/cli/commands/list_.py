@@ -13,10 +13,8 @@ from smarig.control.controller_settings import (
 from smarig.core.catalogue import catalogue_entry, catalogue_names, catalogue_summary, is_path, resolve_name
 from smarig.core.errors import UsageError
 from smarig.exchange.mapping import load_mapping
-from smarig.plant.effect_catalogue import PACKAGE as EFFECTS
-from smarig.plant.effect_catalogue import effect_types
-from smarig.protocols._settings import PACKAGE as PROTOCOLS
-from smarig.protocols._settings import setting_texts
+from smarig.plant.effect_catalogue import EFFECTS, effect_types
+from smarig.protocols._settings import PROTOCOLS, setting_texts
 from smarig.record.wire_history import wire_histories
 
 

@@ -53,7 +53,7 @@ def command(
     The wire is cooled and taken back to what it remembered after the last finished step; the interrupted step is made
     again. Where that cannot be had, the protocol begins anew. Void steps stay in the record, marked.
     """
-    from smarig.identification.adaptive import informed
+    from smarig.identification.adaptive import informed_choice
     from smarig.runner.preview import preview
     from smarig.runner.resume.resume_run import read_launch_args, resume_in, session_for
 
@@ -63,7 +63,7 @@ def command(
     session = session_for(before, rig=rig, wire=wire, speed=speed)
     show_message(f"{run.name} ended so: {before.cause.rstrip('.')}.")
     settings = read_launch_args(before)["settings"]
-    cost = preview(str(before.info.protocol), session.file, settings, chooser=informed)
+    cost = preview(str(before.info.protocol), session.file, settings, chooser=informed_choice)
     done = [s for s in before.steps if not s.void]
     done_s = sum(s.duration_s for s in done)
     live_context = live_view(
@@ -76,7 +76,7 @@ def command(
         with with_watchers(
             progress(what, session.control, quiet=quiet, keys=listening), watchers
         ) as listener:
-            plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed)
+            plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed_choice)
     after = load_run(run)
     show_message(plan.sentence())
     print_warnings(after)

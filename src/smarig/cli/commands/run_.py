@@ -49,13 +49,13 @@ def command(
     experiment: str, out: Path | None, pairs: tuple[str, ...], go_on: bool, options: RunOptions
 ) -> None:
     """Run a protocol or a campaign on a rig and record it; by name, or your own by its path."""
-    from smarig.identification.adaptive import informed
+    from smarig.identification.adaptive import informed_choice
 
     session = options.session()
     plan = _plan(experiment, parse_pairs(pairs))
     steps = plan.step
     file = load_rig(options.rig)
-    costs = [preview(s.protocol, file, s.set, chooser=informed) for s in steps]
+    costs = [preview(s.protocol, file, s.set, chooser=informed_choice) for s in steps]
     if options.dry_run:
         lines = [c.sentence() for c in costs] + [f"total: {sum(c.duration_s for c in costs) / 3600:.2f} h"]
         emit({"preview": [c.__dict__ for c in costs]}, "\n".join(lines))
@@ -89,7 +89,7 @@ def _run_one(
     force: bool,
     notes: str,
 ) -> None:
-    from smarig.identification.adaptive import informed
+    from smarig.identification.adaptive import informed_choice
 
     with display as listener:
         message = run_or_resume(
@@ -101,7 +101,7 @@ def _run_one(
             force=force,
             notes=notes,
             expected=cost,
-            chooser=informed,
+            chooser=informed_choice,
         )
     if message:
         show_message(message)

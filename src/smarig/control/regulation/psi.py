@@ -28,8 +28,8 @@ ROUNDING = 1e-12  # of the output range
 class Psi:
     """ψ of a hysteresis: call it with ℓ, scalar or array, in the input's unit; outputs in the output's.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> psi = Psi(surface("two_c"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> psi = Psi(thesis_surface("two_c"))
     >>> round(psi(0.0), 2), round(psi.right_inverse(2.65), 2), psi.monotone
     (2.65, 0.01, True)
     """

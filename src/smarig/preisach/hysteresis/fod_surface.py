@@ -33,8 +33,8 @@ class FodSurface(DiagonalIntegrals):
     smallest/largest identification input; ``y_lower``/``y_upper`` the outputs at negative and positive
     saturation. Inputs α ≥ β in kelvin above ambient, outputs in ``unit``. All methods broadcast.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> one_e = surface("one_e")
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> one_e = thesis_surface("one_e")
     >>> float(one_e.y(174.1, 174.1)), float(one_e.y(90.0, 0.0))
     (12.54, 0.0)
     """
@@ -146,8 +146,8 @@ class FodSurface(DiagonalIntegrals):
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β), scalar.
 
-        >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-        >>> s = surface("two_c")
+        >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+        >>> s = thesis_surface("two_c")
         >>> abs(s.everett(90.0, -20.0) - float(s.y(90.0, 90.0) - s.y(90.0, -20.0))) < 1e-13
         True
         """

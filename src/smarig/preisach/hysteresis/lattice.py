@@ -13,8 +13,8 @@ from smarig.preisach.hysteresis.fod_table import FodTable
 def lattice(hysteresis: Everett, cells: int) -> NDArray[np.float64]:
     """Rising inputs from u₋ to u₊: a FOD table's own nodes, else ``cells`` + 1 even ones.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> lattice(surface("two_c"), 2).tolist()
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> lattice(thesis_surface("two_c"), 2).tolist()
     [-185.0, 0.0, 185.0]
     """
     return np.linspace(hysteresis.lower, hysteresis.upper, cells + 1)

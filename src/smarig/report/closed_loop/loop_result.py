@@ -20,7 +20,7 @@ from smarig.control.regulation.regulation_protocol import (
 from smarig.control.regulation.regulation_protocol import SETPOINT_LOOP_CLOSED as REGULATED
 from smarig.control.tracking.reference import Reference
 from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
-from smarig.control.tracking.tracking_protocol import CLOSED as TRACKED
+from smarig.control.tracking.tracking_protocol import TRACKING_LOOP_CLOSED
 from smarig.control.velocity.velocity_protocol import VELOCITY_LOOP_MEASURED, VELOCITY_LOOP_STARTED
 from smarig.core.errors import SmarigError
 from smarig.plant.actuator import Actuator
@@ -122,13 +122,13 @@ class RegulationResult:
 
 def is_closed_loop(run: Run) -> bool:
     """Whether a run's loop was closed, or was going to be."""
-    return _mark(run, TRACKED) is not None or _mark(run, REGULATION_PLANNED) is not None
+    return _mark(run, TRACKING_LOOP_CLOSED) is not None or _mark(run, REGULATION_PLANNED) is not None
 
 
 def closed_loop_result(run: Run) -> TrackingResult | RegulationResult | None:
     """What the loop of a run did; None for runs without one, and for marks that are not ours."""
     try:
-        if (mark := _mark(run, TRACKED)) is not None:
+        if (mark := _mark(run, TRACKING_LOOP_CLOSED)) is not None:
             return _tracking_result(run, mark)
         if (mark := _mark(run, REGULATION_PLANNED)) is not None:
             return _regulation_result(run, mark)

@@ -4,7 +4,7 @@ import shlex
 
 import numpy as np
 
-from smarig.identification.surface.choose_surface import POSITIVE, SIMPLER_TOLERANCE
+from smarig.identification.surface.choose_surface import POSITIVE_KIND, SIMPLER_TOLERANCE
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
 from smarig.report.models.density_figures import density_unit
@@ -95,7 +95,7 @@ def model_recommendation(e: Evidence) -> Html:
         apply = ": the stability results of chapter 8 apply to it."
         return notice("good", paragraph(f"The {e.chosen} model is in ", M_P, apply))
     words = [f"The {e.chosen} model is not in ", M_P]
-    if POSITIVE not in e.identifications:
+    if POSITIVE_KIND not in e.identifications:
         return notice(
             "warning", paragraph(*words, ": the stability results of chapter 8 do not apply to it.")
         )
@@ -126,9 +126,9 @@ def _compared_errors(e: Evidence) -> list[tuple[str, float, float]]:
     """(on what, rms of the positive model, rms of the chosen one)."""
     found = []
     rms = e.choice.held_out_rms if e.choice else {}
-    if POSITIVE in rms and e.chosen in rms:
-        found.append(("on held-out curves", rms[POSITIVE], rms[e.chosen]))
-    verification = [pooled_rms(e.verifications.get(name)) for name in (POSITIVE, e.chosen)]
+    if POSITIVE_KIND in rms and e.chosen in rms:
+        found.append(("on held-out curves", rms[POSITIVE_KIND], rms[e.chosen]))
+    verification = [pooled_rms(e.verifications.get(name)) for name in (POSITIVE_KIND, e.chosen)]
     if verification[0] is not None and verification[1] is not None:
         found.append(("on the held-out run", verification[0], verification[1]))
     return found
@@ -139,7 +139,7 @@ def _other_models_text(e: Evidence, unit: str) -> str:
     others = {
         name: pooled_rms(e.verifications.get(name))
         for name, one in e.identifications.items()
-        if name != POSITIVE and density_report_of(one).M_P
+        if name != POSITIVE_KIND and density_report_of(one).M_P
     }
     known = {name: rms for name, rms in others.items() if rms is not None}
     if not known:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.identification.surface.choose_surface import POSITIVE
+from smarig.identification.surface.choose_surface import POSITIVE_KIND
 from smarig.identification.surface.curve_report import NO_CURVES
 from smarig.record import Run
 from smarig.report.components.decimate import POINTS
@@ -132,7 +132,7 @@ def _first_order_parts(e: Evidence, run: Run) -> Parts:
         yield paragraph(NO_CURVES)
         return
     yield curves_figure(e.best, run)
-    positive = e.identifications.get(POSITIVE)
+    positive = e.identifications.get(POSITIVE_KIND)
     if positive is not None and positive is not e.best and positive.data.curves:
         yield curves_figure(positive, run)
     own = parameters_figure(e.best, run)

@@ -48,8 +48,8 @@ def available_storage(
 
     ``levels`` is the number of even levels, 2 … 2000 (else UsageError); relays have their own.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> available_storage(surface("one_e"), "negative").value      # passive with zero bias
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> available_storage(thesis_surface("one_e"), "negative").value      # passive with zero bias
     0.0
     """
     if not (isinstance(levels, Integral) and 2 <= levels <= _MAX_LEVELS):

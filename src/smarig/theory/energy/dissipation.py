@@ -64,8 +64,8 @@ def energy_balance(hysteresis: Everett, u: ArrayLike, initial: Initial = "negati
     Each move's ∫ u dy is exact (``sweep``). Raises DataError for an input that is empty, not finite or not
     one-dimensional.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> energy_balance(surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic").holds
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> energy_balance(thesis_surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic").holds
     True
     """
     inputs = np.asarray(u, dtype=float)
@@ -99,9 +99,9 @@ def _per_move(hysteresis: Everett, moves: list[list[SweepSegment]]) -> Array:
 def recoverable_energy(hysteresis: Everett, state: State) -> float:
     """Q_r(B) of a state, output times input units; zero at u = 0 (Prop. 7.1), ≥ 0 for μ ≥ 0 and g ≥ 0.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.preisach.operator import Preisach
-    >>> wire = Preisach.from_surface(surface("one_c"))
+    >>> wire = Preisach.from_surface(thesis_surface("one_c"))
     >>> _ = wire.step(90.0)
     >>> hot = recoverable_energy(wire.hysteresis, wire.state)
     >>> _ = wire.step(0.0)

@@ -77,8 +77,8 @@ def _with_unit(number: str, unit: str) -> str:
 def certify(hysteresis: Everett) -> DissipativityCertificate:
     """Decide dissipativity of a surface, table, relay measure, or the mirror image of one.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> certify(surface("one_e")).dissipative, certify(surface("one_p")).dissipative
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> certify(thesis_surface("one_e")).dissipative, certify(thesis_surface("one_p")).dissipative
     (True, False)
     """
     return _certified(getattr(hysteresis, "hysteresis", hysteresis))  # an operator stands for what it runs on

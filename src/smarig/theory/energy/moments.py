@@ -107,8 +107,8 @@ def loop_area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
     Output times input units (mm·K, deg·K). Zero for M = m; g does not enter. UsageError unless
     u₋ ≤ m ≤ M ≤ u₊.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> bool(loop_area(surface("one_e"), 104.5, 59.0) > 0 > loop_area(surface("one_p"), 104.5, 59.0))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> bool(loop_area(thesis_surface("one_e"), 104.5, 59.0) > 0 > loop_area(thesis_surface("one_p"), 104.5, 59.0))
     True
     """
     a, b, _ = _flat(upper, lower)

@@ -30,8 +30,8 @@ Array = NDArray[np.float64]
 def recoverable_energy_is_storage(hysteresis: Everett, cells: int = 512) -> bool:
     """Whether Q_r is proved to be a storage function, by verified bounds (surface) or exactly (relays).
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> recoverable_energy_is_storage(surface("two_e")), recoverable_energy_is_storage(surface("two_p"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> recoverable_energy_is_storage(thesis_surface("two_e")), recoverable_energy_is_storage(thesis_surface("two_p"))
     (True, False)
     """
     _check_cells(cells)

@@ -54,8 +54,8 @@ def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "
     Raises UsageError when the loop has no negative area in the forward model, or would need more than
     200 000 cycles.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> confirm(surface("two_p"), (185.0, 84.0)).confirmed
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> confirm(thesis_surface("two_p"), (185.0, 84.0)).confirmed
     True
     """
     try:

@@ -50,8 +50,8 @@ class AccommodationState:
 class AccommodatingPreisach:
     """Frozen strips relax by ``amount`` κ over ``path`` l strokes of output; see the module.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> wire = AccommodatingPreisach(surface("one_e"), amount=0.5, path=0.1)
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> wire = AccommodatingPreisach(thesis_surface("one_e"), amount=0.5, path=0.1)
     >>> low = wire.simulate([110.0] + [60.0, 75.0] * 20)[2::2]
     >>> bool(low[0] != low[1] and abs(low[-1] - low[-2]) < abs(low[1] - low[0]) / 10)     # drifts, settles
     True

@@ -85,8 +85,8 @@ class MovingPreisach(ExtendedOperator):
 
     ``hysteresis`` is that of Γ, in terms of w. A state is the memory of Γ: its extrema are values of w.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> wire = MovingPreisach(surface("one_c"), feedback=-0.5)
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> wire = MovingPreisach(thesis_surface("one_c"), feedback=-0.5)
     >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])     # wiping-out survives feedback
     >>> abs(float(y[1] - y[3])) < 1e-12
     True

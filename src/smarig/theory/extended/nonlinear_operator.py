@@ -109,12 +109,12 @@ class NonlinearPreisach(ExtendedOperator):
 
     Output in the hysteresis's unit. The memory is the classical one. Histories must begin in saturation.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.preisach.operator import Preisach
     >>> none = SecondOrderExcess.from_nodes([0.0, 50.0, 100.0, 174.1], np.zeros((4, 4, 4)))
     >>> u = [120.0, 40.0, 90.0, 60.0, 110.0]
-    >>> plain = Preisach.from_surface(surface("one_e")).simulate(u)
-    >>> bool(np.all(NonlinearPreisach(surface("one_e"), none).simulate(u) == plain))
+    >>> plain = Preisach.from_surface(thesis_surface("one_e")).simulate(u)
+    >>> bool(np.all(NonlinearPreisach(thesis_surface("one_e"), none).simulate(u) == plain))
     True
     """
 

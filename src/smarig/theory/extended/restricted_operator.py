@@ -35,11 +35,11 @@ class RestrictedPreisach(ExtendedOperator):
     ``excesses``: Q_1 … Q_n, each (extrema (j,), β, α) → output; as many as the order n. Histories begin in saturation.
 
     >>> import numpy as np
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.preisach.operator import Preisach
     >>> none, u = [lambda extrema, beta, alpha: 0.0], [120.0, 40.0, 90.0, 60.0]
-    >>> plain = Preisach.from_surface(surface("one_e")).simulate(u)
-    >>> bool(np.all(RestrictedPreisach(surface("one_e"), none).simulate(u) == plain))
+    >>> plain = Preisach.from_surface(thesis_surface("one_e")).simulate(u)
+    >>> bool(np.all(RestrictedPreisach(thesis_surface("one_e"), none).simulate(u) == plain))
     True
     """
 

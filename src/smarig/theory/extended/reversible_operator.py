@@ -47,9 +47,9 @@ class ReversiblePart:
 class ReversiblePreisach(ExtendedOperator):
     """Γ[u] + r(u); see the module.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> linear = ReversiblePart(np.array([0.0, 200.0]), np.array([0.0, 1.0]))
-    >>> float(ReversiblePreisach(surface("one_c"), linear).simulate([200.0])[0])   # saturation 12.54, and r
+    >>> float(ReversiblePreisach(thesis_surface("one_c"), linear).simulate([200.0])[0])   # saturation 12.54, and r
     13.54
     """
 

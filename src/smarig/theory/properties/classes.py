@@ -65,8 +65,8 @@ class MeasureClasses:
 def classes(hysteresis: Everett) -> MeasureClasses:
     """Extremes and classes of any hysteresis: exact for tables and relays, bounded for surfaces.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> one_c, one_e = classes(surface("one_c")), classes(surface("one_e"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> one_c, one_e = classes(thesis_surface("one_c")), classes(thesis_surface("one_e"))
     >>> one_c.M_P, one_e.M_P, round(one_e.mu_min.value, 5), one_c.mu_min.bound > 0
     (True, False, -0.00189, True)
     """

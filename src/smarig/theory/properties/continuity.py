@@ -38,8 +38,8 @@ def lipschitz(hysteresis: Everett) -> float:
 
     Proved for surfaces and tables; NaN for anything else, of which only samples are known.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> round(lipschitz(surface("two_c")), 3)                                # degrees per kelvin
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> round(lipschitz(thesis_surface("two_c")), 3)                                # degrees per kelvin
     0.769
     """
     h = unmirrored(hysteresis)

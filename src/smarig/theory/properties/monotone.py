@@ -61,8 +61,8 @@ class Crossing:
 def monotone(hysteresis: Everett) -> Monotonicity:
     """The slopes of all branches and the largest setback of any hysteresis.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> m = monotone(surface("two_p"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> m = monotone(thesis_surface("two_p"))
     >>> m.holds, round(m.rising.value, 4), m.falling.bound >= 0
     (False, -0.0367, True)
     """

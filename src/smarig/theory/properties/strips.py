@@ -25,8 +25,8 @@ _GRID_POINTS = 2048
 def H(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
     """Horizontal strip: output change of a rise from λ to λ + ξ, straight from negative saturation.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> s = surface("two_c")
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> s = thesis_surface("two_c")
     >>> bool(abs(H(s, s.lower, s.upper - s.lower) - (s.y_upper - s.y_lower)) < 1e-12)
     True
     """

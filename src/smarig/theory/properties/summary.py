@@ -107,8 +107,8 @@ class Properties:
 def properties(hysteresis: Everett) -> Properties:
     """All properties of any hysteresis; about a second for a surface.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> p = properties(surface("one_c"))
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> p = properties(thesis_surface("one_c"))
     >>> p.classes.M_P, p.monotone.holds, p.fod_crossing
     (True, True, None)
     """

@@ -25,8 +25,8 @@ from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 def boundary_of(state: State, hysteresis: Everett) -> Boundary:
     """The boundary of an operator's state, on û = max(|u₋|, |u₊|).
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
-    >>> wire = Preisach(surface("two_c"), "anhysteretic")
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> wire = Preisach(thesis_surface("two_c"), "anhysteretic")
     >>> _ = wire.step(60.0), wire.step(-20.0)
     >>> boundary_of(wire.state, wire.hysteresis).points
     ((-185.0, 185.0), (-60.0, 60.0), (-20.0, 60.0), (-20.0, -20.0))
@@ -49,9 +49,9 @@ def state_of(boundary: Boundary, hysteresis: Everett) -> State:
 
     Raises UsageError for other slopes and for a boundary that does not cover the range of the hysteresis.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.theory.state_space.boundary import diagonal
-    >>> Preisach(surface("two_c"), state_of(diagonal(185.0, 40.0), surface("two_c"))).u
+    >>> Preisach(thesis_surface("two_c"), state_of(diagonal(185.0, 40.0), thesis_surface("two_c"))).u
     40.0
     """
     check_covers(boundary, hysteresis)

@@ -26,9 +26,9 @@ def read_out(boundary: Boundary, hysteresis: Everett) -> float:
     Exact to rounding for staircases and for B*, B_ℓ and what grows out of them. On segments of other slopes
     the error falls with the square of the step for a density, and with the step for single relays.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import surface
+    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.theory.state_space.boundary import anhysteretic
-    >>> round(read_out(anhysteretic(185.0), surface("two_c")), 2)      # not zero: ν is not symmetric
+    >>> round(read_out(anhysteretic(185.0), thesis_surface("two_c")), 2)      # not zero: ν is not symmetric
     2.65
     """
     check_covers(boundary, hysteresis)
