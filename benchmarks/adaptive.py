@@ -13,14 +13,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.random_truths import random_truth
-from smarig.identification.adaptive import informed_choice
-from smarig.identification.positive import Observations, fit_positive
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.protocols.adaptive_fod import Chooser, halving
+from smarig.identification import Observations, fit_positive, informed_choice
+from smarig.preisach import FodTable
+from smarig.protocols import Chooser, halving
 from smarig.record import Run, load_run
-from smarig.rig.twin import TwinSettings
-from smarig.runner.preview import Preview
-from smarig.runner.session import Session
+from smarig.rig import TwinSettings
+from smarig.runner import Preview, Session
 
 RIG = "one_wire_twin"
 TRUTHS = 10

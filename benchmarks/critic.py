@@ -15,13 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis.critique.critique import NULL_DATA_SETS
-from smarig.diagnosis.diagnose import diagnose
-from smarig.identification.identify import identify
-from smarig.plant.effect_catalogue import effects_from_pairs
+from smarig.diagnosis import NULL_DATA_SETS, diagnose
+from smarig.identification import identify
+from smarig.plant import effects_from_pairs
 from smarig.record import load_run
-from smarig.rig.twin import TwinSettings
-from smarig.runner.session import Session
+from smarig.rig import TwinSettings
+from smarig.runner import Session
 
 HIDDEN = ("", "settling", "resistance_phase")
 RIG = "two_wire_twin"

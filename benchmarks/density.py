@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 from benchmarks.synthetic_curves import NODES, curves, truth_density
-from smarig.identification.forc.forc_density import forc_density
+from smarig.identification import forc_density
 
 Array = NDArray[np.float64]
 Estimator = Callable[[Array, Array, Array], Array]
@@ -119,7 +119,7 @@ def _quadratic(alpha: Array, beta: Array, y: Array) -> Array:
 def _positive() -> Estimator | None:
     """The non-negative identification, where there is one: cell masses over areas, linear between the cells."""
     try:
-        from smarig.identification.positive import Observations, fit_positive
+        from smarig.identification import Observations, fit_positive
     except ImportError:
         return None
 

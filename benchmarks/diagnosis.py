@@ -16,7 +16,7 @@ from typing import Any
 from benchmarks.blind.score_table import score_table
 from benchmarks.blind.trial import Record, trial
 from benchmarks.boxes import draw_box
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 QUICK = 6
 CONNECT_TIMEOUT_S = 10

@@ -18,9 +18,8 @@ from typing import Literal
 
 import numpy as np
 
-from smarig.control.regulation.psi import Psi
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach, State
+from smarig.control import Psi
+from smarig.preisach import Everett, Preisach, State
 
 StateKind = Literal["diagonal", "ascending", "descending"]
 STATE_KINDS: tuple[StateKind, ...] = ("diagonal", "ascending", "descending")

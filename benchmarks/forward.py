@@ -16,12 +16,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.compiled import compiled_available
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.operator import Preisach
+from smarig.preisach import (
+    THESIS_PARTITIONS,
+    Everett,
+    FodTable,
+    Preisach,
+    RelayMeasure,
+    compiled_available,
+    thesis_surface,
+)
 
 Array = NDArray[np.float64]
 SIDE = 100

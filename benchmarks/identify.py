@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from benchmarks.synthetic_curves import NODES, curves
-from smarig.identification.positive import Observations, fit_positive
+from smarig.identification import Observations, fit_positive
 
 Array = NDArray[np.float64]
 NOISE = 0.001

@@ -12,8 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks.forward import Array, example_hystereses, random_walk, relays
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
+from smarig.preisach import Everett, Preisach
 
 
 def run(quick: bool = False) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from smarig.record import Run, load_run
-from smarig.runner.session import Session
+from smarig.runner import Session
 
 LINKS = ("one_wire_twin", "one_wire_serial", "one_wire_modbus_tcp", "one_wire_modbus_rtu")
 COLUMNS = ("tick", "counts", "current_A", "voltage_V", "ambient_degC", "quality", "input")

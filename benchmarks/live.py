@@ -18,16 +18,12 @@ import numpy as np
 
 from benchmarks.soak import LEVELS_A, RIG, _fixed_length_holds, _rss_MB
 from smarig.config import load_rig
-from smarig.core.sample import Sample
-from smarig.live.display_info import rig_display_info
-from smarig.live.live_view import live_listener
-from smarig.live.viewer_process import ViewerProcess, free_port, viewer_address
-from smarig.plant.actuator import Actuator
+from smarig.core import Sample
+from smarig.live import ViewerProcess, free_port, live_listener, rig_display_info, viewer_address
+from smarig.plant import Actuator
 from smarig.record import load_run
-from smarig.rig.twin import TwinSettings
-from smarig.runner.listener import CallbackListener, Listener
-from smarig.runner.run_metadata import twin_source
-from smarig.runner.session import Session
+from smarig.rig import TwinSettings
+from smarig.runner import CallbackListener, Listener, Session, twin_source
 
 MINUTES, QUICK_MINUTES = 10.0, 0.7
 PHASES = ("absent", "attached", "stopped", "killed", "restarted")
@@ -128,7 +124,7 @@ class _ViewerScenario:
         """What the viewer that was started last shows: a latecomer must see the beginning."""
         if self._viewer is None or not self._viewer.running:
             return {"running": False, "why": self._viewer.complaint if self._viewer else "never started"}
-        from smarig.live.rerun_output import viewer_state
+        from smarig.live import viewer_state
 
         until, failure = monotonic() + TIMEOUT_S, "it shows no recording"
         while monotonic() < until:

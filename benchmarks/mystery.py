@@ -11,13 +11,12 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from smarig.app.characterise import characterise
-from smarig.app.proposal import propose_run
-from smarig.core.errors import UsageError
-from smarig.diagnosis.diagnose import Diagnosis, diagnose
-from smarig.plant.effect_catalogue import mystery_effects
+from smarig.app import characterise, propose_run
+from smarig.core import UsageError
+from smarig.diagnosis import Diagnosis, diagnose
+from smarig.plant import mystery_effects
 from smarig.record import load_run
-from smarig.runner.session import Session
+from smarig.runner import Session
 
 RIG, ARRANGEMENT = "mystery", "one_wire"
 NO_ALARM = ("silent", "not_identifiable")

@@ -8,9 +8,8 @@ diagonal. No exponential of §5.4 and no constant density can follow it. Knows n
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.protocols._setup import Setup
+from smarig.preisach import FodTable, thesis_surface
+from smarig.protocols import Setup
 
 Array = NDArray[np.float64]
 CELLS = 233  # prime: no partition of a fit falls onto the truth's own

@@ -23,18 +23,13 @@ from benchmarks.disturbance_comparison import (
     setpoints,
 )
 from smarig.config import load_rig
-from smarig.control.regulation import BoundaryPlane, Psi, plan, regulate
-from smarig.core.sample import Sample
-from smarig.plant.actuator import Actuator
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
-from smarig.preisach.operator import Preisach
-from smarig.protocols._setup import Setup
-from smarig.rig.guard import Guard
-from smarig.rig.specimen import TwinSettings
-from smarig.rig.twin import Twin
-from smarig.runner.listener import CallbackListener
-from smarig.runner.runner import Runner
+from smarig.control import BoundaryPlane, Psi, plan_approach, regulate
+from smarig.core import Sample
+from smarig.plant import Actuator
+from smarig.preisach import THESIS_SURFACES, Everett, Preisach, thesis_surface
+from smarig.protocols import Setup
+from smarig.rig import Guard, Twin, TwinSettings
+from smarig.runner import CallbackListener, Runner
 
 RIGS = {"one_wire_twin": "one_e", "two_wire_twin": "two_e"}
 PUSH = 0.03  # d, as a share of the input range
@@ -211,7 +206,7 @@ def _approaches(rig: str, h: Everett, n: int) -> list[dict[str, float]]:
     for share in (np.arange(n) + 0.5) / n:
         ell = h.lower + float(share) * (h.upper - h.lower)
         for within in (0.01, 0.003):
-            planned = plan(setup, h, ell, within)
+            planned = plan_approach(setup, h, ell, within)
             reached = [_reached(rig, planned.currents_A, plane, ell, f) for f in (1.0, WRONG_TAU)]
             rows.append(
                 {

@@ -14,9 +14,7 @@ import numpy as np
 
 from smarig.config import load_rig
 from smarig.record import load_run
-from smarig.runner.bounded_listener import BoundedListener
-from smarig.runner.listener import CallbackListener
-from smarig.runner.session import Session
+from smarig.runner import BoundedListener, CallbackListener, Session
 
 RIG = "one_wire_serial"
 MINUTES, QUICK_MINUTES = 10.0, 0.25

@@ -16,25 +16,23 @@ from typing import Any
 import numpy as np
 
 from smarig.config import load_rig
-from smarig.control.controller_settings import TRACKING_CONTROLLERS
-from smarig.control.tracking.controller_model import ControllerModel
-from smarig.control.tracking.reference import Reference, reference
-from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
-from smarig.control.tracking.tracking_protocol import track
-from smarig.control.tracking.tuning import controller_factory, tuned_numbers
-from smarig.core.catalogue import catalogue_names
-from smarig.core.errors import RigFault
-from smarig.core.sample import Sample
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect import SupportsHooks
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.protocols._setup import Setup
-from smarig.rig.guard import Guard
-from smarig.rig.twin import Twin, TwinSettings
-from smarig.runner.listener import CallbackListener
-from smarig.runner.runner import Runner
+from smarig.control import (
+    TRACKING_CONTROLLERS,
+    ControllerModel,
+    Reference,
+    TrackingPerformance,
+    controller_factory,
+    reference,
+    track,
+    tracking_performance,
+    tuned_numbers,
+)
+from smarig.core import RigFault, Sample, catalogue_names
+from smarig.plant import Actuator, SupportsHooks
+from smarig.preisach import Everett, FodSurface, thesis_surface
+from smarig.protocols import Setup
+from smarig.rig import Guard, Twin, TwinSettings
+from smarig.runner import CallbackListener, Runner
 
 RIG = "one_wire_twin"
 LOW, HIGH = 2.0, 8.0  # mm: what every one of these wires reaches, of 12.5

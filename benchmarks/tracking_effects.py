@@ -13,18 +13,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks.tracking import RIG, controller_model, references, simulate_loop
-from smarig.control.controller_settings import TRACKING_CONTROLLERS
-from smarig.control.tracking.controller_model import ControllerModel
-from smarig.control.tracking.tuning import default_settings
-from smarig.core.catalogue import catalogue_names
-from smarig.diagnosis.diagnose import diagnose
-from smarig.identification.identify import identify
-from smarig.plant.effect import Effect
-from smarig.plant.effect_catalogue import effects_from_json, effects_from_pairs
+from smarig.control import TRACKING_CONTROLLERS, ControllerModel, default_settings
+from smarig.core import catalogue_names
+from smarig.diagnosis import diagnose
+from smarig.identification import identify
+from smarig.plant import Effect, effects_from_json, effects_from_pairs
 from smarig.record import load_run
 from smarig.replay import Model
-from smarig.rig.twin import TwinSettings
-from smarig.runner.session import Session
+from smarig.rig import TwinSettings
+from smarig.runner import Session
 
 EFFECTS = ("latent_heat", "ambient_drift", "stress_coupling", "backlash")
 TRAIN, HELD_OUT = ("wiping_out", "congruency", "first_order_descending"), "validation"

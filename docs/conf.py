@@ -19,7 +19,7 @@ sys.path.insert(0, str(HERE))
 
 from generate import write_all  # noqa: E402 - beside this file
 from generate.docstring import as_rst  # noqa: E402
-from smarig.report.components import style  # noqa: E402
+from smarig.report import style  # noqa: E402
 
 project = "smarig"
 author = "the smarig authors"

@@ -6,8 +6,7 @@ for an error. ``inverse`` is that one; ``pi`` has neither its memory nor the fut
 
 import smarig
 from smarig.record import Run
-from smarig.report.closed_loop.closed_loop_text import loop_result_text
-from smarig.report.closed_loop.loop_result import closed_loop_result
+from smarig.report import closed_loop_result, loop_result_text
 
 RIG, SEED = "one_wire_twin", 4
 MODEL = "loop.model.json"

@@ -7,9 +7,9 @@ misfit is tested against chance, a cause is named only where the data can tell, 
 from pathlib import Path
 
 import smarig
-from smarig.plant.effect_catalogue import effects_from_pairs
-from smarig.rig.twin import TwinSettings
-from smarig.runner.session import Session
+from smarig.plant import effects_from_pairs
+from smarig.rig import TwinSettings
+from smarig.runner import Session
 
 HIDDEN = ["walking=0.5"]  # per cent of the travel, each cycle
 PLAN = {"first_order_descending": {}, "validation": {"points": 15}}

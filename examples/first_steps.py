@@ -6,8 +6,7 @@ Writes first_steps.run.sqlite (everything measured) and first_steps.html (open i
 from pathlib import Path
 
 import smarig
-from smarig.report.components.page import write_page
-from smarig.report.runs.run_page import run_page
+from smarig.report import run_page, write_page
 
 FILE = Path("first_steps.run.sqlite")
 FILE.unlink(missing_ok=True)

@@ -7,9 +7,9 @@ on other data, beside the noise, is what counts.
 from pathlib import Path
 
 import smarig
-from smarig.identification.verify import verify
-from smarig.rig.twin import TwinSettings
-from smarig.runner.session import Session
+from smarig.identification import verify
+from smarig.rig import TwinSettings
+from smarig.runner import Session
 
 CURVES, JUDGE = Path("curves.run.sqlite"), Path("judge.run.sqlite")
 for file in (CURVES, JUDGE):

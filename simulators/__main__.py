@@ -26,11 +26,10 @@ from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, Py
 from simulators.transports import Port, Pty, TcpPort
 from simulators.world import AMPLIFIER, DAQ, SimulatedBench
 from smarig.config import RigFile, load_rig
-from smarig.core.errors import SmarigError, UsageError
-from smarig.device.wire.register import load_register_map
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import effects_from_arguments
-from smarig.rig.specimen import Specimen, TwinSettings
+from smarig.core import SmarigError, UsageError
+from smarig.device import load_register_map
+from smarig.plant import Actuator, effects_from_arguments
+from smarig.rig import Specimen, TwinSettings
 
 AFTER_LEASE = 5  # ticks for which the trip may be watched once the host is gone
 FRAMINGS = ("lines", "modbus_tcp", "modbus_rtu")

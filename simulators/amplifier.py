@@ -6,8 +6,7 @@ Refuses to know bytes, clocks and wires.
 from simulators.layout import BAD_VALUE, NOT_NOW
 from simulators.protection import Protection, lease_ticks
 from simulators.register_device import RegisterDevice
-from smarig.device.wire.exchange import Refusal
-from smarig.device.wire.register import load_register_map, to_words
+from smarig.device import Refusal, load_register_map, to_words
 
 RING_SAMPLES = 256
 SATURATED, STOP = 1, 2  # bits of a tick's ``hardware``

@@ -4,8 +4,7 @@ Refuses to know bytes, clocks and wires.
 """
 
 from simulators.register_device import RegisterDevice
-from smarig.device.wire.exchange import Refusal
-from smarig.device.wire.register import from_words, load_register_map, to_words
+from smarig.device import Refusal, from_words, load_register_map, to_words
 
 RING_SAMPLES = 1024
 INDEX, ILLEGAL_STEP, NO_SUPPLY = 1, 2, 4  # bits of a tick's ``hardware``

@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from smarig.core.toml_file import Number, TomlTable, load_toml
+from smarig.core import Number, TomlTable, load_toml
 
 DeviceName = Literal["amplifier", "encoder_daq"]
 

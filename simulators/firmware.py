@@ -4,8 +4,8 @@ import ctypes
 from pathlib import Path
 
 from simulators.framing import ServerFraming
-from smarig.core.errors import UsageError
-from smarig.device.wire.register import from_words, load_register_map
+from smarig.core import UsageError
+from smarig.device import from_words, load_register_map
 
 _RTU, _LINE = 0, 1  # the library's numbers for framings
 _NUMBERS = {"modbus_rtu": _RTU, "lines": _LINE}

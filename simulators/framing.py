@@ -5,7 +5,7 @@ Knows devices by ``accept`` alone, so that any of them answers in any framing.
 
 from typing import NamedTuple, Protocol
 
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device import Exchange, Refusal
 
 
 class ParsedRequest(NamedTuple):

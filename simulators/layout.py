@@ -5,8 +5,7 @@ Knows a register map; no values, states or framings.
 
 from collections.abc import Iterator
 
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import RawValues, Register, RegisterMap
+from smarig.device import Exchange, RawValues, Refusal, Register, RegisterMap
 
 NO_FUNCTION, NO_REGISTER, BAD_VALUE, NOT_NOW, BAD_CHECK, NOT_READABLE = 1, 2, 3, 4, 8, 9  # codes of refusals
 MOST_READ, MOST_WRITTEN = 125, 121  # words in one exchange

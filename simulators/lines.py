@@ -9,8 +9,7 @@ import re
 
 from simulators.framing import ParsedRequest
 from simulators.layout import BAD_CHECK, BAD_VALUE, NOT_READABLE, fits
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device import Exchange, Refusal, crc16
 
 LONGEST = 1000  # characters of a request
 

@@ -8,8 +8,7 @@ import struct
 
 from simulators.framing import ParsedRequest
 from simulators.layout import BAD_VALUE, NO_FUNCTION, fits
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device import Exchange, Refusal, crc16
 
 READ, WRITE, BOTH = 3, 16, 23
 LONGEST_PDU = 253

@@ -8,8 +8,7 @@ from typing import Protocol
 
 from simulators.layout import RegisterLayout
 from simulators.world import DAQ, SimulatedBench
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import load_register_map
+from smarig.device import Exchange, Refusal, load_register_map
 
 Tick = Callable[[], None]
 MAX_CATCH_UP_TICKS = 100  # late ticks between two looks at the ports: a bench that is too slow still answers

@@ -10,8 +10,8 @@ from simulators.faults import (
     SlippingEncoder,
     StuckEncoder,
 )
-from smarig.device.wire.register import VALUE_RANGES, load_register_map
-from smarig.rig.specimen import RawReading
+from smarig.device import VALUE_RANGES, load_register_map
+from smarig.rig import RawReading
 
 _FIELDS = {f.name: f for f in load_register_map("amplifier")["ring"].field}
 

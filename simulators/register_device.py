@@ -7,8 +7,7 @@ from collections import deque
 from typing import NamedTuple
 
 from simulators.layout import RegisterLayout
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import RawValues, RegisterMap, load_register_map, to_words
+from smarig.device import Exchange, RawValues, Refusal, RegisterMap, load_register_map, to_words
 
 
 class RegisterDevice:

@@ -12,9 +12,8 @@ from simulators.encoder_daq import INDEX
 from simulators.faults import BrownOut, ClockDrift, Reboot, SimulatedFault
 from simulators.reading_troubles import EncoderFaults, WireFaults
 from simulators.station import AmplifierStation, DaqStation, Station
-from smarig.device.wire.exchange import Exchange
-from smarig.device.wire.register import load_register_map
-from smarig.rig.specimen import RawReading
+from smarig.device import Exchange, load_register_map
+from smarig.rig import RawReading
 
 AMPLIFIER, DAQ = "amplifier", "encoder_daq"
 

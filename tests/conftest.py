@@ -20,7 +20,10 @@ with contextlib.suppress(ValueError, AttributeError):
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("ci")
 
-collect_ignore = ["fuzz"]  # campaigns of .ci/fuzz, which need atheris
+collect_ignore = [
+    "fuzz",
+    "import_contracts.py",
+]  # campaigns of .ci/fuzz need atheris; contracts, import-linter
 
 
 def pytest_xdist_auto_num_workers():

@@ -16,12 +16,10 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.boxes import Label, SealedBox, draw_box, write_box
 from benchmarks.boxes.relays import RelayHysteresis
-from smarig.core.errors import SmarigError
-from smarig.diagnosis.diagnose import Diagnosis, diagnose
-from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
-from smarig.identification.identify import identify
-from smarig.plant.effect import SupportsHooks
-from smarig.plant.effect_catalogue import effects_from_json
+from smarig.core import SmarigError
+from smarig.diagnosis import Diagnosis, diagnose, joint_density_from_best_start
+from smarig.identification import identify
+from smarig.plant import SupportsHooks, effects_from_json
 from smarig.record import load_run
 
 Record = dict[str, Any]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 SESSION = "session"  # a range in shares of the session's length, in hours
 _WEAKEST, _STRONGEST = 0.25, 2.0

@@ -18,7 +18,7 @@ from benchmarks.boxes.label import EMPTY, HARD_NULL, ONE, TWO
 from benchmarks.boxes.random_density import random_hysteresis
 from benchmarks.boxes.relays import RelayHysteresis
 from benchmarks.boxes.wire import BoxWire, random_wire
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 CHANNELS: dict[str, float] = {"transients": 0.5, "current": 0.5, "voltage": 0.35, "ambient": 0.25}
 LEFT_OUT = "left_out"

@@ -24,9 +24,8 @@ from benchmarks.boxes.output_effects import OUTPUT_EFFECTS, PlantRecord, positio
 from benchmarks.boxes.random_box import Box
 from benchmarks.boxes.relays import Array
 from benchmarks.boxes.wire import actuator_toml
-from smarig.core.errors import StorageError
-from smarig.record import schema
-from smarig.record.recorder import write_run
+from smarig.core import StorageError
+from smarig.record import schema, write_run
 
 _AMBIENT_DEGC = 22.0
 _NOISE_A, _NOISE_V, _NOISE_DEGC = 0.0002, 0.002, 0.02

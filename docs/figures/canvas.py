@@ -11,7 +11,7 @@ from html import escape
 import numpy as np
 from numpy.typing import ArrayLike
 
-from smarig.report.components import style
+from smarig.report import style
 
 # light, dark: on dark the same hues, brighter
 _INKS = {

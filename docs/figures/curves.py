@@ -5,8 +5,8 @@ import numpy as np
 from figures.canvas import Panel, Picture
 from figures.memory import INPUT, KELVIN, OUTPUT, RANGE, TRAVEL, WIRE, graph, plane
 from smarig import Preisach
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.theory.energy import loop_area
+from smarig.preisach import thesis_surface
+from smarig.theory import loop_area
 
 REVERSALS_K = (27.8, 43.5, 62.7, 85.3, 111.4, 174.1)  # of the thesis's partition
 

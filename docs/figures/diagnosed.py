@@ -13,20 +13,13 @@ from figures.canvas import Panel, Picture
 from figures.memory import WIRE
 from smarig import Preisach, identify, load_run
 from smarig.config import load_rig
-from smarig.core.command import Hold, Protocol, StepResult
-from smarig.diagnosis.critique.critique import critique
-from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
-from smarig.protocols._setup import Setup
-from smarig.protocols.first_order_descending import first_order_descending
-from smarig.protocols.validation import validation
+from smarig.core import Hold, Protocol, StepResult
+from smarig.diagnosis import VisibilityTable, critique, visibility
+from smarig.plant import Actuator, effect_types, effects_from_pairs
+from smarig.protocols import Setup, first_order_descending, validation
 from smarig.replay import actuator_for_run, build_timeline, plant_model_of
-from smarig.rig.guard import Guard
-from smarig.rig.twin import Twin, TwinSettings
-from smarig.runner.listener import CallbackListener
-from smarig.runner.runner import Runner
-from smarig.runner.session import Session
+from smarig.rig import Guard, Twin, TwinSettings
+from smarig.runner import CallbackListener, Runner, Session
 
 CELL = 16  # pixels of an effect in the map
 STEEP, FLAT = 0.05, 0.005  # mm/K

@@ -4,7 +4,7 @@ import numpy as np
 
 from figures.canvas import Panel, Picture, staircase
 from smarig import Preisach
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+from smarig.preisach import thesis_surface
 
 WIRE = thesis_surface("one_e")
 RANGE = (0.0, WIRE.upper)

@@ -7,7 +7,7 @@ import numpy as np
 from figures.canvas import Panel, Picture, staircase
 from figures.memory import OUTPUT
 from smarig import Preisach, Twin
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+from smarig.preisach import thesis_surface
 
 NEAR_K, WINDOW_S = 0.01, 25.0  # of ``Settled``
 TWO = thesis_surface("two_e")

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from generate.docstring import as_markdown
 from generate.markdown import code, plain, table
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
-from smarig.core.catalogue import catalogue_entry, catalogue_names
-from smarig.exchange.mapping import load_mapping
-from smarig.protocols._settings import setting_texts
+from smarig.core import catalogue_entry, catalogue_names
+from smarig.exchange import load_mapping
+from smarig.protocols import setting_texts
 
 PROTOCOLS = """# Protocols
 

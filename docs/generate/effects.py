@@ -4,8 +4,7 @@ import importlib
 
 from generate.docstring import as_markdown
 from generate.markdown import code, plain, table
-from smarig.plant.effect import EffectType
-from smarig.plant.effect_catalogue import effect_types
+from smarig.plant import EffectType, effect_types
 
 HEAD = """# Effects
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from generate.comments import class_comments, tuple_comments
 from generate.keys import _inner, _named, unit_of
 from generate.markdown import code, plain, table
-from smarig.core.sample import Quality
+from smarig.core import Quality
 from smarig.record import schema
 from smarig.replay import hysteresis_json, model_file
 

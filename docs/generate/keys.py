@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 from generate.comments import class_comments
 from generate.markdown import code, plain, table
 from smarig.config import ActuatorFile, CampaignFile, PositiveIn, Quantity, RigFile
-from smarig.exchange.mapping import MappingFile
+from smarig.exchange import MappingFile
 
 FILES = {
     "Rig": (RigFile, "rigs"),

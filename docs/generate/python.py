@@ -4,7 +4,7 @@ from signatures and docstrings, when it reads these pages.
 
 import smarig
 from generate.markdown import plain, table
-from smarig.core.catalogue import catalogue_names
+from smarig.core import catalogue_names
 
 
 def _controllers(package: str) -> list[str]:

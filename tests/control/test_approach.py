@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.control.regulation import BoundaryPlane, plan, regulate
+from smarig.control.regulation import BoundaryPlane, plan_approach, regulate
 from smarig.control.regulation.approach import _rate_limited
 from smarig.core.errors import UsageError
 from smarig.plant.heating import temperature_along
@@ -57,7 +57,7 @@ def anywhere(rig, seed):
 def test_the_twin_comes_as_near_as_predicted_from_wherever_it_was(rig, share, within):
     hysteresis, plane = thesis_surface(RIGS[rig]), BoundaryPlane.of(thesis_surface(RIGS[rig]))
     ell = plane.lower + share * (plane.upper - plane.lower)
-    planned = plan(Setup.of(rig), hysteresis, ell, within)
+    planned = plan_approach(Setup.of(rig), hysteresis, ell, within)
     assert 0.3 * within < planned.share <= within
     state, hysteresis_input_K = driven(
         rig, planned.currents_A, seed=3, before_A=anywhere(rig, seed=int(100 * share))
@@ -86,7 +86,7 @@ def test_a_sinusoid_that_is_followed_exactly_misses_by_a_square_over_four_cycles
 def test_more_cycles_for_less_distance_and_in_the_end_little_is_the_lags(rig):
     setup, hysteresis = Setup.of(rig), thesis_surface(RIGS[rig])
     ell = setup.at(0.3)
-    coarse, fine = (plan(setup, hysteresis, ell, within) for within in (0.02, 0.005))
+    coarse, fine = (plan_approach(setup, hysteresis, ell, within) for within in (0.02, 0.005))
     assert fine.cycles > 2 * coarse.cycles
     assert fine.duration_s > coarse.duration_s
     for planned in (coarse, fine):
@@ -96,7 +96,7 @@ def test_more_cycles_for_less_distance_and_in_the_end_little_is_the_lags(rig):
 def test_the_print_taken_literally_does_not_get_there():
     """(8.2) by the steady law, from t = 0, for as long as our plan takes: the lag eats the swings."""
     setup, hysteresis, ell = Setup.of("one_wire_twin"), thesis_surface("one_e"), 60.0
-    plane, planned = BoundaryPlane.of(hysteresis), plan(setup, hysteresis, ell, 0.01)
+    plane, planned = BoundaryPlane.of(hysteresis), plan_approach(setup, hysteresis, ell, 0.01)
     t = planned.period_s * np.arange(1, len(planned.currents_A) + 1)
     u = (1 - t / t[-1]) * (174.1 - ell) * np.sin(0.2 * np.pi * t) + ell
     literal = [setup.current_for(v) for v in np.clip(u, setup.lower_K, setup.upper_K)]
@@ -106,7 +106,10 @@ def test_the_print_taken_literally_does_not_get_there():
 
 def test_an_output_tolerance_can_be_required_as_well():
     setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
-    loose, tight = plan(setup, hysteresis, 13.8, 0.01), plan(setup, hysteresis, 13.8, 0.01, 0.005)
+    loose, tight = (
+        plan_approach(setup, hysteresis, 13.8, 0.01),
+        plan_approach(setup, hysteresis, 13.8, 0.01, 0.005),
+    )
     assert abs(loose.output_error) > 0.01
     assert abs(tight.output_error) <= 0.005
     state, _ = driven("one_wire_twin", tight.currents_A)
@@ -115,7 +118,7 @@ def test_an_output_tolerance_can_be_required_as_well():
 
 def test_an_unmodelled_lag_costs_little():
     setup, hysteresis, ell = Setup.of("one_wire_twin"), thesis_surface("one_e"), 80.0
-    plane, planned = BoundaryPlane.of(hysteresis), plan(setup, hysteresis, ell, 0.005)
+    plane, planned = BoundaryPlane.of(hysteresis), plan_approach(setup, hysteresis, ell, 0.005)
     decay, wire, wire_K = np.exp(-0.1 / (1.1 * setup.tau_s)), 0.0, []
     for current_A in planned.currents_A:  # (5.1) with τ 10 % longer, written out
         source = 174.1 * current_A**2
@@ -129,7 +132,7 @@ def test_the_prediction_is_the_heating_law_along_the_currents_slow_amplifiers_in
     setup = Setup.of("two_wire_twin")
     slow = Setup(setup.actuator, setup.limits.model_copy(update={"current_rate_A_per_s": 1.0}), 0.1)
     for one in (setup, slow):
-        planned = plan(one, thesis_surface("two_e"), -60.0, 0.02)
+        planned = plan_approach(one, thesis_surface("two_e"), -60.0, 0.02)
         along = temperature_along(one.actuator, planned.currents_A, 0.1)
         assert np.max(np.abs(along - planned.temperature_K)) < 1e-9
         assert np.max(np.abs(np.diff(planned.currents_A))) <= one.limits.current_rate_A_per_s * 0.1 + 1e-12
@@ -139,26 +142,26 @@ def test_the_prediction_is_the_heating_law_along_the_currents_slow_amplifiers_in
 def test_the_ends_of_the_range_need_no_sinusoid():
     setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     for ell in (hysteresis.lower, hysteresis.upper):
-        assert plan(setup, hysteresis, ell, 0.01).share < 0.005
+        assert plan_approach(setup, hysteresis, ell, 0.01).share < 0.005
 
 
 def test_what_limits_do_not_allow_is_refused_in_a_sentence():
     setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     cool = Setup(setup.actuator, setup.limits.model_copy(update={"temperature_max_K": 120.0}), 0.1)
     with pytest.raises(UsageError, match=r"from 0.0 to 119.5 K.*cannot be wiped out.*Widen the limits"):
-        plan(cool, hysteresis, 60.0, 0.01)
+        plan_approach(cool, hysteresis, 60.0, 0.01)
     with pytest.raises(UsageError, match="outside what this rig and this hysteresis have in common"):
-        plan(setup, hysteresis, 180.0, 0.01)
+        plan_approach(setup, hysteresis, 180.0, 0.01)
     with pytest.raises(UsageError, match="a share of the plane between 0 and 1, got 0"):
-        plan(setup, hysteresis, 60.0, 0.0)
+        plan_approach(setup, hysteresis, 60.0, 0.0)
     with pytest.raises(UsageError, match=r"The period of a tick must be a positive number, got 0\.0"):
-        plan(Setup(setup.actuator, setup.limits, 0.0), hysteresis, 60.0)
+        plan_approach(Setup(setup.actuator, setup.limits, 0.0), hysteresis, 60.0)
 
 
 def test_what_no_sinusoid_reaches_is_refused_in_a_sentence(monkeypatch):
     monkeypatch.setattr("smarig.control.regulation.approach.MAX_CYCLES", 5)
     with pytest.raises(UsageError, match=r"No sinusoid brings the wire within 1 % of B_ℓ.*at most 5 cycles"):
-        plan(Setup.of("one_wire_twin"), thesis_surface("one_e"), 87.0, 0.01)
+        plan_approach(Setup.of("one_wire_twin"), thesis_surface("one_e"), 87.0, 0.01)
 
 
 def regulated(rig, listener=None, **settings):

@@ -1,6 +1,8 @@
-"""Other packages use a package's front door only: the names in its ``__init__``."""
+"""The front doors: what a package lists in its ``__init__`` is there, and nothing is imported before it is used.
 
-import ast
+That other packages import nothing else is a contract of import-linter (``import_contracts``).
+"""
+
 import importlib
 import subprocess
 import sys
@@ -12,40 +14,6 @@ import smarig
 
 PACKAGE = Path(smarig.__file__).parent
 DOORS = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py") if p.parent.name != "cli")
-
-
-def package_of(module: str) -> str:
-    """Top-level package of a module of smarig; "" for others."""
-    parts = module.split(".")
-    return parts[1] if parts[0] == "smarig" and len(parts) > 1 else ""
-
-
-def imports_of_modules_of_others(file: Path, own: str) -> list[str]:
-    """Imports that reach past the front door of another package."""
-    found = [n for n in ast.walk(ast.parse(file.read_text("utf-8"))) if isinstance(n, ast.ImportFrom)]
-    return [
-        f"{file.name}: {n.module}"
-        for n in found
-        if n.module
-        and n.module.count(".") > 1
-        and package_of(n.module) not in ("", own)
-        and not (file.name == "__init__.py" and n.module == "smarig.core.front_door")
-    ]
-
-
-def test_no_package_imports_a_module_of_another():
-    past = [
-        line
-        for file in PACKAGE.rglob("*.py")
-        for line in imports_of_modules_of_others(file, file.relative_to(PACKAGE).parts[0])
-    ]
-    assert past == []
-
-
-def test_benchmarks_and_simulators_use_front_doors():
-    root = PACKAGE.parents[1]
-    files = [f for folder in ("benchmarks", "simulators") for f in (root / folder).rglob("*.py")]
-    assert [line for f in files for line in imports_of_modules_of_others(f, "")] == []
 
 
 @pytest.mark.parametrize("package", ["", *DOORS])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from smarig.control.controller_settings import TRACKING as CONTROLLERS
+from smarig.control.controller_settings import TRACKING_CONTROLLERS as CONTROLLERS
 from smarig.core import catalogue
 from smarig.core.catalogue import (
     catalogue_entry,

@@ -1,1 +1,20 @@
 """Applications that combine several packages: characterise, closed loops, proposals, simulation."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.app.characterise import characterise as characterise
+    from smarig.app.closed_loop import regulate as regulate
+    from smarig.app.closed_loop import track as track
+    from smarig.app.loop_model import ClosedLoop as ClosedLoop
+    from smarig.app.loop_model import ModelSource as ModelSource
+    from smarig.app.proposal import propose_run as propose_run
+    from smarig.app.proposal import write_campaign as write_campaign
+    from smarig.app.regulation_loop import regulation as regulation
+    from smarig.app.simulated_run import simulate_protocol as simulate_protocol
+    from smarig.app.simulated_run import simulate_run as simulate_run
+    from smarig.app.tracking_loop import tracking as tracking
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -11,30 +11,26 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
-from smarig.core.errors import DataError, StorageError, UsageError
-from smarig.diagnosis.diagnose import Diagnosis, diagnose
-from smarig.diagnosis.diagnosis_files import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, write_diagnosis
-from smarig.diagnosis.diagnosis_files import DIAGNOSIS_MODEL as EXTENDED
-from smarig.identification.calibration.calibrate import calibrate
-from smarig.identification.identification_result import Identification
-from smarig.identification.identify import identify
-from smarig.identification.surface.choose_surface import SurfaceChoice
-from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
-from smarig.identification.surface.surface_kinds import surface_kinds
-from smarig.identification.verify import verify
-from smarig.plant.actuator import Actuator
-from smarig.protocols._settings import with_loaded_protocols
+from smarig.core import DataError, StorageError, UsageError
+from smarig.diagnosis import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, Diagnosis, diagnose, write_diagnosis
+from smarig.diagnosis import DIAGNOSIS_MODEL as EXTENDED
+from smarig.identification import (
+    Identification,
+    Representation,
+    SurfaceChoice,
+    calibrate,
+    congruency,
+    identify,
+    surface_kinds,
+    verify,
+    wiping_out,
+)
+from smarig.plant import Actuator
+from smarig.protocols import with_loaded_protocols
 from smarig.record import Run, load_run
 from smarig.replay import Model
-from smarig.report.components.page import write_page
-from smarig.report.diagnosis.diagnosis_page import diagnosis_page
-from smarig.report.models.characterisation_page import characterisation_page
-from smarig.report.models.evidence import Evidence
-from smarig.runner.initialisation_spread import initialisation_spread
-from smarig.runner.listener import Listener
-from smarig.runner.preview import Preview, preview
-from smarig.runner.resume.run_or_resume import run_or_resume
-from smarig.runner.session import Session
+from smarig.report import Evidence, characterisation_page, diagnosis_page, write_page
+from smarig.runner import Listener, Preview, Session, initialisation_spread, preview, run_or_resume
 
 DIAGNOSIS = "diagnosis"  # its folder
 ListenerFactory = Callable[[Preview], AbstractContextManager[Listener | None]]

@@ -9,7 +9,7 @@ from smarig.app.regulation_loop import regulation
 from smarig.app.tracking_loop import tracking
 from smarig.config import load_rig
 from smarig.record import Run, load_run
-from smarig.runner.session import Session
+from smarig.runner import Session
 
 
 def run_loop(

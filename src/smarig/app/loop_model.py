@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.control.tracking import ControllerModel
-from smarig.core.errors import UsageError
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import effects_from_json
-from smarig.protocols._setup import Setup
+from smarig.control import ControllerModel
+from smarig.core import UsageError
+from smarig.plant import Actuator, effects_from_json
+from smarig.protocols import Setup
 from smarig.replay import Model, load_model
-from smarig.runner.preview import ProtocolFactory
+from smarig.runner import ProtocolFactory
 
 LEAST_COUNTS = 10  # of the encoder that a model must move: less is no motion that a loop could hold
 

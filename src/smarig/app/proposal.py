@@ -16,17 +16,11 @@ from typing import Any
 
 from smarig.app.simulated_run import simulate_protocol
 from smarig.config import load_rig
-from smarig.core.atomic_file import atomic_file
-from smarig.core.errors import SmarigError, UsageError
-from smarig.diagnosis.critique.refit import Refit
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
-from smarig.diagnosis.explain.explanation import Explanation
-from smarig.diagnosis.explain.joint_density import joint_density
-from smarig.diagnosis.explain.parameter_fit import fit_parameters
+from smarig.core import SmarigError, UsageError, atomic_file
+from smarig.diagnosis import LEAD_SCALE_NATS, Diagnosis, Explanation, Refit, fit_parameters, joint_density
 from smarig.record import load_run
 from smarig.replay import Timeline, build_timeline
-from smarig.runner.preview import preview
+from smarig.runner import preview
 
 DECISIVE_NATS = 12.0  # nats ahead: the odds of being wrong are then a twentieth, even tempered
 NEGLIGIBLE_NATS = 1.0  # nats: a run that tells less is not worth its hours

@@ -5,13 +5,10 @@ from typing import Any
 
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, controller_model_for
 from smarig.config import RigFile
-from smarig.control.controller_settings import TRACKING_CONTROLLERS, finite_number
-from smarig.control.regulation import SetpointPI
-from smarig.control.regulation import regulate as regulation_protocol
-from smarig.control.regulation.regulation_protocol import START_STATES, check_times
-from smarig.core.catalogue import catalogue_names, suggestion
-from smarig.core.errors import UsageError
-from smarig.protocols._setup import Setup
+from smarig.control import START_STATES, TRACKING_CONTROLLERS, SetpointPI, check_times, finite_number
+from smarig.control import regulate as regulation_protocol
+from smarig.core import UsageError, catalogue_names, suggestion
+from smarig.protocols import Setup
 from smarig.replay import Model
 
 REGULATORS = {"pi": ("gain", "band")}

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 
 from smarig.config import load_rig
-from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import effects_from_json
-from smarig.record import Run, Step
-from smarig.record.recorder import write_run
+from smarig.core import UsageError
+from smarig.plant import effects_from_json
+from smarig.record import Run, Step, write_run
 from smarig.replay import Model, simulate, simulate_samples
-from smarig.rig.twin import TwinSettings
-from smarig.runner.own_files import check_drivers
-from smarig.runner.session import Session
+from smarig.rig import TwinSettings
+from smarig.runner import Session, check_drivers
 
 
 def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) -> Path:

@@ -7,19 +7,21 @@ from typing import Any
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, check_path, controller_model_for
 from smarig.app.velocity_loop import checked_offset, refuse_offset, velocity_factory, velocity_reference
 from smarig.config import RigFile
-from smarig.control.controller_settings import (
+from smarig.control import (
+    REFERENCE_SHAPES,
     TRACKING_CONTROLLERS,
     VELOCITY_CONTROLLERS,
+    ControllerModel,
+    Reference,
+    controller_factory,
     controller_numbers,
     finite_number,
+    reference,
+    reference_from_csv,
 )
-from smarig.control.tracking import ControllerModel, Reference, reference
-from smarig.control.tracking import track as tracking_protocol
-from smarig.control.tracking.reference import REFERENCE_SHAPES, reference_from_csv
-from smarig.control.tracking.tuning import controller_factory
-from smarig.core.catalogue import catalogue_names, resolve_name, suggestion
-from smarig.core.errors import UsageError
-from smarig.runner.preview import ProtocolFactory
+from smarig.control import track as tracking_protocol
+from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
+from smarig.runner import ProtocolFactory
 
 LEAST_TICKS = 10  # that a reference lasts: fewer samples tell nothing of a loop
 _DEFAULT_RANGE_SHARES = (0.2, 0.8)  # of the reach: where references stay unless told otherwise

@@ -3,17 +3,19 @@
 from collections.abc import Mapping
 from typing import Any
 
-from smarig.certify.certificate_units import Units
-from smarig.certify.model_certificate import certificate
-from smarig.certify.rig_assessment import RigAssessment
-from smarig.control.controller_settings import VELOCITY_CONTROLLERS, finite_number
-from smarig.control.tracking import Reference
-from smarig.control.velocity.velocity_protocol import FILTER_TICKS, velocity_tracking, with_lead_in
-from smarig.core.catalogue import catalogue_entry, catalogue_names
-from smarig.core.errors import UsageError
-from smarig.protocols._setup import Setup
-from smarig.replay.model_file import Model
-from smarig.runner.preview import ProtocolFactory
+from smarig.certify import RigAssessment, Units, certificate
+from smarig.control import (
+    FILTER_TICKS,
+    VELOCITY_CONTROLLERS,
+    Reference,
+    finite_number,
+    velocity_tracking,
+    with_lead_in,
+)
+from smarig.core import UsageError, catalogue_entry, catalogue_names
+from smarig.protocols import Setup
+from smarig.replay import Model
+from smarig.runner import ProtocolFactory
 
 
 def checked_offset(offset_K: Any, setup: Setup) -> float:

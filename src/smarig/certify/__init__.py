@@ -1,1 +1,22 @@
 """What is proved of a model before a loop is closed around it: passivity and stability (thesis ch. 8, §9.2)."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.certify.certificate_scope import CONTROL_FINDINGS as CONTROL_FINDINGS
+    from smarig.certify.certificate_units import Units as Units
+    from smarig.certify.hypothesis import Hypothesis as Hypothesis
+    from smarig.certify.hypothesis import failing as failing
+    from smarig.certify.hysteresis_analysis import HysteresisAnalysis as HysteresisAnalysis
+    from smarig.certify.measured_passivity import MeasuredPassivity as MeasuredPassivity
+    from smarig.certify.measured_passivity import reading_noise as reading_noise
+    from smarig.certify.measured_passivity import segment_passivity as segment_passivity
+    from smarig.certify.model_certificate import ModelCertificate as ModelCertificate
+    from smarig.certify.model_certificate import certificate as certificate
+    from smarig.certify.position_supply_rate import PositionController as PositionController
+    from smarig.certify.rig_assessment import RigAssessment as RigAssessment
+    from smarig.certify.storage_bound import StorageBound as StorageBound
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 
 
 @dataclass(frozen=True)

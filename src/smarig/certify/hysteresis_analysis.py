@@ -4,20 +4,24 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from smarig.certify.certificate_units import Units
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.theory.energy import certify
-from smarig.theory.energy.dissipativity import DissipativityCertificate as Dissipativity
-from smarig.theory.energy.storage_function import recoverable_energy_is_storage
-from smarig.theory.properties.classes import MeasureClasses, classes
-from smarig.theory.properties.monotone import Monotonicity, monotone
+from smarig.core import UsageError
+from smarig.preisach import Everett
+from smarig.theory import DissipativityCertificate as Dissipativity
+from smarig.theory import (
+    MeasureClasses,
+    Monotonicity,
+    certify,
+    classes,
+    monotone,
+    recoverable_energy_is_storage,
+)
 
 
 @dataclass(frozen=True, eq=False)
 class HysteresisAnalysis:
     """A hysteresis with its units.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> found = HysteresisAnalysis.of(thesis_surface("two_p"))
     >>> found.classes.M_P, found.dissipativity.dissipative, found.monotone.holds
     (False, False, False)

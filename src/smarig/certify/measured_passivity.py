@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from smarig.certify.certificate_units import with_unit
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
 from smarig.certify.passivity import passivity
-from smarig.core.errors import DataError
-from smarig.preisach.operator import Preisach
-from smarig.preisach.state import State
+from smarig.core import DataError
+from smarig.preisach import Preisach, State
 
 Array = NDArray[np.float64]
 SPREADS = 4.0  # standard deviations
@@ -152,7 +151,7 @@ def segment_passivity(
     """One stretch of inputs and readings (n,), ``noise`` of one reading; ``start``: the state at its first input, or
     why that is not known. DataError for values that are missing or that do not belong together.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> wire = Preisach(thesis_surface("one_e"))
     >>> u = np.concatenate([np.linspace(0, 120, 200), np.linspace(120, 0, 200)])
     >>> found = segment_passivity(HysteresisAnalysis.of(wire.hysteresis), u, wire.simulate(u), 0.0, 0, wire.state)

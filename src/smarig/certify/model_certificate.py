@@ -25,13 +25,11 @@ from smarig.certify.passivity import PassivityCounterexample, counterexample
 from smarig.certify.position_assumptions import IndistinguishableStates, indistinguishable_states
 from smarig.certify.storage_bound import StorageBound, storage_bound
 from smarig.certify.velocity.stability import Stability, basis, controller_stability
-from smarig.control.controller_settings import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, controller_numbers
-from smarig.core.catalogue import catalogue_entry, catalogue_names
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
-from smarig.theory.energy.dissipativity import DissipativityCertificate as Dissipativity
-from smarig.theory.properties.classes import MeasureClasses
+from smarig.control import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, controller_numbers
+from smarig.core import UsageError, catalogue_entry, catalogue_names
+from smarig.preisach import Everett, Initial, Preisach
+from smarig.theory import DissipativityCertificate as Dissipativity
+from smarig.theory import MeasureClasses
 
 _ROUNDING = 1e-9  # of the largest, as in the classes
 
@@ -251,7 +249,7 @@ def certificate(
     ``controllers``: the whole catalogue where it is None; UsageError for one that feeds back the position.
     ``units``: the hysteresis's own where none are given.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> found = certificate(thesis_surface("one_e"), {"constant_gain": {"gain": 4.0}})
     >>> found.passive, found.classes.M_P, found.controllers[0].k_e
     (True, False, 2.0)

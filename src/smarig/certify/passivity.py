@@ -19,11 +19,9 @@ from smarig.certify.certificate_units import Units, with_unit
 from smarig.certify.hypothesis import Hypothesis, failing
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
 from smarig.certify.storage_bound import BoundBasis, storage_bound
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
-from smarig.preisach.state import State
-from smarig.theory.energy import Violation, confirm, energy_balance
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, Preisach, State
+from smarig.theory import Violation, confirm, energy_balance
 
 Array = NDArray[np.float64]
 
@@ -102,7 +100,7 @@ def passivity(
 
     Raises DataError for an input that is empty or not finite, UsageError for one of another shape.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> found = passivity(thesis_surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic")
     >>> found.passive, found.within, found.bound
     (True, True, 0.0)
@@ -163,7 +161,7 @@ def counterexample(
 
     Takes a hysteresis that has been examined as well, and does not look again.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> two_p = counterexample(thesis_surface("two_p"), "anhysteretic")
     >>> n = two_p.cycles_below(1000.0)
     >>> two_p.supplied_after(n) < -1000.0 <= two_p.supplied_after(n - 1)

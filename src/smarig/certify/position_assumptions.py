@@ -6,14 +6,10 @@
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.control.argument_checks import finite, not_negative
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.inverse import bracketed_root
-from smarig.preisach.operator import Initial, Preisach
-from smarig.preisach.state import State
-from smarig.theory.energy import work
-from smarig.theory.state_space.operator_state import boundary_of, distance
+from smarig.control import finite, not_negative
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, Preisach, State, bracketed_root
+from smarig.theory import boundary_of, distance, work
 
 
 def supply_while_held(
@@ -24,7 +20,7 @@ def supply_while_held(
     A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 at most
     (``certify`` says whether it is for that). UsageError for a time that runs backwards and for what is no number.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> leaky, pure = (supply_while_held(thesis_surface("two_c"), 60.0, 1e6, b=b) for b in (0.1, 0.0))
     >>> leaky < -1e5 < 0 < pure
     True
@@ -74,7 +70,7 @@ def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
 
     UsageError for a hysteresis on one side of zero, whose only state at u = 0 is saturation.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> indistinguishable_states(thesis_surface("two_c")).distance > 1000.0
     True
     """

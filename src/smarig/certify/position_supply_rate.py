@@ -21,8 +21,8 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.control.argument_checks import not_negative
-from smarig.core.errors import UsageError
+from smarig.control import not_negative
+from smarig.core import UsageError
 
 Array = NDArray[np.float64]
 _ORDER = 2

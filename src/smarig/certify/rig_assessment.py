@@ -7,7 +7,7 @@ from smarig.certify.certificate_scope import k_e_units
 from smarig.certify.certificate_units import with_unit
 from smarig.certify.hypothesis import Hypothesis
 from smarig.certify.model_certificate import ControllerResult
-from smarig.protocols._setup import Setup
+from smarig.protocols import Setup
 
 
 @dataclass(frozen=True)

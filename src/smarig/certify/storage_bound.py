@@ -15,8 +15,8 @@ from typing import Literal
 from smarig.certify.certificate_units import with_unit
 from smarig.certify.hypothesis import Hypothesis
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.preisach.state import State
-from smarig.theory.energy import available_storage, recoverable_energy
+from smarig.preisach import State
+from smarig.theory import available_storage, recoverable_energy
 
 BoundBasis = Literal["positive", "recoverable", "dissipative", "none", "undecided"]
 
@@ -35,8 +35,8 @@ class StorageBound:
 def storage_bound(analysis: HysteresisAnalysis, state: State) -> StorageBound:
     """How much energy a state can give back; nothing is assumed of the hysteresis, everything is checked.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-    >>> from smarig.preisach.operator import Preisach
+    >>> from smarig.preisach import thesis_surface
+    >>> from smarig.preisach import Preisach
     >>> wire = Preisach(thesis_surface("one_e"))
     >>> stored = storage_bound(HysteresisAnalysis.of(wire.hysteresis), wire.state)
     >>> stored.energy, stored.basis, stored.proven

@@ -13,8 +13,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from smarig.cli.output import report_error
-from smarig.core.catalogue import catalogue_names, own_file_error, own_files
-from smarig.core.errors import Interrupted, SmarigError, UsageError
+from smarig.core import Interrupted, SmarigError, UsageError, catalogue_names, own_file_error, own_files
 
 EPILOG = """\b
 Examples:

@@ -5,20 +5,19 @@ from typing import TYPE_CHECKING
 
 from smarig.cli.output import check_distinct, emit
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
-from smarig.core.errors import Interrupted, UsageError
+from smarig.core import Interrupted, UsageError
 from smarig.record import load_run
-from smarig.runner.preview import preview
+from smarig.runner import preview
 
 if TYPE_CHECKING:
-    from smarig.app.loop_model import ClosedLoop
+    from smarig.app import ClosedLoop
 
 NOT_RESUMABLE = "A closed loop is not resumed: close it anew."
 
 
 def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:
     """Preview it, run it into ``out`` and say how it went."""
-    from smarig.report.closed_loop.closed_loop_text import loop_result_text
-    from smarig.report.closed_loop.loop_result import closed_loop_result
+    from smarig.report import closed_loop_result, loop_result_text
 
     session = options.session()
     if out is None and not options.dry_run:

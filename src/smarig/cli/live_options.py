@@ -10,16 +10,14 @@ import click
 
 from smarig.cli.output import json_requested, show_message
 from smarig.cli.parameter_types import FILE
-from smarig.core.command import StepResult
-from smarig.core.errors import UsageError
-from smarig.core.sample import Sample
-from smarig.runner.listener import StepStartListener
+from smarig.core import Sample, StepResult, UsageError
+from smarig.runner import StepStartListener
 
 if TYPE_CHECKING:
     from smarig.config import RigFile
-    from smarig.preisach.everett import Everett
+    from smarig.preisach import Everett
     from smarig.replay import NamedPredictor
-    from smarig.runner.listener import Listener
+    from smarig.runner import Listener
 
 
 class LiveOptions(NamedTuple):
@@ -63,9 +61,8 @@ def live_view(
     if not live.wanted:
         yield []
         return
-    from smarig.live.display_info import rig_display_info
-    from smarig.live.live_view import live_listener
-    from smarig.plant.actuator import Actuator
+    from smarig.live import live_listener, rig_display_info
+    from smarig.plant import Actuator
 
     actuator = Actuator.named(rig.actuator)
     display_info = rig_display_info(rig, actuator, source, settings, title, known=not resumed)
@@ -85,7 +82,7 @@ def live_view(
 def _live_predictions(
     paths: Sequence[Path], rig: "RigFile", actuator: Any
 ) -> "tuple[list[NamedPredictor], Everett | None]":
-    from smarig.plant.effect_catalogue import effects_from_json
+    from smarig.plant import effects_from_json
     from smarig.replay import HysteresisPredictor, NamedPredictor, PlantPredictor, load_model
 
     found, initial = [], actuator.file.hysteresis.initial

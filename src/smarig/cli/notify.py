@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from smarig.cli.output import show_message
-from smarig.core.errors import Interrupted, SmarigError
+from smarig.core import Interrupted, SmarigError
 
 _COMMAND_TIMEOUT_S = 60.0
 

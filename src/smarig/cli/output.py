@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 _STATE = {"json": False}
 

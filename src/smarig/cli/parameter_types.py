@@ -12,9 +12,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from smarig.config import shipped_names
-from smarig.core.catalogue import catalogue_names, is_path, own_entries, resolve_name
-from smarig.core.errors import UsageError
-from smarig.plant.effect_catalogue import EFFECTS
+from smarig.core import UsageError, catalogue_names, is_path, own_entries, resolve_name
+from smarig.plant import EFFECTS
 
 _PACKAGES = {
     "protocols": "smarig.protocols",

@@ -8,8 +8,7 @@ from smarig.cli.panel.log_lines import JsonLogLines, LogLines
 from smarig.cli.panel.panel_thread import PanelThread
 from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import Terminal
-from smarig.runner.listener import Listener
-from smarig.runner.run_control import RunControl
+from smarig.runner import Listener, RunControl
 
 STREAMS = (
     'With --json, stderr carries one JSON object a line while it runs, {"event": …} and {"step": …} '

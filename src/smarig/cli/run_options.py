@@ -17,16 +17,11 @@ from smarig.cli.panel.keyboard import keys
 from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
-from smarig.core.atomic_file import check_replaceable
-from smarig.core.errors import UsageError
-from smarig.core.file_content import RUN
-from smarig.core.sample import Quality
-from smarig.plant.effect_catalogue import effects_from_arguments
+from smarig.core import RUN, Quality, UsageError, check_replaceable
+from smarig.plant import effects_from_arguments
 from smarig.record import Run
-from smarig.rig.twin import TwinSettings
-from smarig.runner.listener import Listener
-from smarig.runner.preview import Preview
-from smarig.runner.session import Session
+from smarig.rig import TwinSettings
+from smarig.runner import Listener, Preview, Session
 
 DisplayFactory = Callable[..., AbstractContextManager[Listener]]
 

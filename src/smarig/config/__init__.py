@@ -1,45 +1,27 @@
 """Configuration files: TOML in, frozen and checked values out. Schemas in one file, where files are in another."""
 
-from smarig.config.config_files import (
-    load_actuator,
-    load_campaign,
-    load_rig,
-    locate,
-    own_drivers,
-    rig_text,
-    shipped_names,
-)
-from smarig.config.file_schemas import (
-    ActuatorFile,
-    CampaignFile,
-    CampaignStep,
-    LimitsFile,
-    LinkFile,
-    LinksFile,
-    PositiveIn,
-    ProtectionFile,
-    Quantity,
-    RigFile,
-    SimulatorFile,
-)
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "ActuatorFile",
-    "CampaignFile",
-    "CampaignStep",
-    "LimitsFile",
-    "LinkFile",
-    "LinksFile",
-    "PositiveIn",
-    "ProtectionFile",
-    "Quantity",
-    "RigFile",
-    "SimulatorFile",
-    "load_actuator",
-    "load_campaign",
-    "load_rig",
-    "locate",
-    "own_drivers",
-    "rig_text",
-    "shipped_names",
-]
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.config.config_files import load_actuator as load_actuator
+    from smarig.config.config_files import load_campaign as load_campaign
+    from smarig.config.config_files import load_rig as load_rig
+    from smarig.config.config_files import locate as locate
+    from smarig.config.config_files import own_drivers as own_drivers
+    from smarig.config.config_files import rig_text as rig_text
+    from smarig.config.config_files import shipped_names as shipped_names
+    from smarig.config.file_schemas import ActuatorFile as ActuatorFile
+    from smarig.config.file_schemas import CampaignFile as CampaignFile
+    from smarig.config.file_schemas import CampaignStep as CampaignStep
+    from smarig.config.file_schemas import LimitsFile as LimitsFile
+    from smarig.config.file_schemas import LinkFile as LinkFile
+    from smarig.config.file_schemas import LinksFile as LinksFile
+    from smarig.config.file_schemas import PositiveIn as PositiveIn
+    from smarig.config.file_schemas import ProtectionFile as ProtectionFile
+    from smarig.config.file_schemas import Quantity as Quantity
+    from smarig.config.file_schemas import RigFile as RigFile
+    from smarig.config.file_schemas import SimulatorFile as SimulatorFile
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -7,10 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config.file_schemas import ActuatorFile, CampaignFile, RigFile
-from smarig.core.catalogue import is_path, suggestion
-from smarig.core.errors import ConfigError, UsageError
-from smarig.core.resources import shipped
-from smarig.core.toml_file import check_table, load_toml, read_toml
+from smarig.core import (
+    ConfigError,
+    UsageError,
+    check_table,
+    is_path,
+    load_toml,
+    read_toml,
+    shipped,
+    suggestion,
+)
 
 
 def shipped_names(folder: str) -> list[str]:

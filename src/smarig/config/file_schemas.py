@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
-from smarig.core.toml_file import Number, TomlTable
+from smarig.core import Number, TomlTable
 
 
 class Quantity(TomlTable):

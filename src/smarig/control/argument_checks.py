@@ -6,7 +6,7 @@ Texts of a command line are read by ``settings`` instead.
 from math import isfinite
 from numbers import Real
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 
 def positive(name: str, value: float) -> float:

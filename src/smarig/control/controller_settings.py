@@ -10,8 +10,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from smarig.core.catalogue import catalogue_entry, suggestion
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, catalogue_entry, suggestion
 
 TRACKING_CONTROLLERS = "smarig.control.tracking.controllers"
 VELOCITY_CONTROLLERS = "smarig.control.velocity.controllers"
@@ -23,7 +22,7 @@ SMALLEST, LARGEST = 1e-100, 1e12
 def default_numbers(package: str, name: str) -> dict[str, float]:
     """The numbers of a controller of a catalogue, with their defaults.
 
-    >>> default_numbers(TRACKING, "pi")["lead_s"]
+    >>> default_numbers(TRACKING_CONTROLLERS, "pi")["lead_s"]
     0.0
     """
     parameters = inspect.signature(catalogue_entry(package, name)).parameters.values()
@@ -33,7 +32,7 @@ def default_numbers(package: str, name: str) -> dict[str, float]:
 def documented_numbers(documented: Any) -> dict[str, tuple[str, str]]:
     """(unit, meaning) of numbers, from the lines ``name (unit): meaning`` of a controller's docstring.
 
-    >>> documented_numbers(find(TRACKING, "pi"))["integral_s"]
+    >>> documented_numbers(catalogue_entry(TRACKING_CONTROLLERS, "pi"))["integral_s"]
     ('s', 'integral time T_i: in it a steady error is answered once more')
     """
     return {name: (unit, text) for name, unit, text in _LINE.findall(documented.__doc__ or "")}
@@ -42,7 +41,7 @@ def documented_numbers(documented: Any) -> dict[str, tuple[str, str]]:
 def controller_numbers(package: str, name: str, pairs: Mapping[str, Any]) -> dict[str, float]:
     """All numbers of a controller, those given in place of the defaults; UsageError where one is wrong.
 
-    >>> controller_numbers(TRACKING, "pi", {"integral_s": "2"})["integral_s"]
+    >>> controller_numbers(TRACKING_CONTROLLERS, "pi", {"integral_s": "2"})["integral_s"]
     2.0
     """
     defaults = default_numbers(package, name)

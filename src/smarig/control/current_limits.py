@@ -5,9 +5,8 @@ Refuses what is no number: such a loop is broken, and the run ends at zero.
 
 import math
 
-from smarig.core.command import Drive, Protocol
-from smarig.core.errors import LimitExceeded
-from smarig.protocols._setup import Setup
+from smarig.core import Drive, LimitExceeded, Protocol
+from smarig.protocols import Setup
 
 _RATE_MARGIN = 0.999  # of the largest step: rounding must not make it more
 

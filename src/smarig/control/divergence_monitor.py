@@ -7,7 +7,7 @@ one that stands still. Knows errors and times; refuses to know who made them.
 import math
 from dataclasses import dataclass
 
-from smarig.core.errors import LimitExceeded
+from smarig.core import LimitExceeded
 
 _WINDOWS = 4  # into which the patience is cut
 _IMPROVEMENT = 0.9  # times the least rms so far: it is coming

@@ -12,10 +12,8 @@ root. Knows no controller.
 import math
 from collections.abc import Callable
 
-from smarig.core.errors import DataError, UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.inverse import bracketed_root
-from smarig.preisach.operator import Initial, Preisach
+from smarig.core import DataError, UsageError
+from smarig.preisach import Everett, Initial, Preisach, bracketed_root
 
 _RESIDUAL_TOLERANCE = 1e-9  # of the input range
 

@@ -18,10 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.control.lagged_operator import LaggedOperator
 from smarig.control.velocity.velocity_controller import positive
-from smarig.core.errors import DataError, UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
-from smarig.theory.energy import recoverable_energy
+from smarig.core import DataError, UsageError
+from smarig.preisach import Everett, Initial
+from smarig.theory import recoverable_energy
 
 Array = NDArray[np.float64]
 ControlLaw = Callable[[int, float], float]

@@ -1,1 +1,58 @@
 """Foundations that every package may use: samples, commands, errors, files, catalogues."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.core import file_content as file_content
+    from smarig.core.atomic_file import atomic_file as atomic_file
+    from smarig.core.atomic_file import check_replaceable as check_replaceable
+    from smarig.core.atomic_file import check_writable as check_writable
+    from smarig.core.catalogue import catalogue_entry as catalogue_entry
+    from smarig.core.catalogue import catalogue_kind as catalogue_kind
+    from smarig.core.catalogue import catalogue_names as catalogue_names
+    from smarig.core.catalogue import catalogue_summary as catalogue_summary
+    from smarig.core.catalogue import is_path as is_path
+    from smarig.core.catalogue import own_entries as own_entries
+    from smarig.core.catalogue import own_file_error as own_file_error
+    from smarig.core.catalogue import own_files as own_files
+    from smarig.core.catalogue import resolve_name as resolve_name
+    from smarig.core.catalogue import suggestion as suggestion
+    from smarig.core.command import Command as Command
+    from smarig.core.command import Drive as Drive
+    from smarig.core.command import Elapsed as Elapsed
+    from smarig.core.command import Hold as Hold
+    from smarig.core.command import Mark as Mark
+    from smarig.core.command import Protocol as Protocol
+    from smarig.core.command import Settled as Settled
+    from smarig.core.command import StepResult as StepResult
+    from smarig.core.command import StepVerdict as StepVerdict
+    from smarig.core.command import Waveform as Waveform
+    from smarig.core.command import Zero as Zero
+    from smarig.core.errors import ConfigError as ConfigError
+    from smarig.core.errors import DataError as DataError
+    from smarig.core.errors import Interrupted as Interrupted
+    from smarig.core.errors import LeaseExpired as LeaseExpired
+    from smarig.core.errors import LimitExceeded as LimitExceeded
+    from smarig.core.errors import RigFault as RigFault
+    from smarig.core.errors import SmarigError as SmarigError
+    from smarig.core.errors import StorageError as StorageError
+    from smarig.core.errors import UsageError as UsageError
+    from smarig.core.file_content import MODEL as MODEL
+    from smarig.core.file_content import PAGE as PAGE
+    from smarig.core.file_content import RUN as RUN
+    from smarig.core.file_content import TOML as TOML
+    from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
+    from smarig.core.resources import make_importable as make_importable
+    from smarig.core.resources import shipped as shipped
+    from smarig.core.sample import NAN as NAN
+    from smarig.core.sample import Quality as Quality
+    from smarig.core.sample import Sample as Sample
+    from smarig.core.toml_file import Number as Number
+    from smarig.core.toml_file import TomlTable as TomlTable
+    from smarig.core.toml_file import check_table as check_table
+    from smarig.core.toml_file import load_toml as load_toml
+    from smarig.core.toml_file import read_toml as read_toml
+
+__getattr__, __dir__, __all__ = front_door(__name__)

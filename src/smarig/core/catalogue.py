@@ -49,7 +49,7 @@ class OwnFile:
 def catalogue_names(package: str) -> list[str]:
     """Names in a catalogue package: its public modules, and own files that were chosen; sorted.
 
-    >>> "first_order_descending" in names("smarig.protocols")
+    >>> "first_order_descending" in catalogue_names("smarig.protocols")
     True
     """
     return sorted({*_shipped(package), *own_entries(package)})

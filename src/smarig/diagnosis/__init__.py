@@ -4,3 +4,46 @@ In the order of the work, after ``smarig.replay``: ``candidates`` (what might be
 at once), ``nulls``, ``critique`` (is anything wrong?), ``refine`` and ``search`` (what is it?), ``verdict``, ``gain``;
 ``diagnose`` puts them together. ``given`` is for measured inputs, ``thermal`` for transients of temperature alone.
 """
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS as MIN_SPREAD_NATS
+    from smarig.diagnosis.critique.critique import NULL_DATA_SETS as NULL_DATA_SETS
+    from smarig.diagnosis.critique.critique import CandidateScore as CandidateScore
+    from smarig.diagnosis.critique.critique import Critique as Critique
+    from smarig.diagnosis.critique.critique import critique as critique
+    from smarig.diagnosis.critique.memory_noise import memory_covariance as memory_covariance
+    from smarig.diagnosis.critique.memory_noise import memory_slopes as memory_slopes
+    from smarig.diagnosis.critique.refit import Refit as Refit
+    from smarig.diagnosis.critique.visibility import IMITATION_THRESHOLD as IMITATION_THRESHOLD
+    from smarig.diagnosis.critique.visibility import VisibilityTable as VisibilityTable
+    from smarig.diagnosis.critique.visibility import visibility as visibility
+    from smarig.diagnosis.diagnose import NORMAL_95 as NORMAL_95
+    from smarig.diagnosis.diagnose import Diagnosis as Diagnosis
+    from smarig.diagnosis.diagnose import diagnose as diagnose
+    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_FILES as DIAGNOSIS_FILES
+    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_JSON as DIAGNOSIS_JSON
+    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_MODEL as DIAGNOSIS_MODEL
+    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_PAGE as DIAGNOSIS_PAGE
+    from smarig.diagnosis.diagnosis_files import prepare_folder as prepare_folder
+    from smarig.diagnosis.diagnosis_files import write_diagnosis as write_diagnosis
+    from smarig.diagnosis.diagnosis_files import write_transient as write_transient
+    from smarig.diagnosis.diagnosis_text import share_text as share_text
+    from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS
+    from smarig.diagnosis.drive_statistics import MIN_COUNT_SD as MIN_COUNT_SD
+    from smarig.diagnosis.drive_statistics import drive_statistics as drive_statistics
+    from smarig.diagnosis.explain.candidates import DETECTION_SD as DETECTION_SD
+    from smarig.diagnosis.explain.explanation import Explanation as Explanation
+    from smarig.diagnosis.explain.joint_density import joint_density as joint_density
+    from smarig.diagnosis.explain.joint_density import (
+        joint_density_from_best_start as joint_density_from_best_start,
+    )
+    from smarig.diagnosis.explain.parameter_fit import ParameterFit as ParameterFit
+    from smarig.diagnosis.explain.parameter_fit import fit_parameters as fit_parameters
+    from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
+    from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
+
+__getattr__, __dir__, __all__ = front_door(__name__)

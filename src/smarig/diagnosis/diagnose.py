@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from smarig.core.errors import UsageError
-from smarig.core.notebook_display import NotebookDisplay
+from smarig.core import NotebookDisplay, UsageError
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, critique
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_text import text_lines
@@ -25,9 +24,7 @@ from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.run_checks import check_comparable
-from smarig.plant.effect import EffectType
-from smarig.plant.effect_catalogue import effect_types, effect_types_only_on
-from smarig.plant.measured_input import PassThroughActuator
+from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
 from smarig.record import Run, load_run
 from smarig.replay import (
     Model,

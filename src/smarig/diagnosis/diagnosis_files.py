@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from smarig.core import StorageError, UsageError, atomic_file, check_replaceable
 from smarig.core import file_content as file_kind
-from smarig.core.atomic_file import atomic_file, check_replaceable
-from smarig.core.errors import StorageError, UsageError
 from smarig.diagnosis.diagnose import Diagnosis
 from smarig.diagnosis.thermal.thermal_diagnosis import ThermalDiagnosis
 

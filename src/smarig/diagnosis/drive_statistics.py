@@ -13,7 +13,7 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.sensitivity import sensitivities
+from smarig.preisach import sensitivities
 from smarig.replay import MeasuredInput, PlantModel, Prediction, ReadingSeries, Timeline, input_noise_sd
 
 Array = NDArray[np.float64]

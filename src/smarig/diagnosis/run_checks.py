@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.record import Run, Step
 from smarig.replay import Model, check_output
 

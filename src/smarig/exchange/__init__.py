@@ -3,21 +3,21 @@
 Knows formats, units and what is odd in a file. Refuses to know rigs at work, models and reports.
 """
 
-from smarig.exchange.drift import DriftDecision, ForcCurves, correct_drift_if_it_helps, drift_corrected
-from smarig.exchange.exporting import export_run
-from smarig.exchange.forc_file import ForcFile, read_forc
-from smarig.exchange.importing import ImportReport, import_file
-from smarig.exchange.mapping import load_mapping
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "DriftDecision",
-    "ForcCurves",
-    "ForcFile",
-    "ImportReport",
-    "correct_drift_if_it_helps",
-    "drift_corrected",
-    "export_run",
-    "import_file",
-    "load_mapping",
-    "read_forc",
-]
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.exchange.drift import DriftDecision as DriftDecision
+    from smarig.exchange.drift import ForcCurves as ForcCurves
+    from smarig.exchange.drift import correct_drift_if_it_helps as correct_drift_if_it_helps
+    from smarig.exchange.drift import drift_corrected as drift_corrected
+    from smarig.exchange.exporting import export_run as export_run
+    from smarig.exchange.forc_file import ForcFile as ForcFile
+    from smarig.exchange.forc_file import read_forc as read_forc
+    from smarig.exchange.importing import ImportReport as ImportReport
+    from smarig.exchange.importing import import_file as import_file
+    from smarig.exchange.mapping import MappingFile as MappingFile
+    from smarig.exchange.mapping import load_mapping as load_mapping
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.sample import Quality
-from smarig.record import Event, Run, Step
-from smarig.record.schema import SAMPLE_COLUMNS
+from smarig.core import Quality
+from smarig.record import SAMPLE_COLUMNS, Event, Run, Step
 
 FLAGS = {int(q): str(q.name).lower() for q in Quality if q}  # bit: word
 _WHOLE = ("tick", "step", "counts", "quality")

@@ -5,8 +5,7 @@ Refuses to know any format: those are in writers/.
 
 from pathlib import Path
 
-from smarig.core.atomic_file import atomic_file
-from smarig.core.catalogue import catalogue_entry
+from smarig.core import atomic_file, catalogue_entry
 from smarig.record import Run, load_run
 
 

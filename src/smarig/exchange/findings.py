@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.sample import Quality
+from smarig.core import Quality
 from smarig.exchange.channel_faults import channel_findings, clipped
 
 Array = NDArray[np.float64]

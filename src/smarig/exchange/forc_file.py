@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.exchange.text_table import read_text
 
 Array = NDArray[np.float64]

@@ -11,12 +11,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from smarig.core.catalogue import catalogue_entry
-from smarig.core.errors import DataError, StorageError, UsageError
+from smarig.core import DataError, StorageError, UsageError, catalogue_entry
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.rig_constants import RigConstants
-from smarig.record.recorder import write_run
+from smarig.record import write_run
 
 LARGEST_BYTES = 2 * 10**9
 

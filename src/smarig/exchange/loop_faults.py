@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.exchange.channel_faults import quantum
-from smarig.preisach.turning_points import turning_points
+from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: what counts as a branch of its own

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.draft import RunDraft, directions, step_row
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks

@@ -10,8 +10,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from smarig.config import locate
-from smarig.core.errors import ConfigError, UsageError
-from smarig.core.toml_file import TomlTable, load_toml
+from smarig.core import ConfigError, TomlTable, UsageError, load_toml
 from smarig.exchange.unit_conversion import dimension
 
 ChannelName = Literal[

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
 from smarig.exchange.text_table import Table
 

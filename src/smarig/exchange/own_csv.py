@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.exchange.channel_faults import quantum
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.findings import duplicate_columns, record_findings, saturation_marks

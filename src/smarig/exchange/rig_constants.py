@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.config import RigFile, load_rig
-from smarig.plant.actuator import Actuator
-from smarig.plant.heating import JouleHeating
+from smarig.plant import Actuator, JouleHeating
 
 Array = NDArray[np.float64]
 

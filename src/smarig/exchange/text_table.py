@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 
 MAX_BYTES = 500_000_000
 HEADER_WITHIN = 200  # lines searched for the header

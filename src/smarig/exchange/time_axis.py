@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 
 Array = NDArray[np.float64]
 Repeats = Literal["refuse", "mean", "keep_order"]

@@ -6,8 +6,7 @@ Fields are compared in vacuum: 1 Oe ↔ 1e-4 T ↔ 1e3/(4π) A/m.
 import math
 from typing import Any
 
-from smarig.core.catalogue import suggestion
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, suggestion
 
 _MU_0 = 4e-7 * math.pi
 

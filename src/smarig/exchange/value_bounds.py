@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 
 Array = NDArray[np.float64]
 _BOUNDS = {  # channel: (lowest, highest, unit); far outside what SMA rigs do

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
 from smarig.exchange.rig_constants import RigConstants

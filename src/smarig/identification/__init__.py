@@ -1,1 +1,46 @@
 """Identification from recorded runs: surfaces, positive densities, FORC data, calibration, verification."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.identification.adaptive.informed_choice import informed_choice as informed_choice
+    from smarig.identification.calibration.calibrate import Calibration as Calibration
+    from smarig.identification.calibration.calibrate import calibrate as calibrate
+    from smarig.identification.calibration.holds import valid_rows as valid_rows
+    from smarig.identification.density_report import DensityReport as DensityReport
+    from smarig.identification.density_report import density_report as density_report
+    from smarig.identification.extended.fitted_extension import extension_names as extension_names
+    from smarig.identification.fod_data import fod_data as fod_data
+    from smarig.identification.forc.forc_density import fod_density as fod_density
+    from smarig.identification.forc.forc_density import forc_density as forc_density
+    from smarig.identification.identification_result import Identification as Identification
+    from smarig.identification.identify import identify as identify
+    from smarig.identification.noise_floor import noise_floor as noise_floor
+    from smarig.identification.positive.adapted_partition import SAME_LEVEL as SAME_LEVEL
+    from smarig.identification.positive.adapted_partition import adapted_nodes as adapted_nodes
+    from smarig.identification.positive.observations import Observations as Observations
+    from smarig.identification.positive.positive_fit import PositiveFit as PositiveFit
+    from smarig.identification.positive.positive_fit import fit_positive as fit_positive
+    from smarig.identification.positive.positive_fit import fit_table as fit_table
+    from smarig.identification.positive.triangle import Triangle as Triangle
+    from smarig.identification.run_passivity import passivity_of_run as passivity_of_run
+    from smarig.identification.surface.choose_surface import INTERVAL_LEVEL as INTERVAL_LEVEL
+    from smarig.identification.surface.choose_surface import SIMPLER_TOLERANCE as SIMPLER_TOLERANCE
+    from smarig.identification.surface.choose_surface import FittedImage as FittedImage
+    from smarig.identification.surface.choose_surface import SurfaceChoice as SurfaceChoice
+    from smarig.identification.surface.curve_fit import fit_curves as fit_curves
+    from smarig.identification.surface.curve_report import NO_CURVES as NO_CURVES
+    from smarig.identification.surface.representation_tests import Representation as Representation
+    from smarig.identification.surface.representation_tests import congruency as congruency
+    from smarig.identification.surface.representation_tests import wiping_out as wiping_out
+    from smarig.identification.surface.surface_kinds import BEST_KIND as BEST_KIND
+    from smarig.identification.surface.surface_kinds import POSITIVE_KIND as POSITIVE_KIND
+    from smarig.identification.surface.surface_kinds import surface_kinds as surface_kinds
+    from smarig.identification.verify import PredictionErrors as PredictionErrors
+    from smarig.identification.verify import RunVerification as RunVerification
+    from smarig.identification.verify import Verification as Verification
+    from smarig.identification.verify import verify as verify
+
+__getattr__, __dir__, __all__ = front_door(__name__)

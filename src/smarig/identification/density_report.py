@@ -12,13 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.lattice import lattice
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.theory.properties.classes import classes
+from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, lattice
+from smarig.theory import classes
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.identification.point_selection import matches
-from smarig.preisach.operator import State
+from smarig.preisach import State
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay import MemoryHistory, memory_histories
 

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.catalogue import suggestion
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError, suggestion
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.extended.choose_extension import choose_extension
 from smarig.identification.extended.fitted_extension import NONE, extension_names
@@ -42,12 +41,7 @@ from smarig.identification.surface.fit_figures import (
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.surface_form import surface_forms
+from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_forms
 from smarig.record import FORC_PROTOCOL, Run, load_run
 from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provenance
 

@@ -10,12 +10,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.certify.certificate_units import Units
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.certify.measured_passivity import MeasuredPassivity, reading_noise, segment_passivity
-from smarig.core.errors import DataError
-from smarig.preisach.operator import Preisach
-from smarig.preisach.state import State
+from smarig.certify import HysteresisAnalysis, MeasuredPassivity, Units, reading_noise, segment_passivity
+from smarig.core import DataError
+from smarig.preisach import Preisach, State
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay import SATURATION_TOLERANCE, Model, Start, check_input, check_output, recorded_start
 

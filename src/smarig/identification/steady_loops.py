@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.turning_points import turning_points
+from smarig.preisach import turning_points
 from smarig.record import Run
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches

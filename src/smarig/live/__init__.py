@@ -3,3 +3,19 @@
 Samples go into a bounded queue (``pump``), are made into marks (``drawer``: pure values, no viewer), and only
 ``screen`` turns marks into what a viewer understands. Refuses to know how models are identified and files exported.
 """
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.live.display_info import rig_display_info as rig_display_info
+    from smarig.live.live_view import live_listener as live_listener
+    from smarig.live.live_view import save_recording as save_recording
+    from smarig.live.live_view import view_run as view_run
+    from smarig.live.rerun_output import viewer_state as viewer_state
+    from smarig.live.viewer_process import ViewerProcess as ViewerProcess
+    from smarig.live.viewer_process import free_port as free_port
+    from smarig.live.viewer_process import viewer_address as viewer_address
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -10,13 +10,11 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from smarig.config import RigFile, load_rig
-from smarig.core.command import Settled
-from smarig.core.errors import SmarigError
+from smarig.core import Settled, SmarigError
 from smarig.live.plot_axes import Axis, rounded
-from smarig.plant.actuator import Actuator
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.protocols._setup import Setup
+from smarig.plant import Actuator
+from smarig.preisach import Everett, thesis_surface
+from smarig.protocols import Setup
 from smarig.record import Run
 
 Start = Literal["negative", "positive", "anhysteretic"]

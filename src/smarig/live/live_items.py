@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from smarig.core.command import StepResult
-from smarig.core.sample import Sample
+from smarig.core import Sample, StepResult
 from smarig.live.draw_queue import DrawQueue
 
 

@@ -16,7 +16,7 @@ from smarig.live.live_items import QueueListener
 from smarig.live.playback import batches, replay
 from smarig.live.scene_renderer import SceneRenderer
 from smarig.live.viewer_process import WEB_REMARK, ViewerProcess, free_port, viewer_address, web_page
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 from smarig.record import Run
 from smarig.replay import HysteresisPredictor, NamedPredictor
 

@@ -21,7 +21,7 @@ from smarig.live.primitives import (
     Transform,
     point,
 )
-from smarig.plant.actuator import Actuator
+from smarig.plant import Actuator
 
 PATH = "rig"
 # In radii of the pulley: the load below the shaft, its size, the pulley's thickness.

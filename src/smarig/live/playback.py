@@ -6,7 +6,7 @@ Knows runs; refuses to know viewers.
 import heapq
 from collections.abc import Callable, Iterator, Sequence
 
-from smarig.core.sample import Sample
+from smarig.core import Sample
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
 from smarig.record import Run
 

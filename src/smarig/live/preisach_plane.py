@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from smarig.live.colours import GROUND, Colour, blend
 from smarig.live.primitives import Array
-from smarig.preisach.everett import Everett
-from smarig.preisach.state import State
-from smarig.theory.state_space.boundary import staircase_points
+from smarig.preisach import Everett, State
+from smarig.theory import staircase_points
 
 CELLS = 96
 POSITIVE: Colour = (203, 84, 84)
@@ -21,8 +20,8 @@ MAX_SHADE = 0.98  # quantile of |μ| with the full colour: single ridges must no
 def boundary(state: State, lower: float, upper: float) -> Array:
     """Corners (n, 2) of the boundary, (β, α), from the edge of the plane to the present input (u, u).
 
-    >>> from smarig.preisach.operator import Preisach
-    >>> from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+    >>> from smarig.preisach import Preisach
+    >>> from smarig.preisach import RelayMeasure
     >>> memory = Preisach(RelayMeasure.zero(0.0, 100.0))
     >>> for u in (80.0, 20.0, 60.0):
     ...     _ = memory.step(u)

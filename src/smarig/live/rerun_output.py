@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core.errors import StorageError, UsageError
+from smarig.core import StorageError, UsageError
 from smarig.live import primitives as m
 from smarig.live.colours import GROUND
 from smarig.live.view_layout import Split, View

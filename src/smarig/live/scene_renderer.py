@@ -30,8 +30,7 @@ from smarig.live.primitives import (
 )
 from smarig.live.state_lanes import SettlingMonitor, StateTracker
 from smarig.live.view_layout import Split, layout
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach import Everett, RelayMeasure
 from smarig.replay import HysteresisPredictor, NamedPredictor, ZeroedPredictor
 
 STILL_FRACTION = 300

@@ -8,13 +8,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.core.command import Settled
-from smarig.core.sample import Quality, Sample
+from smarig.core import Quality, Sample, Settled
 from smarig.live import colours
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
 from smarig.live.primitives import Primitive, StateLane, StateLegend
-from smarig.plant.actuator import Actuator
-from smarig.runner.settling_detection import Approach, SettleWindow
+from smarig.plant import Actuator
+from smarig.runner import Approach, SettleWindow
 
 RUN_STATES = {
     "start": "running",

@@ -18,7 +18,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 LOOPBACK = "127.0.0.1"
 MEMORY = "1GB"  # of the viewer: it forgets the oldest beyond that

@@ -1,1 +1,39 @@
 """Physics of the wire: heating, plant, effects, stress. Knows no device, no protocol, no file."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.plant.actuator import Actuator as Actuator
+    from smarig.plant.effect import Effect as Effect
+    from smarig.plant.effect import EffectContext as EffectContext
+    from smarig.plant.effect import EffectType as EffectType
+    from smarig.plant.effect import Hook as Hook
+    from smarig.plant.effect import Parameter as Parameter
+    from smarig.plant.effect import PlantState as PlantState
+    from smarig.plant.effect import Stage as Stage
+    from smarig.plant.effect import SupportsHooks as SupportsHooks
+    from smarig.plant.effect import ThermalState as ThermalState
+    from smarig.plant.effect import Values as Values
+    from smarig.plant.effect import hook_chains as hook_chains
+    from smarig.plant.effect_catalogue import EFFECTS as EFFECTS
+    from smarig.plant.effect_catalogue import effect_types as effect_types
+    from smarig.plant.effect_catalogue import effect_types_only_on as effect_types_only_on
+    from smarig.plant.effect_catalogue import effects_from_arguments as effects_from_arguments
+    from smarig.plant.effect_catalogue import effects_from_json as effects_from_json
+    from smarig.plant.effect_catalogue import effects_from_pairs as effects_from_pairs
+    from smarig.plant.effect_catalogue import effects_to_arguments as effects_to_arguments
+    from smarig.plant.effect_catalogue import effects_to_pairs as effects_to_pairs
+    from smarig.plant.effect_catalogue import mystery_effects as mystery_effects
+    from smarig.plant.heating import JouleHeating as JouleHeating
+    from smarig.plant.heating import temperature_along as temperature_along
+    from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator
+    from smarig.plant.measured_input import is_testable as is_testable
+    from smarig.plant.plant import Plant as Plant
+    from smarig.plant.stress import differential_stress as differential_stress
+    from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
+    from smarig.plant.thermal_stages import ThermalStages as ThermalStages
+    from smarig.plant.thermal_stages import apply_hooks as apply_hooks
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
 
-from smarig.core.catalogue import suggestion
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, suggestion
 from smarig.plant.actuator import Actuator
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 
 
 class Stage(IntEnum):

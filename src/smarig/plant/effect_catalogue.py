@@ -9,8 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries, resolve_name
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, own_entries, resolve_name
 from smarig.plant.effect import Effect, EffectType
 
 EFFECTS = "smarig.plant.effects"
@@ -31,7 +30,7 @@ def effect_types_only_on(arrangement: str) -> tuple[EffectType, ...]:
 def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
     """Effects from texts ``name``, ``name=strength`` or ``name.parameter=value``.
 
-    >>> from_pairs(["settling=3", "settling.time_constant_s=900", "creep"])
+    >>> effects_from_pairs(["settling=3", "settling.time_constant_s=900", "creep"])
     (settling(share_percent=3, time_constant_s=900), creep(percent_per_decade=1))
     """
     values: dict[str, dict[str, float]] = {}
@@ -79,7 +78,7 @@ def effects_to_arguments(effects: Iterable[Effect]) -> list[str]:
 def effects_to_pairs(effects: Iterable[Effect]) -> list[str]:
     """The texts that ``effects_from_pairs`` reads the same effects from.
 
-    >>> to_pairs(from_pairs(["settling=3"]))
+    >>> effects_to_pairs(effects_from_pairs(["settling=3"]))
     ['settling.share_percent=3.0', 'settling.time_constant_s=600.0']
     """
     return [f"{e.kind.name}.{name}={value!r}" for e in effects for name, value in e.values.items()]

@@ -5,11 +5,11 @@ one cannot be tested.
 """
 
 from smarig.config import ActuatorFile
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import EffectContext, EffectType, Stage
 from smarig.plant.heating import JouleHeating
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 
 AFTER_INPUT = (
     Stage.INPUT,

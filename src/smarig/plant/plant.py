@@ -8,8 +8,7 @@ from collections.abc import Callable, Sequence
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import EffectContext, PlantState, Stage, SupportsHooks, hook_chains
 from smarig.plant.thermal_stages import ThermalStages, apply_hooks
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
+from smarig.preisach import Everett, Initial, Preisach
 
 TOLERANCE_K = 1e-6  # K
 MAX_ITERATIONS = 60
@@ -19,7 +18,7 @@ EQUAL_STEPS, STEP_GROWTH = 10, 1.5
 class Plant:
     """State of the wire(s): temperatures, hysteresis memory, position (rig unit, operator's own zero).
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> plant = Plant(Actuator.named("gorbet_one_wire"), thesis_surface("one_e"), "negative", dt_s=0.1)
     >>> for _ in range(1200):
     ...     position_mm = plant.step(1.0)

@@ -1,1 +1,38 @@
 """Preisach hysteresis: the operator, the measures it runs on, what can be said of them. Knows no wire, no data."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.preisach.compiled import compiled_available as compiled_available
+    from smarig.preisach.everett import Everett as Everett
+    from smarig.preisach.hysteresis.fod_surface import FodSurface as FodSurface
+    from smarig.preisach.hysteresis.fod_surface import sigmoid as sigmoid
+    from smarig.preisach.hysteresis.fod_table import FodTable as FodTable
+    from smarig.preisach.hysteresis.forc_curve import ForcCurve as ForcCurve
+    from smarig.preisach.hysteresis.forc_table import ForcTable as ForcTable
+    from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS as THESIS_PARTITIONS
+    from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES as THESIS_SURFACES
+    from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface as thesis_surface
+    from smarig.preisach.hysteresis.lattice import lattice as lattice
+    from smarig.preisach.hysteresis.mirrored import Mirrored as Mirrored
+    from smarig.preisach.hysteresis.mirrored import mirror_image as mirror_image
+    from smarig.preisach.hysteresis.mirrored import unmirrored as unmirrored
+    from smarig.preisach.hysteresis.relay_measure import RelayMeasure as RelayMeasure
+    from smarig.preisach.hysteresis.surface_form import Parameters as Parameters
+    from smarig.preisach.hysteresis.surface_form import SurfaceForm as SurfaceForm
+    from smarig.preisach.hysteresis.surface_form import surface_form as surface_form
+    from smarig.preisach.hysteresis.surface_form import surface_forms as surface_forms
+    from smarig.preisach.interval import Interval as Interval
+    from smarig.preisach.interval import shift_bounds as shift_bounds
+    from smarig.preisach.inverse import bracketed_root as bracketed_root
+    from smarig.preisach.operator import Initial as Initial
+    from smarig.preisach.operator import Preisach as Preisach
+    from smarig.preisach.operator import input_array as input_array
+    from smarig.preisach.operator import input_number as input_number
+    from smarig.preisach.sensitivity import sensitivities as sensitivities
+    from smarig.preisach.state import State as State
+    from smarig.preisach.turning_points import turning_points as turning_points
+
+__getattr__, __dir__, __all__ = front_door(__name__)

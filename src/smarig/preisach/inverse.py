@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.kernel import ExtremaStack, KeyedEverett, keyed
 

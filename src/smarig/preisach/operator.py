@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.preisach import compiled as fast
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.hysteresis.fod_surface import FodSurface

@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.preisach.everett import Differentiable, Everett
 from smarig.preisach.state import State
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 
 
 @dataclass(frozen=True, slots=True)

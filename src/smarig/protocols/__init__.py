@@ -1,7 +1,30 @@
 """Experiments as inert generators, one file each; the file name is the name on the command line."""
 
 import inspect
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.protocols._building_blocks import checked_count as checked_count
+    from smarig.protocols._building_blocks import evenly_spaced as evenly_spaced
+    from smarig.protocols._building_blocks import saturate as saturate
+    from smarig.protocols._settings import PROTOCOLS as PROTOCOLS
+    from smarig.protocols._settings import build_protocol as build_protocol
+    from smarig.protocols._settings import parse_pairs as parse_pairs
+    from smarig.protocols._settings import refuse_closed_loops as refuse_closed_loops
+    from smarig.protocols._settings import setting_texts as setting_texts
+    from smarig.protocols._settings import with_loaded_protocols as with_loaded_protocols
+    from smarig.protocols._setup import Setup as Setup
+    from smarig.protocols.adaptive_fod import Chooser as Chooser
+    from smarig.protocols.adaptive_fod import HoldResult as HoldResult
+    from smarig.protocols.adaptive_fod import NextInputs as NextInputs
+    from smarig.protocols.adaptive_fod import halving as halving
+    from smarig.protocols.first_order_descending import first_order_descending as first_order_descending
+    from smarig.protocols.initialise import initialise as initialise
+    from smarig.protocols.validation import validation as validation
+
+__getattr__, __dir__, __all__ = front_door(__name__)
 
 
 def misfit(name: str, found: Any) -> str:

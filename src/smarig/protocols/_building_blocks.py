@@ -2,9 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 
-from smarig.core.command import Hold, Protocol, Settled
-from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS
+from smarig.core import Hold, Protocol, Settled, UsageError
+from smarig.preisach import THESIS_PARTITIONS
 from smarig.protocols._setup import Setup
 
 

@@ -11,9 +11,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from smarig.config import CampaignFile
-from smarig.core.catalogue import catalogue_entry, catalogue_names, resolve_name, suggestion
-from smarig.core.command import Protocol
-from smarig.core.errors import UsageError
+from smarig.core import Protocol, UsageError, catalogue_entry, catalogue_names, resolve_name, suggestion
 from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 
@@ -29,7 +27,7 @@ def build_protocol(
     ``chooser`` is handed to the protocols that take one.
 
     >>> setup = Setup.of("one_wire_twin")
-    >>> protocol = build("validation", setup, {"points": "5", "settle.window_s": "10"})
+    >>> protocol = build_protocol("validation", setup, {"points": "5", "settle.window_s": "10"})
     >>> next(protocol).data["points"]
     5
     """

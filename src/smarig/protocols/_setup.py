@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from smarig.config import LimitsFile, load_rig
-from smarig.plant.actuator import Actuator
+from smarig.plant import Actuator
 
 _MARGIN_K = 0.5
 

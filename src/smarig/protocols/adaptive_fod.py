@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol as Interface
 
-from smarig.core.command import Hold, Mark, Protocol, Settled, StepResult, StepVerdict
-from smarig.core.errors import UsageError
+from smarig.core import Hold, Mark, Protocol, Settled, StepResult, StepVerdict, UsageError
 from smarig.protocols._setup import Setup
 
 

@@ -1,7 +1,6 @@
 """The congruent-minor-loop test of §5.3.2: do comparable loops have one shape?"""
 
-from smarig.core.command import Mark, Protocol, Settled
-from smarig.core.errors import UsageError
+from smarig.core import Mark, Protocol, Settled, UsageError
 from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate, settle_at
 from smarig.protocols._setup import Setup
 

@@ -1,6 +1,6 @@
 """The mirror of the FOD protocol (§4.2): first-order ascending (FOA) curves."""
 
-from smarig.core.command import Mark, Protocol, Settled
+from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_partition, default_partition, saturate, settle_at
 from smarig.protocols._setup import Setup
 

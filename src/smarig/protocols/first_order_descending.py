@@ -1,6 +1,6 @@
 """The identification protocol of §3.4 and §5.4.1: first-order descending (FOD) curves."""
 
-from smarig.core.command import Mark, Protocol, Settled
+from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_partition, default_partition, saturate, settle_at
 from smarig.protocols._setup import Setup
 

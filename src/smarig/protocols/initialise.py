@@ -3,7 +3,7 @@
 import math
 from typing import Literal
 
-from smarig.core.command import Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
+from smarig.core import Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
 from smarig.protocols._building_blocks import checked_count
 from smarig.protocols._setup import Setup
 

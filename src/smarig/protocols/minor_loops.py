@@ -1,7 +1,6 @@
 """The experiment of Fig. 5.3: minor loops at a chosen pace, to see what the heating's lag does."""
 
-from smarig.core.command import Elapsed, Hold, Mark, Protocol, Waveform
-from smarig.core.errors import UsageError
+from smarig.core import Elapsed, Hold, Mark, Protocol, UsageError, Waveform
 from smarig.protocols._setup import Setup
 
 

@@ -1,6 +1,6 @@
 """Second-order transition curves (§3.5): what a non-linear Preisach model needs besides FODs."""
 
-from smarig.core.command import Mark, Protocol, Settled
+from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_partition, evenly_spaced, saturate, settle_at
 from smarig.protocols._setup import Setup
 

@@ -5,8 +5,7 @@ import math
 from pathlib import Path
 from typing import Literal
 
-from smarig.core.command import Mark, Protocol, Settled
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, Mark, Protocol, Settled, UsageError
 from smarig.protocols._building_blocks import checked_count, checked_inputs, evenly_spaced, settle_at
 from smarig.protocols._setup import Setup
 

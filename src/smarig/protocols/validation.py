@@ -2,7 +2,7 @@
 
 import random
 
-from smarig.core.command import Mark, Protocol, Settled
+from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_count, saturate, settle_at
 from smarig.protocols._setup import Setup
 

@@ -1,6 +1,6 @@
 """The wiping-out test of §5.3.1: does a peak erase what came before it?"""
 
-from smarig.core.command import Mark, Protocol, Settled
+from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate, settle_at
 from smarig.protocols._setup import Setup
 

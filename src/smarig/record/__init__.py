@@ -1,19 +1,30 @@
 """A run is one SQLite file: written as it happens, readable at any time, everything else derived."""
 
-from smarig.record.recorder import Recorder
-from smarig.record.run import CONTINUED, FORC_PROTOCOL, Event, Run, Step, load_run
-from smarig.record.run_info import EndInfo, ImportInfo, RunInfo, SignalInfo
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "CONTINUED",
-    "FORC_PROTOCOL",
-    "EndInfo",
-    "Event",
-    "ImportInfo",
-    "Recorder",
-    "Run",
-    "RunInfo",
-    "SignalInfo",
-    "Step",
-    "load_run",
-]
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.record import schema as schema
+    from smarig.record.clock_watch import ClockWatch as ClockWatch
+    from smarig.record.continuation import Continuation as Continuation
+    from smarig.record.metadata import is_timestamp as is_timestamp
+    from smarig.record.recorder import Recorder as Recorder
+    from smarig.record.recorder import write_run as write_run
+    from smarig.record.run import CONTINUED as CONTINUED
+    from smarig.record.run import FORC_PROTOCOL as FORC_PROTOCOL
+    from smarig.record.run import Event as Event
+    from smarig.record.run import Run as Run
+    from smarig.record.run import Step as Step
+    from smarig.record.run import load_run as load_run
+    from smarig.record.run_info import EndInfo as EndInfo
+    from smarig.record.run_info import ImportInfo as ImportInfo
+    from smarig.record.run_info import RunInfo as RunInfo
+    from smarig.record.run_info import SignalInfo as SignalInfo
+    from smarig.record.schema import SAMPLE_COLUMNS as SAMPLE_COLUMNS
+    from smarig.record.wire_history import Wear as Wear
+    from smarig.record.wire_history import WireHistory as WireHistory
+    from smarig.record.wire_history import load_wire_history as load_wire_history
+    from smarig.record.wire_history import wire_histories as wire_histories
+
+__getattr__, __dir__, __all__ = front_door(__name__)

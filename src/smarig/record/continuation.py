@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core.errors import StorageError
+from smarig.core import StorageError
 from smarig.record import schema
 
 

@@ -15,11 +15,7 @@ from collections import deque
 from pathlib import Path
 from typing import Any
 
-from smarig.core.atomic_file import check_replaceable
-from smarig.core.command import StepResult
-from smarig.core.errors import StorageError, UsageError
-from smarig.core.file_content import RUN
-from smarig.core.sample import Sample
+from smarig.core import RUN, Sample, StepResult, StorageError, UsageError, check_replaceable
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, reopened

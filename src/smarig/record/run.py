@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
-from smarig.core.notebook_display import NotebookDisplay
+from smarig.core import DataError, NotebookDisplay, UsageError
 from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION

@@ -17,8 +17,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from smarig.core.atomic_file import atomic_file
-from smarig.core.errors import DataError
+from smarig.core import DataError, atomic_file
 
 _HOT, _COLD = 0.5, 0.25  # shares of the range
 

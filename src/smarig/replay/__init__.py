@@ -1,72 +1,48 @@
 """Driving a model along a record: the timeline of runs, what a model predicts along it, its memory, the model file."""
 
-from smarig.replay.measured_input import MeasuredInput, input_noise_sd
-from smarig.replay.memory_history import (
-    SATURATION_TOLERANCE,
-    MemoryHistory,
-    Start,
-    continues_run,
-    memory_histories,
-    recorded_start,
-)
-from smarig.replay.model_file import Model, NoiseRecord, load_model
-from smarig.replay.plant_model import PlantModel, actuator_for_run, plant_model_of
-from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS, Prediction, numerics, predict, with_hysteresis
-from smarig.replay.provenance import file_hash, missing_earlier_runs, model_metadata, provenance
-from smarig.replay.sample_predictors import (
-    HysteresisPredictor,
-    NamedPredictor,
-    PlantPredictor,
-    PrecomputedPredictor,
-    ZeroedPredictor,
-)
-from smarig.replay.simulation import (
-    check_input,
-    check_output,
-    out_of_range,
-    simulate,
-    simulate_runs,
-    simulate_samples,
-)
-from smarig.replay.timeline import ReadingSeries, Timeline
-from smarig.replay.timeline_from_runs import build_timeline
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "OUTPUT_DEPENDENT_KINDS",
-    "SATURATION_TOLERANCE",
-    "HysteresisPredictor",
-    "MeasuredInput",
-    "MemoryHistory",
-    "Model",
-    "NamedPredictor",
-    "NoiseRecord",
-    "PlantModel",
-    "PlantPredictor",
-    "PrecomputedPredictor",
-    "Prediction",
-    "ReadingSeries",
-    "Start",
-    "Timeline",
-    "ZeroedPredictor",
-    "actuator_for_run",
-    "build_timeline",
-    "check_input",
-    "check_output",
-    "continues_run",
-    "file_hash",
-    "input_noise_sd",
-    "load_model",
-    "memory_histories",
-    "missing_earlier_runs",
-    "model_metadata",
-    "numerics",
-    "out_of_range",
-    "plant_model_of",
-    "predict",
-    "provenance",
-    "recorded_start",
-    "simulate",
-    "simulate_runs",
-    "simulate_samples",
-    "with_hysteresis",
-]
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.replay.extended_model import extended_operator as extended_operator
+    from smarig.replay.hysteresis_json import dump_hysteresis as dump_hysteresis
+    from smarig.replay.measured_input import MeasuredInput as MeasuredInput
+    from smarig.replay.measured_input import input_noise_sd as input_noise_sd
+    from smarig.replay.memory_history import SATURATION_TOLERANCE as SATURATION_TOLERANCE
+    from smarig.replay.memory_history import MemoryHistory as MemoryHistory
+    from smarig.replay.memory_history import Start as Start
+    from smarig.replay.memory_history import continues_run as continues_run
+    from smarig.replay.memory_history import memory_histories as memory_histories
+    from smarig.replay.memory_history import recorded_start as recorded_start
+    from smarig.replay.model_file import Model as Model
+    from smarig.replay.model_file import NoiseRecord as NoiseRecord
+    from smarig.replay.model_file import load_model as load_model
+    from smarig.replay.plant_model import PlantModel as PlantModel
+    from smarig.replay.plant_model import actuator_for_run as actuator_for_run
+    from smarig.replay.plant_model import plant_model_of as plant_model_of
+    from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS as OUTPUT_DEPENDENT_KINDS
+    from smarig.replay.prediction import Prediction as Prediction
+    from smarig.replay.prediction import numerics as numerics
+    from smarig.replay.prediction import predict as predict
+    from smarig.replay.prediction import with_hysteresis as with_hysteresis
+    from smarig.replay.provenance import file_hash as file_hash
+    from smarig.replay.provenance import missing_earlier_runs as missing_earlier_runs
+    from smarig.replay.provenance import model_metadata as model_metadata
+    from smarig.replay.provenance import provenance as provenance
+    from smarig.replay.sample_predictors import HysteresisPredictor as HysteresisPredictor
+    from smarig.replay.sample_predictors import NamedPredictor as NamedPredictor
+    from smarig.replay.sample_predictors import PlantPredictor as PlantPredictor
+    from smarig.replay.sample_predictors import PrecomputedPredictor as PrecomputedPredictor
+    from smarig.replay.sample_predictors import ZeroedPredictor as ZeroedPredictor
+    from smarig.replay.simulation import check_input as check_input
+    from smarig.replay.simulation import check_output as check_output
+    from smarig.replay.simulation import out_of_range as out_of_range
+    from smarig.replay.simulation import simulate as simulate
+    from smarig.replay.simulation import simulate_runs as simulate_runs
+    from smarig.replay.simulation import simulate_samples as simulate_samples
+    from smarig.replay.timeline import ReadingSeries as ReadingSeries
+    from smarig.replay.timeline import Timeline as Timeline
+    from smarig.replay.timeline_from_runs import build_timeline as build_timeline
+
+__getattr__, __dir__, __all__ = front_door(__name__)

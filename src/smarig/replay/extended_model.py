@@ -10,15 +10,18 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
+from smarig.core import DataError
+from smarig.preisach import Everett, Initial
 from smarig.replay.hysteresis_json import load_hysteresis
-from smarig.theory.extended.accommodating_operator import AccommodatingPreisach
-from smarig.theory.extended.moving_operator import MovingPreisach
-from smarig.theory.extended.nonlinear_operator import NonlinearPreisach, SecondOrderExcess
-from smarig.theory.extended.restricted_operator import RestrictedPreisach
-from smarig.theory.extended.reversible_operator import ReversiblePart, ReversiblePreisach
+from smarig.theory import (
+    AccommodatingPreisach,
+    MovingPreisach,
+    NonlinearPreisach,
+    RestrictedPreisach,
+    ReversiblePart,
+    ReversiblePreisach,
+    SecondOrderExcess,
+)
 
 Array = NDArray[np.float64]
 

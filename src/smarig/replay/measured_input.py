@@ -13,11 +13,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
-from smarig.plant.effect import EffectType
-from smarig.plant.measured_input import is_testable
-from smarig.preisach.everett import Everett
-from smarig.preisach.turning_points import turning_points
+from smarig.core import DataError
+from smarig.plant import EffectType, is_testable
+from smarig.preisach import Everett, turning_points
 from smarig.record import Run
 from smarig.replay.timeline import DriveProfile, ReadingSeries, Timeline
 

@@ -11,9 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.operator import Preisach, State
+from smarig.core import DataError
+from smarig.preisach import Preisach, RelayMeasure, State
 from smarig.record import CONTINUED, Run
 
 Array = NDArray[np.float64]

@@ -10,12 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from smarig.core.atomic_file import atomic_file
-from smarig.core.errors import DataError, UsageError
-from smarig.core.notebook_display import NotebookDisplay
-from smarig.plant.effect_catalogue import effects_from_json
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
+from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file
+from smarig.plant import effects_from_json
+from smarig.preisach import Everett, Initial, Preisach
 from smarig.replay.extended_model import Operator, extended_operator
 from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 

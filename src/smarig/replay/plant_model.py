@@ -3,14 +3,9 @@
 from dataclasses import dataclass
 
 from smarig.config import ActuatorFile
-from smarig.core.errors import DataError
-from smarig.core.toml_file import check_table
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect import Effect, SupportsHooks
-from smarig.plant.effect_catalogue import effects_from_json
-from smarig.plant.measured_input import PassThroughActuator
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
+from smarig.core import DataError, check_table
+from smarig.plant import Actuator, Effect, PassThroughActuator, SupportsHooks, effects_from_json
+from smarig.preisach import Everett, Initial
 from smarig.record import Run
 from smarig.replay.measured_input import driven_by_input
 from smarig.replay.memory_history import recorded_start

@@ -11,10 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.plant.effect import SupportsHooks
-from smarig.plant.plant import Plant
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.plant import Plant, SupportsHooks
+from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import DriveProfile, Timeline, session_offsets_s
 from smarig.replay.trajectory import Trajectory, simulate_timeline

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import load_actuator
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.record import CONTINUED, Run, SignalInfo, load_run
 from smarig.replay.model_file import ActuatorRecord, Model, Provenance, SignalDescription
 

@@ -12,13 +12,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.sample import Sample
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect import SupportsHooks
-from smarig.plant.plant import Plant
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
-from smarig.preisach.state import State
+from smarig.core import Sample
+from smarig.plant import Actuator, Plant, SupportsHooks
+from smarig.preisach import Everett, Initial, Preisach, State
 
 Array = NDArray[np.float64]
 NAN = float("nan")

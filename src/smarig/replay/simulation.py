@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError, UsageError
-from smarig.preisach.everett import Everett
+from smarig.core import DataError, UsageError
+from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay.extended_model import Operator
 from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input

@@ -10,9 +10,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
-from smarig.plant.effect import EffectType
-from smarig.preisach.everett import Everett
+from smarig.core import DataError
+from smarig.plant import EffectType
+from smarig.preisach import Everett
 from smarig.record import CONTINUED, Run
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.record import Run, Step
 from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input
 from smarig.replay.timeline import (

@@ -13,21 +13,23 @@ from operator import attrgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect import (
+from smarig.plant import (
+    EARLY_STAGES,
+    Actuator,
     Effect,
     EffectContext,
     EffectType,
     Hook,
+    Plant,
     PlantState,
     Stage,
     SupportsHooks,
+    ThermalStages,
     ThermalState,
+    apply_hooks,
     hook_chains,
 )
-from smarig.plant.plant import Plant
-from smarig.plant.thermal_stages import EARLY_STAGES, ThermalStages, apply_hooks
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.preisach import Initial, Preisach, State
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import Timeline
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.record import Run, load_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.index_page import IndexEntry, index_page

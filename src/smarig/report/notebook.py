@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from smarig.core.errors import UsageError
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.identification.density_report import density_report
-from smarig.identification.verify import verify
+from smarig.core import UsageError
+from smarig.diagnosis import Diagnosis
+from smarig.identification import density_report, verify
 from smarig.record import Run
 from smarig.replay import Model
 from smarig.report.components.decimate import path

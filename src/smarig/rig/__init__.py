@@ -1,1 +1,22 @@
 """What carries commands out: the Rig seam, its limits, and the software twin behind it."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.rig.bench import Bench as Bench
+    from smarig.rig.bring_up import Check as Check
+    from smarig.rig.bring_up import bring_up as bring_up
+    from smarig.rig.consistency import DRIVERS as DRIVERS
+    from smarig.rig.consistency import inconsistencies as inconsistencies
+    from smarig.rig.guard import Guard as Guard
+    from smarig.rig.open_rig import open_rig as open_rig
+    from smarig.rig.plausibility import Plausibility as Plausibility
+    from smarig.rig.rig import Rig as Rig
+    from smarig.rig.specimen import RawReading as RawReading
+    from smarig.rig.specimen import Specimen as Specimen
+    from smarig.rig.specimen import TwinSettings as TwinSettings
+    from smarig.rig.twin import Twin as Twin
+
+__getattr__, __dir__, __all__ = front_door(__name__)

@@ -11,11 +11,9 @@ from collections import deque
 from collections.abc import Callable
 
 from smarig.config import RigFile
-from smarig.core.errors import LeaseExpired
-from smarig.core.sample import Quality, Sample
-from smarig.device.drivers._roles import CurrentReading, CurrentSource, PositionReading, PositionSensor
-from smarig.device.wire.link_faults import Garbled, Silent
-from smarig.plant.actuator import Actuator
+from smarig.core import LeaseExpired, Quality, Sample
+from smarig.device import CurrentReading, CurrentSource, Garbled, PositionReading, PositionSensor, Silent
+from smarig.plant import Actuator
 from smarig.rig.rig import Alarm
 
 CLOCK_CHECK_TICKS = 300  # ticks between two looks at both clocks

@@ -13,11 +13,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from smarig.config import RigFile
-from smarig.core.errors import RigFault
-from smarig.core.sample import Quality, Sample
-from smarig.plant.actuator import Actuator
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.preisach.operator import Preisach
+from smarig.core import Quality, RigFault, Sample
+from smarig.plant import Actuator
+from smarig.preisach import Preisach, thesis_surface
 from smarig.rig.guard import Guard
 from smarig.rig.plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE, RESISTANCE_FACTORS
 from smarig.rig.rig import Rig

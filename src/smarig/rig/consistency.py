@@ -6,10 +6,9 @@ Knows files and register maps; opens nothing.
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
-from smarig.core.catalogue import catalogue_names, resolve_name, suggestion
-from smarig.core.errors import UsageError
-from smarig.device.wire.register import load_register_map
-from smarig.plant.actuator import Actuator
+from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
+from smarig.device import load_register_map
+from smarig.plant import Actuator
 
 DRIVERS = "smarig.device.drivers"
 OVER_CURRENT = 1.05  # of the largest: the amplifier trips by itself

@@ -8,10 +8,8 @@ command: what is not allowed is refused, and the rig made safe.
 import math
 
 from smarig.config import LimitsFile
-from smarig.core.errors import LimitExceeded
-from smarig.core.sample import Quality, Sample
-from smarig.plant.actuator import Actuator
-from smarig.plant.heating import JouleHeating
+from smarig.core import LimitExceeded, Quality, Sample
+from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Alarm, Rig
 

@@ -15,13 +15,19 @@ from contextlib import contextmanager
 from typing import Any
 
 from smarig.config import LinkFile, LinksFile, RigFile, SimulatorFile
-from smarig.core.catalogue import catalogue_entry, catalogue_names, resolve_name
-from smarig.core.errors import ConfigError, Interrupted, RigFault, SmarigError, UsageError
-from smarig.core.resources import shipped
-from smarig.device.drivers._roles import CurrentSource, PositionSensor, missing_members
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect import Effect
-from smarig.plant.effect_catalogue import EFFECTS, effects_to_arguments
+from smarig.core import (
+    ConfigError,
+    Interrupted,
+    RigFault,
+    SmarigError,
+    UsageError,
+    catalogue_entry,
+    catalogue_names,
+    resolve_name,
+    shipped,
+)
+from smarig.device import CurrentSource, PositionSensor, missing_members
+from smarig.plant import EFFECTS, Actuator, Effect, effects_to_arguments
 from smarig.rig.bench import Bench
 from smarig.rig.consistency import DRIVERS
 from smarig.rig.paced_rig import PacedRig

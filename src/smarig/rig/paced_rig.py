@@ -3,8 +3,7 @@
 import time
 from collections.abc import Callable
 
-from smarig.core.errors import UsageError
-from smarig.core.sample import Sample
+from smarig.core import Sample, UsageError
 from smarig.rig.rig import Alarm, Rig
 
 _SLOWEST, _FASTEST = 1e-3, 1e6

@@ -7,9 +7,9 @@ them. Knows samples; refuses to know devices, and what to do about it: that is t
 import math
 
 from smarig.config import RigFile
-from smarig.core.sample import Quality, Sample
-from smarig.plant.actuator import Actuator
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+from smarig.core import Quality, Sample
+from smarig.plant import Actuator
+from smarig.preisach import thesis_surface
 from smarig.rig.rig import Alarm
 
 REST_TAUS = 12.0  # until a wire is at rest, whatever it was before, and whatever its sensors lag behind

@@ -5,7 +5,7 @@ Refuses to know protocols and files.
 
 from typing import NamedTuple, Protocol
 
-from smarig.core.sample import Sample
+from smarig.core import Sample
 
 
 class Alarm(NamedTuple):

@@ -13,15 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from smarig.config import RigFile
-from smarig.core.errors import UsageError
-from smarig.device.wire.register import load_register_map
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect import SupportsHooks
-from smarig.plant.effect_catalogue import mystery_effects
-from smarig.plant.plant import Plant
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.preisach.operator import Initial
+from smarig.core import UsageError
+from smarig.device import load_register_map
+from smarig.plant import Actuator, Plant, SupportsHooks, mystery_effects
+from smarig.preisach import Everett, Initial, thesis_surface
 
 _COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
 

@@ -5,10 +5,9 @@ seconds. It has the lease of the real devices: left alone for longer, its output
 """
 
 from smarig.config import RigFile, load_rig
-from smarig.core.errors import LeaseExpired, UsageError
-from smarig.core.sample import NAN, Quality, Sample
-from smarig.device.wire.register import load_register_map
-from smarig.plant.actuator import Actuator
+from smarig.core import NAN, LeaseExpired, Quality, Sample, UsageError
+from smarig.device import load_register_map
+from smarig.plant import Actuator
 from smarig.rig.rig import Alarm
 from smarig.rig.specimen import Specimen, TwinSettings, register_scales
 

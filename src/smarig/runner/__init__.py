@@ -1,1 +1,32 @@
 """One runner interprets protocols on any rig; every ending leaves the current at zero."""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.front_door import front_door
+
+if TYPE_CHECKING:
+    from smarig.runner.bounded_listener import BoundedListener as BoundedListener
+    from smarig.runner.initialisation_spread import initialisation_spread as initialisation_spread
+    from smarig.runner.listener import CallbackListener as CallbackListener
+    from smarig.runner.listener import Listener as Listener
+    from smarig.runner.listener import StepStartListener as StepStartListener
+    from smarig.runner.lock import wire_lock as wire_lock
+    from smarig.runner.own_files import check_drivers as check_drivers
+    from smarig.runner.preview import Preview as Preview
+    from smarig.runner.preview import ProtocolFactory as ProtocolFactory
+    from smarig.runner.preview import preview as preview
+    from smarig.runner.resume.resume_plan import RE_ESTABLISH as RE_ESTABLISH
+    from smarig.runner.resume.resume_run import read_launch_args as read_launch_args
+    from smarig.runner.resume.resume_run import resume as resume
+    from smarig.runner.resume.resume_run import resume_in as resume_in
+    from smarig.runner.resume.resume_run import session_for as session_for
+    from smarig.runner.resume.run_or_resume import run_or_resume as run_or_resume
+    from smarig.runner.run_control import RunControl as RunControl
+    from smarig.runner.run_metadata import twin_source as twin_source
+    from smarig.runner.runner import Runner as Runner
+    from smarig.runner.session import Session as Session
+    from smarig.runner.session import run as run
+    from smarig.runner.settling_detection import Approach as Approach
+    from smarig.runner.settling_detection import SettleWindow as SettleWindow
+
+__getattr__, __dir__, __all__ = front_door(__name__)

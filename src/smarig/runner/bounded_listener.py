@@ -9,8 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from smarig.core.command import StepResult
-from smarig.core.sample import Sample
+from smarig.core import Sample, StepResult
 from smarig.runner.listener import Listener
 
 

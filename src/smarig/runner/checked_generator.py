@@ -12,8 +12,19 @@ from dataclasses import replace
 from numbers import Real
 from typing import Any
 
-from smarig.core.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform, Zero
-from smarig.core.errors import SmarigError, UsageError
+from smarig.core import (
+    Command,
+    Drive,
+    Elapsed,
+    Hold,
+    Mark,
+    Protocol,
+    Settled,
+    SmarigError,
+    UsageError,
+    Waveform,
+    Zero,
+)
 from smarig.runner.run_control import RunControl
 
 

@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from smarig.config import load_rig
-from smarig.core.command import Elapsed, Hold, Protocol, Settled, StepResult, Zero
-from smarig.core.sample import Sample
-from smarig.plant.actuator import Actuator
-from smarig.protocols._setup import Setup
-from smarig.protocols.initialise import initialise
-from smarig.rig.guard import Guard
-from smarig.rig.twin import Twin, TwinSettings
+from smarig.core import Elapsed, Hold, Protocol, Sample, Settled, StepResult, Zero
+from smarig.plant import Actuator
+from smarig.protocols import Setup, initialise
+from smarig.rig import Guard, Twin, TwinSettings
 from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 

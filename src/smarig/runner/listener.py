@@ -4,8 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from smarig.core.command import Hold, StepResult, Waveform
-from smarig.core.sample import Sample
+from smarig.core import Hold, Sample, StepResult, Waveform
 from smarig.runner.settling_detection import SettleWindow
 
 

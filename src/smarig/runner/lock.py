@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from smarig.core.errors import RigFault, UsageError
+from smarig.core import RigFault, UsageError
 
 
 def lock_folder() -> Path:

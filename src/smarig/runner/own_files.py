@@ -8,13 +8,12 @@ from collections.abc import Iterable
 from typing import Any
 
 from smarig.config import RigFile, own_drivers
-from smarig.control.controller_settings import TRACKING_CONTROLLERS
-from smarig.core.catalogue import catalogue_kind, own_entries
-from smarig.core.errors import DataError, UsageError
-from smarig.plant.effect_catalogue import EFFECTS, Effect
-from smarig.protocols._settings import PROTOCOLS
+from smarig.control import TRACKING_CONTROLLERS
+from smarig.core import DataError, UsageError, catalogue_kind, own_entries
+from smarig.plant import EFFECTS, Effect
+from smarig.protocols import PROTOCOLS
 from smarig.record import Run
-from smarig.rig.consistency import DRIVERS
+from smarig.rig import DRIVERS
 
 OWN_FILES = "own_files"  # key of the run table
 

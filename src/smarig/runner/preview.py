@@ -8,15 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.core.command import Protocol, StepResult, StepVerdict
-from smarig.core.errors import LimitExceeded, UsageError
-from smarig.core.sample import Sample
-from smarig.plant.actuator import Actuator
-from smarig.protocols._settings import build_protocol
-from smarig.protocols._setup import Setup
-from smarig.protocols.adaptive_fod import Chooser
-from smarig.rig.guard import Guard
-from smarig.rig.twin import Twin, TwinSettings
+from smarig.core import LimitExceeded, Protocol, Sample, StepResult, StepVerdict, UsageError
+from smarig.plant import Actuator
+from smarig.protocols import Chooser, Setup, build_protocol
+from smarig.rig import Guard, Twin, TwinSettings
 from smarig.runner.listener import CallbackListener
 from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner

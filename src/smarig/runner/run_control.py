@@ -1,6 +1,6 @@
 """What a person may tell a running experiment: pause, resume, stop. Read by the runner once a tick."""
 
-from smarig.core.errors import Interrupted
+from smarig.core import Interrupted
 
 
 class RunControl:

@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.core.catalogue import catalogue_names
-from smarig.core.errors import Interrupted, SmarigError
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import EFFECTS, Effect, effects_to_pairs
-from smarig.rig.twin import TwinSettings
+from smarig.core import Interrupted, SmarigError, catalogue_names
+from smarig.plant import EFFECTS, Actuator, Effect, effects_to_pairs
+from smarig.rig import TwinSettings
 
 LAUNCH_ARGS = "begun_with"  # key of what a run needs to be gone on with
 CLOSED_LOOP = "closed_loop"  # key of runs whose protocol stands in no catalogue

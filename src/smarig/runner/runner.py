@@ -7,21 +7,21 @@ Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
 import math
 from collections.abc import Sequence
 
-from smarig.core.command import (
+from smarig.core import (
     Command,
     Drive,
     Elapsed,
     Hold,
     Mark,
     Protocol,
+    Sample,
     Settled,
     StepResult,
     StepVerdict,
     Waveform,
     Zero,
 )
-from smarig.core.sample import Sample
-from smarig.rig.guard import Guard
+from smarig.rig import Guard
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener
 from smarig.runner.run_control import RunControl

@@ -14,22 +14,11 @@ from types import TracebackType
 from typing import Any, Self
 
 from smarig.config import LimitsFile, RigFile, load_rig, rig_text
-from smarig.core.catalogue import resolve_name
-from smarig.core.command import Protocol
-from smarig.core.errors import LimitExceeded, SmarigError, StorageError
-from smarig.core.sample import Sample
-from smarig.plant.actuator import Actuator
-from smarig.protocols._settings import PROTOCOLS, build_protocol
-from smarig.protocols._setup import Setup
-from smarig.protocols.adaptive_fod import Chooser
-from smarig.record import CONTINUED, Recorder, Run, load_run
-from smarig.record.clock_watch import ClockWatch
-from smarig.record.wire_history import Wear, WireHistory, load_wire_history
-from smarig.rig.guard import Guard
-from smarig.rig.open_rig import open_rig
-from smarig.rig.plausibility import Plausibility
-from smarig.rig.rig import Rig
-from smarig.rig.twin import TwinSettings
+from smarig.core import LimitExceeded, Protocol, Sample, SmarigError, StorageError, resolve_name
+from smarig.plant import Actuator
+from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
+from smarig.record import CONTINUED, ClockWatch, Recorder, Run, Wear, WireHistory, load_run, load_wire_history
+from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import wire_lock
 from smarig.runner.own_files import OWN_FILES, used_own_files

@@ -8,7 +8,7 @@ from collections import deque
 
 import numpy as np
 
-from smarig.core.command import Elapsed, Settled
+from smarig.core import Elapsed, Settled
 
 BLOCKS = 25
 

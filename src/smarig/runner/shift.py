@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from smarig.core.sample import Sample
+from smarig.core import Sample
 
 
 @dataclass

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from smarig.core.errors import Interrupted
+from smarig.core import Interrupted
 from smarig.runner.run_control import RunControl
 
 INSISTS_S = 0.5  # after the first Ctrl-C: what comes sooner is the same wish

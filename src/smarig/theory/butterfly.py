@@ -13,9 +13,8 @@ butterfly for which ∫u dy does not: §7.2 names it as the case its theorem mis
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.core import UsageError
+from smarig.preisach import FodTable, RelayMeasure
 from smarig.theory.properties.triangle_grid import table_of
 
 Array = NDArray[np.float64]

@@ -25,12 +25,12 @@ RENAMED = [
 DRIVE = {
     "amplifier": """
 from smarig.device.drivers.smarig_amplifier import SmarigAmplifier, _settings
-device = SmarigAmplifier(Scripted(load_map("amplifier")), _settings(load_rig("one_wire_serial")))
+device = SmarigAmplifier(Scripted(load_register_map("amplifier")), _settings(load_rig("one_wire_serial")))
 device.set(0.1), device.since(1, 4), device.off()
 """,
     "encoder_daq": """
 from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
-device = SmarigEncoderDaq(Scripted(load_map("encoder_daq")), 0.1)
+device = SmarigEncoderDaq(Scripted(load_register_map("encoder_daq")), 0.1)
 device.since(1, 4), device.zero()
 """,
 }
@@ -39,7 +39,7 @@ import sys
 sys.path.append(sys.argv[1])
 from device.drivers.scripted import Scripted
 from smarig.config import load_rig
-from smarig.device.wire.register import load_map
+from smarig.device.wire.register import load_register_map
 """
 
 

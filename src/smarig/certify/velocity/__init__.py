@@ -3,7 +3,7 @@
 from smarig.certify.velocity.passivity_indices import inequalities, violating_signal
 from smarig.certify.velocity.sampled_loop import VelocityLoop, velocity_loop
 from smarig.certify.velocity.stability import Stability, k_e, stability
-from smarig.control.velocity.velocity_controller import VelocityController
+from smarig.control import VelocityController
 
 __all__ = [
     "Stability",

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.control.argument_checks import finite, not_negative
-from smarig.control.velocity.velocity_controller import VelocityController
-from smarig.core.errors import DataError, UsageError
+from smarig.control import VelocityController, finite, not_negative
+from smarig.core import DataError, UsageError
 
 Array = NDArray[np.float64]
 
@@ -64,7 +63,7 @@ class Inequalities:
 def inequalities(controller: VelocityController, error: ArrayLike, dt_s: float) -> Inequalities:
     """Both sides of Thm 8.2's two inequalities along errors (n,), from rest; UsageError where they grow past computing.
 
-    >>> from smarig.control.velocity.controllers.lead_lag import lead_lag
+    >>> from smarig.control import lead_lag
     >>> lead = lead_lag(2.0, zero_s=4.0, pole_s=1.0)
     >>> seen = inequalities(lead, [1.0, -2.0, 0.5], dt_s=0.1)
     >>> seen.strictly_passive(lead.delta), seen.finite_gain(lead.gamma)

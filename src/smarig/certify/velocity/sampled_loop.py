@@ -22,12 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.certify.velocity.stability import k_e, sharp_bound
-from smarig.control.lagged_operator import LaggedOperator
-from smarig.control.velocity.velocity_controller import VelocityController
-from smarig.core.errors import DataError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
-from smarig.theory.energy import recoverable_energy
+from smarig.control import LaggedOperator, VelocityController
+from smarig.core import DataError
+from smarig.preisach import Everett, Initial
+from smarig.theory import recoverable_energy
 
 Array = NDArray[np.float64]
 
@@ -111,8 +109,8 @@ def velocity_loop(
     From an initial state of the operator and a controller at rest. DataError for signals that are empty, not
     finite or of different lengths; UsageError for a measure of relays.
 
-    >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.control import constant_gain
+    >>> from smarig.preisach import thesis_surface
     >>> loop = velocity_loop(thesis_surface("one_c"), constant_gain(40.0), [0.1] * 300)
     >>> loop.largest_ratio < loop.k_e
     True

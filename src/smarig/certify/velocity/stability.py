@@ -17,10 +17,9 @@ from smarig.certify.certificate_units import UNKNOWN, Units, with_unit
 from smarig.certify.hypothesis import Hypothesis, all_hold, failing
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
 from smarig.certify.storage_bound import StorageBound, storage_bound
-from smarig.control.velocity.velocity_controller import VelocityController
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
+from smarig.control import VelocityController
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, Preisach
 
 Array = NDArray[np.float64]
 
@@ -28,7 +27,7 @@ Array = NDArray[np.float64]
 def k_e(controller: VelocityController) -> float:
     """max{γ + δ, 1}/δ.
 
-    >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
+    >>> from smarig.control import constant_gain
     >>> k_e(constant_gain(4.0))
     2.0
     """
@@ -109,8 +108,8 @@ def stability(
 ) -> Stability:
     """The hypotheses of Thm 8.2, one by one, for the loop without delay (``loop``).
 
-    >>> from smarig.control.velocity.controllers.constant_gain import constant_gain
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.control import constant_gain
+    >>> from smarig.preisach import thesis_surface
     >>> stability(thesis_surface("one_e"), constant_gain(4.0)).holds
     True
     >>> [h.name for h in failing(stability(thesis_surface("two_p"), constant_gain(4.0), "anhysteretic").hypotheses)]

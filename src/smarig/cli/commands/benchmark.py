@@ -12,9 +12,7 @@ import click
 
 from smarig.cli.output import emit, json_option
 from smarig.cli.parameter_types import FILE
-from smarig.core.catalogue import catalogue_names, suggestion
-from smarig.core.errors import UsageError
-from smarig.core.resources import make_importable
+from smarig.core import UsageError, catalogue_names, make_importable, suggestion
 
 EPILOG = """\b
 Examples:

@@ -6,8 +6,8 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, CatalogueName
-from smarig.core.errors import UsageError
-from smarig.plant.actuator import Actuator
+from smarig.core import UsageError
+from smarig.plant import Actuator
 
 
 @click.command(
@@ -27,7 +27,7 @@ def command(
     runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool
 ) -> None:
     """Estimate hA, time constant and resistances from what the runs measured; report what they cannot give."""
-    from smarig.identification.calibration.calibrate import calibrate
+    from smarig.identification import calibrate
     from smarig.record import load_run
     from smarig.replay import load_model
 

@@ -6,9 +6,8 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, VELOCITY
-from smarig.core.errors import UsageError
-from smarig.core.file_content import PAGE
-from smarig.protocols._settings import parse_pairs
+from smarig.core import PAGE, UsageError
+from smarig.protocols import parse_pairs
 
 EPILOG = """\b
 Examples:
@@ -51,19 +50,12 @@ def command(
     """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ, γ and k_e
     (Thm 8.2) with every hypothesis that fails. It covers the hysteresis alone, and states how far that reaches: the
     loops of track and regulate are not covered. Where passivity fails, the input that breaks it is given."""
-    from smarig.app.loop_model import ModelSource
-    from smarig.certify.model_certificate import certificate
-    from smarig.certify.position_supply_rate import PositionController
-    from smarig.core.atomic_file import check_writable
-    from smarig.identification.run_passivity import passivity_of_run
+    from smarig.app import ModelSource
+    from smarig.certify import PositionController, certificate
+    from smarig.core import check_writable
+    from smarig.identification import passivity_of_run
     from smarig.record import load_run
-    from smarig.report.components.page import write_page
-    from smarig.report.models.certificate_page import (
-        Further,
-        certificate_page,
-        certificate_units,
-        certified_model,
-    )
+    from smarig.report import Further, certificate_page, certificate_units, certified_model, write_page
 
     if pairs and not controller:
         raise UsageError("--set belongs to one controller: name it with --controller.")

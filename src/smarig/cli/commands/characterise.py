@@ -13,10 +13,8 @@ from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
 from smarig.cli.progress import STREAMS, progress
 from smarig.config import load_campaign, load_rig
-from smarig.rig.twin import TwinSettings
-from smarig.runner.listener import Listener
-from smarig.runner.preview import Preview
-from smarig.runner.run_metadata import twin_source
+from smarig.rig import TwinSettings
+from smarig.runner import Listener, Preview, twin_source
 
 
 @click.command(
@@ -56,7 +54,7 @@ def command(
     live: LiveOptions,
 ) -> None:
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
-    from smarig.app.characterise import characterise
+    from smarig.app import characterise
 
     run_number = count(1)
 

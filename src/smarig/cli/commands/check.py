@@ -8,17 +8,11 @@ import click
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import PROTOCOL, RIG
 from smarig.config import RigFile, load_rig
-from smarig.core.errors import ConfigError, LeaseExpired, RigFault, UsageError
-from smarig.plant.actuator import Actuator
-from smarig.protocols._settings import parse_pairs
-from smarig.protocols._setup import Setup
-from smarig.rig.bench import Bench
-from smarig.rig.bring_up import Check, bring_up
-from smarig.rig.consistency import inconsistencies
-from smarig.rig.open_rig import open_rig
-from smarig.rig.twin import Twin, TwinSettings
-from smarig.runner.lock import wire_lock
-from smarig.runner.preview import preview
+from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
+from smarig.plant import Actuator
+from smarig.protocols import Setup, parse_pairs
+from smarig.rig import Bench, Check, Twin, TwinSettings, bring_up, inconsistencies, open_rig
+from smarig.runner import preview, wire_lock
 
 
 @click.command("check", epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending")

@@ -8,11 +8,10 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, FOLDER, own_effects
-from smarig.core.errors import UsageError
-from smarig.core.file_content import TOML
+from smarig.core import TOML, UsageError
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.diagnose import Diagnosis
+    from smarig.diagnosis import Diagnosis
 
 EPILOG = """\b
 Example:
@@ -87,9 +86,8 @@ def command(
     force: bool,
 ) -> None:
     """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
-    from smarig.core.atomic_file import check_writable
-    from smarig.diagnosis.diagnose import diagnose
-    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_FILES, prepare_folder
+    from smarig.core import check_writable
+    from smarig.diagnosis import DIAGNOSIS_FILES, diagnose, prepare_folder
 
     if transient is not None:
         if model or train or held_out or propose:
@@ -122,8 +120,7 @@ def command(
 
 def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> None:
     """The thermal record of one run instead of a model."""
-    from smarig.diagnosis.diagnosis_files import prepare_folder, write_transient
-    from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient
+    from smarig.diagnosis import diagnose_transient, prepare_folder, write_transient
 
     if out is not None:
         prepare_folder(out, force=force)
@@ -134,9 +131,8 @@ def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> Non
 
 def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
     """Write the folder of a diagnosis, where one is wanted; returns its paths."""
-    from smarig.diagnosis.diagnosis_files import DIAGNOSIS_PAGE, write_diagnosis
-    from smarig.report.components.page import write_page
-    from smarig.report.diagnosis.diagnosis_page import diagnosis_page
+    from smarig.diagnosis import DIAGNOSIS_PAGE, write_diagnosis
+    from smarig.report import diagnosis_page, write_page
 
     if out is None:
         return {}
@@ -147,7 +143,7 @@ def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, 
 
 def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":
     """The diagnosis with the run that would separate what is left, which is written as a campaign."""
-    from smarig.app.proposal import propose_run, write_campaign
+    from smarig.app import propose_run, write_campaign
 
     proposal = propose_run(found, show_message)
     if proposal is None:

@@ -6,7 +6,7 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, CatalogueName
-from smarig.core.catalogue import catalogue_names, catalogue_summary
+from smarig.core import catalogue_names, catalogue_summary
 
 _PACKAGE = "smarig.exchange.writers"
 _FORMATS = "\n".join(f"  {name:<8} {catalogue_summary(_PACKAGE, name)}" for name in catalogue_names(_PACKAGE))

@@ -6,10 +6,8 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE
-from smarig.core.atomic_file import check_writable
-from smarig.core.file_content import MODEL
-from smarig.identification.extended.fitted_extension import extension_names
-from smarig.identification.surface.surface_kinds import BEST_KIND, surface_kinds
+from smarig.core import MODEL, check_writable
+from smarig.identification import BEST_KIND, extension_names, surface_kinds
 
 EPILOG = """\b
 Examples:
@@ -57,7 +55,7 @@ def command(
     force: bool,
 ) -> None:
     """Identify a Preisach model: from runs that hold first-order curves, or (positive) from any runs."""
-    from smarig.identification.identify import identify
+    from smarig.identification import identify
 
     check_distinct(out, *runs)
     check_writable(out, force=force, kind=MODEL)

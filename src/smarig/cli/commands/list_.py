@@ -4,18 +4,12 @@ import click
 
 from smarig.cli.output import emit, json_option
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
-from smarig.control.controller_settings import (
-    TRACKING_CONTROLLERS,
-    VELOCITY_CONTROLLERS,
-    default_numbers,
-    documented_numbers,
-)
-from smarig.core.catalogue import catalogue_entry, catalogue_names, catalogue_summary, is_path, resolve_name
-from smarig.core.errors import UsageError
-from smarig.exchange.mapping import load_mapping
-from smarig.plant.effect_catalogue import EFFECTS, effect_types
-from smarig.protocols._settings import PROTOCOLS, setting_texts
-from smarig.record.wire_history import wire_histories
+from smarig.control import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, default_numbers, documented_numbers
+from smarig.core import UsageError, catalogue_entry, catalogue_names, catalogue_summary, is_path, resolve_name
+from smarig.exchange import load_mapping
+from smarig.plant import EFFECTS, effect_types
+from smarig.protocols import PROTOCOLS, setting_texts
+from smarig.record import wire_histories
 
 
 def _protocols() -> dict[str, str]:
@@ -46,7 +40,7 @@ def _effects() -> dict[str, str]:
 
 
 def _controllers() -> dict[str, str]:
-    from smarig.control.regulation.setpoint_pi import SetpointPI
+    from smarig.control import SetpointPI
 
     listed_ = {
         n: f"{use}: {catalogue_summary(p, n)}"
@@ -120,7 +114,7 @@ def _line(key: str, default: float | None, unit: str, meaning: str) -> str:
 def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str, float | None]]:
     """Units and meanings of a controller's numbers, and their defaults; None for what the model sets."""
     if name == _SETPOINT_PI_NAME:
-        from smarig.control.regulation.setpoint_pi import SetpointPI
+        from smarig.control import SetpointPI
 
         return documented_numbers(SetpointPI), {"gain": None, "band": 0.0}
     package = next(p for p in _CONTROLLER_PACKAGES.values() if name in catalogue_names(p))

@@ -13,9 +13,7 @@ import click
 from smarig.cli.output import emit, json_option
 from smarig.cli.parameter_types import FILE
 from smarig.config import shipped_names
-from smarig.core.atomic_file import atomic_file
-from smarig.core.catalogue import catalogue_names
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, atomic_file, catalogue_names
 
 _TEMPLATES = Path(__file__).parents[1] / "starting_points"
 _PACKAGES = {

@@ -9,7 +9,7 @@ from smarig.cli.output import json_option, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, run_options
-from smarig.protocols._settings import parse_pairs
+from smarig.protocols import parse_pairs
 
 EPILOG = f"""{STREAMS}
 
@@ -65,8 +65,7 @@ def command(
     The encoder is relative: negative saturation is visited first, and what is measured there is the model's least
     output. The way to B_ℓ is planned so that the wire's lag still reaches it.
     """
-    from smarig.app.loop_model import ModelSource
-    from smarig.app.regulation_loop import regulation
+    from smarig.app import ModelSource, regulation
     from smarig.config import load_rig
 
     source = ModelSource.of(model)

@@ -6,7 +6,7 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, FILE, own_effects
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 EPILOG = """\b
 Examples:
@@ -31,7 +31,7 @@ def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, 
     """Write offline HTML pages: about a run (finished, interrupted or imported), about every run in a folder with an
     index to search, about several runs over each other, or about models on the same runs. With one model, the page of a
     closed loop has that model's certificate."""
-    from smarig.report.folder_report import run_files
+    from smarig.report import run_files
 
     if len(runs) == 1 and runs[0].is_dir() and not models:
         _folder(runs[0], out, force)
@@ -48,7 +48,7 @@ def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, 
 
 
 def _folder(folder: Path, out: Path | None, force: bool) -> None:
-    from smarig.report.folder_report import INDEX_FILE, report_folder
+    from smarig.report import INDEX_FILE, report_folder
 
     if out is not None:
         raise UsageError(
@@ -64,17 +64,15 @@ def _folder(folder: Path, out: Path | None, force: bool) -> None:
 
 def _is_loop(file: Path) -> bool:
     from smarig.record import load_run
-    from smarig.report.closed_loop.loop_result import is_closed_loop
+    from smarig.report import is_closed_loop
 
     return is_closed_loop(load_run(file))
 
 
 def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
-    from smarig.app.loop_model import ModelSource
+    from smarig.app import ModelSource
     from smarig.record import load_run
-    from smarig.report.components.page import write_page
-    from smarig.report.folder_report import page_path
-    from smarig.report.runs.run_page import run_page
+    from smarig.report import page_path, run_page, write_page
 
     target = out or page_path(file)
     check_distinct(target, file, model)
@@ -88,9 +86,7 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:
     from smarig.record import load_run
-    from smarig.report.components.comparison_labels import distinct_names
-    from smarig.report.components.page import write_page
-    from smarig.report.runs.run_comparison_page import comparison_page
+    from smarig.report import comparison_page, distinct_names, write_page
 
     _check_no_repeats(files, "run")
     target = out or files[0].with_name("comparison.html")
@@ -103,9 +99,7 @@ def _compared(files: list[Path], out: Path | None, force: bool) -> None:
 def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force: bool) -> None:
     from smarig.record import load_run
     from smarig.replay import load_model
-    from smarig.report.components.comparison_labels import distinct_names
-    from smarig.report.components.page import write_page
-    from smarig.report.models.model_comparison_page import models_page
+    from smarig.report import distinct_names, models_page, write_page
 
     _check_no_repeats(models, "model")
     _check_no_repeats(files, "run")

@@ -12,7 +12,7 @@ from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_effects
 from smarig.cli.progress import STREAMS, progress
 from smarig.cli.run_options import print_warnings, run_summary
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.record import load_run
 
 EPILOG = f"""{STREAMS}
@@ -53,9 +53,8 @@ def command(
     The wire is cooled and taken back to what it remembered after the last finished step; the interrupted step is made
     again. Where that cannot be had, the protocol begins anew. Void steps stay in the record, marked.
     """
-    from smarig.identification.adaptive import informed_choice
-    from smarig.runner.preview import preview
-    from smarig.runner.resume.resume_run import read_launch_args, resume_in, session_for
+    from smarig.identification import informed_choice
+    from smarig.runner import preview, read_launch_args, resume_in, session_for
 
     before = load_run(run)
     if protocol not in ("", before.info.protocol):

@@ -10,14 +10,10 @@ from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
 from smarig.config import CampaignFile, CampaignStep, load_campaign, load_rig, shipped_names
-from smarig.core.catalogue import catalogue_names, suggestion
-from smarig.core.errors import UsageError
-from smarig.protocols._settings import parse_pairs, refuse_closed_loops, with_loaded_protocols
+from smarig.core import UsageError, catalogue_names, suggestion
+from smarig.protocols import parse_pairs, refuse_closed_loops, with_loaded_protocols
 from smarig.record import load_run
-from smarig.runner.listener import Listener
-from smarig.runner.preview import Preview, preview
-from smarig.runner.resume.run_or_resume import run_or_resume
-from smarig.runner.session import Session
+from smarig.runner import Listener, Preview, Session, preview, run_or_resume
 
 EPILOG = f"""{STREAMS}
 
@@ -49,7 +45,7 @@ def command(
     experiment: str, out: Path | None, pairs: tuple[str, ...], go_on: bool, options: RunOptions
 ) -> None:
     """Run a protocol or a campaign on a rig and record it; by name, or your own by its path."""
-    from smarig.identification.adaptive import informed_choice
+    from smarig.identification import informed_choice
 
     session = options.session()
     plan = _plan(experiment, parse_pairs(pairs))
@@ -89,7 +85,7 @@ def _run_one(
     force: bool,
     notes: str,
 ) -> None:
-    from smarig.identification.adaptive import informed_choice
+    from smarig.identification import informed_choice
 
     with display as listener:
         message = run_or_resume(

@@ -6,8 +6,8 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, own_effects
-from smarig.core.errors import UsageError
-from smarig.protocols._settings import parse_pairs
+from smarig.core import UsageError
+from smarig.protocols import parse_pairs
 
 EPILOG = """\b
 Examples:
@@ -38,7 +38,7 @@ def command(
     force: bool,
 ) -> None:
     """Simulate a model along a run, or a protocol on its twin, into a run file."""
-    from smarig.app.simulated_run import simulate_protocol, simulate_run
+    from smarig.app import simulate_protocol, simulate_run
     from smarig.record import load_run
     from smarig.replay import load_model
 

@@ -9,7 +9,7 @@ from smarig.cli.output import json_option
 from smarig.cli.parameter_types import CONTROLLER, FILE, FiniteNumber
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, run_options
-from smarig.protocols._settings import parse_pairs
+from smarig.protocols import parse_pairs
 
 EPILOG = f"""{STREAMS}
 
@@ -83,8 +83,7 @@ def command(
     reference's velocity and not its position. Its k_e (Thm 8.2) is held against the measured ratio
     ‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖), with every hypothesis that this rig keeps or breaks.
     """
-    from smarig.app.loop_model import ModelSource
-    from smarig.app.tracking_loop import tracking
+    from smarig.app import ModelSource, tracking
     from smarig.config import load_rig
 
     source = ModelSource.of(model)

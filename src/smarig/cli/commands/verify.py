@@ -16,7 +16,7 @@ from smarig.cli.parameter_types import FILE, own_effects
 @json_option
 def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     """Verify a model on runs: settled points simulated along the whole history of each run."""
-    from smarig.identification.verify import verify
+    from smarig.identification import verify
     from smarig.record import load_run
     from smarig.replay import load_model
 

@@ -7,7 +7,7 @@ import click
 from smarig.cli.live_options import legend_name
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, FiniteNumber, own_effects
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 EPILOG = """\b
 Examples:
@@ -36,8 +36,8 @@ def command(
 
     Needs the extra 'live'. The viewer ends with this command.
     """
-    from smarig.core.atomic_file import atomic_file
-    from smarig.live.live_view import save_recording, view_run
+    from smarig.core import atomic_file
+    from smarig.live import save_recording, view_run
     from smarig.record import load_run
     from smarig.replay import NamedPredictor, PrecomputedPredictor, check_output, load_model, simulate_samples
 

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from smarig.runner.run_control import RunControl
+from smarig.runner import RunControl
 
 KEYS_HELP = "Keys: p pauses (the current stays), r resumes, s stops safely."
 _POLL_INTERVAL_S = 0.1  # between looks whether it is over

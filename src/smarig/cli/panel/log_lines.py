@@ -12,9 +12,8 @@ from smarig.cli.panel.keyboard import KEYS_HELP
 from smarig.cli.panel.panel_layout import clock_text, summary
 from smarig.cli.panel.run_status import RunStatus
 from smarig.cli.panel.terminal import LineWriter, Terminal
-from smarig.core.command import Hold, StepResult, Waveform
-from smarig.core.sample import Sample
-from smarig.runner.settling_detection import SettleWindow
+from smarig.core import Hold, Sample, StepResult, Waveform
+from smarig.runner import SettleWindow
 
 
 class _StatusUpdates:

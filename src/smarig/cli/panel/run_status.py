@@ -10,15 +10,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from smarig.config import RigFile
-from smarig.core.command import Hold, Settled, StepResult, Waveform
-from smarig.core.errors import Interrupted, RigFault
-from smarig.core.sample import Sample
-from smarig.device.wire.link_faults import LinkFault
-from smarig.plant.actuator import Actuator
-from smarig.runner.preview import Preview
-from smarig.runner.resume.resume_plan import RE_ESTABLISH
-from smarig.runner.run_control import RunControl
-from smarig.runner.settling_detection import SettleWindow
+from smarig.core import Hold, Interrupted, RigFault, Sample, Settled, StepResult, Waveform
+from smarig.device import LinkFault
+from smarig.plant import Actuator
+from smarig.runner import RE_ESTABLISH, Preview, RunControl, SettleWindow
 
 _MIN_OBSERVED_S = 2.0  # of watching, before a pace is worth telling
 

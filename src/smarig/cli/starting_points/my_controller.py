@@ -8,7 +8,7 @@ Look at it:  smarig list controllers ./my_controller.py --settings
 Run it:      smarig track MODEL --reference ramps --controller ./my_controller.py --rig one_wire_twin -o mine.run.sqlite
 """
 
-from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
+from smarig.control import Controller, ControllerModel, ReferenceFunction
 
 
 def my_controller(

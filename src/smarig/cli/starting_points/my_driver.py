@@ -17,12 +17,15 @@ cut-out, with somebody at the bench.
 import contextlib
 
 from smarig.config import LinkFile, RigFile
-from smarig.core.errors import ConfigError
-from smarig.core.sample import NAN, Quality
-from smarig.device.drivers._roles import CurrentReading
-from smarig.device.links.text_line import TextLine  # no late answer passes for the answer to another question
-from smarig.device.wire.link_faults import Garbled, Silent, WrongDevice  # a sentence each, with a remedy
-from smarig.plant.actuator import Actuator
+from smarig.core import NAN, ConfigError, Quality
+from smarig.device import (  # a sentence each, with a remedy # no late answer passes for the answer to another question
+    CurrentReading,
+    Garbled,
+    Silent,
+    TextLine,
+    WrongDevice,
+)
+from smarig.plant import Actuator
 
 HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
 

@@ -11,7 +11,7 @@ Look for it:    smarig diagnose MODEL --train RUN… --effect ./my_effect.py
 from collections.abc import Mapping
 from math import exp
 
-from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+from smarig.plant import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
 
 def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:

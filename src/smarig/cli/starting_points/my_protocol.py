@@ -7,9 +7,8 @@ The function has the file's name. It never touches a rig: it yields commands, an
 same generator is previewed on a twin, run on a twin, and run on hardware.
 """
 
-from smarig.core.command import Hold, Mark, Protocol, Settled, StepVerdict
-from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate
-from smarig.protocols._setup import Setup
+from smarig.core import Hold, Mark, Protocol, Settled, StepVerdict
+from smarig.protocols import Setup, checked_count, evenly_spaced, saturate
 
 
 def my_protocol(

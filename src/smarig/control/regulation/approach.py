@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 
 from smarig.control.argument_checks import positive
 from smarig.control.regulation.boundary_plane import BoundaryPlane, turning_points
-from smarig.core.command import Waveform
-from smarig.core.errors import UsageError
-from smarig.plant.heating import temperature_along
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
-from smarig.protocols._setup import Setup
-from smarig.theory.state_space import Boundary
+from smarig.core import UsageError, Waveform
+from smarig.plant import temperature_along
+from smarig.preisach import Everett, Preisach
+from smarig.protocols import Setup
+from smarig.theory import Boundary
 
 Array = NDArray[np.float64]
 RELATIVE_FREQUENCIES = (

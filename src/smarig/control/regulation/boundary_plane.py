@@ -12,10 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.operator import Preisach, State
-from smarig.theory.state_space import Boundary, boundary_of, diagonal, distance
+from smarig.preisach import Everett, Preisach, RelayMeasure, State
+from smarig.theory import Boundary, boundary_of, diagonal, distance
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.inverse import bracketed_root
+from smarig.core import UsageError
+from smarig.preisach import Everett, bracketed_root
 
 Array = NDArray[np.float64]
 GRID_POINTS = 256
@@ -28,7 +27,7 @@ ROUNDING = 1e-12  # of the output range
 class Psi:
     """ψ of a hysteresis: call it with ℓ, scalar or array, in the input's unit; outputs in the output's.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> psi = Psi(thesis_surface("two_c"))
     >>> round(psi(0.0), 2), round(psi.right_inverse(2.65), 2), psi.monotone
     (2.65, 0.01, True)

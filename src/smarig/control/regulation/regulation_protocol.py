@@ -15,13 +15,21 @@ from smarig.control.regulation.approach import ApproachPlan, plan_approach
 from smarig.control.regulation.psi import Psi
 from smarig.control.regulation.sensor_plausibility import SensorPlausibility
 from smarig.control.regulation.setpoint_pi import SetpointController, SetpointPI
-from smarig.core.command import Command, Drive, Elapsed, Hold, Mark, Protocol, Settled, Waveform
-from smarig.core.errors import UsageError
-from smarig.core.sample import Quality, Sample
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
-from smarig.preisach.state import State
-from smarig.protocols._setup import Setup
+from smarig.core import (
+    Command,
+    Drive,
+    Elapsed,
+    Hold,
+    Mark,
+    Protocol,
+    Quality,
+    Sample,
+    Settled,
+    UsageError,
+    Waveform,
+)
+from smarig.preisach import Everett, Preisach, State
+from smarig.protocols import Setup
 
 StartState = Literal["diagonal", "ascending", "descending"]
 START_STATES: tuple[StartState, ...] = ("diagonal", "ascending", "descending")

@@ -7,11 +7,9 @@ what no room does counts. Knows the model's hysteresis; refuses to know the loop
 
 import math
 
-from smarig.core.errors import LimitExceeded
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
-from smarig.preisach.state import State
-from smarig.protocols._setup import Setup
+from smarig.core import LimitExceeded
+from smarig.preisach import Everett, Preisach, State
+from smarig.protocols import Setup
 
 LIMIT_TAUS = 10.0  # at the limit, until the wire has come to rest there
 OFF_TARGET = 0.03  # of the output's range: off the set-point

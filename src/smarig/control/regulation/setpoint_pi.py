@@ -14,8 +14,8 @@ from typing import Protocol
 
 import numpy as np
 
-from smarig.preisach.everett import Everett
-from smarig.protocols._setup import Setup
+from smarig.preisach import Everett
+from smarig.protocols import Setup
 
 BANDWIDTH_FACTOR = 1.0  # the loop's time constant on the steepest branch, as a multiple of τ, is 1/GENTLE
 _GRID_POINTS = 256

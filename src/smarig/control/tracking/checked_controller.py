@@ -12,8 +12,7 @@ from numbers import Real
 from typing import Any
 
 from smarig.control.tracking.controller_model import ControllerFactory, ControllerModel, ReferenceFunction
-from smarig.core.errors import LimitExceeded, SmarigError, UsageError
-from smarig.core.sample import Sample
+from smarig.core import LimitExceeded, Sample, SmarigError, UsageError
 
 _EXHAUSTED = object()
 

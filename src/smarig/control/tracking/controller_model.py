@@ -4,12 +4,10 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from smarig.core.sample import Sample
-from smarig.plant.effect import SupportsHooks
-from smarig.plant.plant import Plant
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
-from smarig.protocols._setup import Setup
+from smarig.core import Sample
+from smarig.plant import Plant, SupportsHooks
+from smarig.preisach import Everett, Initial, Preisach
+from smarig.protocols import Setup
 
 ReferenceFunction = Callable[[float], float]  # position at a time of the samples' clock, s
 Controller = Generator[float, Sample, None]  # yields currents, A; is sent the sample of the tick

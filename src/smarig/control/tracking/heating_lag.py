@@ -10,8 +10,8 @@ current at all. Knows no hysteresis.
 
 import math
 
-from smarig.plant.plant import Plant
-from smarig.protocols._setup import Setup
+from smarig.plant import Plant
+from smarig.protocols import Setup
 
 MIN_FACTOR, MAX_FACTOR = (
     0.3,

@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.control.argument_checks import finite
-from smarig.core.catalogue import suggestion
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, suggestion
 
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.control.tracking.reference import Reference
-from smarig.core.errors import UsageError
-from smarig.plant.actuator import Actuator
+from smarig.core import UsageError
+from smarig.plant import Actuator
 
 SETTLING_BAND_COUNTS = 2.0
 SETTLED_FOR_S = 5.0  # and stays there

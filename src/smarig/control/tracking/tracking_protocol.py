@@ -9,9 +9,8 @@ from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonito
 from smarig.control.tracking.checked_controller import CheckedController
 from smarig.control.tracking.controller_model import ControllerFactory, ControllerModel
 from smarig.control.tracking.reference import Reference
-from smarig.core.command import Drive, Mark, Protocol
-from smarig.core.sample import Sample
-from smarig.protocols.initialise import initialise
+from smarig.core import Drive, Mark, Protocol, Sample
+from smarig.protocols import initialise
 
 TRACKING_LOOP_CLOSED, TRACKING_LOOP_OPENED = (
     "closed loop",

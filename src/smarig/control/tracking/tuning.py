@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 
 from smarig.control.controller_settings import TRACKING_CONTROLLERS, default_numbers
 from smarig.control.tracking.controller_model import ControllerFactory
-from smarig.core.catalogue import catalogue_entry
+from smarig.core import catalogue_entry
 
 FIRST_STEP = 0.7  # of a logarithm: a factor of two
 

@@ -20,11 +20,9 @@ from smarig.control.current_limits import limited_current, ramp_to_zero
 from smarig.control.tracking.reference import Reference
 from smarig.control.tracking.tracking_protocol import TRACKING_LOOP_CLOSED, TRACKING_LOOP_OPENED
 from smarig.control.velocity.velocity_controller import VelocityController
-from smarig.core.command import Command, Drive, Mark, Protocol
-from smarig.core.errors import UsageError
-from smarig.core.sample import Sample
-from smarig.protocols._setup import Setup
-from smarig.protocols.initialise import initialise as initialise_wire
+from smarig.core import Command, Drive, Mark, Protocol, Sample, UsageError
+from smarig.protocols import Setup
+from smarig.protocols import initialise as initialise_wire
 
 Array = NDArray[np.float64]
 # What is known of Thm 8.2 for this loop, for the record; of the share of clipped samples, None before it is measured.

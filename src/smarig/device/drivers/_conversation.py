@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from itertools import accumulate, cycle, islice
 from typing import NamedTuple
 
-from smarig.core.errors import ConfigError
+from smarig.core import ConfigError
 from smarig.device.links.link import Link
 from smarig.device.wire.exchange import Exchange, Refusal
 from smarig.device.wire.link_faults import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap

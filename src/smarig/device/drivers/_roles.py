@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple, Protocol
 
-from smarig.core.sample import Quality
+from smarig.core import Quality
 
 
 class CurrentReading(NamedTuple):

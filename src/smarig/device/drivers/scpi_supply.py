@@ -6,12 +6,11 @@ file.
 """
 
 from smarig.config import LinkFile, RigFile
-from smarig.core.errors import ConfigError
-from smarig.core.sample import NAN, Quality
+from smarig.core import NAN, ConfigError, Quality
 from smarig.device.drivers._roles import CurrentReading
 from smarig.device.links.text_line import TextLine
 from smarig.device.wire.link_faults import Garbled, Silent, WrongDevice
-from smarig.plant.actuator import Actuator
+from smarig.plant import Actuator
 
 HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
 

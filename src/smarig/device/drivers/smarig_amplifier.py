@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 
 from smarig.config import LinkFile, RigFile
-from smarig.core.errors import ConfigError, SmarigError
-from smarig.core.sample import Quality
+from smarig.core import ConfigError, Quality, SmarigError
 from smarig.device.drivers._conversation import Conversation, Status
 from smarig.device.drivers._roles import CurrentReading
 from smarig.device.links.link import Link, let_go_on_failure

@@ -1,7 +1,7 @@
 """The encoder DAQ of firmware_protocol/encoder_daq.toml: it counts and keeps time by itself."""
 
 from smarig.config import LinkFile, RigFile
-from smarig.core.sample import Quality
+from smarig.core import Quality
 from smarig.device.drivers._conversation import Conversation
 from smarig.device.drivers._roles import PositionReading
 from smarig.device.links.link import Link, let_go_on_failure

@@ -3,7 +3,7 @@
 from urllib.parse import urlsplit
 
 from smarig.config import LinkFile
-from smarig.core.errors import ConfigError
+from smarig.core import ConfigError
 from smarig.device.links.link import Link
 from smarig.device.links.modbus_tcp import ModbusTcp
 from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from smarig.core.resources import shipped
+from smarig.core import shipped
 from smarig.device.wire.register import DeviceFault, Register, RegisterMap, Value, load_register_map
 
 DEVICES = ("amplifier", "encoder_daq")

@@ -1,6 +1,6 @@
 """What can go wrong between host and device, by blame, each with what to do. Knows no device and no link."""
 
-from smarig.core.errors import RigFault
+from smarig.core import RigFault
 
 
 class LinkFault(RigFault):

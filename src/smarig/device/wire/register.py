@@ -13,11 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from smarig.core.catalogue import suggestion
-from smarig.core.errors import UsageError
-from smarig.core.resources import shipped
-from smarig.core.sample import NAN
-from smarig.core.toml_file import TomlTable, load_toml
+from smarig.core import NAN, TomlTable, UsageError, load_toml, shipped, suggestion
 
 VALUE_RANGES = {
     "u16": (0, 0xFFFF),
@@ -278,7 +274,7 @@ def from_words(words: Sequence[int], kind: str) -> int:
 def load_register_map(name: str) -> RegisterMap:
     """The map of a device by name; ConfigError says what is wrong in its file.
 
-    >>> load_map("amplifier")["current"].lsb
+    >>> load_register_map("amplifier")["current"].lsb
     1e-06
     """
     file = load_toml(_RegisterMapFile, shipped("firmware_protocol") / f"{name}.toml")

@@ -14,8 +14,8 @@ from scipy.linalg import solve_triangular
 
 from smarig.diagnosis.critique.refit import Refit, refit
 from smarig.diagnosis.explain.candidates import Candidate, generic, named, whitened
-from smarig.plant.effect import EffectType
-from smarig.preisach.sensitivity import sensitivities
+from smarig.plant import EffectType
+from smarig.preisach import sensitivities
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]

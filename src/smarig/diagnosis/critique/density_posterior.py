@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
 from smarig.diagnosis.explain.density_prior import DensityPrior
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
 MAX_CORRECTIONS = 10  # times at most that what non-negative masses lost is given to others

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.sensitivity import sensitivities
+from smarig.preisach import Everett, sensitivities
 from smarig.replay import Prediction
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.critique.refit import Refit
 from smarig.diagnosis.drive_statistics import drive_statistics
-from smarig.plant.effect import Effect, EffectType, Parameter
+from smarig.plant import Effect, EffectType, Parameter
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]

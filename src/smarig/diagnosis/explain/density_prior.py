@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.sparse import csr_matrix
 
-from smarig.identification.positive.adapted_partition import SAME_LEVEL, adapted_nodes
-from smarig.identification.positive.observations import Observations
-from smarig.identification.positive.triangle import Triangle
-from smarig.preisach.everett import Everett
+from smarig.identification import SAME_LEVEL, Observations, Triangle, adapted_nodes
+from smarig.preisach import Everett
 from smarig.replay import Prediction
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ from smarig.diagnosis.critique.evidence_maximum import EvidenceMaximum, maximise
 from smarig.diagnosis.critique.refit import Refit
 from smarig.diagnosis.explain.joint_density import joint_density, joint_density_from_best_start
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
-from smarig.plant.effect import Effect
-from smarig.preisach.everett import Everett
+from smarig.plant import Effect
+from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline
 
 MAX_ROUNDS = 4  # of effects, then density

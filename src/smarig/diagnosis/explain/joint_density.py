@@ -12,10 +12,8 @@ import numpy as np
 
 from smarig.diagnosis.critique.refit import Refit, refit
 from smarig.diagnosis.drive_statistics import drive_statistics
-from smarig.identification.positive.observations import Observations
-from smarig.identification.positive.positive_fit import fit_table
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.identification import Observations, fit_table
+from smarig.preisach import Everett, FodTable
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 START_SMOOTHING = 1e-14  # λ of the measure that begins it

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.critique.refit import Refit
-from smarig.plant.effect import Effect, Parameter
-from smarig.preisach.everett import Everett
+from smarig.plant import Effect, Parameter
+from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline, predict, with_hysteresis
 
 Array = NDArray[np.float64]

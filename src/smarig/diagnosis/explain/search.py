@@ -20,8 +20,8 @@ from smarig.diagnosis.explain.explanation import (
 )
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
-from smarig.plant.effect import Effect
-from smarig.preisach.everett import Everett
+from smarig.plant import Effect
+from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline
 
 CritiqueFunction = Callable[[PlantModel], Critique]

@@ -19,7 +19,7 @@ from smarig.diagnosis.explain.search import (
     SearchLevel,
     search_explanations,
 )
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline
 
 CritiqueFunction = Callable[..., Critique]

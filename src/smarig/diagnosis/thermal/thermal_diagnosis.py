@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.diagnosis.critique.critique import ALPHA, MIN_SPREAD_NATS
 from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS, DiagnosisVerdict
 from smarig.diagnosis.thermal.thermal_fit import (

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from smarig.core.errors import DataError
-from smarig.identification.calibration.holds import valid_rows
+from smarig.core import DataError
+from smarig.identification import valid_rows
 from smarig.record import Run
 
 Array = NDArray[np.float64]

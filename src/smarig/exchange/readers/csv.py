@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapped_csv import read_mapped_csv
 from smarig.exchange.mapping import load_mapping

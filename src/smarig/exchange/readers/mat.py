@@ -4,7 +4,7 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.exchange.draft import RunDraft
 from smarig.exchange.mapped_csv import mapped_draft
 from smarig.exchange.mapping import load_mapping

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.record import Run
-from smarig.record.schema import SAMPLE_COLUMNS
+from smarig.record import SAMPLE_COLUMNS, Run
 
 _WHOLE = ("tick", "step", "counts", "flags")
 

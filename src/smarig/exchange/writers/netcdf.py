@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.exchange.export_columns import (
     FLAGS,
     ExportColumn,
@@ -25,8 +25,7 @@ from smarig.exchange.export_columns import (
     step_columns,
     title,
 )
-from smarig.record import Run
-from smarig.record.metadata import is_timestamp
+from smarig.record import Run, is_timestamp
 
 _MISSING = np.iinfo(np.int32).min
 _UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # as UDUNITS has them

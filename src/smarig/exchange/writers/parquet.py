@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.exchange.export_columns import label, sample_columns, title
 from smarig.record import Run
 

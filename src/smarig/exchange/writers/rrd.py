@@ -7,6 +7,6 @@ from smarig.record import Run
 
 def rrd(run: Run, path: Path) -> None:
     """The run's samples, steps and events as ``smarig view`` shows them; needs rerun."""
-    from smarig.live.live_view import save_recording
+    from smarig.live import save_recording
 
     save_recording(run, path)

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.command import Settled
+from smarig.core import Settled
 from smarig.identification.adaptive.memory_path import MemoryPath, corners, duration_s, paths_along, rows
 from smarig.identification.adaptive.plan_search import best_plan
 from smarig.identification.adaptive.surface_posterior import (
@@ -23,8 +23,7 @@ from smarig.identification.adaptive.surface_posterior import (
 from smarig.identification.positive import Observations, fit_positive
 from smarig.identification.positive.observations import COMMON
 from smarig.identification.positive.triangle import Triangle
-from smarig.protocols._setup import Setup
-from smarig.protocols.adaptive_fod import HoldResult, NextInputs
+from smarig.protocols import HoldResult, NextInputs, Setup
 
 Array = NDArray[np.float64]
 INTERVALS = 24  # of the triangle on which is planned

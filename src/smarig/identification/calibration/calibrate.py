@@ -16,16 +16,15 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import ActuatorFile, Quantity
-from smarig.core.atomic_file import atomic_file
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, atomic_file
 from smarig.identification.calibration.heat_loss import heat_loss
 from smarig.identification.calibration.position_transient import tau_from_position
 from smarig.identification.calibration.resistance import resistances
 from smarig.identification.calibration.thermal_transient import tau_from_temperature
 from smarig.identification.interval_estimate import Estimate
-from smarig.plant.actuator import Actuator
-from smarig.preisach.everett import Everett
-from smarig.record.run import Run
+from smarig.plant import Actuator
+from smarig.preisach import Everett
+from smarig.record import Run
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.identification.calibration.holds import at_range_end, drive_holds, valid_rows
 from smarig.identification.interval_estimate import Estimate, LinearFit, linear_fit
-from smarig.record.run import Run
+from smarig.record import Run
 
 Array = NDArray[np.float64]
 _TIME_CONSTANTS = 5.0

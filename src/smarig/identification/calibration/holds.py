@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.sample import Quality
-from smarig.record.run import Run
+from smarig.core import Quality
+from smarig.record import Run
 
 Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step

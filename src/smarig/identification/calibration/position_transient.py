@@ -16,11 +16,9 @@ from scipy.optimize import fminbound
 
 from smarig.identification.calibration.holds import drive_holds, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
-from smarig.plant.actuator import Actuator
-from smarig.plant.heating import JouleHeating
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
-from smarig.record.run import Run
+from smarig.plant import Actuator, JouleHeating
+from smarig.preisach import Everett, Preisach
+from smarig.record import Run
 from smarig.replay import continues_run, recorded_start
 
 Array = NDArray[np.float64]

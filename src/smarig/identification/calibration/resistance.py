@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.interval_estimate import Estimate, linear_fit
-from smarig.record.run import Run
+from smarig.record import Run
 
 Array = NDArray[np.float64]
 _MIN_TRAVEL_SHARE = 0.8  # of the widest run's travel: a run with less does not show both phases

@@ -17,7 +17,7 @@ from scipy.stats import f as fisher
 
 from smarig.identification.calibration.holds import DriveHold, drive_holds, drive_name, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
-from smarig.record.run import Run
+from smarig.record import Run
 
 Array = NDArray[np.float64]
 _BINS = 300

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import f as fisher
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.identification.interval_estimate import Estimate
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 from smarig.record import Run
-from smarig.theory.extended.accommodating_operator import AccommodatingPreisach
+from smarig.theory import AccommodatingPreisach
 
 Array = NDArray[np.float64]
 _SHORTEST, _LONGEST, _SCAN = 0.02, 200.0, 17  # strokes

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.catalogue import catalogue_entry, catalogue_names
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
 from smarig.identification.extended.extremum_chains import extremum_chains
 from smarig.identification.extended.fitted_extension import (
@@ -25,10 +24,9 @@ from smarig.identification.extended.fitted_extension import (
 )
 from smarig.identification.extended.moving_fit import excursions
 from smarig.identification.noise_floor import noise_floor
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
+from smarig.preisach import Everett, Preisach
 from smarig.record import Run
-from smarig.replay.extended_model import extended_operator
+from smarig.replay import extended_operator
 
 Array = NDArray[np.float64]
 Refit = Callable[[Sequence[Run]], Everett]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.noise_floor import NoiseFloor
 from smarig.record import Run
 from smarig.replay import memory_histories

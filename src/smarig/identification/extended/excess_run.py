@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.extended.fitted_extension import ExtensionData
 from smarig.identification.extended.nonlinear_fit import NonlinearFit, identify_nonlinear
 from smarig.identification.interval_estimate import Estimate

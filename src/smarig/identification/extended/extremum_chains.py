@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.record import Run
 from smarig.replay import MemoryHistory, memory_histories
 

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.core.catalogue import catalogue_names
-from smarig.core.errors import DataError
+from smarig.core import DataError, catalogue_names
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.noise_floor import noise_floor
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 from smarig.record import Run
 
 EXTENSIONS = "smarig.identification.extended.extensions"

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.identification.extended.spline_surface import first_order_surface
 from smarig.identification.interval_estimate import Estimate
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach import FodTable
 from smarig.record import Run
-from smarig.theory.extended.moving_operator import MovingPreisach, slope_range
+from smarig.theory import MovingPreisach, slope_range
 
 Array = NDArray[np.float64]
 _FEWEST = 8

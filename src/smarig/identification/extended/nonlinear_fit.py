@@ -19,13 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach import Everett, FodTable
 from smarig.record import Run
-from smarig.theory.extended.nonlinear_operator import NonlinearPreisach, SecondOrderExcess, second_order_mask
-from smarig.theory.extended.restricted_operator import RestrictedPreisach
+from smarig.theory import NonlinearPreisach, RestrictedPreisach, SecondOrderExcess, second_order_mask
 
 Array = NDArray[np.float64]
 

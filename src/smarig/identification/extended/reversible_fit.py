@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from smarig.core.errors import DataError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach
+from smarig.core import DataError
+from smarig.preisach import Everett, Preisach
 from smarig.record import Run
 from smarig.replay import memory_histories
-from smarig.theory.extended.reversible_operator import ReversiblePart, ReversiblePreisach
+from smarig.theory import ReversiblePart, ReversiblePreisach
 
 Array = NDArray[np.float64]
 

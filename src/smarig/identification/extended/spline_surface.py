@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.extended.extremum_chains import ExtremumChains, Places
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
 _PROPER = 1e-4  # a little ridge makes the prior proper

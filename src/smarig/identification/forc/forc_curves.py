@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
-from smarig.preisach.hysteresis.forc_curve import ForcCurve
-from smarig.record import FORC_PROTOCOL
-from smarig.record.run import Run
+from smarig.core import DataError
+from smarig.preisach import ForcCurve
+from smarig.record import FORC_PROTOCOL, Run
 
 CALIBRATION = -1
 _MAX_REVERSED_SHARE = 0.1

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_density_local import LocalFits, local_fits
 from smarig.identification.forc.forc_density_smoothing import DEGREES, choose_smoothing, nearest_widths

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.forc.forc_density_local import local_fits, neighbourhoods
 from smarig.identification.forc.forc_density_windows import WINDOWS
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.positive.observations import COMMON, Observations, joined_observations
 from smarig.identification.steady_loops import SteadyLoop
 

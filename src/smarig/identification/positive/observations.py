@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, hstack, vstack
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.triangle import Triangle
-from smarig.preisach.operator import State
+from smarig.preisach import State
 from smarig.record import Run
 from smarig.replay import MemoryHistory, memory_histories
 

@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import structural_rank
 from scipy.special import ndtri
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.identification.positive.adapted_partition import adapted_nodes
 from smarig.identification.positive.held_out_error import HeldOut, held_out_test
 from smarig.identification.positive.interior_point import Solution
@@ -29,7 +29,7 @@ from smarig.identification.positive.smoothing_choice import (
     smoothing_by_held_out,
 )
 from smarig.identification.positive.triangle import Triangle
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
 INTERVALS, COARSE = 40, 25  # of the triangle that is fitted, of the one that chooses λ

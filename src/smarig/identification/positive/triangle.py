@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix, vstack
 
-from smarig.core.errors import DataError
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.core import DataError
+from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
@@ -21,11 +21,7 @@ from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
 from smarig.identification.surface.measured_table import curve_table, table
 from smarig.identification.surface.surface_fit import MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import POSITIVE_KIND, kinds_by_freedom, surface_kinds
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.lattice import lattice
-from smarig.preisach.hysteresis.surface_form import surface_forms
+from smarig.preisach import FodSurface, FodTable, ForcTable, lattice, surface_forms
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

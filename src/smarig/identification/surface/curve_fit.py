@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from smarig.identification.fod_data import DescendingCurve, FodData
-from smarig.preisach.hysteresis.fod_surface import sigmoid
+from smarig.preisach import sigmoid
 
 Array = NDArray[np.float64]
 NAMES = ("b1", "b2", "b3", "b4")

@@ -15,7 +15,7 @@ from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.surface.choose_surface import FEWEST_CURVES
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit
-from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach import ForcTable
 
 Array = NDArray[np.float64]
 NEGATIVE_MASS_RATIO = 1.25  # times the held-out error with masses of any sign: more than chance makes of it

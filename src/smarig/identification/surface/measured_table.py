@@ -5,10 +5,9 @@ No fit and no noise model: what was measured is met exactly. Knows no file.
 
 import numpy as np
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.fod_data import FodData
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.forc_table import ForcCurve, ForcTable
+from smarig.preisach import FodTable, ForcCurve, ForcTable
 
 
 def table(data: FodData) -> FodTable | ForcTable:

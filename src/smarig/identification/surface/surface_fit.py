@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from smarig.core.errors import DataError, UsageError
+from smarig.core import DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.surface_form import Parameters, SurfaceForm, surface_form
+from smarig.preisach import FodSurface, Parameters, SurfaceForm, surface_form
 
 Array = NDArray[np.float64]
 MajorLoopWeighting = Literal["residual", "square"]

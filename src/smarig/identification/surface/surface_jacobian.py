@@ -7,7 +7,7 @@ y = y₋ + D s/S,   D = y₊ − y₋,   s = A(α) [σ(x₄(β + f)) − σ(x₄
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.preisach.hysteresis.fod_surface import FodSurface, sigmoid
+from smarig.preisach import FodSurface, sigmoid
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 from itertools import groupby
 
-from smarig.preisach.hysteresis.surface_form import surface_forms
+from smarig.preisach import surface_forms
 
 POSITIVE_KIND = "positive"
 TABLE_KIND = "table"

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.identification.fod_data import FodData
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.surface_form import Parameters, surface_form
+from smarig.preisach import FodSurface, Parameters, surface_form
 
 Array = NDArray[np.float64]
 FLATTEST = 1e-6  # s(u₊, u₊) below this leaves nothing to scale to the measured height

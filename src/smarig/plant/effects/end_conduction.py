@@ -6,7 +6,7 @@ y = (1 − f) Γ[u] + f Γ[κ u]        a share f of the wire at the temperature
 from collections.abc import Mapping
 
 from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
-from smarig.preisach.operator import Preisach
+from smarig.preisach import Preisach
 
 
 def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.hysteresis.surface_form import SurfaceForm, surface_form
 from smarig.preisach.kernel import KeyedEverett, input_as_keys, inputs_as_keys

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.hysteresis.forc_curve import ForcCurve, Line, completed_curves, saturation
 

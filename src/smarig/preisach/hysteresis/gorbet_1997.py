@@ -4,8 +4,7 @@ Printed parameters are rounded (x₅ = −0.0010 has two digits), so errors reco
 in the third digit. One-wire outputs in mm, two-wire in degrees; inputs in kelvin above ambient.
 """
 
-from smarig.core.catalogue import suggestion
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, suggestion
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 
 _ONE = {"lower": 0.0, "upper": 174.1, "y_lower": 0.0, "y_upper": 12.54, "unit": "mm"}
@@ -31,7 +30,7 @@ THESIS_PARTITIONS: dict[str, tuple[float, ...]] = {
 def thesis_surface(name: str) -> FodSurface:
     """A surface of Table 5.1.
 
-    >>> surface("one_c").x[1]
+    >>> thesis_surface("one_c").x[1]
     -47.212
     """
     if name not in _TABLE_5_1:

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.preisach.everett import Differentiable, Everett, from_diagonal
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.preisach.kernel import KeyedEverett, Search
 
 Array = NDArray[np.float64]

@@ -12,8 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.catalogue import catalogue_entry, catalogue_names, own_entries
-from smarig.core.errors import UsageError
+from smarig.core import UsageError, catalogue_entry, catalogue_names, own_entries
 
 Array = NDArray[np.float64]
 Parameters = tuple[float, ...]
@@ -99,7 +98,7 @@ def surface_form(name: str) -> SurfaceForm:
 def surface_forms() -> dict[str, SurfaceForm]:
     """Every form by name, by rising number of parameters, own files that were loaded included.
 
-    >>> list(forms())
+    >>> list(surface_forms())
     ['constant', 'parabolic', 'exponential']
     """
     found = _shipped_forms() | {name: file.found for name, file in own_entries(FORMS).items()}

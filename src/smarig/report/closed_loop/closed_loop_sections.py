@@ -6,9 +6,8 @@ Knows runs, and a model where one is at hand. Refuses to run anything.
 import math
 from typing import Any
 
-from smarig.certify.model_certificate import certificate
-from smarig.control.controller_settings import VELOCITY_CONTROLLERS, default_numbers
-from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
+from smarig.certify import certificate
+from smarig.control import SETTLING_BAND_COUNTS, VELOCITY_CONTROLLERS, default_numbers
 from smarig.record import Run
 from smarig.replay import Model
 from smarig.report.closed_loop.closed_loop_figures import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
+from smarig.control import SETTLING_BAND_COUNTS
 from smarig.report.closed_loop.hold_end import HoldEnd
 from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult
 from smarig.report.closed_loop.velocity_result import VelocityResult, velocity_verdict

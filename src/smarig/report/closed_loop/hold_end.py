@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.control.tracking.tracking_performance import SETTLED_FOR_S, SETTLING_BAND_COUNTS
+from smarig.control import SETTLED_FOR_S, SETTLING_BAND_COUNTS
 
 Array = NDArray[np.float64]
 LAST_S = 60.0  # or the last quarter, where that is shorter

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
+from smarig.control import SETTLING_BAND_COUNTS
 from smarig.record import Run
 from smarig.report.closed_loop.closed_loop_text import zero_below_resolution
 from smarig.report.closed_loop.loop_comparison_figures import (

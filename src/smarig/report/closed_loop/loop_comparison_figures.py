@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.control.regulation.boundary_plane import BoundaryPlane
-from smarig.control.tracking.tracking_performance import SETTLING_BAND_COUNTS
+from smarig.control import SETTLING_BAND_COUNTS, BoundaryPlane
 from smarig.report.closed_loop.closed_loop_figures import (
     ROWS,
     clipped_text,

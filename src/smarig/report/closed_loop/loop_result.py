@@ -11,19 +11,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.control.regulation.boundary_plane import BoundaryPlane
-from smarig.control.regulation.regulation_protocol import (
+from smarig.control import (
     REGULATION_PLANNED,
     SETPOINT_DISTURBED,
     SETPOINT_LOOP_OPENED,
+    TRACKING_LOOP_CLOSED,
+    VELOCITY_LOOP_MEASURED,
+    VELOCITY_LOOP_STARTED,
+    BoundaryPlane,
+    Reference,
+    TrackingPerformance,
+    tracking_performance,
 )
-from smarig.control.regulation.regulation_protocol import SETPOINT_LOOP_CLOSED as REGULATED
-from smarig.control.tracking.reference import Reference
-from smarig.control.tracking.tracking_performance import TrackingPerformance, tracking_performance
-from smarig.control.tracking.tracking_protocol import TRACKING_LOOP_CLOSED
-from smarig.control.velocity.velocity_protocol import VELOCITY_LOOP_MEASURED, VELOCITY_LOOP_STARTED
-from smarig.core.errors import SmarigError
-from smarig.plant.actuator import Actuator
+from smarig.control import SETPOINT_LOOP_CLOSED as REGULATED
+from smarig.core import SmarigError
+from smarig.plant import Actuator
 from smarig.record import Event, Run
 from smarig.report.closed_loop.hold_end import HoldEnd, hold_end
 from smarig.report.closed_loop.velocity_result import VelocityResult

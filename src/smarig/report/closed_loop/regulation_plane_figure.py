@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.control.regulation.boundary_plane import BoundaryPlane
+from smarig.control import BoundaryPlane
 from smarig.record import Run
 from smarig.report.closed_loop.loop_result import RegulationResult
 from smarig.report.components.figure import Figure, Panel, axis, dots, line

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.certify.hypothesis import Hypothesis, failing
-from smarig.control.tracking.reference import Reference
-from smarig.control.velocity.velocity_protocol import VelocityFilter, running_ratio
+from smarig.certify import Hypothesis, failing
+from smarig.control import Reference, VelocityFilter, running_ratio
 from smarig.report.components.numbers import number
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.report.components.page import SIMULATED_TEXT
 from smarig.report.components.style import COMPARED
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from plotly.offline import get_plotlyjs
 
-from smarig.core.atomic_file import atomic_file
+from smarig.core import atomic_file
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, escaped, joined, tag
 from smarig.report.components.style import CSS, template

@@ -6,7 +6,7 @@ Knows no data.
 
 from typing import Any
 
-from smarig.preisach.hysteresis.surface_form import surface_forms
+from smarig.preisach import surface_forms
 
 INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
 HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion rises, blue falls

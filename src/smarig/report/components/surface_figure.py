@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from smarig.identification.identification_result import Identification
+from smarig.identification import Identification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, packed
 from smarig.report.components.style import INK, SEQUENCE

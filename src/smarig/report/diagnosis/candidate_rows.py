@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis.critique.critique import CandidateScore
-from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis import CandidateScore, Diagnosis
 from smarig.report.components.figure import axis
 from smarig.report.components.numbers import thousands
 from smarig.report.components.style import FIRST, SECOND

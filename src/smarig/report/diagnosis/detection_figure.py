@@ -9,9 +9,7 @@ import numpy as np
 from scipy.cluster.hierarchy import leaves_list, linkage
 from scipy.spatial.distance import squareform
 
-from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS, CandidateScore
-from smarig.diagnosis.critique.visibility import IMITATION_THRESHOLD, VisibilityTable
-from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis import IMITATION_THRESHOLD, MIN_SPREAD_NATS, CandidateScore, Diagnosis, VisibilityTable
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.components.style import GREY, INK, SEQUENCE
 from smarig.report.diagnosis.candidate_rows import GENERIC, NAMED, candidate_name, nats_text, rows_layout

@@ -5,8 +5,8 @@ Puts figures, tables and sentences in order; decides nothing.
 
 from collections.abc import Iterator
 
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.plant.effect_catalogue import effect_types
+from smarig.diagnosis import Diagnosis
+from smarig.plant import effect_types
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.numbers import duration

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.drive_statistics import drive_statistics
-from smarig.preisach.sensitivity import sensitivities
+from smarig.diagnosis import Diagnosis, drive_statistics, memory_covariance, memory_slopes
+from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.components.numbers import number
 from smarig.report.components.style import INK, MODEL

@@ -5,8 +5,7 @@ Draws nothing; decides nothing.
 
 from collections.abc import Iterator
 
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.diagnosis_text import share_text
+from smarig.diagnosis import Diagnosis, share_text
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.diagnosis.diagnosis_text import findings, verdict_sentence
 from smarig.report.runs.run_description import display_unit

@@ -7,10 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smarig.diagnosis.critique.visibility import IMITATION_THRESHOLD
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.explain.candidates import DETECTION_SD
-from smarig.plant.effect import EffectType
+from smarig.diagnosis import DETECTION_SD, IMITATION_THRESHOLD, Diagnosis
+from smarig.plant import EffectType
 from smarig.report.components.html import Html, table, tag
 from smarig.report.components.numbers import number
 from smarig.report.diagnosis.candidate_rows import candidate_name, nats_text, top_candidates

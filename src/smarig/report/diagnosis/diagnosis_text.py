@@ -6,12 +6,8 @@ Knows nothing of pages and figures.
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
-from smarig.diagnosis.diagnose import NORMAL_95, Diagnosis
-from smarig.diagnosis.diagnosis_text import share_text
-from smarig.diagnosis.explain.parameter_fit import ParameterFit
-from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.plant.effect import Effect, EffectType, Parameter
-from smarig.plant.effect_catalogue import effect_types
+from smarig.diagnosis import NORMAL_95, Diagnosis, HeldOutGain, ParameterFit, share_text
+from smarig.plant import Effect, EffectType, Parameter, effect_types
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
 from smarig.report.runs.run_description import display_unit

@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis.critique.critique import CandidateScore
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
+from smarig.diagnosis import LEAD_SCALE_NATS, CandidateScore, Diagnosis
 from smarig.report.components.figure import Figure, Panel, Trace, packed
 from smarig.report.diagnosis.candidate_rows import (
     GENERIC,

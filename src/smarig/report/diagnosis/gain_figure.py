@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis import Diagnosis, HeldOutGain
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
 from smarig.report.diagnosis.diagnosis_predictions import Array, rig_text, rms

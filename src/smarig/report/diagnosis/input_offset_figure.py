@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis import Diagnosis
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line, packed
 from smarig.report.components.numbers import number
 from smarig.report.components.style import GREY

@@ -7,9 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from smarig.diagnosis.critique.critique import Critique
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.drive_statistics import MIN_COUNT_SD
+from smarig.diagnosis import MIN_COUNT_SD, Critique, Diagnosis
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
 from smarig.report.diagnosis.diagnosis_predictions import input_slopes, rms_noise

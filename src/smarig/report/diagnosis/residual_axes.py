@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis import Diagnosis, drive_statistics
 from smarig.replay import Timeline
 from smarig.report.components.figure import AXIS_MARGIN, axis
 from smarig.report.components.numbers import number

@@ -6,8 +6,7 @@ Before and after the effects, side by side. Knows nothing of why the model misse
 from collections.abc import Sequence
 from typing import Any
 
-from smarig.diagnosis.critique.critique import CandidateScore
-from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis import CandidateScore, Diagnosis
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line
 from smarig.report.components.numbers import number

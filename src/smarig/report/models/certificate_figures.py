@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.certify.model_certificate import ModelCertificate
-from smarig.control.regulation.psi import Psi
-from smarig.identification.density_report import DensityReport, density_report
+from smarig.certify import ModelCertificate
+from smarig.control import Psi
+from smarig.identification import DensityReport, density_report
 from smarig.replay import Model
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
 from smarig.report.components.numbers import number

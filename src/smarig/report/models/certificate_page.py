@@ -5,13 +5,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.certify.certificate_scope import CONTROL_FINDINGS
-from smarig.certify.certificate_units import Units
-from smarig.certify.hypothesis import Hypothesis
-from smarig.certify.measured_passivity import MeasuredPassivity
-from smarig.certify.model_certificate import ModelCertificate
-from smarig.certify.position_supply_rate import PositionController
-from smarig.certify.storage_bound import StorageBound
+from smarig.certify import (
+    CONTROL_FINDINGS,
+    Hypothesis,
+    MeasuredPassivity,
+    ModelCertificate,
+    PositionController,
+    StorageBound,
+    Units,
+)
 from smarig.replay import Model
 from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import number

@@ -4,7 +4,7 @@ import shlex
 
 import numpy as np
 
-from smarig.identification.surface.choose_surface import POSITIVE_KIND, SIMPLER_TOLERANCE
+from smarig.identification import POSITIVE_KIND, SIMPLER_TOLERANCE
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
 from smarig.report.models.density_figures import density_unit

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.identification.surface.choose_surface import POSITIVE_KIND
-from smarig.identification.surface.curve_report import NO_CURVES
+from smarig.identification import NO_CURVES, POSITIVE_KIND
 from smarig.record import Run
 from smarig.report.components.decimate import POINTS
 from smarig.report.components.figure import Figure

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.identification.density_report import DensityReport
-from smarig.identification.identification_result import Identification
+from smarig.identification import DensityReport, Identification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.components.numbers import number, raised

@@ -3,12 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from smarig.diagnosis.diagnose import Diagnosis
-from smarig.identification.calibration.calibrate import Calibration
-from smarig.identification.identification_result import Identification
-from smarig.identification.surface.choose_surface import SurfaceChoice
-from smarig.identification.surface.representation_tests import Representation
-from smarig.identification.verify import Verification
+from smarig.diagnosis import Diagnosis
+from smarig.identification import Calibration, Identification, Representation, SurfaceChoice, Verification
 from smarig.record import Run
 
 

@@ -4,10 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smarig.identification.identification_result import Identification
-from smarig.identification.surface.curve_fit import fit_curves
-from smarig.identification.surface.surface_kinds import POSITIVE_KIND
-from smarig.preisach.hysteresis.surface_form import surface_forms
+from smarig.identification import POSITIVE_KIND, Identification, fit_curves
+from smarig.preisach import surface_forms
 from smarig.record import Run
 from smarig.replay import recorded_start
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line

@@ -10,17 +10,9 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import DataError
-from smarig.identification.density_report import DensityReport, density_report
-from smarig.identification.identification_result import Identification
-from smarig.identification.surface.choose_surface import FittedImage
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.forc_table import ForcTable
-from smarig.preisach.hysteresis.lattice import lattice
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.operator import Preisach
+from smarig.core import DataError
+from smarig.identification import DensityReport, FittedImage, Identification, density_report
+from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, Preisach, lattice
 from smarig.replay import Start
 
 Array = NDArray[np.float64]

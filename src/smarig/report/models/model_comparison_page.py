@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.identification.density_report import density_report
-from smarig.identification.verify import PredictionErrors, RunVerification, verify
+from smarig.identification import PredictionErrors, RunVerification, density_report, verify
 from smarig.record import Run
 from smarig.replay import Model
 from smarig.report.components.comparison_labels import banner, check_comparable_count

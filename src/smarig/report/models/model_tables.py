@@ -4,12 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from smarig.identification.calibration.calibrate import Calibration
-from smarig.identification.identification_result import Identification
-from smarig.identification.positive.positive_fit import PositiveFit
-from smarig.identification.surface.choose_surface import SurfaceChoice
-from smarig.identification.verify import Verification
-from smarig.preisach.hysteresis.surface_form import surface_forms
+from smarig.identification import Calibration, Identification, PositiveFit, SurfaceChoice, Verification
+from smarig.preisach import surface_forms
 from smarig.record import Run
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import number, thousands

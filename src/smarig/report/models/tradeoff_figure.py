@@ -5,9 +5,7 @@ Error on data a kind was not fitted to, against the part of its μ that is negat
 
 from collections.abc import Mapping
 
-from smarig.identification.identification_result import Identification
-from smarig.identification.surface.choose_surface import INTERVAL_LEVEL, SurfaceChoice
-from smarig.identification.verify import Verification
+from smarig.identification import INTERVAL_LEVEL, Identification, SurfaceChoice, Verification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.html import Html, joined

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from smarig.identification.verify import RunVerification
+from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.style import BAD, GREY, INK, surface_colour

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from smarig.identification.surface.representation_tests import Representation
+from smarig.identification import Representation
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.style import FIRST, GREY, INK, SECOND

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
-from smarig.identification.noise_floor import noise_floor
+from smarig.core import UsageError
+from smarig.identification import noise_floor
 from smarig.record import Run
 from smarig.replay import provenance
 

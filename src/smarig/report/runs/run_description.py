@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.core.sample import Quality
+from smarig.core import Quality
 from smarig.record import Run
 from smarig.report.components.numbers import thousands
 

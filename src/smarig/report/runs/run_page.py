@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from smarig.core.errors import DataError
-from smarig.identification.surface.representation_tests import Representation, congruency, wiping_out
+from smarig.core import DataError
+from smarig.identification import Representation, congruency, wiping_out
 from smarig.record import Run
 from smarig.replay import Model
 from smarig.report.closed_loop.closed_loop_sections import loop_sections

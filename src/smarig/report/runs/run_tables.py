@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core.errors import SmarigError
-from smarig.plant.actuator import Actuator
+from smarig.core import SmarigError
+from smarig.plant import Actuator
 from smarig.record import Run
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, thousands

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import SmarigError
-from smarig.core.sample import Quality
-from smarig.plant.actuator import Actuator
+from smarig.core import Quality, SmarigError
+from smarig.plant import Actuator
 from smarig.record import Run
 from smarig.report.components.decimate import POINTS, envelope
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, plotly_escaped

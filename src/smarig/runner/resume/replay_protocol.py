@@ -10,8 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.command import Command, Drive, Hold, Mark, Protocol, StepResult, StepVerdict, Waveform, Zero
-from smarig.core.errors import DataError
+from smarig.core import (
+    Command,
+    DataError,
+    Drive,
+    Hold,
+    Mark,
+    Protocol,
+    StepResult,
+    StepVerdict,
+    Waveform,
+    Zero,
+)
 from smarig.record import Run, Step
 
 Array = NDArray[np.float64]

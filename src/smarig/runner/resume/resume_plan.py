@@ -11,11 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from smarig.core.command import Hold, Settled, Waveform
-from smarig.core.errors import DataError
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.operator import Preisach
-from smarig.protocols._setup import Setup
+from smarig.core import DataError, Hold, Settled, Waveform
+from smarig.preisach import Preisach, RelayMeasure
+from smarig.protocols import Setup
 from smarig.record import Run, Step
 from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
 from smarig.runner.shift import Shift

@@ -12,15 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import RigFile, load_rig
-from smarig.core.command import Elapsed, Hold, Protocol, StepResult, Waveform
-from smarig.core.errors import DataError, UsageError
-from smarig.plant.actuator import Actuator
-from smarig.plant.effect_catalogue import effects_from_pairs
-from smarig.protocols._settings import build_protocol
-from smarig.protocols.adaptive_fod import Chooser
-from smarig.record import Recorder, Run, load_run
-from smarig.record.continuation import Continuation
-from smarig.rig.twin import TwinSettings
+from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError, Waveform
+from smarig.plant import Actuator, effects_from_pairs
+from smarig.protocols import Chooser, build_protocol
+from smarig.record import Continuation, Recorder, Run, load_run
+from smarig.rig import TwinSettings
 from smarig.runner.listener import Listener
 from smarig.runner.own_files import check_drivers, check_own_files
 from smarig.runner.preview import Preview, preview

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from smarig.core.errors import UsageError
-from smarig.protocols.adaptive_fod import Chooser
+from smarig.core import UsageError
+from smarig.protocols import Chooser
 from smarig.record import Run, load_run
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview

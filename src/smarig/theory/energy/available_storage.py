@@ -17,10 +17,8 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.operator import Initial, State
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, RelayMeasure, State
 from smarig.theory.energy.dissipation import initial_state
 from smarig.theory.energy.moments import breaks, moments_on, rounding
 from smarig.theory.energy.sweep_work import MovingBoundary, work_of_segments
@@ -48,7 +46,7 @@ def available_storage(
 
     ``levels`` is the number of even levels, 2 … 2000 (else UsageError); relays have their own.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> available_storage(thesis_surface("one_e"), "negative").value      # passive with zero bias
     0.0
     """

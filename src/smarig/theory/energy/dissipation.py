@@ -12,9 +12,8 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError, UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.core import DataError, UsageError
+from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.theory.energy.moments import rounding
 from smarig.theory.energy.sweep_work import MovingBoundary, SweepSegment, work, work_of_segments
 
@@ -64,7 +63,7 @@ def energy_balance(hysteresis: Everett, u: ArrayLike, initial: Initial = "negati
     Each move's ∫ u dy is exact (``sweep``). Raises DataError for an input that is empty, not finite or not
     one-dimensional.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> energy_balance(thesis_surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic").holds
     True
     """
@@ -99,8 +98,8 @@ def _per_move(hysteresis: Everett, moves: list[list[SweepSegment]]) -> Array:
 def recoverable_energy(hysteresis: Everett, state: State) -> float:
     """Q_r(B) of a state, output times input units; zero at u = 0 (Prop. 7.1), ≥ 0 for μ ≥ 0 and g ≥ 0.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-    >>> from smarig.preisach.operator import Preisach
+    >>> from smarig.preisach import thesis_surface
+    >>> from smarig.preisach import Preisach
     >>> wire = Preisach.from_surface(thesis_surface("one_c"))
     >>> _ = wire.step(90.0)
     >>> hot = recoverable_energy(wire.hysteresis, wire.state)

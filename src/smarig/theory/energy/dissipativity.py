@@ -13,12 +13,8 @@ from functools import singledispatch
 import numpy as np
 from scipy.optimize import minimize
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.core import UsageError
+from smarig.preisach import Everett, FodSurface, FodTable, Mirrored, RelayMeasure
 from smarig.theory.energy.loop_area_bounds import AreaBound, area_bound, least_area, negative_small_loop
 from smarig.theory.energy.moments import area as area_of
 from smarig.theory.energy.moments import rounding
@@ -77,7 +73,7 @@ def _with_unit(number: str, unit: str) -> str:
 def certify(hysteresis: Everett) -> DissipativityCertificate:
     """Decide dissipativity of a surface, table, relay measure, or the mirror image of one.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> certify(thesis_surface("one_e")).dissipative, certify(thesis_surface("one_p")).dissipative
     (True, False)
     """

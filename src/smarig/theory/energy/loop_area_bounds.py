@@ -18,8 +18,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach import FodSurface, FodTable
 from smarig.theory.energy.density_bounds import DensityCells, density_bounds
 from smarig.theory.energy.moments import areas_on
 

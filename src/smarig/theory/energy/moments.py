@@ -18,10 +18,8 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.core import UsageError
+from smarig.preisach import Everett, Mirrored, RelayMeasure
 
 Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -107,7 +105,7 @@ def loop_area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
     Output times input units (mm·K, deg·K). Zero for M = m; g does not enter. UsageError unless
     u₋ ≤ m ≤ M ≤ u₊.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> bool(loop_area(thesis_surface("one_e"), 104.5, 59.0) > 0 > loop_area(thesis_surface("one_p"), 104.5, 59.0))
     True
     """

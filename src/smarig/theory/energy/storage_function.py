@@ -16,10 +16,8 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface, sigmoid
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.core import UsageError
+from smarig.preisach import Everett, FodSurface, RelayMeasure, sigmoid
 from smarig.theory.energy.density_bounds import DensityCells
 from smarig.theory.energy.moments import breaks, moments_on
 
@@ -30,7 +28,7 @@ Array = NDArray[np.float64]
 def recoverable_energy_is_storage(hysteresis: Everett, cells: int = 512) -> bool:
     """Whether Q_r is proved to be a storage function, by verified bounds (surface) or exactly (relays).
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> recoverable_energy_is_storage(thesis_surface("two_e")), recoverable_energy_is_storage(thesis_surface("two_p"))
     (True, False)
     """

@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import State
+from smarig.preisach import Everett, State
 from smarig.theory.energy.moments import breaks, integral
 
 Array = NDArray[np.float64]

@@ -12,9 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, Preisach
 from smarig.theory.energy.moments import breaks
 
 Array = NDArray[np.float64]
@@ -54,7 +53,7 @@ def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "
     Raises UsageError when the loop has no negative area in the forward model, or would need more than
     200 000 cycles.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> confirm(thesis_surface("two_p"), (185.0, 84.0)).confirmed
     True
     """

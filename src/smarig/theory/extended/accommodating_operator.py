@@ -22,9 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach, State
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.theory.extended.operator_base import simulate_steps
 
 Array = NDArray[np.float64]
@@ -50,7 +49,7 @@ class AccommodationState:
 class AccommodatingPreisach:
     """Frozen strips relax by ``amount`` κ over ``path`` l strokes of output; see the module.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> wire = AccommodatingPreisach(thesis_surface("one_e"), amount=0.5, path=0.1)
     >>> low = wire.simulate([110.0] + [60.0, 75.0] * 20)[2::2]
     >>> bool(low[0] != low[1] and abs(low[-1] - low[-2]) < abs(low[1] - low[0]) / 10)     # drifts, settles

@@ -21,11 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.lattice import lattice
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.operator import Initial, input_number
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, RelayMeasure, input_number, lattice
 from smarig.theory.extended.operator_base import ExtendedOperator
 
 Array = NDArray[np.float64]
@@ -85,7 +82,7 @@ class MovingPreisach(ExtendedOperator):
 
     ``hysteresis`` is that of Γ, in terms of w. A state is the memory of Γ: its extrema are values of w.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> wire = MovingPreisach(thesis_surface("one_c"), feedback=-0.5)
     >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])     # wiping-out survives feedback
     >>> abs(float(y[1] - y[3])) < 1e-12

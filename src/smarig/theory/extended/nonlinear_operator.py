@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
+from smarig.core import DataError
+from smarig.preisach import Everett, Initial
 from smarig.theory.extended.operator_base import ExtendedOperator, corners
 
 Array = NDArray[np.float64]
@@ -109,8 +108,8 @@ class NonlinearPreisach(ExtendedOperator):
 
     Output in the hysteresis's unit. The memory is the classical one. Histories must begin in saturation.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-    >>> from smarig.preisach.operator import Preisach
+    >>> from smarig.preisach import thesis_surface
+    >>> from smarig.preisach import Preisach
     >>> none = SecondOrderExcess.from_nodes([0.0, 50.0, 100.0, 174.1], np.zeros((4, 4, 4)))
     >>> u = [120.0, 40.0, 90.0, 60.0, 110.0]
     >>> plain = Preisach.from_surface(thesis_surface("one_e")).simulate(u)

@@ -6,9 +6,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial, Preisach, State, input_array
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial, Preisach, State, input_array
 
 Array = NDArray[np.float64]
 

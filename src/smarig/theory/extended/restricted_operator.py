@@ -20,9 +20,8 @@ classical model has wiping-out then.
 
 from collections.abc import Callable, Sequence
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
+from smarig.core import UsageError
+from smarig.preisach import Everett, Initial
 from smarig.theory.extended.nonlinear_operator import SecondOrderExcess, check_excess_range
 from smarig.theory.extended.operator_base import ExtendedOperator, reduced_memory
 
@@ -35,8 +34,8 @@ class RestrictedPreisach(ExtendedOperator):
     ``excesses``: Q_1 … Q_n, each (extrema (j,), β, α) → output; as many as the order n. Histories begin in saturation.
 
     >>> import numpy as np
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-    >>> from smarig.preisach.operator import Preisach
+    >>> from smarig.preisach import thesis_surface
+    >>> from smarig.preisach import Preisach
     >>> none, u = [lambda extrema, beta, alpha: 0.0], [120.0, 40.0, 90.0, 60.0]
     >>> plain = Preisach.from_surface(thesis_surface("one_e")).simulate(u)
     >>> bool(np.all(RestrictedPreisach(thesis_surface("one_e"), none).simulate(u) == plain))

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import DataError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Initial
+from smarig.core import DataError
+from smarig.preisach import Everett, Initial
 from smarig.theory.extended.operator_base import ExtendedOperator
 
 Array = NDArray[np.float64]
@@ -47,7 +46,7 @@ class ReversiblePart:
 class ReversiblePreisach(ExtendedOperator):
     """Γ[u] + r(u); see the module.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> linear = ReversiblePart(np.array([0.0, 200.0]), np.array([0.0, 1.0]))
     >>> float(ReversiblePreisach(thesis_surface("one_c"), linear).simulate([200.0])[0])   # saturation 12.54, and r
     13.54

@@ -13,11 +13,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.interval import Interval
+from smarig.preisach import Everett, FodSurface, Interval, Mirrored, RelayMeasure
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.extreme import Extreme, least, least_of
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses
@@ -65,7 +61,7 @@ class MeasureClasses:
 def classes(hysteresis: Everett) -> MeasureClasses:
     """Extremes and classes of any hysteresis: exact for tables and relays, bounded for surfaces.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> one_c, one_e = classes(thesis_surface("one_c")), classes(thesis_surface("one_e"))
     >>> one_c.M_P, one_e.M_P, round(one_e.mu_min.value, 5), one_c.mu_min.bound > 0
     (True, False, -0.00189, True)

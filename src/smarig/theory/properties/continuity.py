@@ -17,10 +17,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.mirrored import unmirrored
-from smarig.preisach.interval import Interval
+from smarig.preisach import Everett, FodSurface, Interval, unmirrored
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.classes import MeasureClasses, classes
 from smarig.theory.properties.sweep_changes import ChangeBounds, largest_change
@@ -38,7 +35,7 @@ def lipschitz(hysteresis: Everett) -> float:
 
     Proved for surfaces and tables; NaN for anything else, of which only samples are known.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> round(lipschitz(thesis_surface("two_c")), 3)                                # degrees per kelvin
     0.769
     """

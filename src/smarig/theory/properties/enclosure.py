@@ -8,8 +8,7 @@ proportion to its box. Proved means: to rounding of double precision. Knows no s
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.hysteresis.fod_surface import FodSurface, sigmoid
-from smarig.preisach.interval import Interval, shift_bounds
+from smarig.preisach import FodSurface, Interval, shift_bounds, sigmoid
 
 Array = NDArray[np.float64]
 

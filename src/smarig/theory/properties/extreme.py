@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.interval import Interval
+from smarig.preisach import Interval
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]

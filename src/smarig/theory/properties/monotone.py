@@ -12,9 +12,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach import Everett, FodSurface, Mirrored
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.extreme import Extreme, least, least_of
 from smarig.theory.properties.sweep_changes import largest_setback
@@ -61,7 +59,7 @@ class Crossing:
 def monotone(hysteresis: Everett) -> Monotonicity:
     """The slopes of all branches and the largest setback of any hysteresis.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> m = monotone(thesis_surface("two_p"))
     >>> m.holds, round(m.rising.value, 4), m.falling.bound >= 0
     (False, -0.0367, True)

@@ -13,8 +13,8 @@ as a sweep would switch them. Knows no operator.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
+from smarig.core import UsageError
+from smarig.preisach import Everett
 from smarig.theory.properties.triangle_grid import TriangleGrid
 from smarig.theory.properties.variation import uncertainty, variation
 
@@ -25,7 +25,7 @@ _GRID_POINTS = 2048
 def H(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
     """Horizontal strip: output change of a rise from λ to λ + ξ, straight from negative saturation.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> s = thesis_surface("two_c")
     >>> bool(abs(H(s, s.lower, s.upper - s.lower) - (s.y_upper - s.y_lower)) < 1e-12)
     True

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.mirrored import unmirrored
+from smarig.preisach import Everett, unmirrored
 from smarig.theory.properties.classes import MeasureClasses, classes
 from smarig.theory.properties.continuity import lipschitz, modulus
 from smarig.theory.properties.extreme import Extreme
@@ -107,7 +106,7 @@ class Properties:
 def properties(hysteresis: Everett) -> Properties:
     """All properties of any hysteresis; about a second for a surface.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> p = properties(thesis_surface("one_c"))
     >>> p.classes.M_P, p.monotone.holds, p.fod_crossing
     (True, True, None)

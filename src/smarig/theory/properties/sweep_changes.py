@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
+from smarig.preisach import Everett
 from smarig.theory.properties.strips import K, candidates
 from smarig.theory.properties.triangle_grid import LEVELS, TriangleGrid
 from smarig.theory.properties.variation import uncertainty
@@ -40,7 +40,7 @@ def largest_change(hysteresis: Everett, xi: float, levels: int = LEVELS) -> Chan
 
     ``levels``: cells a side for a surface, whose attained and bound close in as 1/levels².
 
-    >>> from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+    >>> from smarig.preisach import RelayMeasure
     >>> pair = RelayMeasure.from_arrays([1.0, 1.0, 2.0], [0.0, 0.5, 0.0], [1.0, -1.0, 1e-9])
     >>> float(pair.everett(1.0, 0.0)), largest_change(pair, 1.0).attained      # the strip hides it
     (0.0, 2.0)

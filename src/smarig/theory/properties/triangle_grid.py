@@ -13,11 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.mirrored import Mirrored, mirror_image
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
+from smarig.preisach import Everett, FodSurface, FodTable, Mirrored, RelayMeasure, mirror_image
 
 Array = NDArray[np.float64]
 MeasureKind = Literal["surface", "table", "relays", "sampled"]

@@ -11,12 +11,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach.everett import Everett
-from smarig.preisach.hysteresis.fod_surface import FodSurface
-from smarig.preisach.hysteresis.fod_table import FodTable
-from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.preisach.interval import Interval
+from smarig.preisach import Everett, FodSurface, FodTable, Interval, Mirrored, RelayMeasure
 from smarig.theory.properties import enclosure
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses, table_of
 

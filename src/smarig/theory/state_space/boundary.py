@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 Point = tuple[float, float]  # (β, α), abscissa first, as in (6.10) and the figures
 ROUNDING = 1e-12  # of û: differences below are rounding of coordinates, not geometry

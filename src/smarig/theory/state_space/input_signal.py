@@ -9,7 +9,7 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from itertools import pairwise
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 
 @dataclass(frozen=True)

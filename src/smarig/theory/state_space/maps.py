@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.theory.state_space.boundary import Boundary, Point, has_slope_minus_one, staircase_points
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.memory_sequence import MemorySequence

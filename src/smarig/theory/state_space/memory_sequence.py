@@ -9,7 +9,7 @@ Knows no time: when an extremum happened is of no significance.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 MAX_ELEMENTS = 1_000_000
 

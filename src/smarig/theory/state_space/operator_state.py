@@ -6,9 +6,8 @@ live on [−û, û], û = max(|u₋|, |u₊|). Beyond [u₋, u₊] there are no 
 
 import numpy as np
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
-from smarig.preisach.operator import Preisach, State
+from smarig.core import UsageError
+from smarig.preisach import Everett, Preisach, State
 from smarig.theory.state_space.boundary import (
     Boundary,
     Point,
@@ -25,7 +24,7 @@ from smarig.theory.state_space.rotation import RotatedBoundary, rotated
 def boundary_of(state: State, hysteresis: Everett) -> Boundary:
     """The boundary of an operator's state, on û = max(|u₋|, |u₊|).
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> wire = Preisach(thesis_surface("two_c"), "anhysteretic")
     >>> _ = wire.step(60.0), wire.step(-20.0)
     >>> boundary_of(wire.state, wire.hysteresis).points
@@ -49,7 +48,7 @@ def state_of(boundary: Boundary, hysteresis: Everett) -> State:
 
     Raises UsageError for other slopes and for a boundary that does not cover the range of the hysteresis.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> from smarig.theory.state_space.boundary import diagonal
     >>> Preisach(thesis_surface("two_c"), state_of(diagonal(185.0, 40.0), thesis_surface("two_c"))).u
     40.0

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.theory.state_space.boundary import Boundary, Point
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import H, starts_on_zero_state

@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
-from smarig.preisach.everett import Everett
+from smarig.core import UsageError
+from smarig.preisach import Everett
 from smarig.theory.state_space.boundary import Boundary, Point, has_slope_minus_one
 
 STEPS = 1024
@@ -26,7 +26,7 @@ def read_out(boundary: Boundary, hysteresis: Everett) -> float:
     Exact to rounding for staircases and for B*, B_ℓ and what grows out of them. On segments of other slopes
     the error falls with the square of the step for a density, and with the step for single relays.
 
-    >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
+    >>> from smarig.preisach import thesis_surface
     >>> from smarig.theory.state_space.boundary import anhysteretic
     >>> round(read_out(anhysteretic(185.0), thesis_surface("two_c")), 2)      # not zero: ν is not symmetric
     2.65

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.theory.state_space.boundary import ROUNDING, Boundary
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ where φ is defined, and defined on all of ℬ. A sweep never increases the area
 it is the only continuous extension of φ. Knows no measure μ and no output.
 """
 
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 from smarig.theory.state_space.boundary import Boundary, Point
 from smarig.theory.state_space.input_signal import InputSignal
 from smarig.theory.state_space.maps import H, H_left

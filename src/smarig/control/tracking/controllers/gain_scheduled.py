@@ -4,7 +4,7 @@ import numpy as np
 
 from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
 from smarig.control.tracking.pi_feedback import pi_feedback
-from smarig.preisach.operator import Preisach
+from smarig.preisach import Preisach
 
 RANGES = {
     "gain_share": (0.05, 100.0),

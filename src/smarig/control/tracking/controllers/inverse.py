@@ -3,7 +3,7 @@
 from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
 from smarig.control.tracking.heating_lag import clipped, current_towards
 from smarig.control.tracking.slope_observer import SlopeObserver
-from smarig.core.errors import DataError
+from smarig.core import DataError
 
 RANGES = {
     "lead_s": (0.05, 3.0),

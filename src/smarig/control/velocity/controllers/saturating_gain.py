@@ -3,7 +3,7 @@
 import numpy as np
 
 from smarig.control.velocity.velocity_controller import MemorylessController, positive
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 
 def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1) -> MemorylessController:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from smarig.control.velocity.velocity_controller import MemorylessController, positive
-from smarig.core.errors import UsageError
+from smarig.core import UsageError
 
 _PROBED_SAMPLES = 4096
 _SWITCH_SAMPLES = 50

@@ -1,6 +1,6 @@
 """Frozen relays drift towards the mean along the output's path: from minor loops that are repeated."""
 
-from smarig.core.errors import DataError
+from smarig.core import DataError
 from smarig.identification.extended.accommodation_fit import identify_accommodation
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 

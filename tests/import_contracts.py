@@ -1,0 +1,42 @@
+"""A contract for import-linter: modules of one package are imported by that package only; others use its front door."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import grimp
+from importlinter import Contract, ContractCheck, fields, output
+
+
+class FrontDoors(Contract):
+    """Other packages import ``smarig.PACKAGE``, never ``smarig.PACKAGE.module``.
+
+    ``container`` holds the packages; ``except_for`` lists modules that anybody may import.
+    """
+
+    container = fields.StringField()
+    except_for = fields.SetField(subfield=fields.StringField(), required=False)
+
+    def check(self, graph: grimp.ImportGraph, verbose: bool) -> ContractCheck:
+        """Every import of a module inside a package by something outside it."""
+        del verbose
+        allowed = set(self.except_for or ())  # type: ignore[call-overload]
+        broken = [
+            {"importer": importer, "imported": module}
+            for door in sorted(graph.find_children(str(self.container)))
+            for module in sorted(graph.find_descendants(door) - allowed)
+            for importer in sorted(graph.find_modules_that_directly_import(module))
+            if importer != door
+            and not importer.startswith(f"{door}.")
+            and not _through(door, graph.get_import_details(importer=importer, imported=module))
+        ]
+        return ContractCheck(kept=not broken, metadata={"broken": broken})
+
+    def render_broken_contract(self, check: ContractCheck) -> None:
+        """One line for each import that passes by a front door."""
+        for link in check.metadata["broken"]:
+            output.print_error(f"{link['importer']} imports {link['imported']}", bold=False)
+
+
+def _through(door: str, details: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether the lines import from the package: a function may have the name of its module."""
+    return bool(details) and all(line["line_contents"].startswith(f"from {door} import") for line in details)
