@@ -1,7 +1,7 @@
-"""Close a loop by a model: identify a wire, hold a set-point, follow a path, by the model's inverse and by plain PI.
+"""Close a loop with a model: identify a wire, hold a set-point, and track a reference with the inverse and with PI.
 
-What it shows: a controller that knows the hysteresis and looks ahead stays nearer to a moving path than one that waits
-for an error. ``inverse`` is that one; ``pi`` has neither its memory nor the future.
+What it shows: a controller that uses the hysteresis model and preview (``inverse``) follows a moving reference more
+closely than one that reacts to the error only (``pi``).
 """
 
 import smarig
@@ -12,13 +12,13 @@ RIG, SEED = "one_wire_twin", 4
 MODEL = "loop.model.json"
 
 
-def told(run: Run) -> str:
-    """What the loop of a run did, in words; the figures themselves are attributes of ``closed_loop(run)``."""
+def loop_summary(run: Run) -> str:
+    """The result of the loop as text; the figures are attributes of ``closed_loop_result(run)``."""
     found = closed_loop_result(run)
     return loop_result_text(found, run.unit) if found else f"{run.path.name} holds no closed loop"
 
 
-# A short identification: fewer curves than the protocol would measure by itself.
+# A short identification: fewer curves than the default of the protocol.
 curves = smarig.run(
     "first_order_descending",
     rig=RIG,
@@ -29,13 +29,13 @@ curves = smarig.run(
 )
 smarig.identify(curves, surface="exponential").model.save(MODEL, force=True)
 
-# A set-point: to the state of that output which stands disturbances best, then a gentle loop, then a push of 5 K.
+# A set-point: the state B_ℓ of this output withstands disturbances best. Then a gentle loop and a disturbance of 5 K.
 held = smarig.regulate(
     MODEL, 6.0, rig=RIG, out="loop_held.run.sqlite", seed=SEED, force=True, hold_s=150.0, disturbance_K=5.0
 )
-print(told(held))
+print(loop_summary(held))
 
-# A path, in mm from the encoder's zero: the same wire, the same noise, two controllers.
+# A reference, in mm from the encoder's zero: the same wire, the same noise, two controllers.
 for controller in ("inverse", "pi"):
     run = smarig.track(
         MODEL,
@@ -50,4 +50,4 @@ for controller in ("inverse", "pi"):
         seconds=80.0,
         speed=3.0,
     )
-    print(told(run))
+    print(loop_summary(run))

@@ -1,7 +1,8 @@
-"""Find the hidden effect: a twin whose zero creeps with every stroke, and a diagnosis that has to find that out.
+"""Find the hidden effect: the zero of a twin creeps with every stroke, and a diagnosis has to find this effect.
 
-Writes diagnosed.model.json where something was found. What it shows: a model can fit well and still be wrong; the
-misfit is tested against chance, a cause is named only where the data can tell, and the gain is measured elsewhere.
+Writes diagnosed.model.json if an effect is found. What it shows: a model can fit well and still be wrong. The diagnosis
+tests the residuals against null data, names a cause only if the data identify it, and measures the gain on held-out
+data.
 """
 
 from pathlib import Path
@@ -25,7 +26,7 @@ curves, judge = files["first_order_descending"], files["validation"]
 model = smarig.identify(curves, surface="positive").model
 print(f"The model fits its own points to {model.fit['rms']:.4f} mm rms. Is that all there is to know?")
 
-# Few empty stories, to be quick: 60 can support no finer a claim than p = 1/61. A real question deserves 400.
+# Only 60 sets of null data, to be quick: they resolve p = 1/61 at best. Use 400 for real data.
 found = smarig.diagnose(model, curves, judge, nulls=60)
 print(found.text())
 print(f"Hidden in the twin was {HIDDEN[0]}.")

@@ -1,7 +1,7 @@
-"""Identify your wire: measure first-order curves, fit a Preisach model, and judge it on a run it has not seen.
+"""Identify your wire: measure first-order curves, fit a Preisach model, and verify it on a held-out run.
 
-Writes identified.model.json. What it shows: a small error on the points a model was fitted to proves little; the error
-on other data, beside the noise, is what counts.
+Writes identified.model.json. What it shows: a small error on the training data proves little. What counts is the error
+on held-out data, compared with the noise floor.
 """
 
 from pathlib import Path
@@ -15,7 +15,7 @@ CURVES, JUDGE = Path("curves.run.sqlite"), Path("judge.run.sqlite")
 for file in (CURVES, JUDGE):
     file.unlink(missing_ok=True)
 
-# One sitting, one encoder zero: the second run can be predicted outright, nothing is fitted to it.
+# One session has one encoder zero, so the model predicts the second run without fitting an offset.
 with Session("one_wire_twin", twin=TwinSettings(seed=3)) as session:
     session.run("first_order_descending", {}, CURVES)
     session.run("validation", {"points": 15}, JUDGE)

@@ -1,7 +1,7 @@
-"""Read someone's FORC file: first-order reversal curves of a magnet, imported, drawn as a density, and predicted.
+"""Read someone's FORC file: import first-order reversal curves of a magnet, identify a model, and predict a loop.
 
-The file here is made up (a magnet whose grains flip around 0.05 T) and written in the text format of a common
-magnetometer. What it shows: the same mathematics describes magnets and wires, and others' files need no editing.
+The data are synthetic (a magnet whose grains switch around 0.05 T) and written in the text format of a common
+magnetometer. What it shows: the same model describes magnets and wires, and you need not edit other people's files.
 """
 
 from pathlib import Path
@@ -17,7 +17,7 @@ NOISE_Am2 = 2e-10
 
 
 def moment(field_T: np.ndarray, reversal_T: float) -> np.ndarray:
-    """Outputs on the curve that turns at ``reversal_T``: grains that had flipped down there flip up again."""
+    """Moments on the reversal curve from ``reversal_T``: grains that had switched down switch up again."""
     down = 1 / (1 + np.exp((reversal_T + COERCIVITY_T) / WIDTH_T))
     up = 1 / (1 + np.exp(-(field_T - COERCIVITY_T) / WIDTH_T))
     first = 1 / (1 + np.exp(-(reversal_T - COERCIVITY_T) / WIDTH_T))

@@ -12,20 +12,20 @@ from smarig.protocols import setting_texts
 
 PROTOCOLS = """# Protocols
 
-Experiments by name, for `smarig run NAME --rig RIG -o FILE --set KEY=VALUE`. Shares are of the range of inputs that the
-rig's limits allow. An empty `partition_K` follows that range. Every protocol with `settle.…` holds each step until the
-wire stands still:
+Experiments by name, for `smarig run NAME --rig RIG -o FILE --set KEY=VALUE`. Shares refer to the range of inputs that
+the rig's limits allow. An empty `partition_K` follows that range. Every protocol with `settle.…` holds each step
+until the position has settled:
 
-| setting | default | means |
+| setting | default | meaning |
 |---|---|---|
-| `settle.band_counts` | `1.0` | how far apart block means may lie, in counts |
-| `settle.window_s` | `25.0` | for so long |
-| `settle.timeout_s` | `600.0` | a hold ends after this, marked |
-| `settle.approach_K` | `0.01` | the window begins when the heating model is so near its steady state |
+| `settle.band_counts` | `1.0` | largest difference of block means, in counts |
+| `settle.window_s` | `25.0` | length of the settling window |
+| `settle.timeout_s` | `600.0` | a hold ends after this time and is marked |
+| `settle.approach_K` | `0.01` | the window starts when the heating model is this close to its steady state |
 """
 CATALOGUES = """# Rigs, actuators, campaigns, formats
 
-What ships, by name. A path in place of a name works everywhere.
+The shipped entries, by name. A path works everywhere instead of a name.
 """
 
 

@@ -11,19 +11,20 @@ from smarig.cli import cli
 
 HEAD = """# Commands
 
-Every command takes `--help`, which says what stands here, and `--json`: one object on stdout, all else on stderr
-([JSON](json_objects.md)).
+Every command has `--help`, which prints the text of this page, and `--json`, which prints one object to stdout and
+everything else to stderr ([JSON](json_objects.md)).
 
-| exit status | means |
+| exit status | meaning |
 |---|---|
 | 0 | done |
-| 1 | a fault of smarig itself; `SMARIG_DEBUG=1` shows where |
-| 2 | usage or configuration |
+| 1 | an internal error of smarig; `SMARIG_DEBUG=1` shows the traceback |
+| 2 | usage or configuration error |
 | 3 | the rig tripped, refused, or could not be reached |
-| 4 | data, or a file that cannot be written |
-| 130 | interrupted, with the rig safe |
+| 4 | data error, or a file that cannot be written |
+| 130 | interrupted; the rig is safe |
 
-`SMARIG_LOCK_DIR` and `SMARIG_HISTORY_DIR` name the folders in which wires in use and wires' histories are kept.
+`SMARIG_LOCK_DIR` names the folder of the locks of wires in use, `SMARIG_HISTORY_DIR` the folder of the wires'
+histories.
 """
 
 

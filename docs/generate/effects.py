@@ -8,9 +8,9 @@ from smarig.plant import EffectType, effect_types
 
 HEAD = """# Effects
 
-Physical mechanisms that a twin may have beside heating and hysteresis: `smarig run … --effect NAME.PARAMETER=VALUE`
-plants one, and a diagnosis looks for the same. `NAME=VALUE` sets the first parameter. At zero strength each is the
-identity, bit for bit.
+Physical mechanisms that a twin may have in addition to heating and hysteresis.
+`smarig run … --effect NAME.PARAMETER=VALUE` injects one; a diagnosis looks for the same effects. `NAME=VALUE` sets the
+first parameter. At zero strength an effect changes nothing, bit for bit.
 """
 
 

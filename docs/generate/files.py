@@ -15,18 +15,19 @@ from smarig.replay import hysteresis_json, model_file
 
 RUN = """# Run file
 
-A run is one SQLite file, `*.run.sqlite`, written as it happens: a second of samples is the most that a power cut takes.
-`smarig.load_run` reads it; so does anything that reads SQLite. Everything else (CSV, NetCDF, …) is made from it.
+A run is one SQLite file, `*.run.sqlite`. It is written during the run; a power cut loses at most a second of samples.
+`smarig.load_run` reads it, and so does any program that reads SQLite. All other formats (CSV, NetCDF, …) are derived
+from it.
 """
 RUN_KEYS = {
     "schema_version": "of these tables",
     "rig": "name of the rig",
-    "config": "the rig's and the actuator's files as they were",
+    "config": "text of the rig file and the actuator file",
     "actuator": "name of the actuator",
     "wire": "identity of the wire",
-    "wire_history": "what the wire had been through before",
-    "source": "bench, twin, simulation or import: whose data these are",
-    "protocol": "what was run",
+    "wire_history": "history of the wire before the run",
+    "source": "origin of the data: bench, twin, simulation or import",
+    "protocol": "name of the protocol",
     "settings": "its settings",
     "own_files": "protocols, controllers, effects and drivers given by path, with their hashes",
     "seed": "of the twin's noise",
@@ -34,27 +35,27 @@ RUN_KEYS = {
     "input": "quantity and unit of the column `input`, and where it comes from",
     "output": "quantity and unit of the column `position`; `per_count` is one count of the encoder",
     "initial": "state of the hysteresis at the first sample",
-    "period_s": "a tick",
-    "start_epoch": "seconds since 1970 at tick 0: a label, for time is the tick",
+    "period_s": "length of a tick",
+    "start_epoch": "seconds since 1970 at tick 0; a label only, because time is counted in ticks",
     "encoder_zero": "where the encoder was zeroed; with the epoch it distinguishes sessions",
-    "device": "which boot of which devices",
+    "device": "identities and boot counts of the devices",
     "shift": "ticks and counts between the devices' zeros and the run's, where it was resumed",
     "recorder_pid": "process that wrote it",
-    "history_until_tick": "samples that are in the wire's history already",
-    "versions": "of smarig and of what it computes with",
+    "history_until_tick": "last tick whose samples the wire's history contains",
+    "versions": "versions of smarig and of its numerical libraries",
     "notes": "a remark",
     "begun_with": "what `smarig resume` needs to build the same run",
-    "end": "cause, and when; missing where nobody closed the run",
+    "end": "cause and time; missing if the run was never closed",
     "model": "simulation: name of the model",
     "along": "simulation: the run whose inputs the model followed",
     "imported": "import: the file, its hash, its mapping",
-    "conditions": "import: what the mapping keeps beside the channels",
+    "conditions": "import: values that the mapping keeps in addition to the channels",
     "header": "import: the header of the table that was read, in files of several",
     "t0_s": "import: --t0",
-    "warnings": "import: what looked wrong",
+    "warnings": "import: everything that looked wrong",
 }
 QUALITY = {
-    "GOOD": "nothing to remark",
+    "GOOD": "no remark",
     "RETRIED": "an exchange had to be repeated",
     "STALE": "the value is an older one",
     "SATURATED": "the amplifier was at its limit",
@@ -62,8 +63,8 @@ QUALITY = {
 }
 MODEL = """# Model file
 
-A model is one JSON file, `*.model.json`, readable by eye. `smarig.load_model` reads and checks it; an unknown key is
-an error. Where a figure is `null` nothing is known.
+A model is one JSON file, `*.model.json`, in readable text. `smarig.load_model` reads and checks it; an unknown key is
+an error. A figure that is not known is `null`.
 """
 
 

@@ -18,13 +18,13 @@ LONGEST = 6  # longer lists, and objects of like things, are shown by their firs
 TYPES = {"str": "text", "int": "integer", "float": "number", "bool": "true or false", "NoneType": "null"}
 HEAD = """# JSON
 
-With `--json` a command prints one object on stdout, and everything else on stderr. What cannot be a number in JSON
-(not a number, infinite) is `null`. Paths are as they were given. Where a command fails, the object is
+With `--json` a command prints one object to stdout, and everything else to stderr. Values that JSON cannot represent as
+a number (not a number, infinite) are `null`. Paths are as given. If a command fails, the object is
 `{"error": "…", "exit_status": 2}`.
 
-`a.b` is a key in an object, `a[].b` one in each object of a list, `*` stands for any name. The unit *out* is the
-output's: what the object's own `unit` says. Numbers in the examples are of one run on the twin; "…" stands for more of
-the same.
+`a.b` is a key in an object, `a[].b` is a key in each object of a list, and `*` stands for any name. The unit *out* is
+that of the output, which the object gives as `unit`. The numbers in the examples are from one run on the twin. "…"
+stands for more entries of the same kind.
 """
 Types = dict[str, set[str]]
 

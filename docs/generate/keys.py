@@ -20,10 +20,10 @@ FILES = {
 }
 HEAD = """# Configuration keys
 
-Configuration files are TOML, in `configs/` or wherever you name them. An unknown key is an error, and so is a
-physical quantity that is missing: nothing is filled in. Keys end in their unit.
+Configuration files are TOML, in `configs/` or at the path that you give. An unknown key is an error. A missing physical
+quantity is an error too: it has no default. Keys end in their unit.
 
-A *quantity* is a table of three keys, for it must say where it comes from:
+A *quantity* is a table of three keys, because it must state its source:
 `{ value = 0.15, unit = "mm", source = "data sheet" }`.
 """
 UNITS = {

@@ -51,7 +51,7 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     ),
     "python_models": (
         "Python: models and diagnosis",
-        "From runs to a model, its judgement, and what is wrong with it.",
+        "From runs to a model, its verification, and its diagnosis.",
         (
             "smarig.identification.identify",
             "smarig.replay.model_file",
@@ -101,8 +101,8 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ),
     ),
     "python_seams": (
-        "Python: seams for your own parts",
-        "What protocols, effects, drivers and rigs are written against.",
+        "Python: interfaces for your own extensions",
+        "The interfaces for protocols, effects, drivers and rigs.",
         (
             "smarig.core.command",
             "smarig.protocols._setup",
@@ -133,7 +133,7 @@ def _front() -> str:
     names = "\n".join(_directive(name) for name in smarig.__all__)
     return f"""# Python
 
-`import smarig` gives the names of this page. What is below them:
+`import smarig` provides the names on this page. These pages describe the modules below them:
 
 {table(("page", "holds"), rows)}
 {names}"""
