@@ -109,7 +109,15 @@ def _measured(
     chooser: Chooser | None = None,
 ) -> Run:
     twin = TwinSettings(seed=seed, hysteresis=truth)
-    no_preview = Preview(protocol, 0.0, 0, 0.0, 0.0, 0, 0)  # nothing to ask before the first ampere of a twin
+    no_preview = Preview(
+        protocol=protocol,
+        duration_s=0.0,
+        steps=0,
+        peak_current_A=0.0,
+        peak_temperature_K=0.0,
+        timed_out=0,
+        bytes=0,
+    )  # nothing to ask before the first ampere of a twin
     with Session(RIG, twin=twin, wire=f"{out.stem} of the benchmark") as session:
         return load_run(session.run(protocol, settings, out, expected=no_preview, chooser=chooser))
 

@@ -165,13 +165,13 @@ def simulate_loop(
     rest = assumed_model.plant().position  # a twin's wire begins where its own rest is: all of them at 0 mm
     figures = [
         tracking_performance(
-            target,
-            t - t[0],
-            y,
-            current,
-            temperature,
-            assumed_model.setup.actuator,
-            twin.position_per_count,
+            reference=target,
+            t_s=t - t[0],
+            position=y,
+            current_A=current,
+            input_K=temperature,
+            actuator=assumed_model.setup.actuator,
+            per_count=twin.position_per_count,
             skip_s=SKIP_S,
             ahead_s=numbers.get("lead_s", 0.0),
         )

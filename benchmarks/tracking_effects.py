@@ -59,7 +59,15 @@ def _rms(
     """Mean rms error of the wire's own position, counts; None when a loop tripped."""
     count = nominal.setup.actuator.position_per_count(nominal.counts_per_rev)
     loops = [
-        simulate_loop(assumed_model, name, default_settings(name), nominal.hysteresis, target, seed, injected)
+        simulate_loop(
+            assumed_model=assumed_model,
+            name=name,
+            numbers=default_settings(name),
+            wire=nominal.hysteresis,
+            target=target,
+            seed=seed,
+            effects=injected,
+        )
         for seed in seeds
         for target in references(seed)
     ]

@@ -73,7 +73,18 @@ def draw_box(
         found = complete_parameters(hidden, wire.arrangement)
     left_out = next(iter(found)) if kind == LEFT_OUT else ""
     category = ONE if kind == LEFT_OUT else kind
-    return Box(seed, number, category, left_out, found, wire, hysteresis, noise, recorded, plan)
+    return Box(
+        seed=seed,
+        number=number,
+        category=category,
+        left_out=left_out,
+        hidden=found,
+        wire=wire,
+        hysteresis=hysteresis,
+        noise=noise,
+        channels=recorded,
+        plan=plan,
+    )
 
 
 def _category_of(rng: np.random.Generator, hidden: Any) -> tuple[str, str]:

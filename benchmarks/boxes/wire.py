@@ -72,14 +72,14 @@ def random_wire(rng: np.random.Generator) -> BoxWire:
         loss_W_per_K = h_W_per_m2_K * math.pi * diameter_mm * length_mm * 1e-6
         reference_K = rng.uniform(150, 200)
         wire = BoxWire(
-            "two_wire" if two_wire else "one_wire",
-            _rounded(diameter_mm),
-            _rounded(length_mm),
-            _rounded(rng.uniform(460, 900)),
-            _rounded(resistance_ohm),
-            _rounded(math.sqrt(reference_K * loss_W_per_K / resistance_ohm)),
-            _rounded(reference_K),
-            3.0 if two_wire else _rounded(rng.uniform(12, 18)),
+            arrangement="two_wire" if two_wire else "one_wire",
+            diameter_mm=_rounded(diameter_mm),
+            length_mm=_rounded(length_mm),
+            specific_heat=_rounded(rng.uniform(460, 900)),
+            resistance_ohm=_rounded(resistance_ohm),
+            reference_A=_rounded(math.sqrt(reference_K * loss_W_per_K / resistance_ohm)),
+            reference_K=_rounded(reference_K),
+            radius_mm=3.0 if two_wire else _rounded(rng.uniform(12, 18)),
         )
         if 1 <= wire.tau_s <= 15:
             return wire

@@ -89,8 +89,24 @@ def characterise(
     if force and go_on:
         raise UsageError("Runs can be replaced or resumed: give one of the two.")
     _check_folder(out, plan, force, go_on)
-    runs = _run_all(rig, plan, out, seed, wire, force, listener_factory or (lambda _: nullcontext()))
-    evidence = _analyse(rig, out, seed, plan, runs, started, progress or (lambda _: None))
+    runs = _run_all(
+        rig=rig,
+        plan=plan,
+        out=out,
+        seed=seed,
+        wire=wire,
+        force=force,
+        listener_factory=listener_factory or (lambda _: nullcontext()),
+    )
+    evidence = _analyse(
+        rig=rig,
+        out=out,
+        seed=seed,
+        plan=plan,
+        runs=runs,
+        started=started,
+        progress=progress or (lambda _: None),
+    )
     evidence.identifications[evidence.chosen].model.save(out / "model.json", force=force)
     if evidence.diagnosis is not None:
         write_diagnosis(evidence.diagnosis, out / DIAGNOSIS, force=force)

@@ -42,7 +42,15 @@ def track(
     ``controller`` is a name (``smarig list controllers``) or the path of an own file; ``numbers`` are the controller's,
     ``offset_K`` is u_o of a velocity controller.
     """
-    loop = tracking(ModelSource.of(model), load_rig(rig), wanted, settings, controller, numbers, offset_K)
+    loop = tracking(
+        source=ModelSource.of(model),
+        rig=load_rig(rig),
+        wanted=wanted,
+        settings=settings,
+        controller=controller,
+        numbers=numbers,
+        offset_K=offset_K,
+    )
     return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)
 
 

@@ -177,7 +177,14 @@ def segment_passivity(
         "undecided": "it is not decided whether the model is dissipative",
     }
     return SegmentPassivity(
-        first, supplied, spread, exact, found.bound, sampling, found.proven, why.get(found.basis, "")
+        first=first,
+        supplied=supplied,
+        spread=spread,
+        model=exact,
+        bound=found.bound,
+        sampling=sampling,
+        proven=found.proven,
+        why=why.get(found.basis, ""),
     )
 
 

@@ -273,13 +273,13 @@ def certificate(
     basis_of_model = basis(hysteresis_analysis, initial, stored)
     is_two_sided = initial == "anhysteretic" and hysteresis.lower < 0.0 < hysteresis.upper
     return ModelCertificate(
-        initial,
-        hysteresis_analysis.classes,
-        hysteresis_analysis.dissipativity,
-        hysteresis_analysis.undecided,
-        stored,
-        _counterexample(hysteresis_analysis, initial),
-        tuple(
+        initial=initial,
+        classes=hysteresis_analysis.classes,
+        dissipativity=hysteresis_analysis.dissipativity,
+        undecided=hysteresis_analysis.undecided,
+        storage_bound=stored,
+        counterexample=_counterexample(hysteresis_analysis, initial),
+        controllers=tuple(
             ControllerResult(
                 name,
                 numbers_by_controller[name],
@@ -287,13 +287,13 @@ def certificate(
             )
             for name in built_controllers
         ),
-        CertificateScope(
+        scope=CertificateScope(
             stored.basis,
             hysteresis_analysis.monotone.holds,
             all_hold(basis_of_model.hypotheses),
             hysteresis_analysis.units,
         ),
-        indistinguishable_states(hysteresis) if is_two_sided else None,
+        indistinguishable=indistinguishable_states(hysteresis) if is_two_sided else None,
     )
 
 

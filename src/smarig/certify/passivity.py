@@ -114,13 +114,13 @@ def passivity(
     balance = energy_balance(hysteresis_analysis.hysteresis, u, initial)
     found = storage_bound(hysteresis_analysis, start)
     return Passivity(
-        balance.supplied,
-        0.0 - found.energy,
-        found.proven,
-        found.basis,
-        (*found.hypotheses, _zero_start(start, hysteresis_analysis.units)),
-        balance.rounding,
-        found.unit,
+        supplied=balance.supplied,
+        bound=0.0 - found.energy,
+        proven=found.proven,
+        basis=found.basis,
+        hypotheses=(*found.hypotheses, _zero_start(start, hysteresis_analysis.units)),
+        rounding=balance.rounding,
+        unit=found.unit,
     )
 
 

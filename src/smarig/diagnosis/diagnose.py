@@ -217,32 +217,40 @@ def diagnose(
     final_refit = (levels[-1].critique if levels else first).refitted
     noise, open_density = final_refit.noise, final_refit.posterior.variances
     gain = (
-        held_out_gain(train_runs, held_out_runs, base, extended, noise, open_density, plant_model)
+        held_out_gain(
+            train=train_runs,
+            held_out=held_out_runs,
+            base=base,
+            extended=extended,
+            noise=noise,
+            variances=open_density,
+            original=plant_model,
+        )
         if held_out_runs
         else None
     )
     return Diagnosis(
-        verdict,
-        timeline,
-        first,
-        tuple(levels),
-        base,
-        visibility(first, insensitive),
-        ErrorSummary(
+        verdict=verdict,
+        timeline=timeline,
+        first=first,
+        levels=tuple(levels),
+        base=base,
+        visibility=visibility(first, insensitive),
+        error=ErrorSummary(
             timeline.unit,
             _floor(noise.white[: len(timeline.settled)]),
             settled_rms(timeline, plant_model),
             settled_rms(timeline, base),
             settled_rms(timeline, extended),
         ),
-        gain,
-        _extended(original, extended, train_runs, verdict)
+        gain=gain,
+        model=_extended(original, extended, train_runs, verdict)
         if verdict.word in ("named", "ambiguous")
         else original,
-        numerics(timeline, base),
-        alpha,
-        nulls,
-        time.monotonic() - started,
+        numerics=numerics(timeline, base),
+        alpha=alpha,
+        nulls=nulls,
+        seconds=time.monotonic() - started,
     )
 
 

@@ -65,9 +65,13 @@ def read_forc(path: Path) -> ForcFile:
         [np.full(len(b), -1 if c else n) for b, c, n in zip(blocks, calibration, numbers, strict=True)]
     )
     field, moment = np.concatenate(blocks).T
-    forc = ForcFile(field, moment, curve, np.array(where), units, header, ())
+    forc = ForcFile(
+        field=field, moment=moment, curve=curve, line=np.array(where), units=units, header=header, warnings=()
+    )
     warnings = (*notes, *_header_findings(forc, lines), *_data_findings(forc))
-    return ForcFile(field, moment, curve, forc.line, units, header, warnings)
+    return ForcFile(
+        field=field, moment=moment, curve=curve, line=forc.line, units=units, header=header, warnings=warnings
+    )
 
 
 def _parse(path: Path, lines: list[str]) -> tuple[dict[str, str], list[Array], list[int]]:

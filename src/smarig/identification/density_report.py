@@ -58,7 +58,16 @@ def _of_mirrored(hysteresis: Mirrored) -> DensityReport:
     r = density_report(hysteresis.image)
     low, high = ((-b, -a) for a, b in (r.mu_min_at, r.mu_max_at))
     return DensityReport(
-        r.mu_min, low, r.mu_max, high, r.M_PC, r.M_P, r.g_min, r.reversible_share, r.negative_cells, r.cells
+        mu_min=r.mu_min,
+        mu_min_at=low,
+        mu_max=r.mu_max,
+        mu_max_at=high,
+        M_PC=r.M_PC,
+        M_P=r.M_P,
+        g_min=r.g_min,
+        reversible_share=r.reversible_share,
+        negative_cells=r.negative_cells,
+        cells=r.cells,
     )
 
 
@@ -67,7 +76,14 @@ def _of_surface(hysteresis: FodSurface) -> DensityReport:
     c = classes(hysteresis)
     low, high = c.mu_min, c.mu_max
     return DensityReport(
-        low.value, low.at, high.value, high.at, c.M_PC, c.M_P, c.g_min.value, c.reversible_share
+        mu_min=low.value,
+        mu_min_at=low.at,
+        mu_max=high.value,
+        mu_max_at=high.at,
+        M_PC=c.M_PC,
+        M_P=c.M_P,
+        g_min=c.g_min.value,
+        reversible_share=c.reversible_share,
     )
 
 
@@ -103,7 +119,16 @@ def _of_cells(table: Everett) -> DensityReport:
     width = np.diff(nodes)
     mu = np.where(off_diagonal, mass / (2 * width[:, None] * width), np.nan)
     if not off_diagonal.any():
-        return DensityReport(_NAN, (_NAN, _NAN), _NAN, (_NAN, _NAN), True, True, _NAN, _NAN)
+        return DensityReport(
+            mu_min=_NAN,
+            mu_min_at=(_NAN, _NAN),
+            mu_max=_NAN,
+            mu_max_at=(_NAN, _NAN),
+            M_PC=True,
+            M_P=True,
+            g_min=_NAN,
+            reversible_share=_NAN,
+        )
     middle = (nodes[1:] + nodes[:-1]) / 2
     i, j = np.unravel_index(int(np.nanargmin(mu)), mu.shape)
     k, m = np.unravel_index(int(np.nanargmax(mu)), mu.shape)

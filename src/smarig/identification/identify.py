@@ -118,7 +118,16 @@ def identify(
         warnings=(*curves.warnings, *found.warnings, *late),
         **model_metadata(loaded),
     )
-    plain = Identification(model, kind, data, fit, found.density, curves, choice, found.positive)
+    plain = Identification(
+        model=model,
+        surface=kind,
+        data=data,
+        fit=fit,
+        density=found.density,
+        curves=curves,
+        choice=choice,
+        positive=found.positive,
+    )
     return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
 
 

@@ -115,7 +115,9 @@ def verify(
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
     counted = [
-        _verified(model, run, p, c, select, offset, missing)
+        _verified(
+            model=model, run=run, predicted=p, selected=c, select=select, offset=offset, missing=missing
+        )
         for run, p, c in zip(several, predictions, selected)
     ]
     return Verification(model.name, model.unit, tuple(counted))

@@ -55,7 +55,15 @@ class QueueListener:
         """Queue a finished step."""
         verdict = str(result.verdict)
         self._put(
-            StepItem(result.t_start_s, result.t_end_s, result.index, verdict, branch, target, result.position)
+            StepItem(
+                t_start_s=result.t_start_s,
+                t_s=result.t_end_s,
+                index=result.index,
+                verdict=verdict,
+                branch=branch,
+                target=target,
+                position=result.position,
+            )
         )
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:

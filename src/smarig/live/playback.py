@@ -87,4 +87,12 @@ def _step_item(run: Run, k: int) -> StepItem:
     s = run.steps[k]
     verdict = "interrupted" if s.void else s.verdict
     position = None if s.void else s.position
-    return StepItem(s.t_start_s, s.end_s, s.index, verdict, s.branch, s.target, position)
+    return StepItem(
+        t_start_s=s.t_start_s,
+        t_s=s.end_s,
+        index=s.index,
+        verdict=verdict,
+        branch=s.branch,
+        target=s.target,
+        position=position,
+    )

@@ -226,16 +226,16 @@ def _number(value: Any) -> float | None:
 
 def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, position, n) -> Step:
     return Step(
-        int(index),
-        int(attempt),
-        bool(void),
-        str(branch or ""),
-        _number(target),
-        float(t_start_s or 0.0),
-        _number(t_end_s),
-        str(verdict or ""),
-        _number(position),
-        int(n or 0),
+        index=int(index),
+        attempt=int(attempt),
+        void=bool(void),
+        branch=str(branch or ""),
+        target=_number(target),
+        t_start_s=float(t_start_s or 0.0),
+        t_end_s=_number(t_end_s),
+        verdict=str(verdict or ""),
+        position=_number(position),
+        n=int(n or 0),
     )
 
 

@@ -91,7 +91,15 @@ def memory_histories(
         path[where] = u
         states, final_state = _states_at_points(path, where, sign * run["input"][-1:], (lower, upper), first)
         found.append(
-            MemoryHistory(u, sign * y, first, states, final_state, np.delete(path, where), continued)
+            MemoryHistory(
+                inputs=u,
+                outputs=sign * y,
+                start=first,
+                states=states,
+                final_state=final_state,
+                turns=np.delete(path, where),
+                continued=continued,
+            )
         )
     return lower, upper, found
 

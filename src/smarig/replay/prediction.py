@@ -116,13 +116,13 @@ def _predict_session(
         )
     position = trajectory["counts"] * (plant_model.per_count or 1.0)
     return Prediction(
-        {kind: own.get(kind, position)[k] for kind, k in rows.items()},
-        t,
-        trajectory.hysteresis_input_K,
-        tuple(trajectory.states[k] for k in coupled),
-        trajectory["output"][coupled],
-        np.flatnonzero(read)[coupled],
-        np.concatenate(
+        values={kind: own.get(kind, position)[k] for kind, k in rows.items()},
+        t_s=t,
+        hysteresis_input_K=trajectory.hysteresis_input_K,
+        states=tuple(trajectory.states[k] for k in coupled),
+        output=trajectory["output"][coupled],
+        tick_index=np.flatnonzero(read)[coupled],
+        output_slope=np.concatenate(
             [
                 _output_slope(k, trajectory["command_A"][rows[k]], plant_model)
                 for k in OUTPUT_DEPENDENT_KINDS
@@ -179,19 +179,19 @@ def _join_predictions(timeline: Timeline, parts: Sequence[Prediction]) -> Predic
         return np.concatenate([column(parts[k])[rows] for k, rows in coupled])
 
     return Prediction(
-        {
+        values={
             r.kind: np.concatenate([p.values[r.kind] for p in parts if r.kind in p.values])
             for r in timeline.all_readings
         },
-        np.concatenate(
+        t_s=np.concatenate(
             [part.t_s + begin for part, begin in zip(parts, session_offsets_s(timeline.sessions))]
         ),
-        np.concatenate([part.hysteresis_input_K for part in parts]),
-        tuple(state for k, rows in coupled for state in parts[k].states[rows]),
-        together(lambda part: part.output),
-        np.concatenate([parts[k].tick_index[rows] + ticks[k] for k, rows in coupled]),
-        together(lambda part: part.output_slope),
-        tuple(ticks[:-1].tolist()),
+        hysteresis_input_K=np.concatenate([part.hysteresis_input_K for part in parts]),
+        states=tuple(state for k, rows in coupled for state in parts[k].states[rows]),
+        output=together(lambda part: part.output),
+        tick_index=np.concatenate([parts[k].tick_index[rows] + ticks[k] for k, rows in coupled]),
+        output_slope=together(lambda part: part.output_slope),
+        session_starts=tuple(ticks[:-1].tolist()),
     )
 
 

@@ -165,16 +165,16 @@ class Bench:
 
     def _join(self, p: PositionReading, c: CurrentReading) -> Sample:
         return Sample(
-            p.tick,
-            p.tick * self.file.period_s,
-            self._command_at(c.tick),
-            c.current_A,
-            c.voltage_V,
-            c.temperature_degC,
-            p.counts,
-            p.counts * self.position_per_count,
-            p.ambient_degC,
-            int(p.quality | c.quality),
+            tick=p.tick,
+            t_s=p.tick * self.file.period_s,
+            current_command_A=self._command_at(c.tick),
+            current_A=c.current_A,
+            voltage_V=c.voltage_V,
+            temperature_degC=c.temperature_degC,
+            counts=p.counts,
+            position=p.counts * self.position_per_count,
+            ambient_degC=p.ambient_degC,
+            quality=int(p.quality | c.quality),
         )
 
     def alarms(self) -> list[Alarm]:

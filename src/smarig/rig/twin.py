@@ -99,14 +99,14 @@ class Twin:
         reading, s = self.specimen.advance(self.output_A), self._scales
         counts = reading.counts - self._zero_counts
         return Sample(
-            self.tick,
-            self.tick * self.file.period_s,
-            command_A,
-            reading.current / s.per_A,
-            reading.voltage / s.per_V,
-            NAN,
-            counts,
-            counts * self.position_per_count,
-            reading.ambient / s.per_degC,
-            int(quality) | int(Quality.SATURATED) if reading.saturated else int(quality),
+            tick=self.tick,
+            t_s=self.tick * self.file.period_s,
+            current_command_A=command_A,
+            current_A=reading.current / s.per_A,
+            voltage_V=reading.voltage / s.per_V,
+            temperature_degC=NAN,
+            counts=counts,
+            position=counts * self.position_per_count,
+            ambient_degC=reading.ambient / s.per_degC,
+            quality=int(quality) | int(Quality.SATURATED) if reading.saturated else int(quality),
         )

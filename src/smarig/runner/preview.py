@@ -96,11 +96,11 @@ def preview(
             f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"
         ) from None
     return Preview(
-        protocol,
-        runner.t_s,
-        runner.steps_done,
-        peaks.current_A,
-        peaks.temperature_K,
-        peaks.timed_out,
-        peaks.samples * BYTES_PER_SAMPLE,
+        protocol=protocol,
+        duration_s=runner.t_s,
+        steps=runner.steps_done,
+        peak_current_A=peaks.current_A,
+        peak_temperature_K=peaks.temperature_K,
+        timed_out=peaks.timed_out,
+        bytes=peaks.samples * BYTES_PER_SAMPLE,
     )

@@ -135,7 +135,16 @@ class Runner:
     ) -> StepResult:
         mean, sd, n = window.statistics()
         position = mean * self.position_per_count
-        result = StepResult(self.steps_done, verdict, position, mean, sd, n, start_s, self.t_s)
+        result = StepResult(
+            index=self.steps_done,
+            verdict=verdict,
+            position=position,
+            counts=mean,
+            counts_sd=sd,
+            n=n,
+            t_start_s=start_s,
+            t_end_s=self.t_s,
+        )
         for listener in self.listeners:
             listener.step(result, branch=branch, target=target)
         self.steps_done += 1

@@ -125,7 +125,18 @@ def velocity_loop(
     plant = LaggedOperator(hysteresis, initial, dt_s, lag_s)
     stored, y_start = recoverable_energy(hysteresis, plant.operator.state), plant.y
     error, control, u, y = _run(plant, controller, rates.tolist(), offsets.tolist(), dt_s)
-    return VelocityLoop(controller, dt_s, rates, offsets, error, control, u, y, y_start, stored)
+    return VelocityLoop(
+        controller=controller,
+        dt_s=dt_s,
+        rate=rates,
+        offset=offsets,
+        error=error,
+        control=control,
+        u=u,
+        y=y,
+        y_start=y_start,
+        stored=stored,
+    )
 
 
 def _run(

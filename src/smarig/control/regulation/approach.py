@@ -193,24 +193,32 @@ def _approach(
     low, high = _reach(setup, plane)
     amplitude = max(min(high - ell, ell - low), 0.0)
     limits = (high, low) if ell - low <= high - ell else (low, high)
-    targets_K = _target_temperatures(setup, limits, ell, amplitude, cycles, wave_s, sweep_s)
+    targets_K = _target_temperatures(
+        setup=setup,
+        limits=limits,
+        ell=ell,
+        amplitude=amplitude,
+        cycles=cycles,
+        wave_s=wave_s,
+        sweep_s=sweep_s,
+    )
     currents, wire_K = _following_currents(setup, targets_K)
     boundary = plane.boundary_after(wire_K)
     shortfall = (high - low) * math.exp(-sweep_s / setup.tau_s)  # of each limit, whatever the wire began with
     return ApproachPlan(
-        ell,
-        plane,
-        tuple(currents.tolist()),
-        setup.period_s,
-        cycles,
-        wave_s,
-        amplitude,
-        plane.distance(boundary, ell),
-        boundary,
-        amplitude**2 / (4 * cycles),
-        _memory_left(plane, (low + shortfall, high - shortfall)),
-        _output_error(hysteresis, wire_K, ell),
-        wire_K,
+        ell=ell,
+        plane=plane,
+        currents_A=tuple(currents.tolist()),
+        period_s=setup.period_s,
+        cycles=cycles,
+        wave_s=wave_s,
+        amplitude=amplitude,
+        predicted_distance=plane.distance(boundary, ell),
+        predicted_boundary=boundary,
+        closed_form=amplitude**2 / (4 * cycles),
+        memory_left=_memory_left(plane, (low + shortfall, high - shortfall)),
+        output_error=_output_error(hysteresis, wire_K, ell),
+        temperature_K=wire_K,
     )
 
 

@@ -86,7 +86,13 @@ def regulate(
     )
     loop = loop or SetpointPI.for_model(setup, hysteresis)
     last_A = yield from _closed_loop(
-        setup, loop, monitors, rest_K, setpoint - encoder_offset, hold_s, disturbance_at
+        setup=setup,
+        loop=loop,
+        monitors=monitors,
+        rest_K=rest_K,
+        wanted=setpoint - encoder_offset,
+        hold_s=hold_s,
+        disturbance_at=disturbance_at,
     )
     yield from ramp_to_zero(setup, last_A)
     yield Hold(0.0, Elapsed(_COOL_TAUS * setup.tau_s), branch="cool")

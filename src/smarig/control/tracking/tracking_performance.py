@@ -56,14 +56,14 @@ def tracking_performance(
     dt = float(np.median(np.diff(t)))
     steps = _steps(reference, t, y, per_count, ahead_s) if reference.held else ()
     return TrackingPerformance(
-        float(np.sqrt(np.mean(evaluated**2))),
-        float(np.abs(evaluated).max()),
-        tuple(s for s, _ in steps),
-        tuple(o for _, o in steps),
-        float(np.sum(i**2) * actuator.resistance_ohm * dt),
-        float(np.abs(u).max()),
-        float(t[-1] - t[0]),
-        int(evaluated.size),
+        rms=float(np.sqrt(np.mean(evaluated**2))),
+        largest=float(np.abs(evaluated).max()),
+        settle_s=tuple(s for s, _ in steps),
+        overshoot=tuple(o for _, o in steps),
+        energy_J=float(np.sum(i**2) * actuator.resistance_ohm * dt),
+        peak_K=float(np.abs(u).max()),
+        seconds=float(t[-1] - t[0]),
+        n=int(evaluated.size),
     )
 
 

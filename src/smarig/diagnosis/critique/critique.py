@@ -125,7 +125,15 @@ def critique(
     threshold = float(largest[min(int(np.ceil((count + 1) * (1 - alpha))), count) - 1])
     observed_largest = max(s.standard for s in scores)
     p = (1 + int(np.sum(largest >= observed_largest))) / (count + 1)
-    return Critique(timeline, plant_model, prediction, refitted, tuple(scores), threshold, p)
+    return Critique(
+        timeline=timeline,
+        plant_model=plant_model,
+        prediction=prediction,
+        refitted=refitted,
+        scores=tuple(scores),
+        threshold=threshold,
+        p_value=p,
+    )
 
 
 def null_data(

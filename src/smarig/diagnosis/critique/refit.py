@@ -115,13 +115,13 @@ def refit(
     )  # of any hysteresis, not only a change of this one
     is_moving = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
     reading_covariance = ReadingCovariance(
-        full_output / scale,
-        prior.covariances,
-        free,
-        white,
-        is_moving,
-        output_slope,
-        bounds_of(timeline, plant_model),
+        y=full_output / scale,
+        shapes=prior.covariances,
+        free=free,
+        white=white,
+        is_moving=is_moving,
+        slope=output_slope,
+        bounds=bounds_of(timeline, plant_model),
     )
     J, times = memory_slopes(h, prediction)
     memories = [
@@ -160,26 +160,26 @@ def refit(
     moving_sd = float(np.median(sd[is_moving > 0])) if is_moving.any() else 0.0
     zero_scale = scale * ((white < 1.0) & (prediction.session == 0))
     return Refit(
-        factor,
-        scales,
-        whitened,
-        NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd),
-        y - scale * (noise_part @ dual_weights),
-        -cost - float(np.log(scale).sum()) - independent_cost,  # of readings in their own units
-        n,
-        found,
-        DensityPosterior(
-            prior,
-            np.array(variances),
-            density,
-            output_slope,
-            factor[:n, :n],
-            free,
-            dual_weights,
-            zero_scale,
-            span,
-            h.y_lower,
-            timeline.unit,
+        factor=factor,
+        scale=scales,
+        data=whitened,
+        noise=NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd),
+        fitted=y - scale * (noise_part @ dual_weights),
+        log_evidence=-cost - float(np.log(scale).sum()) - independent_cost,  # of readings in their own units
+        coupled=n,
+        log_components=found,
+        posterior=DensityPosterior(
+            prior=prior,
+            variances=np.array(variances),
+            covariance=density,
+            output_slope=output_slope,
+            factor=factor[:n, :n],
+            free=free,
+            dual_weights=dual_weights,
+            zero_scale=zero_scale,
+            stroke=span,
+            y_lower=h.y_lower,
+            unit=timeline.unit,
         ),
     )
 

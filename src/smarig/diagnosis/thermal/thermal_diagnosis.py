@@ -189,7 +189,9 @@ def diagnose_transient(
         if not remaining:
             break
         report_progress("against " + (" and ".join(names) or "one exponential"))
-        level = _extension_level(x, current, remaining, noise, nulls, alpha, rng)
+        level = _extension_level(
+            x=x, current=current, remaining=remaining, noise=noise, nulls=nulls, alpha=alpha, rng=rng
+        )
         levels.append(level)
         if level.silent or level.best.gain < MIN_GAIN_NATS or len(names) == MAX_EXTENSIONS:
             break
@@ -201,18 +203,23 @@ def diagnose_transient(
     )
     extended = extended or base
     return ThermalDiagnosis(
-        _verdict(x, names, levels, current, noise, alpha, nulls, rng),
-        x,
-        base,
-        extended,
-        current,
-        tuple(levels),
-        noise,
-        _held_out(x, base, extended),
-        (*[n for n in ("latent_heat",) if n not in available and n not in without], *UNDETECTABLE),
-        nulls,
-        alpha,
-        time.monotonic() - started,
+        verdict=_verdict(
+            x=x, names=names, levels=levels, current=current, noise=noise, alpha=alpha, nulls=nulls, rng=rng
+        ),
+        record=x,
+        base=base,
+        extended=extended,
+        whitened=current,
+        levels=tuple(levels),
+        noise=noise,
+        held_out=_held_out(x, base, extended),
+        undetectable=(
+            *[n for n in ("latent_heat",) if n not in available and n not in without],
+            *UNDETECTABLE,
+        ),
+        nulls=nulls,
+        alpha=alpha,
+        seconds=time.monotonic() - started,
     )
 
 

@@ -89,7 +89,13 @@ def _extended_plans(
     for plan, some in zip(plans, paths):
         one = slice(at, at := at + len(some))
         found += _extend_plan(
-            plan, some, dense[one], covariance_x[one], reduction_x[one], posterior.noise, cost
+            before=plan,
+            paths=some,
+            x=dense[one],
+            covariance_x=covariance_x[one],
+            reduction_x=reduction_x[one],
+            noise=posterior.noise,
+            cost=cost,
         )
     return found
 
@@ -119,14 +125,14 @@ def _extend_plan(
     gain, here = before.gain + variance_reduction / predictive_variance, before.path[-1]
     return [
         HoldPlan(
-            path,
-            before,
-            float(gain[k]),
-            before.cost_s + cost(here, path[-1]),
-            covariance_x[k],
-            reduction_x[k],
-            float(predictive_variance[k]),
-            float(variance_reduction[k]),
+            path=path,
+            before=before,
+            gain=float(gain[k]),
+            cost_s=before.cost_s + cost(here, path[-1]),
+            covariance_x=covariance_x[k],
+            reduction_x=reduction_x[k],
+            predictive_variance=float(predictive_variance[k]),
+            variance_reduction=float(variance_reduction[k]),
         )
         for k, path in enumerate(paths)
     ]

@@ -53,14 +53,14 @@ def extremum_chains(runs: Sequence[Run]) -> ExtremumChains:
         names += [seen.setdefault((s.extrema, s.u), len(seen)) for s in record.states if s]
         which += [number] * len(record.states)
     return ExtremumChains(
-        np.concatenate([r.inputs for r in records]),
-        np.concatenate([r.outputs for r in records]),
-        np.array(origins, dtype=np.intp),
-        np.array(names, dtype=np.intp),
-        np.array(which, dtype=np.intp),
-        lower,
-        upper,
-        runs[0].unit,
+        u=np.concatenate([r.inputs for r in records]),
+        y=np.concatenate([r.outputs for r in records]),
+        origin=np.array(origins, dtype=np.intp),
+        state=np.array(names, dtype=np.intp),
+        run=np.array(which, dtype=np.intp),
+        lower=lower,
+        upper=upper,
+        unit=runs[0].unit,
     )
 
 

@@ -132,11 +132,13 @@ def solve(newton: NewtonSystem, H: csr_matrix, g: Array, *, accuracy: float = 1e
             solver = newton.factor(kept, z / s)
         except LinAlgError:  # as far as rounding lets it go
             return Solution(x, s, z, solver, step)
-        direction = _direction(solver, D, DT, s, z, dual, primal)
+        direction = _direction(solver=solver, D=D, DT=DT, s=s, z=z, dual=dual, primal=primal)
         reach = _longest(s, direction[1]), _longest(z, direction[2])
         after = float((s + reach[0] * direction[1]) @ (z + reach[1] * direction[2]))
         centred = direction[1] * direction[2] - (after / gap) ** 3 * gap / s.size
-        dx, ds, dz = _direction(solver, D, DT, s, z, dual, primal, centred)
+        dx, ds, dz = _direction(
+            solver=solver, D=D, DT=DT, s=s, z=z, dual=dual, primal=primal, correction=centred
+        )
         length = min(_longest(s, ds), _longest(z, dz))
         x, s, z = x + length * dx, s + length * ds, z + length * dz
     return Solution(x, s, z, solver, MOST_STEPS)

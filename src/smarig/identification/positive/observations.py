@@ -67,7 +67,19 @@ class Observations:
         """First-order points y(α, β): one term each, whatever curves are missing."""
         n = np.arange(y.size)
         common = np.full(y.size, COMMON)
-        return cls(y, curve, common, n, np.ones(y.size), alpha, beta, (), ends[0], ends[1], unit)
+        return cls(
+            y=y,
+            curve=curve,
+            zero=common,
+            term=n,
+            sign=np.ones(y.size),
+            alpha=alpha,
+            beta=beta,
+            released=(),
+            lower=ends[0],
+            upper=ends[1],
+            unit=unit,
+        )
 
     @classmethod
     def of_fod(cls, data: FodData) -> "Observations":
@@ -110,17 +122,17 @@ class Observations:
         term, sign, alpha, beta = np.array(terms, dtype=float).reshape(len(terms), 4).T
         common = np.full(y.size, COMMON)
         return cls(
-            y,
-            curve,
-            common,
-            term.astype(np.int64),
-            sign,
-            alpha,
-            beta,
-            tuple(released),
-            ends[0],
-            ends[1],
-            unit,
+            y=y,
+            curve=curve,
+            zero=common,
+            term=term.astype(np.int64),
+            sign=sign,
+            alpha=alpha,
+            beta=beta,
+            released=tuple(released),
+            lower=ends[0],
+            upper=ends[1],
+            unit=unit,
         )
 
     def where(self, mask: NDArray[np.bool_]) -> "Observations":

@@ -210,7 +210,16 @@ def _posed_problem(
         smoothing, errors = _chosen_smoothing(rough, masks, all_observations, observations)
         by_smoothing = {k: scale * v for k, v in errors.items()}
     smoothing = smoothing or DEFAULT_SMOOTHING
-    return _PosedProblem(problem, all_observations, masks, smoothing, by_smoothing, scale, zero, symmetric)
+    return _PosedProblem(
+        problem=problem,
+        all_observations=all_observations,
+        masks=masks,
+        smoothing=smoothing,
+        by_smoothing=by_smoothing,
+        scale=scale,
+        zero=zero,
+        symmetric=symmetric,
+    )
 
 
 def _masses(solution: Solution, scale: float) -> Array:

@@ -122,7 +122,15 @@ def _start(d: DescendingCurve, span: float) -> Array:
 
 def _with_errors(d: DescendingCurve, b: Array | None, sigma: float, span: float) -> CurveFit:
     if b is None:
-        return CurveFit(d.curve, d.alpha, d.beta.size, None, None, float("nan"), False)
+        return CurveFit(
+            curve=d.curve,
+            alpha=d.alpha,
+            points=d.beta.size,
+            b=None,
+            standard_error=None,
+            sse=float("nan"),
+            determined=False,
+        )
     J = _jacobian(b, d)
     scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     if np.linalg.cond(J / scale) < 1e8:
@@ -132,4 +140,12 @@ def _with_errors(d: DescendingCurve, b: Array | None, sigma: float, span: float)
         error = np.full(4, np.inf)
     # On straight data height and steepness trade off against each other, and the place of inflection floats.
     determined = bool(np.all(error[:2] < 0.5 * np.abs(b[:2])) and error[2] < span / 2)
-    return CurveFit(d.curve, d.alpha, d.beta.size, b, error, float(np.sum(_residuals(b, d) ** 2)), determined)
+    return CurveFit(
+        curve=d.curve,
+        alpha=d.alpha,
+        points=d.beta.size,
+        b=b,
+        standard_error=error,
+        sse=float(np.sum(_residuals(b, d) ** 2)),
+        determined=determined,
+    )

@@ -51,7 +51,17 @@ def curve_report(data: FodData) -> CurveReport:
     """Judge the curves of FOD data (k points) against their own noise; warnings are plain sentences."""
     descending_curves = data.descending_curves()
     if not descending_curves:
-        return CurveReport(float("nan"), data.unit, True, False, True, 0.0, 0.0, None, (NO_CURVES,))
+        return CurveReport(
+            noise=float("nan"),
+            unit=data.unit,
+            monotone=True,
+            cross=False,
+            merge=True,
+            merge_spread=0.0,
+            top_angle=0.0,
+            exercised=None,
+            warnings=(NO_CURVES,),
+        )
     noise = reading_noise(data)
     threshold = SIGNIFICANT * noise if np.isfinite(noise) else 0.0
     rising = [d.alpha for d in descending_curves if _largest_rise(d) > threshold]
@@ -85,7 +95,15 @@ def curve_report(data: FodData) -> CurveReport:
         )
     crosses = crossing is not None
     return CurveReport(
-        noise, unit, not rising, crosses, merge, spread, angle, merge and not angled, tuple(warnings)
+        noise=noise,
+        unit=unit,
+        monotone=not rising,
+        cross=crosses,
+        merge=merge,
+        merge_spread=spread,
+        top_angle=angle,
+        exercised=merge and not angled,
+        warnings=tuple(warnings),
     )
 
 

@@ -121,16 +121,16 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
     rms = float(np.sqrt(np.mean(difference**2)))
     everything = run.points()[1]
     return Representation(
-        name,
-        a.input,
-        a.output,
-        b.output,
-        rms,
-        float(np.max(np.abs(difference))),
-        noise,
-        run.info.output.resolution,
-        run.unit,
-        offset,
-        bool(rms <= _COVERAGE * noise),
-        float(np.ptp(everything)),
+        name=name,
+        input=a.input,
+        first=a.output,
+        second=b.output,
+        rms=rms,
+        max_abs=float(np.max(np.abs(difference))),
+        noise=noise,
+        per_count=run.info.output.resolution,
+        unit=run.unit,
+        offset=offset,
+        holds=bool(rms <= _COVERAGE * noise),
+        span=float(np.ptp(everything)),
     )

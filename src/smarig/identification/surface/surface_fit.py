@@ -96,7 +96,15 @@ class _SurfaceProblem:
         n = len(self.surface_form.parameters)
         y_upper, y_lower = self.ends or (float(p[n]), float(p[n + 1]))
         x = tuple(float(v) for v in p[:n])
-        return FodSurface(self.form, x, self.data.lower, self.data.upper, y_lower, y_upper, self.data.unit)
+        return FodSurface(
+            form=self.form,
+            x=x,
+            lower=self.data.lower,
+            upper=self.data.upper,
+            y_lower=y_lower,
+            y_upper=y_upper,
+            unit=self.data.unit,
+        )
 
     def residuals(self, p: Array) -> Array:
         surface = self.surface(p)

@@ -197,12 +197,30 @@ def tolerance_band(t: Array, low: float, **more: Any) -> Trace:
     """From ``low`` to + 2 counts, behind the errors."""
     left, right = (float(t[0]), float(t[-1])) if t.size else (0.0, 1.0)
     words = f"{'±' if low < 0 else 'within'} {SETTLING_BAND_COUNTS:g} counts"
-    return _box(left, right, low, SETTLING_BAND_COUNTS, words, GREY, BAND, **more)
+    return _box(
+        left=left,
+        right=right,
+        low=low,
+        high=SETTLING_BAND_COUNTS,
+        words=words,
+        colour=GREY,
+        fill=BAND,
+        **more,
+    )
 
 
 def disturbance_shading(on: float, off: float, low: float, high: float, **more: Any) -> Trace:
     """The time of the disturbance over the error's row."""
-    return _box(on, off, low, high, "disturbance", CURRENT, "rgba(230,159,0,.18)", **more)
+    return _box(
+        left=on,
+        right=off,
+        low=low,
+        high=high,
+        words="disturbance",
+        colour=CURRENT,
+        fill="rgba(230,159,0,.18)",
+        **more,
+    )
 
 
 def _box(

@@ -187,25 +187,36 @@ def _regulation_result(run: Run, mark: Event) -> RegulationResult:
     distance = plane.distance(boundary, float(ell)) if ell is not None else None
     points = plane.points(boundary)
     if closed is None:
-        return RegulationResult(setpoint_data, None, None, 0.0, points, distance, None, None, 0.0, None)
+        return RegulationResult(
+            setpoint_data=setpoint_data,
+            loop=None,
+            disturbance_s=None,
+            zero=0.0,
+            boundary=points,
+            distance_K2=distance,
+            output_error=None,
+            transient=None,
+            disturbance_K=0.0,
+            end=None,
+        )
     wanted, rows = float(closed.data["wanted_position"]), _closed_rows(run, closed, closed.t_s)
     loop = _segment(run, rows, run["t_s"][rows] - closed.t_s, np.full(rows.size, wanted))
     arrived = next((s.position for s in run.steps if s.branch == "arrive" and s.position is not None), None)
     disturbance_s, disturbance_K = _disturbance(run, closed.t_s)
     off = loop.position - wanted
     return RegulationResult(
-        setpoint_data,
-        loop,
-        disturbance_s,
-        float(setpoint_data["setpoint"]) - wanted,
-        points,
-        distance,
-        None if arrived is None else arrived - wanted,
-        float(np.abs(off[loop.t_s > disturbance_s[0]]).max())
+        setpoint_data=setpoint_data,
+        loop=loop,
+        disturbance_s=disturbance_s,
+        zero=float(setpoint_data["setpoint"]) - wanted,
+        boundary=points,
+        distance_K2=distance,
+        output_error=None if arrived is None else arrived - wanted,
+        transient=float(np.abs(off[loop.t_s > disturbance_s[0]]).max())
         if disturbance_s and np.any(loop.t_s > disturbance_s[0])
         else None,
-        disturbance_K,
-        hold_end(loop.t_s, off, loop.current_A, loop.count, disturbance_s[1] if disturbance_s else 0.0),
+        disturbance_K=disturbance_K,
+        end=hold_end(loop.t_s, off, loop.current_A, loop.count, disturbance_s[1] if disturbance_s else 0.0),
     )
 
 

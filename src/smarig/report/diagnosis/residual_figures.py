@@ -85,13 +85,13 @@ def _residual_channel_figure(
     half_range = half_ranges(errors, 2 * whole)
     panels = [
         _residual_panel(
-            d,
-            kind,
-            name,
-            error,
-            (label, colour),
-            (own, whole),
-            symmetric_layout(f"Measured − model ({unit})", own_half_range, half_range),
+            d=d,
+            kind=kind,
+            name=name,
+            error=error,
+            style=(label, colour),
+            noise=(own, whole),
+            y_layout=symmetric_layout(f"Measured − model ({unit})", own_half_range, half_range),
         )
         for name in names
         for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.labelled)

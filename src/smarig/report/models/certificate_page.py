@@ -73,7 +73,9 @@ def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
         for p in model.provenance
     )
     effects = tuple(str(e.get("name")) for e in model.effects)
-    return CertifiedModel(model.name, file, sha256, model.twin, model.rig, runs, effects)
+    return CertifiedModel(
+        model=model.name, file=file, sha256=sha256, twin=model.twin, rig=model.rig, data=runs, effects=effects
+    )
 
 
 def certificate_units(model: Model) -> Units:

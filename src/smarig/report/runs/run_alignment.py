@@ -71,9 +71,25 @@ def _aligned_run(name: str, run: Run, first: Run) -> AlignedRun:
     inputs, outputs = run.points()
     difference = outputs[:n] - first.points()[1][:n]
     if run is first:
-        return AlignedRun(name, run, 0.0, "reference", inputs[:n], difference, None)
+        return AlignedRun(
+            name=name,
+            run=run,
+            offset=0.0,
+            offset_kind="reference",
+            input=inputs[:n],
+            difference=difference,
+            noise=None,
+        )
     offset, kind = _offset(run, first, difference)
-    return AlignedRun(name, run, offset, kind, inputs[:n], difference + offset, _noise(run, first))
+    return AlignedRun(
+        name=name,
+        run=run,
+        offset=offset,
+        offset_kind=kind,
+        input=inputs[:n],
+        difference=difference + offset,
+        noise=_noise(run, first),
+    )
 
 
 def common_steps(first: Run, run: Run) -> int:

@@ -157,12 +157,12 @@ def _result(run: Run, step: Step) -> StepResult:
     sd = float(counts.std(ddof=1)) if counts.size > 1 else 0.0
     position = np.nan if step.position is None else step.position
     return StepResult(
-        step.index,
-        StepVerdict(step.verdict),
-        position,
-        float(counts.mean()),
-        sd,
-        step.n,
-        step.t_start_s,
-        step.end_s,
+        index=step.index,
+        verdict=StepVerdict(step.verdict),
+        position=position,
+        counts=float(counts.mean()),
+        counts_sd=sd,
+        n=step.n,
+        t_start_s=step.t_start_s,
+        t_end_s=step.end_s,
     )

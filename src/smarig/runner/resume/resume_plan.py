@@ -140,7 +140,15 @@ def plan_resume(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigStat
     currents = _currents(path_K, replayed, setup)
     zero_known = same_device or (now.fresh_twin and _last_zero(run) == "power-up")
     reference = None if zero_known else _reference(run, replayed, path_K, setup)
-    return ResumePlan(replayed, settle, shift, "", currents, path_K.inputs_K, reference)
+    return ResumePlan(
+        replayed=replayed,
+        settle=settle,
+        shift=shift,
+        reason="",
+        currents_A=currents,
+        inputs_K=path_K.inputs_K,
+        reference=reference,
+    )
 
 
 def _restore_path_or_reason(
