@@ -154,7 +154,7 @@ def test_from_a_notebook(one, tmp_path):
 
 
 def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
-    from smarig.report.runs.run_page import run_page
+    from smarig.report.run_page import run_page
 
     out_file = tmp_path / "v.run.sqlite"
     words = (*LEAKY, "--controller-set", "gain=50", "--offset-K", 30, "-o", out_file)

@@ -25,7 +25,7 @@ from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
-from smarig.report.models.certificate_page import certificate_page, certificate_units, certified_model
+from smarig.report.certificate.certificate_page import certificate_page, certificate_units, certified_model
 
 PROMISES = ("bounds the energy", "energy is bounded", "never rises", "stays passive", "covers it")
 ONE = {"constant_gain": {"gain": 4.0}}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.refit import NoiseEstimate, Refit
-from smarig.diagnosis.explain.candidates import Candidate, _smooth, generic, named, whitened
+from smarig.diagnosis.critique.candidates import Candidate, _smooth, generic, named, whitened
+from smarig.diagnosis.refit.refit import NoiseEstimate, Refit
 from smarig.plant.effects.backlash import backlash
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.made_memories import prediction_for_inputs
-from smarig.diagnosis.explain.density_prior import MIN_PRIOR_SHARE, density_prior
+from smarig.diagnosis.refit.density_prior import MIN_PRIOR_SHARE, density_prior
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach

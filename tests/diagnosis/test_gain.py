@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.critique.refit import NoiseEstimate
-from smarig.diagnosis.explain.density_prior import density_prior
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.diagnosis.refit.density_prior import density_prior
+from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.replay import build_timeline, predict
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.made_memories import prediction_for_inputs
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 

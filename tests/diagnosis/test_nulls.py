@@ -8,8 +8,8 @@ import pytest
 
 from diagnosis.made_memories import prediction_for_inputs
 from smarig.diagnosis.critique.critique import null_data
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.critique.refit import NoiseEstimate
+from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.replay import PlantModel

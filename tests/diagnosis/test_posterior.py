@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import cho_solve, cholesky
 
 from diagnosis.made_memories import prediction_for_inputs
-from smarig.diagnosis.critique.density_posterior import DensityPosterior
-from smarig.diagnosis.explain.density_prior import density_prior
+from smarig.diagnosis.refit.density_posterior import DensityPosterior
+from smarig.diagnosis.refit.density_prior import density_prior
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.refit import refit
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
+from smarig.diagnosis.refit.refit import refit
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking
 from smarig.replay import build_timeline, predict

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.refit import refit
+from smarig.diagnosis.refit.refit import refit
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.replay import build_timeline, predict

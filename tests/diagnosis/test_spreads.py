@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from smarig.diagnosis.critique.variance_components import START, ReadingCovariance
+from smarig.diagnosis.refit.variance_components import START, ReadingCovariance
 
 N = 30
 LOG_COMPONENTS = np.array([-0.4, -0.9, -1.1, -0.8, -0.5, -0.6])

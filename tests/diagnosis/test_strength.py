@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from smarig.diagnosis.critique.evidence_maximum import MAX_TRIED, EvidenceMaximum, maximise_evidence
+from smarig.diagnosis.refit.evidence_maximum import MAX_TRIED, EvidenceMaximum, maximise_evidence
 
 BOUNDS = (-20.0, 20.0)
 

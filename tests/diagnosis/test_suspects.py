@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from smarig.diagnosis.critique.nuisance_terms import SETS_TRIED, _gains, likeliest_nuisance
-from smarig.diagnosis.critique.variance_components import START, ReadingCovariance
+from smarig.diagnosis.refit.nuisance_terms import SETS_TRIED, _gains, likeliest_nuisance
+from smarig.diagnosis.refit.variance_components import START, ReadingCovariance
 
 N = 120
 LOW, HIGH = np.array([-6.0, -6.0, -9.0, -5.0, -5.0, -3.0]), np.array([2.0, 2.0, 0.0, -1.0, -1.0, 0.0])

@@ -7,8 +7,8 @@ import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.core.errors import DataError
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.critique.refit import refit
+from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.refit import refit
 from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, build_timeline, predict
 

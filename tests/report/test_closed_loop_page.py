@@ -17,8 +17,8 @@ from smarig.record import Event, load_run
 from smarig.report.closed_loop.closed_loop_figures import clipped_text, error_half_range
 from smarig.report.closed_loop.closed_loop_text import loop_result_text
 from smarig.report.closed_loop.loop_result import closed_loop_result
-from smarig.report.models.certificate_page import certificate_page, certified_model
-from smarig.report.runs.run_page import run_page
+from smarig.report.certificate.certificate_page import certificate_page, certified_model
+from smarig.report.run_page import run_page
 from smarig.runner.session import Session
 
 COUNT_mm = 0.04712

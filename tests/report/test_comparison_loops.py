@@ -15,7 +15,7 @@ from smarig.record import Event, load_run
 from smarig.report.closed_loop.loop_result import closed_loop_result
 from smarig.report.components.numbers import number
 from smarig.report.components.style import COMPARED
-from smarig.report.runs.run_comparison_page import comparison_page
+from smarig.report.run_comparison_page import comparison_page
 from smarig.runner.session import Session
 
 HELD = {"hold_s": 120.0, "disturbance_K": 6.0}

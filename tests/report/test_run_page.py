@@ -7,7 +7,7 @@ import pytest
 from report.pages import LOADING, Page, run_of, step, unpacked
 from smarig.core.sample import Quality
 from smarig.record import Event
-from smarig.report.runs.run_page import run_page
+from smarig.report.run_page import run_page
 from smarig.runner.session import Session
 
 TEMPERATURE = {"quantity": "temperature", "unit": "degC"}

@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING
 from smarig.core.front_door import front_door
 
 if TYPE_CHECKING:
+    from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
     from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS as MIN_SPREAD_NATS
     from smarig.diagnosis.critique.critique import NULL_DATA_SETS as NULL_DATA_SETS
     from smarig.diagnosis.critique.critique import CandidateScore as CandidateScore
     from smarig.diagnosis.critique.critique import Critique as Critique
     from smarig.diagnosis.critique.critique import critique as critique
-    from smarig.diagnosis.critique.memory_noise import memory_covariance as memory_covariance
-    from smarig.diagnosis.critique.memory_noise import memory_slopes as memory_slopes
-    from smarig.diagnosis.critique.refit import Refit as Refit
     from smarig.diagnosis.critique.visibility import IMITATION_THRESHOLD as IMITATION_THRESHOLD
     from smarig.diagnosis.critique.visibility import VisibilityTable as VisibilityTable
     from smarig.diagnosis.critique.visibility import visibility as visibility
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS
     from smarig.diagnosis.drive_statistics import MIN_COUNT_SD as MIN_COUNT_SD
     from smarig.diagnosis.drive_statistics import drive_statistics as drive_statistics
-    from smarig.diagnosis.explain.candidates import DETECTION_SD as DETECTION_SD
     from smarig.diagnosis.explain.explanation import Explanation as Explanation
     from smarig.diagnosis.explain.joint_density import joint_density as joint_density
     from smarig.diagnosis.explain.joint_density import (
@@ -44,6 +41,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.explain.parameter_fit import ParameterFit as ParameterFit
     from smarig.diagnosis.explain.parameter_fit import fit_parameters as fit_parameters
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
+    from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
+    from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
+    from smarig.diagnosis.refit.refit import Refit as Refit
     from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
 
 __getattr__, __dir__, __all__ = front_door(__name__)

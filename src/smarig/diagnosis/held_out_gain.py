@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.critique.reading_noise import FREE_ZERO_SD
-from smarig.diagnosis.critique.refit import NoiseEstimate
 from smarig.diagnosis.drive_statistics import drive_statistics
-from smarig.diagnosis.explain.density_prior import density_prior
+from smarig.diagnosis.refit.density_prior import density_prior
+from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD
+from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.record import Run
 from smarig.replay import PlantModel, Prediction, Timeline, build_timeline, predict
 

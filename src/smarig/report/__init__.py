@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from smarig.report.folder_report import page_path as page_path
     from smarig.report.folder_report import report_folder as report_folder
     from smarig.report.folder_report import run_files as run_files
-    from smarig.report.models.certificate_page import Further as Further
-    from smarig.report.models.certificate_page import certificate_page as certificate_page
-    from smarig.report.models.certificate_page import certificate_units as certificate_units
-    from smarig.report.models.certificate_page import certified_model as certified_model
+    from smarig.report.certificate.certificate_page import Further as Further
+    from smarig.report.certificate.certificate_page import certificate_page as certificate_page
+    from smarig.report.certificate.certificate_page import certificate_units as certificate_units
+    from smarig.report.certificate.certificate_page import certified_model as certified_model
     from smarig.report.models.characterisation_page import characterisation_page as characterisation_page
     from smarig.report.models.evidence import Evidence as Evidence
     from smarig.report.models.model_comparison_page import models_page as models_page
     from smarig.report.notebook import plot as plot
-    from smarig.report.runs.run_comparison_page import comparison_page as comparison_page
-    from smarig.report.runs.run_page import run_page as run_page
+    from smarig.report.run_comparison_page import comparison_page as comparison_page
+    from smarig.report.run_page import run_page as run_page
 
 __getattr__, __dir__, __all__ = front_door(__name__)

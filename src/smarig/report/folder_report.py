@@ -14,7 +14,7 @@ from smarig.core import DataError, UsageError
 from smarig.record import Run, load_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.index_page import IndexEntry, index_page
-from smarig.report.runs.run_page import run_page
+from smarig.report.run_page import run_page
 from smarig.report.runs.run_summary import summary_of
 
 INDEX_FILE = "index.html"

@@ -17,6 +17,13 @@ from smarig.replay import Model
 from smarig.report.components.decimate import path
 from smarig.report.components.figure import WATERMARK, Panel, Trace, axis, dots, line, unpacked
 from smarig.report.components.html import Html, bullets, tag
+from smarig.report.components.run_description import (
+    capitalised,
+    input_title,
+    output_title,
+    protocol_name,
+    source_label,
+)
 from smarig.report.components.style import INK, MODEL, template
 from smarig.report.components.thumbnail import thumbnail
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
@@ -24,13 +31,6 @@ from smarig.report.diagnosis.diagnosis_text import findings
 from smarig.report.diagnosis.residual_figures import residual_figure
 from smarig.report.models.density_figures import map_panel
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
-from smarig.report.runs.run_description import (
-    capitalised,
-    input_title,
-    output_title,
-    protocol_name,
-    source_label,
-)
 from smarig.report.runs.run_summary import summary_of
 
 _POINTS = 1200

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from smarig.diagnosis.critique.refit import Refit, refit
-from smarig.diagnosis.explain.candidates import Candidate, generic, named, whitened
+from smarig.diagnosis.critique.candidates import Candidate, generic, named, whitened
+from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import EffectType
 from smarig.preisach import sensitivities
 from smarig.replay import PlantModel, Prediction, Timeline, predict

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis.critique.candidates import DETECTION_SD, Candidate
 from smarig.diagnosis.critique.critique import Critique
-from smarig.diagnosis.explain.candidates import DETECTION_SD, Candidate
 
 Array = NDArray[np.float64]
 IMITATION_THRESHOLD = 0.8  # share of one effect's evidence that another can imitate: one group

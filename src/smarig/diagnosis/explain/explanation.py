@@ -9,10 +9,10 @@ from functools import partial
 
 import numpy as np
 
-from smarig.diagnosis.critique.evidence_maximum import EvidenceMaximum, maximise_evidence
-from smarig.diagnosis.critique.refit import Refit
 from smarig.diagnosis.explain.joint_density import joint_density, joint_density_from_best_start
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
+from smarig.diagnosis.refit.evidence_maximum import EvidenceMaximum, maximise_evidence
+from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from smarig.diagnosis.critique.refit import Refit, refit
 from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table
 from smarig.preisach import Everett, FodTable
 from smarig.replay import PlantModel, Prediction, Timeline, predict

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.critique.refit import Refit
+from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect, Parameter
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline, predict, with_hysteresis

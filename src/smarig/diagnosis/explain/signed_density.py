@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from smarig.diagnosis.critique.critique import Critique
-from smarig.diagnosis.critique.refit import Refit
 from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.explain.search import (
@@ -19,6 +18,7 @@ from smarig.diagnosis.explain.search import (
     SearchLevel,
     search_explanations,
 )
+from smarig.diagnosis.refit.refit import Refit
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline
 

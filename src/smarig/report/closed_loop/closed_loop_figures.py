@@ -18,9 +18,7 @@ from smarig.report.components.decimate import POINTS, envelope, path
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, line
 from smarig.report.components.html import joined
 from smarig.report.components.numbers import counts, number
-from smarig.report.components.style import CURRENT, GREY, INK, POSITION, TEMPERATURE
-from smarig.report.runs.hysteresis_figure import direction_traces
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     count_size,
     display_unit,
     input_title,
@@ -28,6 +26,8 @@ from smarig.report.runs.run_description import (
     run_caption,
     source_label,
 )
+from smarig.report.components.style import CURRENT, GREY, INK, POSITION, TEMPERATURE
+from smarig.report.runs.hysteresis_figure import direction_traces
 from smarig.report.runs.time_figures import time_unit
 
 Array = NDArray[np.float64]

@@ -27,8 +27,8 @@ from smarig.report.closed_loop.velocity_sections import velocity_parts
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import counts, number, signed
 from smarig.report.components.page import Section
-from smarig.report.models.certificate_page import certificate_parts, certificate_units, certified_model
-from smarig.report.runs.run_description import display_unit
+from smarig.report.components.run_description import display_unit
+from smarig.report.certificate.certificate_page import certificate_parts, certificate_units, certified_model
 
 
 def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> list[Section]:

@@ -7,7 +7,7 @@ from smarig.report.closed_loop.hold_end import HoldEnd
 from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult
 from smarig.report.closed_loop.velocity_result import VelocityResult, velocity_verdict
 from smarig.report.components.numbers import counts, number, signed
-from smarig.report.runs.run_description import display_unit
+from smarig.report.components.run_description import display_unit
 
 
 def loop_result_text(found: TrackingResult | RegulationResult, unit: str) -> str:

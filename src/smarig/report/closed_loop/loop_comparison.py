@@ -30,9 +30,9 @@ from smarig.report.closed_loop.velocity_result import RATIO
 from smarig.report.components.html import Html, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, signed
 from smarig.report.components.page import Section
-from smarig.report.models.certificate_page import with_subscripts
+from smarig.report.components.run_description import display_unit
+from smarig.report.certificate.certificate_page import with_subscripts
 from smarig.report.runs.run_comparison_figures import coloured_name
-from smarig.report.runs.run_description import display_unit
 
 _MISSING = "–"
 

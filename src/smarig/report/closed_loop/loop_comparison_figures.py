@@ -23,9 +23,9 @@ from smarig.report.closed_loop.regulation_plane_figure import B_ELL, boundary_cu
 from smarig.report.components.decimate import POINTS, envelope, path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, line
 from smarig.report.components.html import Html, joined
+from smarig.report.components.run_description import display_unit, input_title, output_title, source_label
 from smarig.report.components.style import COMPARED, DASHES, GREY, INK
 from smarig.report.runs.run_comparison_figures import runs_caption
-from smarig.report.runs.run_description import display_unit, input_title, output_title, source_label
 from smarig.report.runs.time_figures import time_unit
 
 Array = NDArray[np.float64]

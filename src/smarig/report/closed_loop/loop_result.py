@@ -29,7 +29,7 @@ from smarig.plant import Actuator
 from smarig.record import Event, Run
 from smarig.report.closed_loop.hold_end import HoldEnd, hold_end
 from smarig.report.closed_loop.velocity_result import VelocityResult
-from smarig.report.runs.run_description import count_size
+from smarig.report.components.run_description import count_size
 
 Array = NDArray[np.float64]
 SKIP_S = 20.0  # the way to the first point of a moving reference is no tracking

@@ -10,8 +10,8 @@ from smarig.report.closed_loop.loop_result import RegulationResult
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
 from smarig.report.components.html import Html, joined
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import display_unit, run_caption, source_label
 from smarig.report.components.style import FIRST, GREY, INK, MODEL, SECOND
-from smarig.report.runs.run_description import display_unit, run_caption, source_label
 
 B_ELL = Html("B<sub>ℓ</sub>")
 

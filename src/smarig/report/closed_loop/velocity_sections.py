@@ -12,15 +12,15 @@ from smarig.report.components.decimate import POINTS, envelope
 from smarig.report.components.figure import Figure, Panel, Trace, line
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import number, signed
-from smarig.report.components.style import CURRENT, GREY, INK, MODEL, POSITION, TEMPERATURE
-from smarig.report.models.certificate_page import HOLDS_TEXT, with_subscripts
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     display_unit,
     input_title,
     output_title,
     run_caption,
     source_label,
 )
+from smarig.report.components.style import CURRENT, GREY, INK, MODEL, POSITION, TEMPERATURE
+from smarig.report.certificate.certificate_page import HOLDS_TEXT, with_subscripts
 from smarig.report.runs.time_figures import time_unit
 
 _SHARES = (0.25, 0.22, 0.19, 0.15, 0.19)  # of the height, from above

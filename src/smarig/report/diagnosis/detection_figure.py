@@ -11,10 +11,10 @@ from scipy.spatial.distance import squareform
 
 from smarig.diagnosis import IMITATION_THRESHOLD, MIN_SPREAD_NATS, CandidateScore, Diagnosis, VisibilityTable
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
+from smarig.report.components.run_description import source_label
 from smarig.report.components.style import GREY, INK, SEQUENCE
 from smarig.report.diagnosis.candidate_rows import GENERIC, NAMED, candidate_name, nats_text, rows_layout
 from smarig.report.diagnosis.diagnosis_predictions import Array, diagnosis_caption
-from smarig.report.runs.run_description import source_label
 
 _MARK_PX = 24  # high is the mark that nothing was measured: a legend stands above it
 

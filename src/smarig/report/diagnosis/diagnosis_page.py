@@ -11,6 +11,7 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.numbers import duration
 from smarig.report.components.page import Section, page
+from smarig.report.components.run_description import display_unit, protocol_name, source_label
 from smarig.report.diagnosis.detection_figure import detection_figure, similar_effects_figure
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis.diagnosis_summary import summary
@@ -21,8 +22,7 @@ from smarig.report.diagnosis.gain_figure import gain_figure
 from smarig.report.diagnosis.input_offset_figure import input_offset_figure
 from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import channel_figure, residual_figure
-from smarig.report.runs.run_description import display_unit, protocol_name, source_label
-from smarig.report.runs.run_page import ending_notices, run_lead
+from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
 Parts = Iterator[Html | Figure]

@@ -13,8 +13,8 @@ from smarig.diagnosis import Diagnosis, drive_statistics, memory_covariance, mem
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import protocol_name, source_label
 from smarig.report.components.style import INK, MODEL
-from smarig.report.runs.run_description import protocol_name, source_label
 
 Array = NDArray[np.float64]
 

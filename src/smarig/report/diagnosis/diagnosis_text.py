@@ -10,7 +10,7 @@ from smarig.diagnosis import NORMAL_95, Diagnosis, HeldOutGain, ParameterFit, sh
 from smarig.plant import Effect, EffectType, Parameter, effect_types
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
-from smarig.report.runs.run_description import display_unit
+from smarig.report.components.run_description import display_unit
 
 ParameterSigmas = Mapping[tuple[str, str], float]
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from smarig.diagnosis import LEAD_SCALE_NATS, CandidateScore, Diagnosis
 from smarig.report.components.figure import Figure, Panel, Trace, packed
+from smarig.report.components.run_description import source_label
 from smarig.report.diagnosis.candidate_rows import (
     GENERIC,
     NAMED,
@@ -20,7 +21,6 @@ from smarig.report.diagnosis.candidate_rows import (
     top_candidates,
 )
 from smarig.report.diagnosis.diagnosis_predictions import Array, diagnosis_caption
-from smarig.report.runs.run_description import source_label
 
 
 def explanations_figure(d: Diagnosis) -> Figure:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis import Diagnosis, HeldOutGain
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
+from smarig.report.components.run_description import capitalised, display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
 from smarig.report.diagnosis.diagnosis_predictions import Array, rig_text, rms
 from smarig.report.diagnosis.diagnosis_text import gain_text
 from smarig.report.runs.representation_figure import noise_band
-from smarig.report.runs.run_description import capitalised, display_unit, source_label
 
 _ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors
 _MARKER_SHIFT = 0.13  # blocks: distance of the two models' marks

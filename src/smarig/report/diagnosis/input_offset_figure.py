@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis import Diagnosis
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line, packed
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import GREY
 from smarig.report.diagnosis.diagnosis_predictions import (
     Array,
@@ -28,7 +29,6 @@ from smarig.report.diagnosis.residual_axes import (
     residual_layout,
     symmetric_layout,
 )
-from smarig.report.runs.run_description import display_unit, source_label
 
 _STEEP_SHARE = 0.25  # of a steep place's slope: where a residual is worth telling as a temperature
 

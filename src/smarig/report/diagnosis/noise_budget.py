@@ -10,8 +10,8 @@ import numpy as np
 from smarig.diagnosis import MIN_COUNT_SD, Critique, Diagnosis
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import count_size, display_unit
 from smarig.report.diagnosis.diagnosis_predictions import input_slopes, rms_noise
-from smarig.report.runs.run_description import count_size, display_unit
 
 
 def noise_budget(d: Diagnosis) -> Iterator[Html]:

@@ -12,9 +12,9 @@ from smarig.diagnosis import Diagnosis, drive_statistics
 from smarig.replay import Timeline
 from smarig.report.components.figure import AXIS_MARGIN, axis
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import display_unit
 from smarig.report.components.style import GREY
 from smarig.report.diagnosis.diagnosis_predictions import Array, readings
-from smarig.report.runs.run_description import display_unit
 
 _FINER_RATIO = 4  # times: where what is left would be a mere line on the axis of what was missed
 

@@ -10,6 +10,7 @@ from smarig.diagnosis import CandidateScore, Diagnosis
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import count_size, display_unit, source_label
 from smarig.report.components.style import GREY
 from smarig.report.diagnosis.diagnosis_predictions import (
     Array,
@@ -28,7 +29,6 @@ from smarig.report.diagnosis.residual_axes import (
     symmetric_layout,
 )
 from smarig.report.runs.representation_figure import noise_band
-from smarig.report.runs.run_description import count_size, display_unit, source_label
 
 _FLUCTUATION_RATIO = 1.02  # noise with draughts over that without: worth a band of its own
 _READING_NAMES = {

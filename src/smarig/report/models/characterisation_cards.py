@@ -7,11 +7,11 @@ import numpy as np
 from smarig.identification import POSITIVE_KIND, SIMPLER_TOLERANCE
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
+from smarig.report.components.run_description import count_size, duration_s, quality_counts
 from smarig.report.models.density_figures import density_unit
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import density_report_of
 from smarig.report.models.model_tables import M_P, M_PC, pooled_rms
-from smarig.report.runs.run_description import count_size, duration_s, quality_counts
 
 _Card = tuple[str, str | Html, str | Html]
 

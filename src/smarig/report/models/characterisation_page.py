@@ -8,7 +8,7 @@ from smarig.report.components.decimate import POINTS
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.page import Section, page
-from smarig.report.components.surface_figure import surface_figure
+from smarig.report.components.run_description import protocol_name, source_label
 from smarig.report.diagnosis.diagnosis_text import findings
 from smarig.report.models.characterisation_cards import characterisation_cards, model_recommendation
 from smarig.report.models.density_figures import density_figure, maps_figure
@@ -22,12 +22,12 @@ from smarig.report.models.model_tables import (
     errors_table,
     parameters_table,
 )
+from smarig.report.models.surface_figure import surface_figure
 from smarig.report.models.tradeoff_figure import tradeoff_figure
 from smarig.report.models.validation_figure import validation_figure
+from smarig.report.run_page import ending_notices, representation_notice, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.representation_figure import representation_figure
-from smarig.report.runs.run_description import protocol_name, source_label
-from smarig.report.runs.run_page import ending_notices, representation_notice, run_lead
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 

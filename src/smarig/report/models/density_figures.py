@@ -9,15 +9,15 @@ from smarig.identification import DensityReport, Identification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.components.numbers import number, raised
+from smarig.report.components.run_description import run_caption, source_label
 from smarig.report.components.style import DIVERGING, INK, surface_colour
-from smarig.report.components.surface_figure import SURFACE_MIN_PX, buttons, scene, surface_trace
 from smarig.report.models.identification_plot_data import (
     density_grid,
     density_map,
     density_report_of,
     reversible,
 )
-from smarig.report.runs.run_description import run_caption, source_label
+from smarig.report.models.surface_figure import SURFACE_MIN_PX, buttons, scene, surface_trace
 
 Array = NDArray[np.float64]
 

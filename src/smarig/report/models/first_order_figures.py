@@ -10,6 +10,13 @@ from smarig.record import Run
 from smarig.replay import recorded_start
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.numbers import number
+from smarig.report.components.run_description import (
+    count_size,
+    input_title,
+    output_title,
+    run_caption,
+    source_label,
+)
 from smarig.report.components.style import GREY, INK, SEQUENCE, colours, surface_colour
 from smarig.report.models.identification_plot_data import (
     FirstOrderCurve,
@@ -21,13 +28,6 @@ from smarig.report.models.identification_plot_data import (
     resimulated,
 )
 from smarig.report.runs.representation_figure import count_lines, count_text, noise_band
-from smarig.report.runs.run_description import (
-    count_size,
-    input_title,
-    output_title,
-    run_caption,
-    source_label,
-)
 
 _MOST_CURVES = 30  # more are drawn every so many, and the caption says so
 _BANDS = "bands: 90 % intervals of a new reading, wide where the data is silent; "

@@ -13,20 +13,20 @@ from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, li
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table
 from smarig.report.components.numbers import number
 from smarig.report.components.page import Section, page
-from smarig.report.components.style import COMPARED, GREY, INK, SYMBOLS
-from smarig.report.models.density_figures import map_panel, per_square
-from smarig.report.models.identification_plot_data import density_of, hysteresis_description
-from smarig.report.models.model_tables import M_P, M_PC
-from smarig.report.runs.representation_figure import noise_band
-from smarig.report.runs.run_comparison_figures import coloured_name
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     display_unit,
     input_title,
     output_title,
     run_caption,
     source_label,
 )
-from smarig.report.runs.run_page import ending_notices
+from smarig.report.components.style import COMPARED, GREY, INK, SYMBOLS
+from smarig.report.models.density_figures import map_panel, per_square
+from smarig.report.models.identification_plot_data import density_of, hysteresis_description
+from smarig.report.models.model_tables import M_P, M_PC
+from smarig.report.run_page import ending_notices
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_comparison_figures import coloured_name
 from smarig.report.runs.run_tables import provenance_table, quality_table
 
 _Verifications = Mapping[str, Mapping[str, RunVerification]]  # run → model → verification

@@ -9,10 +9,10 @@ from smarig.identification import INTERVAL_LEVEL, Identification, SurfaceChoice,
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.html import Html, joined
+from smarig.report.components.run_description import run_caption, source_label
 from smarig.report.components.style import GOOD, GREY, surface_colour
 from smarig.report.models.identification_plot_data import density_report_of
 from smarig.report.models.model_tables import M_P, pooled_rms
-from smarig.report.runs.run_description import run_caption, source_label
 
 Coordinates = dict[str, tuple[float, float]]
 _MARGIN_SHARE = 0.12  # of the largest share, left of zero and right of it

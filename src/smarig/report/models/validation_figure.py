@@ -5,9 +5,9 @@ import numpy as np
 from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.run_description import input_title, output_title, run_caption, source_label
 from smarig.report.components.style import BAD, GREY, INK, surface_colour
 from smarig.report.runs.representation_figure import noise_band
-from smarig.report.runs.run_description import input_title, output_title, run_caption, source_label
 
 
 def validation_figure(verification: RunVerification, run: Run, surface: str) -> Figure:

@@ -1,1 +1,1 @@
-"""Pages of recorded runs: one run, and runs compared."""
+"""Sections and figures of recorded runs, alone and compared."""

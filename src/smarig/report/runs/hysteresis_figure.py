@@ -12,8 +12,7 @@ from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.components.decimate import path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.numbers import number, thousands
-from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     count_size,
     input_title,
     output_title,
@@ -21,6 +20,7 @@ from smarig.report.runs.run_description import (
     run_caption,
     source_label,
 )
+from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
 
 Array = NDArray[np.float64]
 _GROUPS = 8  # colours that can be told apart

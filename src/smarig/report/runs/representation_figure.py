@@ -5,8 +5,8 @@ import numpy as np
 from smarig.identification import Representation
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.run_description import input_title, output_title, run_caption, source_label
 from smarig.report.components.style import FIRST, GREY, INK, SECOND
-from smarig.report.runs.run_description import input_title, output_title, run_caption, source_label
 
 _NAMES = {
     "wiping_out": ("segment A", "segment B", "Wiping-out: segment B over segment A."),

@@ -10,16 +10,16 @@ from smarig.report.components.decimate import POINTS, envelope, path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, line, plotly_escaped
 from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
-from smarig.report.components.style import COMPARED, DASHES, GREY, SYMBOLS
-from smarig.report.runs.representation_figure import noise_band
-from smarig.report.runs.run_alignment import AlignedRun
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     display_unit,
     input_title,
     output_title,
     run_caption,
     source_label,
 )
+from smarig.report.components.style import COMPARED, DASHES, GREY, SYMBOLS
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.time_figures import time_unit
 
 _MOST_MARKS = 150  # points up to which each has its mark

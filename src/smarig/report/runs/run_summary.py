@@ -13,8 +13,7 @@ from smarig.record import Run
 from smarig.report.components.decimate import path
 from smarig.report.components.html import Html
 from smarig.report.components.numbers import duration, number, thousands
-from smarig.report.components.thumbnail import Frame, frame_of, thumbnail
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     display_unit,
     duration_s,
     input_title,
@@ -23,6 +22,7 @@ from smarig.report.runs.run_description import (
     quality_counts,
     source_label,
 )
+from smarig.report.components.thumbnail import Frame, frame_of, thumbnail
 
 Array = NDArray[np.float64]
 _POINTS = 160  # a loop of this many points is a few kilobytes

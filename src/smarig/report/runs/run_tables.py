@@ -13,7 +13,7 @@ from smarig.plant import Actuator
 from smarig.record import Run
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, thousands
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     FLAG_NAMES,
     display_unit,
     duration_s,

@@ -14,8 +14,7 @@ from smarig.record import Run
 from smarig.report.components.decimate import POINTS, envelope
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, plotly_escaped
 from smarig.report.components.numbers import thousands
-from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     capitalised,
     input_title,
     output_title,
@@ -23,6 +22,7 @@ from smarig.report.runs.run_description import (
     run_caption,
     source_label,
 )
+from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
 
 Array = NDArray[np.float64]
 _ROWS = (

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis.critique.variance_components import ReadingCovariance
+from smarig.diagnosis.refit.variance_components import ReadingCovariance
 
 Array = NDArray[np.float64]
 SETS_TRIED = 4  # sets weighed, of those most promising at each covariance

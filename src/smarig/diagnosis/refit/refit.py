@@ -13,23 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis.critique.density_posterior import DensityPosterior
-from smarig.diagnosis.critique.memory_noise import memory_covariance, memory_slopes
-from smarig.diagnosis.critique.nuisance_terms import likeliest_nuisance
-from smarig.diagnosis.critique.reading_noise import (
+from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.refit.density_posterior import DensityPosterior
+from smarig.diagnosis.refit.density_prior import density_prior
+from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.nuisance_terms import likeliest_nuisance
+from smarig.diagnosis.refit.reading_noise import (
     independent_block,
     output_rate,
     reading_scales,
     session_means,
 )
-from smarig.diagnosis.critique.variance_components import (
+from smarig.diagnosis.refit.variance_components import (
     LOG_FLUCTUATION_START,
     START,
     ReadingCovariance,
     bounds_of,
 )
-from smarig.diagnosis.drive_statistics import drive_statistics
-from smarig.diagnosis.explain.density_prior import density_prior
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]

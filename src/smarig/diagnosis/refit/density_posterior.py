@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
-from smarig.diagnosis.explain.density_prior import DensityPrior
+from smarig.diagnosis.refit.density_prior import DensityPrior
 from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]

@@ -14,9 +14,7 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.page import Section, page
-from smarig.report.runs.hysteresis_figure import hysteresis_figure
-from smarig.report.runs.representation_figure import representation_figure
-from smarig.report.runs.run_description import (
+from smarig.report.components.run_description import (
     capitalised,
     count_size,
     display_unit,
@@ -25,6 +23,8 @@ from smarig.report.runs.run_description import (
     quality_counts,
     source_label,
 )
+from smarig.report.runs.hysteresis_figure import hysteresis_figure
+from smarig.report.runs.representation_figure import representation_figure
 from smarig.report.runs.run_tables import (
     conditions_table,
     events_table,

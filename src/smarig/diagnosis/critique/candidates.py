@@ -12,8 +12,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.critique.refit import Refit
 from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect, EffectType, Parameter
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 

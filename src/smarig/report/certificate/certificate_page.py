@@ -18,9 +18,9 @@ from smarig.replay import Model
 from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.page import Section, page
-from smarig.report.models.certificate_figures import certificate_figure
+from smarig.report.components.run_description import display_unit
+from smarig.report.certificate.certificate_figures import certificate_figure
 from smarig.report.models.model_tables import M_P, M_PC
-from smarig.report.runs.run_description import display_unit
 
 HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}
 _INDEX = re.compile(r"\b(Q|S|k|u|Δy|M)_(PC|P|r|a|e|o|k)\b")

@@ -17,6 +17,8 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, notice, paragraph, table
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import Section, page
+from smarig.report.components.run_description import display_unit, duration_s, quality_counts, source_label
+from smarig.report.run_page import ending_notices
 from smarig.report.runs.run_alignment import AlignedRun, aligned, check_same_units
 from smarig.report.runs.run_comparison_figures import (
     coloured_name,
@@ -24,8 +26,6 @@ from smarig.report.runs.run_comparison_figures import (
     overlay_figure,
     time_overlay_figure,
 )
-from smarig.report.runs.run_description import display_unit, duration_s, quality_counts, source_label
-from smarig.report.runs.run_page import ending_notices
 from smarig.report.runs.run_tables import provenance_table, quality_table
 
 _DESCRIPTION = (

@@ -6,9 +6,9 @@ from typing import Any
 from smarig.identification import Identification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, packed
+from smarig.report.components.run_description import run_caption, source_label
 from smarig.report.components.style import INK, SEQUENCE
 from smarig.report.models.identification_plot_data import axis_symbols, output_grid, sign
-from smarig.report.runs.run_description import run_caption, source_label
 
 SURFACE_MIN_PX = 520  # a narrower figure in three dimensions would lose its sides and buttons
 
