@@ -9,7 +9,7 @@ import pytest
 from report.pages import LOADING, Page, unpacked
 from smarig.app.characterise import characterise
 from smarig.identification.density_report import density_report
-from smarig.report.models.characterisation_page import characterisation_page
+from smarig.report.characterisation_page import characterisation_page
 
 
 @pytest.fixture(scope="module")

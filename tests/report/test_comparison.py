@@ -8,7 +8,7 @@ from report.pages import Page, run_of, step, unpacked
 from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.record import load_run
-from smarig.report.models.model_comparison_page import models_page
+from smarig.report.model_comparison_page import models_page
 from smarig.report.run_comparison_page import comparison_page
 from smarig.report.runs.run_alignment import aligned, common_steps
 from smarig.rig.twin import TwinSettings

@@ -25,9 +25,9 @@ from smarig.replay import build_timeline, plant_model_of, predict
 from smarig.replay.plant_model import actuator_of
 from smarig.report.components.figure import AXIS_MARGIN
 from smarig.report.components.page import write_page
-from smarig.report.diagnosis.diagnosis_page import diagnosis_page
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions, diagnosis_caption
 from smarig.report.diagnosis.residual_axes import half_ranges, symmetric_layout
+from smarig.report.diagnosis_page import diagnosis_page
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 

@@ -11,9 +11,9 @@ from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.operator import Preisach
 from smarig.record import Run
+from smarig.report.characterisation_page import characterisation_page
 from smarig.report.components.page import Section, page
 from smarig.report.models import identification_plot_data
-from smarig.report.models.characterisation_page import characterisation_page
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.first_order_figures import curves_figure
 

@@ -1,28 +1,28 @@
-"""Pages of runs, models, diagnoses and closed loops as single HTML files that need no network."""
+"""HTML pages that need no network. Each page is one file here; their sections and figures are in the folders."""
 
 from typing import TYPE_CHECKING
 
 from smarig.core.front_door import front_door
 
 if TYPE_CHECKING:
+    from smarig.report.certificate.certificate_page import Further as Further
+    from smarig.report.certificate.certificate_page import certificate_page as certificate_page
+    from smarig.report.certificate.certificate_page import certificate_units as certificate_units
+    from smarig.report.certificate.certificate_page import certified_model as certified_model
+    from smarig.report.characterisation_page import characterisation_page as characterisation_page
     from smarig.report.closed_loop.closed_loop_text import loop_result_text as loop_result_text
     from smarig.report.closed_loop.loop_result import closed_loop_result as closed_loop_result
     from smarig.report.closed_loop.loop_result import is_closed_loop as is_closed_loop
     from smarig.report.components import style as style
     from smarig.report.components.comparison_labels import distinct_names as distinct_names
     from smarig.report.components.page import write_page as write_page
-    from smarig.report.diagnosis.diagnosis_page import diagnosis_page as diagnosis_page
+    from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE
     from smarig.report.folder_report import page_path as page_path
     from smarig.report.folder_report import report_folder as report_folder
     from smarig.report.folder_report import run_files as run_files
-    from smarig.report.certificate.certificate_page import Further as Further
-    from smarig.report.certificate.certificate_page import certificate_page as certificate_page
-    from smarig.report.certificate.certificate_page import certificate_units as certificate_units
-    from smarig.report.certificate.certificate_page import certified_model as certified_model
-    from smarig.report.models.characterisation_page import characterisation_page as characterisation_page
+    from smarig.report.model_comparison_page import models_page as models_page
     from smarig.report.models.evidence import Evidence as Evidence
-    from smarig.report.models.model_comparison_page import models_page as models_page
     from smarig.report.notebook import plot as plot
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page

@@ -23,8 +23,8 @@ from smarig.preisach.operator import Preisach
 from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 from smarig.replay.model_file import load_model
 from smarig.report.components.style import INK, surface_colour
+from smarig.report.model_comparison_page import models_page
 from smarig.report.models.first_order_figures import replay_figure
-from smarig.report.models.model_comparison_page import models_page
 from smarig.report.models.model_tables import parameters_table
 from smarig.theory.energy import certify
 from smarig.theory.properties.classes import classes

@@ -15,11 +15,11 @@ from smarig.certify import (
     Units,
 )
 from smarig.replay import Model
+from smarig.report.certificate.certificate_figures import certificate_figure
 from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit
-from smarig.report.certificate.certificate_figures import certificate_figure
 from smarig.report.models.model_tables import M_P, M_PC
 
 HOLDS_TEXT = {True: "holds", False: "fails", None: "not decided"}

@@ -10,6 +10,7 @@ from smarig.certify import certificate
 from smarig.control import SETTLING_BAND_COUNTS, VELOCITY_CONTROLLERS, default_numbers
 from smarig.record import Run
 from smarig.replay import Model
+from smarig.report.certificate.certificate_page import certificate_parts, certificate_units, certified_model
 from smarig.report.closed_loop.closed_loop_figures import (
     loop_hysteresis_figure,
     regulation_figure,
@@ -28,7 +29,6 @@ from smarig.report.components.html import Html, cards, joined, notice, paragraph
 from smarig.report.components.numbers import counts, number, signed
 from smarig.report.components.page import Section
 from smarig.report.components.run_description import display_unit
-from smarig.report.certificate.certificate_page import certificate_parts, certificate_units, certified_model
 
 
 def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> list[Section]:

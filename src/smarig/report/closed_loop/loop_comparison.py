@@ -11,6 +11,7 @@ import numpy as np
 
 from smarig.control import SETTLING_BAND_COUNTS
 from smarig.record import Run
+from smarig.report.certificate.certificate_page import with_subscripts
 from smarig.report.closed_loop.closed_loop_text import zero_below_resolution
 from smarig.report.closed_loop.loop_comparison_figures import (
     preisach_plane_figure,
@@ -31,7 +32,6 @@ from smarig.report.components.html import Html, joined, notice, paragraph, table
 from smarig.report.components.numbers import duration, number, signed
 from smarig.report.components.page import Section
 from smarig.report.components.run_description import display_unit
-from smarig.report.certificate.certificate_page import with_subscripts
 from smarig.report.runs.run_comparison_figures import coloured_name
 
 _MISSING = "–"

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from smarig.record import Run
+from smarig.report.certificate.certificate_page import HOLDS_TEXT, with_subscripts
 from smarig.report.closed_loop.closed_loop_figures import ROWS, loop_hysteresis_figure, stacked_layout
 from smarig.report.closed_loop.loop_result import TrackingResult
 from smarig.report.closed_loop.velocity_result import RATIO, VelocityResult, VelocitySignals, velocity_verdict
@@ -20,7 +21,6 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import CURRENT, GREY, INK, MODEL, POSITION, TEMPERATURE
-from smarig.report.certificate.certificate_page import HOLDS_TEXT, with_subscripts
 from smarig.report.runs.time_figures import time_unit
 
 _SHARES = (0.25, 0.22, 0.19, 0.15, 0.19)  # of the height, from above

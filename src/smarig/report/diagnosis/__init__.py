@@ -1,1 +1,1 @@
-"""Pages of a diagnosis: the verdict in words, tables and figures."""
+"""Sections and figures of a diagnosis: the verdict in words, tables, residuals, gain."""

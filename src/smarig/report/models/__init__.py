@@ -1,1 +1,1 @@
-"""Pages of identified models: a characterisation, and models compared."""
+"""Sections, tables and figures of identified models."""
