@@ -39,16 +39,16 @@ def command(folder, *more):
 @pytest.fixture(scope="module")
 def diagnosed(session_folder):
     """What the command printed, and what it had found."""
-    from smarig.diagnosis import diagnose as module
+    import smarig.diagnosis as package
 
     said, kept = io.StringIO(), []
 
-    def keeping(*given, _diagnose=module.diagnose, **more):
+    def keeping(*given, _diagnose=package.diagnose, **more):
         kept.append(_diagnose(*given, **more))
         return kept[-1]
 
     with contextlib.redirect_stdout(said), pytest.MonkeyPatch.context() as patched:
-        patched.setattr(module, "diagnose", keeping)
+        patched.setattr(package, "diagnose", keeping)
         assert cli(command(session_folder, "-o", str(session_folder / "out"), "--nulls", "60", "--json")) == 0
     return json.loads(said.getvalue()), kept[0]
 
@@ -206,8 +206,8 @@ def test_a_diagnosis_is_on_disk_before_a_proposal_is_sought(session_folder, diag
     def fails(found, progress):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("smarig.app.proposal.propose_run", fails)
-    monkeypatch.setattr("smarig.diagnosis.diagnose.diagnose", lambda *_, **__: diagnosed[1])
+    monkeypatch.setattr("smarig.app.propose_run", fails)
+    monkeypatch.setattr("smarig.diagnosis.diagnose", lambda *_, **__: diagnosed[1])
     out = tmp_path / "out"
     words = ["-o", str(out), "--propose", str(tmp_path / "next.toml"), "--nulls", "40"]
     assert cli(command(session_folder, *words)) == 130

@@ -382,7 +382,7 @@ def test_without_numba_everything_runs_plain(monkeypatch):
     """As on a machine without the extra: the long run below would be compiled where numba is."""
     import smarig.preisach.compiled as fast
 
-    monkeypatch.setattr(fast, "available", lambda: False)
+    monkeypatch.setattr(fast, "compiled_available", lambda: False)
     monkeypatch.setattr(fast, "WORTH", 10)
     monkeypatch.setattr(fast, "_loop", lambda between: pytest.fail("numba was asked for"))
     u = walk(200, 16)

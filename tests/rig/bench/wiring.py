@@ -8,13 +8,12 @@ import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from serial import rfc2217
-
-from smarig.rig import open_rig
 
 OTHER_MAP = """
 import smarig.core.resources as resources
@@ -50,6 +49,7 @@ def opening_maps() -> list[Path]:
 @contextmanager
 def rewired(patch: pytest.MonkeyPatch, how: Callable[[dict], dict]) -> Iterator[None]:
     """What the simulated devices say of where they are passes through ``how``."""
+    open_rig = import_module("smarig.rig.open_rig")
     ready = open_rig._ready
     patch.setattr(open_rig, "_ready", lambda process: how(ready(process)))
     yield
