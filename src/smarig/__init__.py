@@ -4,7 +4,7 @@
     run = smarig.run("first_order_descending", rig="one_wire_twin", out="fod.run.sqlite")
     model = smarig.identify(run, surface="exponential").model
 
-Public names are imported when first used, so that ``import smarig`` is instant.
+Public names are imported on first use, so that ``import smarig`` is fast.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""``python -m smarig``: the same as the command ``smarig``."""
+"""Runs the command ``smarig`` as ``python -m smarig``."""
 
 from smarig.cli import main
 

@@ -107,7 +107,7 @@ MISTAKES = {
         RIG,
         "current_min_A = 0.0",
         "current_min_A = 0.2",
-        "limits: current_min_A ≤ 0 ≤ current_max_A is needed: zero current must always be allowed",
+        "limits: current_min_A ≤ 0 ≤ current_max_A is required, because zero current must always be allowed",
     ),
     "nan limit": (RIG, "current_max_A = 1.0", "current_max_A = nan", "limits"),
     "unknown kind": (
@@ -218,7 +218,9 @@ def test_a_link_is_simulated_or_somewhere(tmp_path):
     path = tmp_path / "both.toml"
     both = 'name = "both"\nbase = "one_wire_serial"\nlinks.amplifier.url = "/dev/ttyUSB0"\n'
     path.write_text(both, encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"links.amplifier.url says where .* \[simulator\] starts"):
+    with pytest.raises(
+        ConfigError, match=r"links.amplifier.url gives a device's address.* \[simulator\] starts"
+    ):
         load_rig(str(path))
     path.write_text(both + "simulator.start = false\n", encoding="utf-8")
     assert load_rig(str(path)).links.amplifier.url == "/dev/ttyUSB0"

@@ -98,11 +98,11 @@ WRONG = {
     "x = 1\n\0": "mine.py.*null bytes",
     "def yours(setup):\n    yield\n": "^mine.py defines no 'mine': the protocol must have the file's name.$",
     "mine = 3\n": "it is of type int",
-    "def mine(*, n: int = 3):\n    yield\n": "it takes no setup",
-    "def mine(setup, n: int = 3):\n    yield\n": "'n' stands before the *",
+    "def mine(*, n: int = 3):\n    yield\n": "it has no argument setup",
+    "def mine(setup, n: int = 3):\n    yield\n": "'n' must come after the *",
     "def mine(setup, *, n: int):\n    yield\n": "'n' has no default",
     "def mine(setup, *, n=3):\n    yield\n": "'n' has no type",
-    "def mine(setup, *, n: 'Nowhere' = 3):\n    yield\n": "types cannot be understood",
+    "def mine(setup, *, n: 'Nowhere' = 3):\n    yield\n": "types cannot be resolved",
 }
 
 
@@ -120,9 +120,9 @@ def test_a_wrong_protocol_is_one_sentence(tmp_path, text, sentence):
     [
         ("./gone.py", "^There is no file gone.py.$"),
         ("./folder.py", "^folder.py cannot be read: "),
-        ("./not-a-name.py", "'not-a-name' is no name in Python"),
-        ("./validation.py", "'validation' is one of the protocols that ship"),
-        ("./latin.py", "is not a text in UTF-8"),
+        ("./not-a-name.py", "'not-a-name' is not a valid Python name"),
+        ("./validation.py", "'validation' is the name of a shipped protocol"),
+        ("./latin.py", "is not a UTF-8 text file"),
     ],
 )
 def test_a_file_that_cannot_be_it_is_one_sentence(tmp_path, name, sentence):
@@ -141,13 +141,13 @@ def test_a_file_that_cannot_be_it_is_one_sentence(tmp_path, name, sentence):
         (
             EFFECTS,
             "from smarig.plant.effects.walking import walking as mine",
-            'says name="walking" and must say name="mine"',
+            'has name="walking", but must have name="mine"',
         ),
         (
             EFFECTS,
             "from dataclasses import replace\nfrom smarig.plant.effects.walking import walking as w\n"
             "mine = replace(w, name='mine', parameters=())",
-            "whose bounds must hold 0",
+            "its bounds must include 0",
         ),
         (CONTROLLERS, "mine = 3", "it is of type int"),
         (CONTROLLERS, "def mine(wanted): yield 0.0", "it takes no known and wanted"),

@@ -247,11 +247,11 @@ def test_wrong_curves_are_refused_by_name():
         ForcTable.from_curves([a])
     with pytest.raises(DataError, match="have their peak at 1: average"):
         ForcTable.from_curves([a, a])
-    with pytest.raises(DataError, match="begins at or below negative saturation"):
+    with pytest.raises(DataError, match="starts at or below negative saturation"):
         ForcTable.from_curves([a, ForcCurve(0.0, np.array([0.0]), np.array([0.0]))])
     with pytest.raises(DataError, match="below negative saturation \\(0.5\\)"):
         ForcTable((a, ForcCurve(2.0, np.array([2.0]), np.array([2.0]))), 0.5, 0.0)
-    with pytest.raises(DataError, match="β must begin at the peak and fall strictly"):
+    with pytest.raises(DataError, match="β must start at the peak and fall strictly"):
         ForcCurve(1.0, np.array([1.0, 0.5, 0.5]), np.zeros(3))
     with pytest.raises(DataError, match="not a number"):
         ForcCurve(1.0, np.array([1.0, 0.5]), np.array([0.0, np.nan]))

@@ -299,7 +299,7 @@ GOOD = State((-185.0, 100.0, -20.0), (-16.0, 9.0, 2.0), 30.0, 4.0)
         ({"u": -30.0}, "-30 does not lie between -20 and 100"),
         ({"extrema": [0.0, 100.0, -150.0], "diagonal": True}, "-150 does not lie between -100 and 100"),
         ({"extrema": [0.0, -50.0, 10.0], "u": 20.0, "diagonal": True}, "20 does not lie between -50 and 10"),
-        ({"outputs": [-16.0, 9.0]}, "one output for each extremum and at least one of them; got 2 for 3"),
+        ({"outputs": [-16.0, 9.0]}, "at least one extremum and one output for each; got 2 for 3"),
         ({"extrema": [], "outputs": []}, "got 0 for 0"),
         ({"y": float("nan")}, "not finite"),
         ({"u": 10**400}, "beyond any input"),
@@ -320,7 +320,7 @@ def test_a_state_that_is_none_is_refused(change: dict, sentence: str):
     ids=lambda x: str(x)[:9],
 )
 def test_a_text_that_is_no_state_is_refused(text):
-    with pytest.raises(DataError, match="This is no Preisach state"):
+    with pytest.raises(DataError, match="This is not a Preisach state"):
         State.from_json(text)
 
 
@@ -365,7 +365,7 @@ def test_nan_in_a_run_is_refused_where_it_stands_and_nothing_moves(name: str, in
     op.follow(path)
     before = op.state
     where = min(where, len(path))
-    with pytest.raises(DataError, match=rf"NaN as its input, at sample {where}\."):
+    with pytest.raises(DataError, match=rf"NaN at sample {where}\."):
         op.follow([*path[:where], float("nan"), *path[where:], float("nan")])
     assert op.state == before
 

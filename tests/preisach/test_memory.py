@@ -310,7 +310,7 @@ def _table_without(i, j) -> Preisach:
 def test_nan_is_refused_and_leaves_the_memory(name: str, initial, history):
     op = after(name, initial, history)
     before = op.state
-    with pytest.raises(DataError, match="was given NaN as its input"):
+    with pytest.raises(DataError, match="The input of the Preisach operator is NaN"):
         op.step(float("nan"))
     assert op.state == before
 
@@ -324,9 +324,9 @@ def test_what_is_no_number_is_refused_and_leaves_the_memory(wrong, start):
     op = after("surface", start, [100.0, -50.0])
     before = op.state
     for move in (op.step, op.peek, op.go_to_diagonal):
-        with pytest.raises(UsageError, match="takes a number as its input, got "):
+        with pytest.raises(UsageError, match="needs a number as its input, got "):
             move(wrong)
-    with pytest.raises(UsageError, match="takes a number as its output, got "):
+    with pytest.raises(UsageError, match="needs a number as its output, got "):
         op.inverse(wrong)
     assert op.state == before
 
@@ -334,7 +334,7 @@ def test_what_is_no_number_is_refused_and_leaves_the_memory(wrong, start):
 def test_no_diagonal_state_is_centred_on_nan():
     op = after("surface", "negative", [100.0, -50.0])
     before = op.state
-    with pytest.raises(DataError, match="was given NaN as its input"):
+    with pytest.raises(DataError, match="The input of the Preisach operator is NaN"):
         op.go_to_diagonal(float("nan"))
     assert op.state == before
 
@@ -349,7 +349,7 @@ def test_an_operator_needs_a_hysteresis(wrong):
 def test_words_and_tables_of_inputs_are_refused():
     op = Preisach(thesis_surface("two_e"))
     with pytest.raises(
-        UsageError, match="Initial state 'cold' is not negative, positive, anhysteretic or a State"
+        UsageError, match="Initial state 'cold' must be negative, positive, anhysteretic or a State"
     ):
         op.reset("cold")
     with pytest.raises(UsageError, match=r"one-dimensional input, got shape \(2, 2\)"):

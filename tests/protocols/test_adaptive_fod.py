@@ -124,7 +124,7 @@ def test_what_lies_outside_the_limits_is_refused_before_it_reaches_the_rig(asked
 
 
 def test_it_cannot_be_listed_because_it_chooses_from_results():
-    with pytest.raises(UsageError, match="chooses from results"):
+    with pytest.raises(UsageError, match="chooses its inputs from results"):
         list(adaptive_fod(ONE))
 
 
@@ -141,9 +141,9 @@ def test_halving_refines_even_partitions_and_ends():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"target_share": "0"}, "target_share is a share"),
-        ({"target_share": "1.5"}, "target_share is a share"),
-        ({"target_share": "nan"}, "target_share is a share"),
+        ({"target_share": "0"}, "target_share must lie between 0 and 1"),
+        ({"target_share": "1.5"}, "target_share must lie between 0 and 1"),
+        ({"target_share": "nan"}, "target_share must lie between 0 and 1"),
         ({"target_share": "little"}, "setting target_share"),
         ({"longest_h": "-1"}, "longest_h must lie"),
         ({"longest_h": "inf"}, "longest_h must lie"),

@@ -1,4 +1,4 @@
-"""Configuration files: TOML in, frozen and checked values out. Schemas in one file, where files are in another."""
+"""Configuration files: read from TOML into frozen, checked values."""
 
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,4 @@
-"""Configuration files by name or path: where they are, what they take from another, and which files they bring.
-
-Knows folders and paths; what stands in a file is the schema's business.
-"""
+"""Finds and reads configuration files by name or path, with their base files and the drivers that they bring."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +17,7 @@ from smarig.core import (
 
 
 def shipped_names(folder: str) -> list[str]:
-    """Names shipped in a folder of configs/.
+    """Names of the files that ship in a folder of configs/.
 
     >>> shipped_names("actuators")
     ['gorbet_one_wire', 'gorbet_two_wire']
@@ -29,7 +26,7 @@ def shipped_names(folder: str) -> list[str]:
 
 
 def locate(folder: str, name: str) -> Path:
-    """Path of a named or given configuration file; UsageError with the nearest name otherwise."""
+    """Path of a configuration file given by name or path. UsageError suggests the nearest name."""
     path = Path(name)
     if path.suffix == ".toml" or path.is_file():
         if not path.is_file():
@@ -55,7 +52,7 @@ def load_rig(name: str) -> RigFile:
 
 
 def _merge(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
-    """Tables key by key; anything else as a whole."""
+    """Merge two tables key by key. Values that are not tables are replaced."""
     both = {
         key: _merge(base[key], mine[key])
         for key in base.keys() & mine.keys()
@@ -65,7 +62,7 @@ def _merge(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
 
 
 def _with_resolved_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """A rig's table with the files it names where they are: own drivers, and an actuator, beside the rig file."""
+    """A rig's table with resolved paths of its own drivers and actuator, if they are in the rig file's folder."""
     actuator, links = table.get("actuator"), table.get("links")
     resolved = dict(table)
     if isinstance(actuator, str):
@@ -81,13 +78,13 @@ def _with_resolved_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _sibling_path(name: str, folder: Path) -> str:
-    """A configuration by its path where it lies beside the file that names it; else as it was given."""
+    """The path of a file in the same folder as the file that names it; otherwise the name unchanged."""
     sibling = folder / name
     return str(sibling.resolve()) if name.endswith(".toml") and sibling.is_file() else name
 
 
 def own_drivers(file: RigFile) -> list[str]:
-    """The drivers that a rig file brings itself, by path."""
+    """Paths of the own drivers that a rig file names."""
     links = [file.links.amplifier, file.links.encoder_daq] if file.links else []
     return [link.driver for link in links if is_path(link.driver)]
 
@@ -97,28 +94,28 @@ def _all_tables(*values: Any) -> bool:
 
 
 def rig_text(name: str) -> str:
-    """The files that a rig is made of, as they are."""
+    """The text of all files that define a rig."""
     return "\n".join(path.read_text(encoding="utf-8") for path, _ in _rig_files(name))
 
 
 def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
-    """A rig's file, that of its base, and so on."""
+    """A rig's file, then its base, and so on."""
     found: list[tuple[Path, dict[str, Any]]] = []
     while name:
         path = locate("rigs", name)
         if path in (visited for visited, _ in found):
-            raise ConfigError(f"{path} is its own base.")
+            raise ConfigError(f"{path} names itself as its base. Name another rig file.")
         raw = read_toml(path)
         found.append((path, raw))
         name = raw.get("base", "")
         if not isinstance(name, str):
-            raise ConfigError(f"{path}: base: name another rig file.")
+            raise ConfigError(f"{path}: key 'base' must name another rig file.")
         name = _sibling_path(name, path.parent)
     return found
 
 
 def load_campaign(name: str) -> CampaignFile:
-    """A campaign by name or path; own protocols by their paths, which stand in it from its own folder."""
+    """A campaign by name or path. Paths of own protocols are relative to its folder."""
     path = locate("campaigns", name)
     plan = load_toml(CampaignFile, path)
     steps = (

@@ -1,4 +1,4 @@
-"""Foundations that every package may use: samples, commands, errors, files, catalogues."""
+"""Common foundations of all packages: samples, commands, errors, files and catalogues."""
 
 from typing import TYPE_CHECKING
 

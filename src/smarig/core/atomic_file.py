@@ -1,6 +1,6 @@
-"""A file written whole or not at all: beside its place first, then moved there.
+"""Write a file completely or not at all: into a temporary file in the same folder, which is then renamed.
 
-With ``force`` it replaces another file of its kind only, so that a slip of the hand costs no measurement.
+``force`` replaces only a file of the same kind. A wrong file name therefore never destroys a measurement.
 """
 
 import contextlib
@@ -14,9 +14,9 @@ from smarig.core.file_content import content_kind
 
 @contextlib.contextmanager
 def atomic_file(path: Path, *, force: bool) -> Iterator[Path]:
-    """Yield the path to write to; it becomes ``path`` if the block ends well, and is gone if not.
+    """Yield a path to write to. It becomes ``path`` if the block succeeds and is deleted otherwise.
 
-    Raises what ``check_writable`` and ``check_replaceable`` do, and StorageError when the disk is full after all.
+    Raises the errors of ``check_writable`` and ``check_replaceable``, and StorageError if the disk is full.
 
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder, atomic_file(Path(folder) / "a.txt", force=False) as part:
@@ -36,10 +36,10 @@ def atomic_file(path: Path, *, force: bool) -> Iterator[Path]:
 
 
 def check_writable(path: Path, *, force: bool, kind: str = "") -> None:
-    """Make a file's folder and try it, before hours are spent on what goes into it: something of ``kind``, if known.
+    """Check before a long computation that its result of this ``kind`` (if known) can be written; make the folder.
 
-    UsageError if ``path`` is a folder, exists (without ``force``, or as another kind), or lies in what is no
-    folder; StorageError if it cannot be written.
+    Raises UsageError if ``path`` is a folder, if it exists (without ``force``, or with another kind of content), or
+    if its parent is not a folder. Raises StorageError if it cannot be written.
     """
     if path.is_dir():
         raise UsageError(f"{path} is a folder; name a file in it.")
@@ -57,9 +57,9 @@ def check_writable(path: Path, *, force: bool, kind: str = "") -> None:
 
 
 def check_replaceable(path: Path, kind: str) -> None:
-    """UsageError where a file exists that holds something else than ``kind``; an empty one may become anything.
+    """Raise UsageError if the file holds content of another kind than ``kind``. An empty file may be replaced.
 
-    A device such as /dev/null holds nothing, and is not read.
+    Devices such as /dev/null are not read.
     """
     if not kind or not path.is_file():
         return
@@ -69,5 +69,5 @@ def check_replaceable(path: Path, kind: str) -> None:
         raise StorageError(f"{path} cannot be read: {error.strerror or error}.") from None
     if existing_kind not in ("", kind):
         raise UsageError(
-            f"{path} holds {existing_kind}, which --force does not replace by {kind}: give another name."
+            f"{path} holds {existing_kind}, which --force does not replace by {kind}. Give another name."
         )

@@ -1,8 +1,8 @@
-"""File name = configuration name = command-line name. The only magic of the project.
+"""Catalogues: the modules of a folder, found by file name. File name = name in configurations = command-line name.
 
-A folder is a catalogue: nothing is registered, a new file is found. A person's own file, given by its path, joins its
-catalogue while the command runs (``resolve_name``). It is executed then, so only what a person has named is
-loaded: names that stand in runs and models go through ``find``, which knows no paths. Refuses to know what it finds.
+New files need no registration. A user's own file, given by its path, joins its catalogue while the command runs
+(``resolve_name``). This executes the file, so only files that the user names are loaded. Names stored in runs and
+models go through ``catalogue_entry``, which accepts no paths.
 """
 
 import hashlib
@@ -27,7 +27,7 @@ _OWN: dict[tuple[str, str], "OwnFile"] = {}
 
 @dataclass(frozen=True)
 class OwnFile:
-    """A person's own file: the path it was given by, where that is, the bytes that were executed, what they define."""
+    """A user's own file: its path as given and as resolved, the executed bytes, and the object that it defines."""
 
     name: str
     path: Path
@@ -37,17 +37,17 @@ class OwnFile:
 
     @property
     def text(self) -> str:
-        """What stands in it."""
+        """Its text."""
         return self.data.decode("utf-8-sig")
 
     @property
     def sha256(self) -> str:
-        """Of its bytes."""
+        """SHA-256 hash of its bytes."""
         return hashlib.sha256(self.data).hexdigest()
 
 
 def catalogue_names(package: str) -> list[str]:
-    """Names in a catalogue package: its public modules, and own files that were chosen; sorted.
+    """Sorted names in a catalogue package: its public modules and the own files that were loaded.
 
     >>> "first_order_descending" in catalogue_names("smarig.protocols")
     True
@@ -56,7 +56,7 @@ def catalogue_names(package: str) -> list[str]:
 
 
 def catalogue_entry(package: str, name: str) -> Any:
-    """The object called ``name`` in the module ``package.name``; raises UsageError with the nearest name."""
+    """The object called ``name`` in the module ``package.name``. UsageError suggests the nearest name."""
     own_file = _OWN.get((package, name))
     if own_file is not None:
         return own_file.found
@@ -67,14 +67,12 @@ def catalogue_entry(package: str, name: str) -> Any:
 
 
 def catalogue_summary(package: str, name: str) -> str:
-    """First line of the catalogue entry's docstring."""
-    return next(
-        iter((catalogue_entry(package, name).__doc__ or "").strip().splitlines()), "(it has no docstring)"
-    )
+    """First line of the docstring of a catalogue entry."""
+    return next(iter((catalogue_entry(package, name).__doc__ or "").strip().splitlines()), "(no docstring)")
 
 
 def suggestion(name: str, known: list[str]) -> str:
-    """'; did you mean X? There are: …' for an error message.
+    """The end of an error message: '; did you mean X? There are: …'.
 
     >>> suggestion("one_c", ["one_e", "two_c"])
     '; did you mean one_e? There are: one_e, two_c'
@@ -84,7 +82,7 @@ def suggestion(name: str, known: list[str]) -> str:
 
 
 def catalogue_kind(package: str) -> str:
-    """What a catalogue holds, in one word.
+    """The kind of a catalogue's entries, in one word.
 
     >>> catalogue_kind("smarig.plant.effects")
     'effect'
@@ -101,7 +99,7 @@ def _shipped(package: str) -> list[str]:
 
 
 def is_path(name: str) -> bool:
-    """Whether a person means an own file and not a name.
+    """Whether the user gives an own file by its path, and not a name.
 
     >>> is_path("./mine.py"), is_path("validation")
     (True, False)
@@ -110,10 +108,10 @@ def is_path(name: str) -> bool:
 
 
 def resolve_name(package: str, name: str) -> str:
-    """What a person asked for, as a name of the catalogue: a path's file is executed and joins it.
+    """The catalogue name for a name or path that the user gave. The file of a path is executed and added.
 
-    Only for what a person has typed or written for this command. Raises UsageError, one sentence with file and line,
-    where the file is missing, wrong, or holds nothing of its own name that the catalogue could use.
+    Use it only for names that the user typed or wrote for this command. Raises UsageError, with file and line, if the
+    file is missing or wrong, or if it defines no object of its own name that the catalogue can use.
     """
     if not is_path(name):
         return name
@@ -134,7 +132,7 @@ def own_entries(package: str) -> dict[str, OwnFile]:
 
 @contextmanager
 def own_files() -> Iterator[None]:
-    """Begin with none, and end as it was before: a command knows those that it was given, and no others."""
+    """Start without own files and restore the previous ones at the end, so that commands share none."""
     before = dict(_OWN)
     _OWN.clear()
     try:
@@ -145,7 +143,7 @@ def own_files() -> Iterator[None]:
 
 
 def own_file_error(error: BaseException) -> str:
-    """A sentence with file and line where an error comes out of an own file; "" otherwise."""
+    """A sentence with file and line if the error was raised in an own file; otherwise ""."""
     own_file = {str(file.path) for file in _OWN.values()}
     return next((s for path in own_file if (s := _line_of(error, path))), "")
 
@@ -160,33 +158,33 @@ def _read(path: Path) -> bytes:
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     except UnicodeDecodeError:
-        raise UsageError(f"{path} is not a text in UTF-8.") from None
+        raise UsageError(f"{path} is not a UTF-8 text file.") from None
 
 
 def _check_name(package: str, path: Path) -> None:
     kind = catalogue_kind(package)
     if not path.stem.isidentifier() or iskeyword(path.stem):
         raise UsageError(
-            f"{path}: '{path.stem}' is no name in Python; rename the file, letters, digits and _."
+            f"{path}: '{path.stem}' is not a valid Python name. Rename the file; use letters, digits and _."
         )
     if path.stem in _shipped(package):
         raise UsageError(
-            f"{path}: '{path.stem}' is one of the {kind}s that ship; rename the file and what it defines."
+            f"{path}: '{path.stem}' is the name of a shipped {kind}. Rename the file and what it defines."
         )
 
 
 def _load_own_file(package: str, path: Path, data: bytes) -> Any:
-    """What the file defines under its own name, fit for the catalogue."""
+    """The object that the file defines under its own name, checked for the catalogue."""
     kind, name = catalogue_kind(package), path.stem
     module = ModuleType(f"_own_{kind}_{name}")
     module.__file__ = str(path)
-    sys.modules[module.__name__] = module  # dataclasses look there
+    sys.modules[module.__name__] = module  # dataclasses look up their module there
     answer_former_names()
     try:
         exec(compile(data, str(path), "exec"), module.__dict__)
-    except SyntaxError as error:  # its own, or of a file that it imports
+    except SyntaxError as error:  # in this file or in a file that it imports
         raise UsageError(f"{error.filename or path}, line {error.lineno or 1}: {error.msg}.") from None
-    except (Exception, SystemExit) as error:  # ValueError without a line: null bytes, in older Pythons
+    except (Exception, SystemExit) as error:  # older Pythons raise ValueError without a line for null bytes
         raise UsageError(_line_of(error, str(path)) or f"{path} cannot be loaded: {error}.") from None
     if name not in vars(module):
         raise UsageError(f"{path} defines no '{name}': the {kind} must have the file's name.")
@@ -199,7 +197,7 @@ def _load_own_file(package: str, path: Path, data: bytes) -> Any:
 
 
 def _line_of(error: BaseException, path: str) -> str:
-    """The last line of a file that an error came through, and what it says; "" where it did not."""
+    """The last line of the file in the traceback, with the error's message; "" if the file is not in it."""
     lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == path]
     message = f"{type(error).__name__}: {error}".rstrip(".: ")
     return f"{path}, line {lines[-1]}: {message}." if lines else ""

@@ -1,8 +1,8 @@
-"""What a protocol may ask of a rig: a closed union of inert commands.
+"""Commands that a protocol can send to a rig.
 
-A protocol is a generator that yields commands and is sent a ``StepResult`` (or, for ``Drive``, a
-``Sample``) in return. Commands are plain data: printable, comparable, storable. Refuses to know who
-carries them out: the same protocol is listed, costed, run on a twin and run on hardware.
+A protocol is a generator. It yields commands and receives a ``StepResult`` for each (for ``Drive``, a ``Sample``).
+Commands are plain data that can be printed, compared and stored. The same protocol can therefore be listed, costed,
+run on a twin and run on hardware.
 """
 
 from collections.abc import Generator
@@ -23,13 +23,13 @@ class Elapsed:
 
 @dataclass(frozen=True, slots=True)
 class Settled:
-    """Hold until the position stands still (thesis §5.2.1: constant for 25 s).
+    """Hold until the position has settled (thesis §5.2.1: constant for 25 s).
 
-    The window is cut into 25 blocks; the wire has settled when the means of the last 25 blocks lie
-    within ``band_counts`` of each other (peak to peak). Block means, because single samples carry
-    the encoder's noise. That noise also hides the last tenth of a count of an approach, whose bias has
-    the sign of the move: so the window does not begin before the heating model is within ``approach_K``
-    of its steady state. ``timeout_s`` ends a hold that never settles; its verdict says so.
+    The window is cut into 25 blocks. The wire has settled when the means of the last 25 blocks lie within
+    ``band_counts`` of each other (peak to peak). Block means are used because single samples carry the encoder's
+    noise. That noise also hides the last tenth of a count of an approach, a bias with the sign of the move. The window
+    therefore starts only when the heating model is within ``approach_K`` of its steady state. ``timeout_s`` ends a hold
+    that does not settle, with the verdict timed_out.
     """
 
     band_counts: float = 1.0
@@ -52,7 +52,7 @@ class Settled:
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Apply a constant current until a condition holds; one step of the record."""
+    """Apply a constant current until a condition is met. One step of the record."""
 
     current_A: float
     until: Elapsed | Settled
@@ -62,7 +62,7 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Waveform:
-    """Apply currents one after the other, each for ``period_s``; one step of the record."""
+    """Apply a sequence of currents, each for ``period_s``. One step of the record."""
 
     currents_A: tuple[float, ...]
     period_s: float
@@ -71,26 +71,26 @@ class Waveform:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Apply a current for one tick and answer with its Sample: how a closed loop drives the rig."""
+    """Apply a current for one tick and return its Sample. Closed loops drive the rig with it."""
 
     current_A: float
 
 
 @dataclass(frozen=True, slots=True)
 class Zero:
-    """Zero the relative encoder where it stands."""
+    """Set the relative encoder to zero at its present position."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A remark in the record: the start of a phase, a discovery, a note."""
+    """A remark in the record: the start of a phase, a finding, a note."""
 
     label: str
     data: dict[str, Any] = field(default_factory=dict)
 
 
 class StepVerdict(StrEnum):
-    """How a step ended; the values are what the record stores."""
+    """How a step ended. The record stores these values."""
 
     SETTLED = "settled"
     TIMED_OUT = "timed_out"
@@ -100,7 +100,7 @@ class StepVerdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class StepResult:
-    """What became of a step: mean position over its window, n samples, verdict."""
+    """The result of a step: verdict, mean position over its window, and number of samples n."""
 
     index: int
     verdict: StepVerdict

@@ -1,37 +1,34 @@
-"""Errors by blame, each with an exit status and a sentence a lab person can act on.
-
-Knows: whose fault it was. Refuses to know: how the error is printed, or what the rig does about it.
-"""
+"""Errors by cause, each with an exit status and a message that states what to do."""
 
 
 class SmarigError(Exception):
-    """Base of everything smarig raises on purpose; ``exit_status`` is the CLI's exit code."""
+    """Base class of all errors that smarig raises on purpose. ``exit_status`` is the exit status of the CLI."""
 
     exit_status = 1
 
 
 class UsageError(SmarigError):
-    """The user asked for something that does not exist or cannot be done (exit 2)."""
+    """The user requested something that does not exist or cannot be done (exit 2)."""
 
     exit_status = 2
 
 
 class ConfigError(UsageError):
-    """A configuration file is wrong: names file, key, what was expected (exit 2)."""
+    """A configuration file is wrong: names the file, the key and the expected value (exit 2)."""
 
 
 class RigFault(SmarigError):
-    """The rig tripped, refused, or could not be reached (exit 3)."""
+    """The rig tripped, refused a command, or could not be reached (exit 3)."""
 
     exit_status = 3
 
 
 class LimitExceeded(RigFault):
-    """A command or a predicted temperature would leave the rig's limits (exit 3)."""
+    """A command or a predicted temperature exceeds the rig's limits (exit 3)."""
 
 
 class LeaseExpired(RigFault):
-    """The device was not spoken to in time and has switched its output off (exit 3)."""
+    """The device received no command in time and switched its output off (exit 3)."""
 
 
 class DataError(SmarigError):
@@ -41,11 +38,11 @@ class DataError(SmarigError):
 
 
 class StorageError(DataError):
-    """A run could not be written: disk full, directory gone, not writable (exit 4)."""
+    """A run could not be written: the disk is full, or the folder is missing or not writable (exit 4)."""
 
 
 class Interrupted(SmarigError):
-    """A person or the system asked to stop; the rig is safe (exit 130). ``remedy``: how to go on."""
+    """A user or the system requested a stop; the rig is safe (exit 130). ``remedy`` states how to continue."""
 
     exit_status = 130
-    remedy = "'smarig resume' goes on with it."
+    remedy = "'smarig resume' continues it."

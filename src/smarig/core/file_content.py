@@ -1,6 +1,6 @@
-"""What a file holds, by how it begins, and by its name where that says nothing: so that --force replaces like by like.
+"""The kind of a file's content, found from its first bytes or, failing that, from its name.
 
-Refuses to know what any of it means.
+``--force`` uses it to replace a file only by one of the same kind.
 """
 
 import re
@@ -34,9 +34,9 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|nan|[-+]?inf", re.I
 
 
 def content_kind(path: Path, final_name: str = "") -> str:
-    """A word or two for what is in a file; "" for an empty one, "something else" where nothing tells.
+    """The kind of a file's content: "" for an empty file, "something else" if nothing identifies it.
 
-    ``final_name``: the name it is to have, if not its own.
+    ``final_name`` is the name that the file will have, if it differs from the present one.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
@@ -60,7 +60,7 @@ def _text(head: str) -> str:
 
 
 def _is_number_row(line: str) -> bool:
-    """Whether a line is one of a table: nothing but numbers, some of which may be missing."""
+    """Whether a line is a row of a table: only numbers, some of which may be missing."""
     cells = [cell for cell in re.split(r"[,;\s]+", line) if cell]
     return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
 

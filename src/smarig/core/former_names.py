@@ -1,6 +1,6 @@
-"""Import paths of earlier versions, for own protocols, effects, controllers and drivers that were written with them.
+"""Import paths of earlier versions, for own protocols, effects, controllers and drivers that use them.
 
-They are answered only once an own file is loaded (``catalogue``); smarig itself uses none of them.
+They work only after an own file has been loaded (``catalogue``). smarig itself uses none of them.
 """
 
 import importlib
@@ -11,7 +11,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
-# former module: the present one, and names that changed in it
+# former module: the present module, and the names that changed in it
 FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "smarig.command": ("smarig.core.command", {"Verdict": "StepVerdict"}),
     "smarig.control.tracking.known": (
@@ -40,10 +40,10 @@ FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
 
 
 class _FormerModule(Loader):
-    """Makes a module whose names are looked up in the present one."""
+    """Creates a module whose names are looked up in the present module."""
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        del spec  # the default module will do
+        del spec  # the default module is sufficient
 
     def exec_module(self, module: ModuleType) -> None:
         present, renamed = FORMER[module.__name__]
@@ -56,7 +56,7 @@ class _FormerModule(Loader):
 
 
 class _FormerModules(MetaPathFinder):
-    """Finds the modules of ``FORMER``; a folder of that name makes no difference."""
+    """Finds the modules of ``FORMER``, whether or not a folder of that name exists."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -69,6 +69,6 @@ class _FormerModules(MetaPathFinder):
 
 
 def answer_former_names() -> None:
-    """Let ``import`` find the former modules from now on; they come after all present ones."""
+    """Make the former modules importable from now on. All present modules take precedence."""
     if not any(isinstance(finder, _FormerModules) for finder in sys.meta_path):
         sys.meta_path.append(_FormerModules())

@@ -1,4 +1,4 @@
-"""Front doors: each package's short list of names for other packages, imported when first used."""
+"""Front doors: the public names of each package, imported on first use."""
 
 import ast
 import importlib
@@ -10,19 +10,19 @@ from typing import Any
 
 
 class _FrontDoor(ModuleType):
-    """A package whose exported names are not replaced by its modules of the same name."""
+    """A package whose exported names are not overwritten by its modules of the same name."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        # importing pkg.identify sets pkg.identify to the module; the door exports the function of that name
+        # importing pkg.identify sets pkg.identify to the module, but the package exports the function of that name
         if isinstance(value, ModuleType) and name in self.__dict__.get("__all__", ()):
             return
         super().__setattr__(name, value)
 
 
 def front_door(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """``__getattr__``, ``__dir__`` and ``__all__`` of a package from the imports under its ``if TYPE_CHECKING:``.
+    """``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the imports under its ``if TYPE_CHECKING:``.
 
-    The list of names stands once, where type checkers read it, and importing a package imports none of its modules.
+    Type checkers read the same list. Importing a package imports none of its modules.
     """
     door = sys.modules[package]
     homes = _listed(Path(str(door.__file__)))
@@ -33,7 +33,7 @@ def front_door(package: str) -> tuple[Callable[[str], Any], Callable[[], list[st
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home = importlib.import_module(homes[name])
         value = None if home is door else getattr(home, name, None)
-        if value is None:  # what is exported is a module
+        if value is None:  # the exported name is a module
             value = importlib.import_module(f"{homes[name]}.{name}")
         door.__dict__[name] = value
         return value
@@ -42,7 +42,7 @@ def front_door(package: str) -> tuple[Callable[[str], Any], Callable[[], list[st
 
 
 def _listed(file: Path) -> dict[str, str]:
-    """Exported name to the module that defines it, from the imports under ``if TYPE_CHECKING:``."""
+    """Maps each exported name to its module, from the imports under ``if TYPE_CHECKING:``."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     blocks = (
         node.body

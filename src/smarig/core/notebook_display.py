@@ -1,7 +1,6 @@
-"""What shows itself in a notebook: a run, a model, a diagnosis.
+"""Rich display of runs, models and diagnoses in a notebook.
 
-They stand far below the pictures, so the pictures are looked up by name, and only when a notebook asks.
-Knows no picture and none of those who are shown.
+The drawing code is imported by name and only on use, so that these low-level classes do not depend on it.
 """
 
 import html
@@ -12,18 +11,18 @@ DISPLAY_MODULE = "smarig.report.notebook"
 
 
 class NotebookDisplay:
-    """Gives ``plot()`` and a notebook's rich display to what inherits it."""
+    """Base class that adds ``plot()`` and a notebook's rich display."""
 
     __slots__ = ()
 
     def plot(self, *more: Any) -> Any:
-        """A plotly figure of it, as of ``smarig.plot``."""
+        """A plotly figure of this object, as from ``smarig.plot``."""
         return importlib.import_module(DISPLAY_MODULE).plot(self, *more)
 
     def _repr_html_(self) -> str:
-        """A few kilobytes of HTML: the words that matter, and a drawing; a sentence where it cannot be drawn.
+        """A few kilobytes of HTML: the main facts and a drawing, or a sentence if it cannot be drawn.
 
-        A cell that only ends in a run must not fail.
+        It never raises, because a notebook cell that ends in a run must not fail.
         """
         try:
             return importlib.import_module(DISPLAY_MODULE).display_html(self)

@@ -1,4 +1,4 @@
-"""Locates the folders that ship with the package: bundled in the wheel, at the root of a checkout."""
+"""Finds the folders that ship with the package: bundled in a wheel, or at the root of a checkout."""
 
 import sys
 from pathlib import Path
@@ -7,7 +7,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def shipped(folder: str) -> Path:
-    """Path of a shipped folder (``configs``, …), in a wheel or in a checkout.
+    """Path of a shipped folder (``configs``, …) in a wheel or in a checkout.
 
     >>> shipped("configs").is_dir()
     True
@@ -17,7 +17,7 @@ def shipped(folder: str) -> Path:
 
 
 def make_importable(folder: str) -> Path:
-    """Put the parent of a shipped folder of Python code (``simulators``, ``benchmarks``) on ``sys.path``; return it."""
+    """Put the parent of a shipped code folder (``simulators``, ``benchmarks``) on ``sys.path`` and return it."""
     parent = shipped(folder).parent
     if str(parent) not in sys.path:
         sys.path.append(str(parent))

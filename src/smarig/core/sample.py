@@ -1,7 +1,4 @@
-"""What a rig says: one Sample a tick, with its quality.
-
-Knows: names, units, marks. Refuses to know: who measured it, or what it means.
-"""
+"""The readings of a rig: one Sample per tick, with its quality."""
 
 from enum import IntFlag
 from typing import NamedTuple
@@ -10,7 +7,7 @@ NAN = float("nan")
 
 
 class Quality(IntFlag):
-    """Marks on a sample; 0 means good. Stored as an integer in the run."""
+    """Marks on a sample; 0 means good. Stored in the run as an integer."""
 
     GOOD = 0
     RETRIED = 1
@@ -20,11 +17,11 @@ class Quality(IntFlag):
 
 
 class Sample(NamedTuple):
-    """One tick of a rig. Time is the device's integer ``tick``; ``t_s`` is tick × period.
+    """The readings of one tick. Time is the device's integer ``tick``; ``t_s`` is tick × period.
 
-    ``counts`` are raw encoder counts since the last zero, ``position`` the same in the rig's unit
-    (mm or deg). ``temperature_degC`` is a measured wire temperature, NaN where there is no sensor.
-    A named tuple, because a frozen dataclass costs three times as much in the tick.
+    ``counts`` are raw encoder counts since the last zero; ``position`` is the same in the rig's unit (mm or deg).
+    ``temperature_degC`` is a measured wire temperature, or NaN without a sensor. This is a named tuple because a frozen
+    dataclass takes three times as long in each tick.
 
     >>> Sample(tick=3, t_s=0.3, current_command_A=0.5, current_A=0.5, voltage_V=2.4,
     ...        temperature_degC=NAN, counts=12, position=0.565, ambient_degC=22.0, quality=0).counts

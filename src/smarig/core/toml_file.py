@@ -1,7 +1,4 @@
-"""A TOML file read into a frozen, checked value; every mistake is one sentence with its key.
-
-Knows no schema: rigs, mappings, register maps and faults bring their own.
-"""
+"""Reads a TOML file into a frozen, checked value. Each error is one sentence that names its key."""
 
 import tomllib
 from pathlib import Path
@@ -14,7 +11,7 @@ from smarig.core.errors import ConfigError, UsageError
 
 Number = Annotated[
     float, Field(strict=True, allow_inf_nan=False)
-]  # "1.0", true and inf are mistakes, not numbers
+]  # "1.0", true and inf are errors, not numbers
 
 
 class TomlTable(BaseModel):
@@ -27,12 +24,12 @@ SchemaType = TypeVar("SchemaType", bound=BaseModel)
 
 
 def load_toml(schema: type[SchemaType], path: Path) -> SchemaType:
-    """Read and check a TOML file against a schema; ConfigError names file, key and what was expected."""
+    """Read a TOML file and check it against a schema. ConfigError names file, key and expected value."""
     return check_table(schema, read_toml(path), str(path))
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """A TOML file as a dictionary; ConfigError with the line on a syntax error."""
+    """A TOML file as a dictionary. A syntax error raises ConfigError with its line."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -42,7 +39,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def check_table(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
-    """Validate data against a schema; every problem in one ConfigError."""
+    """Check data against a schema. One ConfigError lists every problem."""
     try:
         return schema.model_validate(data)
     except ValidationError as error:

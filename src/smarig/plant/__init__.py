@@ -1,4 +1,4 @@
-"""Physics of the wire: heating, plant, effects, stress. Knows no device, no protocol, no file."""
+"""Physics of the wire: heating, plant, effects and stress."""
 
 from typing import TYPE_CHECKING
 

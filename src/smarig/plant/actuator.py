@@ -1,7 +1,6 @@
-"""An actuator's constants, derived ones derived: what theory needs to know of one rig's wire.
+"""The constants of an actuator, given and derived: equations (5.1)–(5.3).
 
-Knows equations (5.1)–(5.3) for one wire and the signed temperature of the differential rig.
-Refuses to know the hysteresis and the instruments.
+For the differential rig the temperature is signed.
 """
 
 import math
@@ -13,7 +12,7 @@ from smarig.config import ActuatorFile, load_actuator
 
 @dataclass(frozen=True)
 class Actuator:
-    """Constants of a wire rig, SI inside; ``input`` is kelvin above ambient, signed for two wires.
+    """Constants of the wires and their mechanism, in SI units. Inputs are kelvin above ambient, signed for two wires.
 
     >>> wire = Actuator.named("gorbet_one_wire")
     >>> round(wire.hA_W_per_K, 4), round(wire.tau_s, 1)
@@ -24,7 +23,7 @@ class Actuator:
 
     @classmethod
     def named(cls, name: str) -> "Actuator":
-        """From configs/actuators by name, or from a path."""
+        """The actuator of a file in configs/actuators, by name or path."""
         return cls(load_actuator(name))
 
     @property
@@ -34,7 +33,7 @@ class Actuator:
 
     @property
     def two_wire(self) -> bool:
-        """Differential rig: the sign of current and temperature says which wire."""
+        """Whether the rig is differential: the sign of current and temperature then selects the wire."""
         return self.file.arrangement == "two_wire"
 
     @property
@@ -44,7 +43,7 @@ class Actuator:
 
     @property
     def resistance_ohm(self) -> float:
-        """Mean resistance R = (R_M + R_A)/2 used in (5.3)."""
+        """Mean resistance R = (R_M + R_A)/2 of (5.3)."""
         h = self.file.heating
         return (h.resistance_martensite.value + h.resistance_austenite.value) / 2
 
@@ -83,12 +82,12 @@ class Actuator:
         return math.copysign(math.sqrt(abs(input_K) / self.gain_K_per_A2), input_K)
 
     def input_for(self, current_A: float) -> float:
-        """T_ss = (R/hA) i² (5.3); in the differential rig with the sign of i, which says which wire."""
+        """T_ss = (R/hA) i² (5.3); in the differential rig with the sign of i, which selects the wire."""
         steady = self.gain_K_per_A2 * current_A**2
         return -steady if current_A < 0 and self.two_wire else steady
 
     def position_per_count(self, counts_per_rev: int) -> float:
-        """Rig units per encoder count: 2πr/N in mm, 360/N in degrees."""
+        """Position per encoder count: 2πr/N in mm, 360/N in degrees."""
         turn = 360.0 if self.unit == "deg" else 2 * math.pi * self.file.transmission.radius.value
         return turn / counts_per_rev
 

@@ -1,8 +1,8 @@
-"""The seam where physical mechanisms enter a plant: one number changed at one stage, the identity when absent.
+"""Effects: each changes one number at one stage of the plant, and nothing at zero strength.
 
-A stage names what passes by. Effects of one stage are composed in the order of their names, stages in the
-order of ``Stage``; a plant without effects runs the very same instructions as one that never heard of them.
-Knows no mechanism: each is a file of its own in ``model/effects``.
+Within a stage, effects are composed in the order of their names. Stages follow the order of ``Stage``. A plant without
+effects executes exactly the same instructions as one without this mechanism. Each mechanism is a file of its own in
+``plant/effects``.
 """
 
 import math
@@ -17,27 +17,25 @@ from smarig.preisach import Everett
 
 
 class Stage(IntEnum):
-    """Where an effect acts, in the order in which a tick passes through the plant."""
+    """Where an effect acts, in the order of computation within a tick."""
 
-    AMBIENT = 0  # K: the room, above where it was when the run began
+    AMBIENT = 0  # K: ambient temperature relative to the start of the run
     CURRENT = 1  # A: amplifier and wiring, before heating
-    RESISTANCE = 2  # 1: the wire's resistance over the constant one, for heating and for the voltage
-    SOURCE = 3  # K: steady temperature the current would give, signed (convection)
-    LAG = 4  # 1: the wire's time constant over the constant one (latent heat, convection)
-    INPUT = 5  # K: temperature the hysteresis feels (settling, accommodation)
-    FEEDBACK = (
-        6  # K: the same, by the output it leads to (stress): asked more than once a tick, so without memory
-    )
+    RESISTANCE = 2  # 1: the wire's resistance relative to the constant one, for heating and voltage
+    SOURCE = 3  # K: steady temperature of the present current, signed (convection)
+    LAG = 4  # 1: the wire's time constant relative to the constant one (latent heat, convection)
+    INPUT = 5  # K: hysteresis input (settling, accommodation)
+    FEEDBACK = 6  # K: hysteresis input as a function of the output (stress); called repeatedly per tick, so no memory
     OUTPUT = 7  # unit: map of the operator's output (backlash, slack, non-congruency)
-    ADDITIVE = 8  # unit: what adds to position (walking, slip, creep)
+    ADDITIVE = 8  # unit: added to the position (walking, slip, creep)
     SENSOR = 9  # counts, before quantisation
 
 
 @dataclass(slots=True)
 class ThermalState:
-    """The part of a moment that asks nothing of the hysteresis.
+    """The part of the plant's state that does not depend on the hysteresis.
 
-    ``source_K`` is the steady temperature of the present current, ``input_K`` the wire's.
+    ``source_K`` is the steady temperature of the present current; ``input_K`` is that of the wire.
     """
 
     t_s: float = 0.0
@@ -53,10 +51,10 @@ class ThermalState:
 
 @dataclass(slots=True)
 class PlantState(ThermalState):
-    """What an effect may look at: the plant's present, before the stage it acts on.
+    """What an effect can read: the present state of the plant, before the stage at which the effect acts.
 
-    ``output`` is the operator's, ``austenite`` its share of the stroke in [0, 1] and ``travel`` the strokes it has made
-    in all, there and back counting two.
+    ``output`` is that of the operator, ``austenite`` its share of the stroke in [0, 1], and ``travel`` the number of
+    strokes so far. A full cycle counts two.
     """
 
     tick: int = 0
@@ -66,7 +64,7 @@ class PlantState(ThermalState):
 
     @property
     def cycles(self) -> float:
-        """Full strokes there and back, N."""
+        """Number N of full cycles so far."""
         return self.travel / 2
 
 
@@ -76,7 +74,7 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True)
 class EffectContext:
-    """What an effect may know before it begins: the wire, its hysteresis, and the state that starts in."""
+    """What an effect can read before it starts: the wire, its hysteresis and the initial state."""
 
     actuator: Actuator
     hysteresis: Everett
@@ -100,18 +98,18 @@ class EffectContext:
 
 
 class SupportsHooks(Protocol):
-    """A physical mechanism: its changes by stage. Every call begins anew; state lives in the hooks."""
+    """A physical mechanism with its changes by stage. Every call starts a new state, which the hooks keep."""
 
     def hooks(self, context: EffectContext) -> Mapping[Stage, Hook]:
-        """The changes, by stage; empty at zero strength."""
+        """The changes by stage. Empty at zero strength."""
         ...
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: unit, bounds, what is typical (used to plant it), where that comes from.
+    """A parameter of an effect: unit, bounds, typical value (used to inject it), and source of these values.
 
-    ``tries`` are values worth trying where data must tell; ``of_record``: as shares of a record's length.
+    ``tries`` are the values from which a fit starts; with ``of_record`` they are shares of a record's length.
     """
 
     name: str
@@ -124,14 +122,14 @@ class Parameter:
     of_record: bool = False
 
     def checked(self, value: float, effect: str) -> float:
-        """The value as a number within its bounds; UsageError otherwise."""
+        """The value as a number. UsageError if it is outside the bounds."""
         try:
             number = float(value)
         except (TypeError, ValueError):
             number = math.nan
         if not self.lower <= number <= self.upper:
             raise UsageError(
-                f"{effect}.{self.name} = {value} is not between {self.lower:g} and {self.upper:g} {self.unit}."
+                f"{effect}.{self.name} = {value} must lie between {self.lower:g} and {self.upper:g} {self.unit}."
             )
         return number
 
@@ -141,16 +139,14 @@ TWO_WIRE = "two_wire"
 
 @dataclass(frozen=True)
 class EffectType:
-    """A mechanism, described; called with values it becomes an ``SupportsHooks``.
+    """A mechanism of the catalogue. Called with values, it returns an ``Effect``.
 
-    ``parameters``: the first is the primary one, its strength, at whose 0 the plant is untouched bit for bit.
-    ``act`` gives the hooks. The texts are for people: how it enters, looks, hides, and what tells it apart.
-    ``memoryless``: what it does to the position follows from the moment alone, so a replay need ask only where
-    something was read; an effect with a memory is asked at every step.
-    ``output_independent``: what it does ahead of the hysteresis follows from the ``ThermalState`` and from the
-    input range
-    of the hysteresis alone, so the input along a record is computed once for all densities; an effect that does not
-    declare it is simulated tick by tick, which gives the same numbers.
+    ``parameters``: the first is the strength; at 0 the plant is unchanged bit for bit. ``act`` returns the hooks. The
+    texts describe for the reader how the effect enters, what it looks like, what it is confused with, and what
+    distinguishes it. ``memoryless``: the effect on the position follows from the present state alone, so a replay needs
+    it only at readings; an effect with memory is computed at every step. ``output_independent``: changes before the
+    hysteresis follow from the ``ThermalState`` and the input range alone, so the hysteresis input of a record is
+    computed once for all densities. Other effects are simulated tick by tick, with the same numbers.
 
     >>> from smarig.plant.effects.walking import walking
     >>> walking(0.2)
@@ -166,7 +162,7 @@ class EffectType:
     separated_by: str
     parameters: tuple[Parameter, ...]
     act: Callable[[Values, EffectContext], Mapping[Stage, Hook]] = field(repr=False)
-    arrangement: str = ""  # TWO_WIRE where it needs two wires
+    arrangement: str = ""  # TWO_WIRE if it needs two wires
     memoryless: bool = False
     output_independent: bool = False
 
@@ -176,7 +172,7 @@ class EffectType:
         return self.parameters[0]
 
     def __call__(self, strength: float | None = None, /, **values: float) -> "Effect":
-        """The mechanism with values; those left out are typical, and so is the strength when None."""
+        """The effect with these values. Missing values are typical; so is the strength if it is None."""
         parameter_names = [p.name for p in self.parameters]
         for name in values:
             if name not in parameter_names:
@@ -195,23 +191,23 @@ class Effect:
 
     @property
     def strength(self) -> float:
-        """The primary parameter."""
+        """The value of the primary parameter."""
         return self.values[self.kind.primary.name]
 
     def at(self, strength: float) -> "Effect":
-        """The same mechanism, as strong as given."""
+        """The same effect with another strength."""
         return self.kind(**self.values | {self.kind.primary.name: strength})
 
     def hooks(self, context: EffectContext) -> Mapping[Stage, Hook]:
-        """The changes, by stage; none at all at zero strength. UsageError on one wire where two are needed."""
+        """The changes by stage; none at zero strength. UsageError if it needs two wires and the rig has one."""
         if not self.strength:
             return {}
         if self.kind.arrangement == TWO_WIRE and not context.actuator.two_wire:
-            raise UsageError(f"{self.kind.name} needs two wires, and this rig has one.")
+            raise UsageError(f"{self.kind.name} needs two wires, but this rig has one.")
         return self.kind.act(self.values, context)
 
     def to_json(self) -> dict[str, Any]:
-        """{"name", "parameters"}, as in model files."""
+        """{"name", "parameters"}, as stored in model files."""
         return {"name": self.kind.name, "parameters": dict(self.values)}
 
     def __repr__(self) -> str:
@@ -219,11 +215,11 @@ class Effect:
 
 
 def in_order(effects: Iterable[SupportsHooks]) -> tuple[SupportsHooks, ...]:
-    """Effects in the one order of composition: by name, those without a name as given, first."""
+    """Effects in their order of composition: first those without a name, as given, then by name."""
     return tuple(sorted(effects, key=lambda e: e.kind.name if isinstance(e, Effect) else ""))
 
 
 def hook_chains(effects: Iterable[SupportsHooks], context: EffectContext) -> dict[Stage, tuple[Hook, ...]]:
-    """The hooks of every stage in the order of composition."""
+    """The hooks of each stage in their order of composition."""
     all_values = [effect.hooks(context) for effect in in_order(effects)]
     return {stage: tuple(hooks[stage] for hooks in all_values if stage in hooks) for stage in Stage}

@@ -1,7 +1,4 @@
-"""Effects by name: from a command line, from a model file, from a seed.
-
-Knows the catalogue in ``model/effects`` by its file names only, and own files by what a person asked for.
-"""
+"""Effects by name: from a command line, a model file or a seed."""
 
 import random
 import re
@@ -13,22 +10,22 @@ from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names,
 from smarig.plant.effect import Effect, EffectType
 
 EFFECTS = "smarig.plant.effects"
-NO_EFFECT_SHARE = 0.15  # share of mystery rigs that hide nothing
+NO_EFFECT_SHARE = 0.15  # share of the mystery rigs without an effect
 
 
 def effect_types(arrangement: str = "") -> tuple[EffectType, ...]:
-    """All kinds of effects, or those that exist on a rig of one arrangement, by name."""
+    """All effect types by name, or those that exist on rigs of one arrangement."""
     every = (catalogue_entry(EFFECTS, name) for name in catalogue_names(EFFECTS))
     return tuple(k for k in every if not arrangement or k.arrangement in ("", arrangement))
 
 
 def effect_types_only_on(arrangement: str) -> tuple[EffectType, ...]:
-    """The kinds that exist on one arrangement only, by name."""
+    """The effect types that exist on one arrangement only, by name."""
     return tuple(k for k in effect_types() if k.arrangement == arrangement)
 
 
 def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
-    """Effects from texts ``name``, ``name=strength`` or ``name.parameter=value``.
+    """Effects from texts of the form ``name``, ``name=strength`` or ``name.parameter=value``.
 
     >>> effects_from_pairs(["settling=3", "settling.time_constant_s=900", "creep"])
     (settling(share_percent=3, time_constant_s=900), creep(percent_per_decade=1))
@@ -47,7 +44,7 @@ def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
             raise UsageError(f"'{pair}' is not NAME=NUMBER or NAME.PARAMETER=NUMBER.") from None
         parameter = parameter if dot else kind.primary.name
         if parameter in parameters_of_effect:
-            raise UsageError(f"'{pair}' gives {name}.{parameter} a second time.")
+            raise UsageError(f"'{pair}' repeats {name}.{parameter}. Give each parameter once.")
         parameters_of_effect[parameter] = number
     return tuple(
         catalogue_entry(EFFECTS, name)(**parameters_of_effect)
@@ -56,9 +53,9 @@ def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
 
 
 def effects_from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
-    """Effects in command-line form: as in ``effects_from_pairs``, or own files (``./mine.py=3``).
+    """Effects as on the command line: the forms of ``effects_from_pairs``, or own files (``./mine.py=3``).
 
-    Own files are executed: what stands in a run or a model must go to ``effects_from_pairs``.
+    Own files are executed. Pass texts stored in a run or a model to ``effects_from_pairs`` instead.
     """
     return effects_from_pairs([_registered_name(word) for word in words])
 
@@ -69,14 +66,14 @@ def _registered_name(word: str) -> str:
 
 
 def effects_to_arguments(effects: Iterable[Effect]) -> list[str]:
-    """The texts that ``from_arguments`` reads the same effects from, in any folder."""
+    """The texts from which ``effects_from_arguments`` reads the same effects, in any folder."""
     paths = {name: str(file.place) for name, file in own_entries(EFFECTS).items()}
     pairs = (pair.partition(".") for pair in effects_to_pairs(effects))
     return [f"{paths.get(name, name)}{dot}{rest}" for name, dot, rest in pairs]
 
 
 def effects_to_pairs(effects: Iterable[Effect]) -> list[str]:
-    """The texts that ``effects_from_pairs`` reads the same effects from.
+    """The texts from which ``effects_from_pairs`` reads the same effects.
 
     >>> effects_to_pairs(effects_from_pairs(["settling=3"]))
     ['settling.share_percent=3.0', 'settling.time_constant_s=600.0']
@@ -85,18 +82,18 @@ def effects_to_pairs(effects: Iterable[Effect]) -> list[str]:
 
 
 def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
-    """Effects of a model file, {"name", "parameters"} each; DataError when they are not."""
+    """Effects of a model file, each {"name", "parameters"}. DataError for anything else."""
     try:
         found_effects = tuple(_effect_from_record(**r) for r in records)
     except (KeyError, TypeError, ValueError) as error:
-        raise DataError(f"an effect is not {{name, parameters}}: {error}") from None
+        raise DataError(f"an effect is not of the form {{name, parameters}}: {error}") from None
     except UsageError as error:
-        hint = " (an effect of your own is given again with --effect ./FILE.py)"
+        hint = " (give your own effect again with --effect ./FILE.py)"
         unknown = str(error).startswith("No effect ")
         raise DataError(f"{str(error).rstrip('.')}{hint * unknown}") from None
     repeated = next((name for name, n in Counter(p.kind.name for p in found_effects).items() if n > 1), None)
     if repeated:
-        raise DataError(f"effect {repeated} is there twice")
+        raise DataError(f"effect {repeated} occurs twice")
     return found_effects
 
 
@@ -105,8 +102,10 @@ def _effect_from_record(name: str, parameters: Mapping[str, float]) -> Effect:
 
 
 def mystery_effects(seed: int, arrangement: str) -> tuple[Effect, ...]:
-    """The hidden effect of a seed: one of the catalogue, at 0.6 to 1.8 times its typical strength, or none."""
-    draw = random.Random(f"mystery {arrangement} {seed}")  # the same in every version of every library
+    """The hidden effect of a seed: one of the catalogue at 0.6 to 1.8 times its typical strength, or none."""
+    draw = random.Random(
+        f"mystery {arrangement} {seed}"
+    )  # the same draw in every version of Python and numpy
     if draw.random() < NO_EFFECT_SHARE:
         return ()
     kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own_entries(EFFECTS)])

@@ -1,8 +1,8 @@
-"""Joule heating of a wire, (5.1), exact for a current that is constant over a tick.
+"""Joule heating of a wire (5.1), exact for a current that is constant over a tick.
 
     ρ c_p V dT/dt = R i² − h A T   ⇒   T(t+dt) = T_ss + (T(t) − T_ss) e^(−dt/τ),   T_ss = (R/hA) i²
 
-T above ambient. Knows no hysteresis; R, h and c_p are the thesis's constants (effects change them).
+T is above ambient. R, h and c_p are the thesis's constants; effects change them.
 """
 
 import math
@@ -14,7 +14,7 @@ from smarig.plant.actuator import Actuator
 
 
 class JouleHeating:
-    """Temperatures of the rig's wires; in the differential rig the diodes steer i > 0 to wire 1.
+    """Temperatures of the rig's wires. In the differential rig the diodes steer i > 0 to wire 1.
 
     >>> heating = JouleHeating(Actuator.named("gorbet_two_wire"), dt_s=0.1)
     >>> for _ in range(1000):
@@ -31,11 +31,11 @@ class JouleHeating:
         self.wire_K = [0.0, 0.0]
 
     def step(self, current_A: float) -> float:
-        """One tick at a constant current; returns the hysteresis input u (T, or T₁ − T₂), kelvin."""
+        """Advance one tick at a constant current and return the hysteresis input u (T, or T₁ − T₂) in kelvin."""
         return self.relax(self.source(current_A))
 
     def source(self, current_A: float) -> float:
-        """Steady hysteresis input of a current (5.3), kelvin; negative when wire 2 is heated."""
+        """Steady hysteresis input of a current (5.3) in kelvin; negative if wire 2 is heated."""
         source = self.gain_K_per_A2 * current_A * current_A
         return -source if current_A < 0 and self.two_wire else source
 
@@ -44,9 +44,9 @@ class JouleHeating:
         self.dt_s, self.decay = dt_s, math.exp(-dt_s / self.tau_s)
 
     def relax(self, source_K: float, lag: float = 1.0, second_lag: float = 1.0) -> float:
-        """One tick towards a steady temperature, signed: whose sign says which wire is heated.
+        """Advance one tick towards a steady temperature, whose sign selects the heated wire.
 
-        ``lag`` times the time constant of wire 1, ``second_lag`` times that of wire 2.
+        ``lag`` scales the time constant of wire 1 and ``second_lag`` that of wire 2.
         """
         wires, decay = self.wire_K, self.decay if lag == 1.0 else self._decay(lag)
         if not self.two_wire:
@@ -59,7 +59,7 @@ class JouleHeating:
         return wires[0] - wires[1]
 
     def ends(self, source_K: float) -> tuple[float, float]:
-        """Where each wire goes under a steady temperature, signed; one wire stands alone in the first place."""
+        """Final temperature of each wire for a signed steady temperature. A single wire is the first value."""
         return (source_K, 0.0) if source_K > 0 or not self.two_wire else (0.0, -source_K)
 
     def _decay(self, lag: float) -> float:
@@ -67,7 +67,7 @@ class JouleHeating:
 
     @property
     def input_K(self) -> float:
-        """The hysteresis input now."""
+        """The present hysteresis input."""
         return self.wire_K[0] - self.wire_K[1]
 
 

@@ -1,7 +1,7 @@
-"""The wire where its input itself was measured: nothing is heated, and the hysteresis is driven by what was measured.
+"""A wire whose hysteresis input was measured: the measured values drive the hysteresis, without a heating model.
 
-Takes the place of the actuator and its heating in a plant. No constant of the wire is known, so an effect that needs
-one cannot be tested.
+It replaces the actuator and its heating in a plant. No constant of the wire is known, so effects that need one cannot
+be tested.
 """
 
 from smarig.config import ActuatorFile
@@ -16,24 +16,24 @@ AFTER_INPUT = (
     Stage.OUTPUT,
     Stage.ADDITIVE,
     Stage.SENSOR,
-)  # what acts after the input was measured
-CLOCK_DEPENDENT = ("creep", "cross_talk", "sensor_lag", "settling", "slip")  # of no meaning without a clock
+)  # stages after the measured input
+CLOCK_DEPENDENT = ("creep", "cross_talk", "sensor_lag", "settling", "slip")  # meaningless without a clock
 
 
 class WireConstantsUnknown(UsageError):
-    """An effect asked for a constant of a wire of which only the input is known."""
+    """An effect needs a constant of the wire, but only the input of the wire is known."""
 
 
 class PassThroughActuator(Actuator):
-    """In place of an actuator: the drive is the input, in whatever unit; one wire, no time constant."""
+    """Replaces an actuator: the drive is the input, in any unit. One wire, no time constant."""
 
     def __init__(self) -> None:
         pass
 
     @property
     def file(self) -> ActuatorFile:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """There is none."""
-        raise WireConstantsUnknown("Only the input of this wire was measured: its constants are not known.")
+        """Not available."""
+        raise WireConstantsUnknown("Only the input of this wire was measured. Its constants are not known.")
 
     @property
     def two_wire(self) -> bool:
@@ -42,11 +42,11 @@ class PassThroughActuator(Actuator):
 
     @property
     def tau_s(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """None that would matter: the input is measured after all heating."""
+        """Irrelevant here: the input is measured after all heating."""
         return 1.0
 
     def resistance_at_ohm(self, austenite: float) -> float:  # noqa: ARG002
-        """No resistance is read."""
+        """Not available; the resistance is not measured."""
         return 1.0
 
     def __eq__(self, other: object) -> bool:
@@ -60,7 +60,7 @@ class PassThroughActuator(Actuator):
 
 
 class PassThroughHeating(JouleHeating):
-    """In place of the heating: the given input passes through, whatever the time.
+    """Replaces the heating: the given input passes through unchanged at any time.
 
     >>> PassThroughHeating(0.1).step(35.0)
     35.0
@@ -71,7 +71,7 @@ class PassThroughHeating(JouleHeating):
         self.tick(dt_s)
 
     def source(self, current_A: float) -> float:
-        """What is given, in place of a current."""
+        """The given input, in place of a current."""
         return current_A
 
     def tick(self, dt_s: float) -> None:
@@ -79,13 +79,13 @@ class PassThroughHeating(JouleHeating):
         self.dt_s = dt_s
 
     def relax(self, source_K: float, lag: float = 1.0, second_lag: float = 1.0) -> float:  # noqa: ARG002
-        """At once what is given."""
+        """Set the input without lag."""
         self.wire_K[0] = source_K
         return source_K
 
 
 def heating_for(actuator: Actuator, dt_s: float) -> JouleHeating:
-    """Of a wire: heating by a current, or the given input as it is."""
+    """The heating of an actuator: by a current, or the given input unchanged."""
     return (
         PassThroughHeating(dt_s)
         if isinstance(actuator, PassThroughActuator)
@@ -94,9 +94,9 @@ def heating_for(actuator: Actuator, dt_s: float) -> JouleHeating:
 
 
 def is_testable(kind: EffectType, hysteresis: Everett, *, clock: bool) -> bool:
-    """Whether an effect can show where the input was measured: it acts later, and asks for no constant of the wire.
+    """Whether an effect can be tested on measured inputs: it acts after the input and needs no constant of the wire.
 
-    Without a clock nothing can be said of effects of time.
+    Without a clock, effects that depend on time cannot be tested.
     """
     try:
         hooks = kind().hooks(EffectContext(PassThroughActuator(), hysteresis, "negative"))

@@ -1,6 +1,6 @@
-"""The wire as a plant: current in, position out; heating (5.1) → Preisach (3.1), effects at their stages.
+"""The wire as a plant: from current through heating (5.1) and Preisach operator (3.1) to position, with effects.
 
-One step is one tick at constant current. Knows no instruments, no noise of theirs, no device.
+One step is one tick at constant current. Instruments and their noise are not part of the plant.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ EQUAL_STEPS, STEP_GROWTH = 10, 1.5
 
 
 class Plant:
-    """State of the wire(s): temperatures, hysteresis memory, position (rig unit, operator's own zero).
+    """State of the wires: temperatures, hysteresis memory, and position in the rig's unit from the operator's zero.
 
     >>> from smarig.preisach import thesis_surface
     >>> plant = Plant(Actuator.named("gorbet_one_wire"), thesis_surface("one_e"), "negative", dt_s=0.1)
@@ -43,10 +43,10 @@ class Plant:
         self.now = PlantState(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
         self._thermal_stages = ThermalStages(actuator, self._chains, self.now)
         self.heating = self._thermal_stages.heating
-        self.position = apply_hooks(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # where it rests
+        self.position = apply_hooks(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # position at rest
 
     def step(self, current_A: float, disturbance_K: float = 0.0) -> float:
-        """One tick: current held over it, temperature disturbance added to what the hysteresis feels."""
+        """Advance one tick at constant current. The disturbance is added to the hysteresis input."""
         if self._no_effects:
             self.position = self.operator.step(self.heating.step(current_A) + disturbance_K)
             return self.position
@@ -54,7 +54,7 @@ class Plant:
         return self._step_with_effects(current_A, disturbance_K, self.now.tick * self.heating.dt_s)
 
     def advance(self, current_A: float, dt_s: float, disturbance_K: float = 0.0) -> float:
-        """As ``step``, for a time of any length."""
+        """Like ``step``, for a time of any length."""
         if self._no_effects:
             self.heating.tick(dt_s)
             return self.step(current_A, disturbance_K)
@@ -63,7 +63,7 @@ class Plant:
         start_s = self.now.t_s
         for k in range(1, parts + 1):
             self._step_with_effects(current_A, disturbance_K, start_s + dt_s * k / parts)
-        self.now.dt_s = dt_s  # the sensor sees whole ticks
+        self.now.dt_s = dt_s  # the sensor works in whole ticks
         return self.position
 
     def _step_with_effects(self, current_A: float, disturbance_K: float, t_s: float) -> float:
@@ -77,7 +77,7 @@ class Plant:
         return self.position
 
     def _output_with_feedback(self) -> float:
-        """The output at what is felt; where that depends on the output, at the first temperature that both agree on."""
+        """The output at the hysteresis input. If that depends on the output, at the first self-consistent input."""
         hooks, now, operator = self._chains[Stage.FEEDBACK], self.now, self.operator
         if not hooks:
             return operator.step(now.hysteresis_input_K)
@@ -95,7 +95,7 @@ class Plant:
         return operator.step(now.hysteresis_input_K)
 
     def sensed(self, counts: float) -> float:
-        """Counts as the sensor sees them, before quantisation."""
+        """Counts that the sensor indicates, before quantisation."""
         return counts if self._no_effects else apply_hooks(self._chains[Stage.SENSOR], counts, self.now)
 
     def current(self, command_A: float) -> float:
@@ -104,34 +104,34 @@ class Plant:
 
     @property
     def hysteresis_input_K(self) -> float:
-        """The temperature the hysteresis felt last."""
+        """The last hysteresis input."""
         return self.operator.u
 
     @property
     def alters_current(self) -> bool:
-        """Whether an effect says what becomes of a command: then ``step`` is not for measured currents."""
+        """Whether an effect changes the commanded current. Then ``step`` must not be given measured currents."""
         return bool(self._chains[Stage.CURRENT])
 
     @property
     def lag(self) -> float:
-        """The time constant of the last tick over the constant one; of two wires their mean."""
+        """Time constant of the last tick relative to the constant one; for two wires the mean."""
         lags = self._thermal_stages.lags
         return sum(lags) / len(lags) if lags else 1.0
 
     @property
     def heating_ratio(self) -> float:
-        """The steady temperature of the last tick's current, over what R/hA says of it; 1 where none flowed."""
+        """Steady temperature of the last tick's current relative to R/hA · i²; 1 at zero current."""
         nominal_K = 0.0 if self._no_effects else self.heating.source(self.now.command_A)
         return self.now.source_K / nominal_K if nominal_K else 1.0
 
     @property
     def austenite(self) -> float:
-        """Austenite fraction ξ of wire 1, taken from the output: 0 at y₋, 1 at y₊."""
+        """Austenite fraction ξ of wire 1, from the output: 0 at y₋, 1 at y₊."""
         return (self.operator.y - self._y_lower) * self._per_stroke
 
 
 def self_consistent_input(drive: Callable[[float], float], u: float, drive_at_u: float) -> float:
-    """The input at which ``drive``, f(u) − u, vanishes first, from ``u`` where it is ``drive_at_u``.
+    """The first zero of ``drive``, f(u) − u, on the way from ``u``, where its value is ``drive_at_u``.
 
     >>> round(self_consistent_input(lambda u: 10.0 - 2.5 * u, 0.0, 10.0), 5)
     4.0
@@ -139,7 +139,7 @@ def self_consistent_input(drive: Callable[[float], float], u: float, drive_at_u:
     if abs(drive_at_u) < TOLERANCE_K:
         return u
     other, drive_at_other = u + drive_at_u, drive(u + drive_at_u)
-    for k in range(MAX_ITERATIONS):  # with the move: it goes on, in the end by longer and longer steps
+    for k in range(MAX_ITERATIONS):  # in the direction of the drive, finally with growing steps
         if drive_at_other * drive_at_u <= 0 or abs(drive_at_other) < TOLERANCE_K:
             break
         u, drive_at_u = other, drive_at_other
@@ -155,7 +155,7 @@ def self_consistent_input(drive: Callable[[float], float], u: float, drive_at_u:
 def _bracketed_root(
     drive: Callable[[float], float], u: float, drive_at_u: float, other: float, drive_at_other: float
 ) -> float:
-    """The root between two inputs, by the Illinois variant of false position."""
+    """The root between two inputs, found by the Illinois variant of false position."""
     new = other
     for _ in range(MAX_ITERATIONS):
         new = (u * drive_at_other - other * drive_at_u) / (drive_at_other - drive_at_u)

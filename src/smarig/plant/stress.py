@@ -1,7 +1,7 @@
-"""Stress in the differential actuator, thesis §5.5.1: why one input is enough.
+"""Stress in the differential actuator (thesis §5.5.1), and why one input is sufficient.
 
-Both wires share one stress; their strains add up to a constant. Heating one wire to austenite moves
-the operating point along the other's martensite plateau, so the stress hardly changes.
+Both wires have the same stress, and their strains add up to a constant. Heating one wire to austenite moves the
+operating point along the martensite plateau of the other, so the stress hardly changes.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class StressStrain:
-    """Piecewise linear characteristics (§5.5.1, measured by others): moduli in MPa per unit strain."""
+    """Piecewise linear characteristics (§5.5.1, measured by others). Moduli in MPa per unit strain."""
 
     martensite_MPa: float = 16800.0
     plateau_MPa: float = 826.0
@@ -20,7 +20,7 @@ class StressStrain:
 
 @dataclass(frozen=True)
 class DifferentialStress:
-    """Result: σ₀ cold, strain ε_a of the heated wire, σ₁ hot, relative change (σ₁ − σ₀)/σ₀."""
+    """Stress σ₀ (cold), strain ε_a of the heated wire, stress σ₁ (hot), and relative change (σ₁ − σ₀)/σ₀."""
 
     cold_MPa: float
     heated_strain: float
@@ -31,7 +31,7 @@ class DifferentialStress:
 def differential_stress(curve: StressStrain | None = None) -> DifferentialStress:
     """σ₀ = E_m ε_k + E_p (ε_t/2 − ε_k);  E_a ε_a = σ₀ + E_p (ε_t/2 − ε_a);  Δσ/σ₀.
 
-    The thesis prints 242 MPa, 0.7 % and 7.77 %; the last comes with σ₀ rounded to 242 in the ratio only.
+    The thesis prints 242 MPa, 0.7 % and 7.77 %. The last value follows if σ₀ is rounded to 242 in the ratio only.
 
     >>> s = differential_stress()
     >>> round(s.cold_MPa), round(100 * s.heated_strain, 3), round(100 * s.relative_change, 2)

@@ -1,7 +1,7 @@
-"""From the current to what the hysteresis feels: room, amplifier, heat, and the effects on the way.
+"""From the current to the hysteresis input: ambient temperature, amplifier, heating, and the effects on them.
 
-The output of the hysteresis matters only to effects that look at it; with a ``ThermalState``, which holds none, the
-input is the same whatever the hysteresis.
+The output of the hysteresis matters only to effects that use it. With a ``ThermalState``, which contains no output, the
+hysteresis input is the same for every hysteresis.
 """
 
 from collections.abc import Mapping
@@ -10,12 +10,12 @@ from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Hook, PlantState, Stage
 from smarig.plant.measured_input import heating_for
 
-MAX_PART_K, MAX_PARTS = 1.0, 50  # of a tick of any length, where heat depends on the output
+MAX_PART_K, MAX_PARTS = 1.0, 50  # limits for the subdivision of a tick if heating depends on the output
 EARLY_STAGES = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, Stage.LAG, Stage.INPUT)
 
 
 class ThermalStages:
-    """Temperatures of the wire(s), and what the effects of the early stages make of them."""
+    """Temperatures of the wires, with the effects of the early stages."""
 
     def __init__(self, actuator: Actuator, chains: Mapping[Stage, tuple[Hook, ...]], now: PlantState) -> None:
         self.heating = heating_for(actuator, now.dt_s)
@@ -27,7 +27,7 @@ class ThermalStages:
         self._output_dependent = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
 
     def parts(self, current_A: float, dt_s: float) -> int:
-        """How often a tick is cut, so that the heat of a transformation or of another wire acts as it goes."""
+        """Number of parts of a tick, so that transformation heat and heat of the other wire act continuously."""
         heating = self.heating
         heating.tick(dt_s)
         if not self._output_dependent:
@@ -40,7 +40,7 @@ class ThermalStages:
         return parts
 
     def hysteresis_input(self, current_A: float, disturbance_K: float, t_s: float) -> float:
-        """One tick; the moment tells all that led to it. Written out, because it is asked for millions of times."""
+        """Advance one tick and record the intermediate values. Written out in full, because it is called very often."""
         now, heating = self.now, self.heating
         now.t_s, now.command_A = t_s, current_A
         ambient_K, resistance = 0.0, 1.0
@@ -53,14 +53,14 @@ class ThermalStages:
         for hook in self._resistance:
             resistance = hook(resistance, now)
         now.resistance = resistance
-        now.input_K = heating.input_K  # before the tick, above the room: what heat is lost and stored by
+        now.input_K = heating.input_K  # before the tick, above ambient: determines heat loss and stored heat
         source_K = heating.source(current_A) * resistance
         for hook in self._source:
             source_K = hook(source_K, now)
         now.source_K = source_K
         common_ambient_K = (
             0.0 if heating.two_wire else ambient_K
-        )  # common to both wires: T₁ − T₂ does not see it
+        )  # an ambient change is common to both wires and cancels in T₁ − T₂
         if self._lag:
             self.lags = self._lags()
         hysteresis_input_K = now.input_K = (
@@ -74,7 +74,7 @@ class ThermalStages:
     def _lags(self) -> tuple[float, ...]:
         """The lag of each wire.
 
-        Wires cool by themselves: to each its own temperature and its own end stand for the source and the input.
+        Each wire cools independently: its own temperature and final temperature replace input and source.
         """
         hooks, now, heating = self._lag, self.now, self.heating
         lags, source_K = [], now.source_K
@@ -86,7 +86,7 @@ class ThermalStages:
 
 
 def apply_hooks(hooks: tuple[Hook, ...], value: float, now: PlantState) -> float:
-    """A value past the hooks of one stage."""
+    """A value after all hooks of one stage."""
     for hook in hooks:
         value = hook(value, now)
     return value

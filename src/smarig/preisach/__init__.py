@@ -1,4 +1,4 @@
-"""Preisach hysteresis: the operator, the measures it runs on, what can be said of them. Knows no wire, no data."""
+"""Preisach hysteresis: the operator, its inverse, and the surfaces, tables and measures that define it."""
 
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,7 @@
 """The loop of ``kernel.py`` compiled by numba (extra ``fast``): the same source, on arrays instead of lists.
 
-numba is imported when it is first worth it, and each kind of hysteresis is compiled once. Without numba
-everything runs as plain Python. Knows no hysteresis: only the free functions of its ``KeyedEverett``.
+numba is imported on first use, and each kind of hysteresis is compiled once. Without numba everything runs as plain
+Python. Only the free functions of a ``KeyedEverett`` are compiled.
 """
 
 from functools import cache, lru_cache
@@ -23,7 +23,7 @@ from smarig.preisach.kernel import (
     make_loop,
 )
 
-WORTH = 500_000  # samples that take plain Python about as long as compiling takes
+WORTH = 500_000  # number of samples for which plain Python takes about as long as compiling
 _compiled: set[KeyedFunction] = set()
 
 
@@ -34,18 +34,18 @@ def compiled_available() -> bool:
 
 
 def worth_compiling(keyed: KeyedEverett, n: int, wanted: bool | None) -> bool:
-    """Whether to compile for n samples; UsageError when that is wanted and impossible."""
+    """Whether to compile for n samples. UsageError if ``wanted`` is true and compiling is impossible."""
     if wanted is False or (wanted is None and not (keyed.compilable and compiled_available())):
         return False
     if wanted and not keyed.compilable:
-        raise UsageError("This hysteresis has no compiled form; leave out compiled=True.")
+        raise UsageError("This hysteresis has no compiled form. Leave out compiled=True.")
     if wanted and not compiled_available():
-        raise UsageError("numba is not installed; install smarig[fast], or leave out compiled=True.")
+        raise UsageError("numba is not installed. Install smarig[fast], or leave out compiled=True.")
     return bool(wanted) or n >= WORTH or keyed.between in _compiled
 
 
 def follow(keyed: KeyedEverett, stack: ExtremaStack, kernel_input: KernelInput, y: Array) -> None:
-    """``kernel.follow``, compiled: write the outputs (n,) along the way into y."""
+    """``kernel.follow``, compiled: write the outputs (n,) of the inputs into y."""
     run, (params, search), last = _loop(keyed.between), _prepared_arrays(keyed), kernel_input.y
     _compiled.add(keyed.between)
     top, U, Y = stack.top, np.array(stack.U), np.array(stack.Y)
@@ -72,11 +72,14 @@ def _loop(between: KeyedFunction) -> LoopFunction:
 
 @lru_cache(maxsize=8)
 def _prepared_arrays(keyed: KeyedEverett) -> tuple[tuple[Any, ...], Search]:
-    """The hysteresis's lists as arrays, and a search that remembers what it prepared for its levels."""
+    """The hysteresis's lists as arrays, and a search that caches the tables of its levels."""
     buckets: dict[tuple[int, str], tuple] = {}
 
     def search(levels: Array, u: Array, side: str) -> NDArray[np.intp]:
-        key = id(levels), side  # the levels live as long as the hysteresis, and that as long as ``keyed``
+        key = (
+            id(levels),
+            side,
+        )  # the levels exist as long as the hysteresis, which exists as long as ``keyed``
         if key not in buckets:
             buckets[key] = _buckets(levels, side)
         return _ranks()(*buckets[key], u)
@@ -85,15 +88,15 @@ def _prepared_arrays(keyed: KeyedEverett) -> tuple[tuple[Any, ...], Search]:
 
 
 def _buckets(levels: Array, side: str) -> tuple[Array, NDArray[np.int32], float, float, int]:
-    """Levels (padded), the rank at which each bucket begins, buckets' origin and scale, most levels in one."""
-    if side == "right":  # levels ≤ u are those whose lower neighbour is < u
+    """Padded levels, first rank of each bucket, origin and scale of the buckets, most levels in one bucket."""
+    if side == "right":  # levels ≤ u are those whose next lower float is < u
         levels = np.nextafter(levels, -np.inf)
     if levels.size == 0:
         return np.array([np.inf]), np.zeros(1, np.int32), 0.0, 0.0, 1
     count = min(8 * levels.size, 1 << 16)
     low, width = float(levels[0]), float(levels[-1] - levels[0])
     scale = count / width if width > 0 else 0.0
-    # as ``ranks`` has it, so that rounding puts an input and its level into buckets in the right order
+    # computed as in ``ranks``, so that rounding puts an input and its level into buckets in the right order
     own = np.minimum(np.maximum((levels - low) * scale, 0.0), count - 1.0).astype(np.int64)
     begins = np.searchsorted(own, np.arange(count))
     most = int(np.max(np.bincount(own)))
@@ -102,7 +105,7 @@ def _buckets(levels: Array, side: str) -> tuple[Array, NDArray[np.int32], float,
 
 @cache
 def _ranks() -> Any:
-    """Numbers of levels < u for an array, all inputs at once through each step: no branch to mispredict."""
+    """Numbers of levels < u for an array. Each step handles all inputs, so no branch is mispredicted."""
     import numba
 
     def ranks(levels, begins, low, scale, most, u):

@@ -1,12 +1,11 @@
-"""What the Preisach operator needs to know of a hysteresis: its Everett function and range.
+"""The interface of a hysteresis to the Preisach operator: its Everett function and range.
 
     F(α, β) = y(α, α) − y(α, β),   u₋ ≤ β ≤ α ≤ u₊
 
-F is the output change of a monotone sweep between β and α (thesis §3.4, theory.md §1): the measure ν
-of the triangle with corner (α, β), reversible part included. Surfaces, tables and relay measures
-provide it; the operator never integrates μ. The diagonal states B_ℓ = {α = 2ℓ − β} (Def. 3.1, §8.3)
-have a boundary of slope −1, along which F must be integrated: ``DiagonalIntegrals`` does that for smooth
-and piecewise models.
+F is the output change of a monotone sweep between β and α (thesis §3.4, theory.md §1). It equals the measure ν of the
+triangle with corner (α, β), reversible part included. Surfaces, tables and relay measures provide it; the operator
+never integrates μ. The diagonal states B_ℓ = {α = 2ℓ − β} (Def. 3.1, §8.3) have a boundary of slope −1, along which F
+must be integrated. ``DiagonalIntegrals`` does that for smooth and piecewise models.
 """
 
 from collections.abc import Callable
@@ -17,11 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
-_BLOCK = 2048  # inputs integrated at once: bounds memory
+_BLOCK = 2048  # inputs integrated at once; limits the memory used
 
 
 class Everett(Protocol):
-    """A hysteresis as the operator sees it. Outputs and inputs in the model's own units."""
+    """A hysteresis as the operator uses it. Outputs and inputs are in the model's own units."""
 
     @property
     def lower(self) -> float:
@@ -43,7 +42,7 @@ class Everett(Protocol):
         ...
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
-        """F(α, β) for arrays, which broadcast."""
+        """F(α, β) for arrays, broadcast."""
         ...
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
@@ -51,12 +50,12 @@ class Everett(Protocol):
         ...
 
     def fall_from_diagonal(self, centre: float, u: float) -> float:
-        """Output change, as a positive drop for ν ≥ 0, from B_ℓ when the input falls from ℓ to u."""
+        """Output change from B_ℓ when the input falls from ℓ to u, as a drop that is positive for ν ≥ 0."""
         ...
 
 
 class Differentiable(Protocol):
-    """A FOD surface with first derivatives, vectorised; ``kinks`` are where they jump."""
+    """A FOD surface with first derivatives, vectorised. They jump at ``kinks``."""
 
     @property
     def lower(self) -> float: ...
@@ -65,18 +64,18 @@ class Differentiable(Protocol):
     @property
     def kinks(self) -> NDArray[np.float64]: ...
     def strip_alpha(self, alpha: NDArray[np.float64], beta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """∂F/∂α (α, β): the strip a rising input sweeps per unit."""
+        """∂F/∂α (α, β): the strip that a rising input sweeps per unit."""
         ...
 
     def strip_beta(self, alpha: NDArray[np.float64], beta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """∂y/∂β (α, β): the strip a falling input sweeps per unit."""
+        """∂y/∂β (α, β): the strip that a falling input sweeps per unit."""
         ...
 
 
 def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> NDArray[np.float64]:
-    """Output change (signed) from B_ℓ, ℓ = centre, by one monotone move to each input u (n,).
+    """Signed output change from B_ℓ, ℓ = centre, for one monotone move to each input u (n,).
 
-    By the hysteresis's own array method ``from_diagonal`` where it has one, else input by input.
+    It uses the array method ``from_diagonal`` of the hysteresis if there is one, otherwise one input at a time.
     """
     inputs = np.asarray(u, dtype=float)
     own = getattr(hysteresis, "from_diagonal", None)
@@ -87,10 +86,10 @@ def from_diagonal(hysteresis: Everett, centre: float, u: ArrayLike) -> NDArray[n
 
 
 class DiagonalIntegrals:
-    """Moves from B_ℓ by quadrature, for a ``Differentiable`` to inherit: exact to rounding, kink by kink."""
+    """Mixin for a ``Differentiable``: output changes from B_ℓ by quadrature between kinks, exact to rounding."""
 
     def from_diagonal(self: Differentiable, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Output change (signed) to each input (n,): rises and falls, each whatever the others are."""
+        """Signed output change to each input (n,), each independent of the others."""
         change = np.empty(u.shape)
         up = u >= centre
         change[up] = _cumulative(_rising(self, centre), u[up])
@@ -98,11 +97,11 @@ class DiagonalIntegrals:
         return change
 
     def rise_from_diagonal(self: Differentiable, centre: float, u: float) -> float:
-        """∫_ℓ^u ∂_αF(α, max(2ℓ − α, u₋)) dα: output change rising from B_ℓ."""
+        """∫_ℓ^u ∂_αF(α, max(2ℓ − α, u₋)) dα: output change when rising from B_ℓ."""
         return float(_cumulative(_rising(self, centre), np.array([u], dtype=float))[0])
 
     def fall_from_diagonal(self: Differentiable, centre: float, u: float) -> float:
-        """∫_u^ℓ ∂_βy(min(2ℓ − β, u₊), β) dβ: output change falling from B_ℓ (theory.md §1, ψ)."""
+        """∫_u^ℓ ∂_βy(min(2ℓ − β, u₊), β) dβ: output change when falling from B_ℓ (theory.md §1, ψ)."""
         return float(_cumulative(_falling(self, centre), np.array([-u], dtype=float))[0])
 
 
@@ -110,14 +109,14 @@ Strip = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 class _StripIntegral(NamedTuple):
-    """A strip, the panel edges (n + 1,) along it, and its integral up to each edge (n + 1,)."""
+    """A strip, its panel edges (n + 1,), and its integral up to each edge (n + 1,)."""
 
     strip: Strip
     edges: NDArray[np.float64]
     up_to_edge: NDArray[np.float64]
 
 
-@lru_cache(maxsize=8)  # a twin asks for the same diagonal state at every tick of its initialisation
+@lru_cache(maxsize=8)  # a twin uses the same diagonal state in every tick of its initialisation
 def _rising(surface: Differentiable, centre: float) -> _StripIntegral:
     def strip(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
         return surface.strip_alpha(alpha, np.maximum(2 * centre - alpha, surface.lower))
@@ -127,7 +126,7 @@ def _rising(surface: Differentiable, centre: float) -> _StripIntegral:
 
 @lru_cache(maxsize=8)
 def _falling(surface: Differentiable, centre: float) -> _StripIntegral:
-    """In the variable −β, so that a fall runs upwards like a rise."""
+    """The strip in the variable −β, so that a fall is integrated upwards like a rise."""
 
     def strip(minus_beta: NDArray[np.float64]) -> NDArray[np.float64]:
         return surface.strip_beta(np.minimum(2 * centre + minus_beta, surface.upper), -minus_beta)
@@ -142,9 +141,9 @@ def _strip_integral(strip: Strip, edges: NDArray[np.float64]) -> _StripIntegral:
 
 
 def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: float) -> NDArray[np.float64]:
-    """Panel edges over [a, b]: kinks, mirrored kinks, the clip point, and a smooth-panel width limit.
+    """Panel edges over [a, b]: kinks, mirrored kinks, the clip point, and a width limit for smooth panels.
 
-    They do not depend on how far the input goes, so an output does not depend on what else is asked.
+    They do not depend on the input, so an output does not depend on the other inputs of a call.
     """
     width = (surface.upper - surface.lower) / 32
     even = np.linspace(a, b, max(2, int(np.ceil((b - a) / width)) + 1))
@@ -153,9 +152,9 @@ def _panels(surface: Differentiable, centre: float, a: float, b: float, clip: fl
 
 
 def _cumulative(strip_integral: _StripIntegral, u: NDArray[np.float64]) -> NDArray[np.float64]:
-    """∫ from edges[0] to each u (n,): whole panels by their sums, the last one by its own Gauss–Legendre.
+    """∫ from edges[0] to each u (n,): sums of whole panels, and Gauss–Legendre quadrature on the last panel.
 
-    Exact to rounding for the surfaces of §5.4 at these widths.
+    At these widths it is exact to rounding for the surfaces of §5.4.
     """
     strip, edges, up_to_edge = strip_integral
     panel = np.clip(np.searchsorted(edges, u, side="left") - 1, 0, max(edges.size - 2, 0))

@@ -1,6 +1,6 @@
-"""Interval arithmetic: ranges instead of numbers, so that what is computed holds everywhere in a box.
+"""Interval arithmetic: ranges instead of numbers, so that a result holds everywhere in a box.
 
-Holds to rounding of double precision.
+Results hold to rounding in double precision.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Interval:
 
     @classmethod
     def hull(cls, *values: Array) -> "Interval":
-        """The smallest ranges that hold all of these values."""
+        """The smallest ranges that contain all these values."""
         return cls(np.minimum.reduce(values), np.maximum.reduce(values))
 
     def __add__(self, other: "Interval") -> "Interval":
@@ -36,7 +36,7 @@ class Interval:
         return Interval.hull(a * c, a * d, b * c, b * d)
 
     def times(self, factor: float) -> "Interval":
-        """The ranges of a multiple."""
+        """The ranges multiplied by a factor."""
         return Interval.hull(factor * self.low, factor * self.high)
 
     @property
@@ -51,7 +51,7 @@ class Interval:
 
 
 def shift_bounds(surface: FodSurface, alpha: Interval) -> tuple[Interval, Interval]:
-    """Ranges of f and f′ over α: their values at the ends, and where the form says that they turn in between."""
+    """Ranges of f and f′ over α, from their values at the ends and at the turning points that the form gives."""
     form, x = surface.surface_form, surface.x[3:]
     values, slopes = ([at(x, alpha.low), at(x, alpha.high)] for at in (form.value, form.slope))
     values += [form.value(x, np.clip(u, alpha.low, alpha.high)) for u in form.value_turns(x)]

@@ -1,12 +1,12 @@
-"""The inverse on the stack: the least monotone move that brings the output to a wanted value.
+"""The inverse of the Preisach operator: the least monotone move of the input that gives a wanted output.
 
-The outputs at the remembered extrema say on which stretch of the way the target lies; there F is solved for
-the input: exactly for relays (the first threshold that brings at least the target) and for tables (in the
-one cell that holds it), to rounding for smooth surfaces.
+The outputs at the remembered extrema determine the branch segment that contains the target. On this segment F is
+solved for the input: exactly for relays (the first threshold that reaches the target) and for tables (in the cell that
+contains it), to rounding for smooth surfaces.
 
-Needs the output to be monotone along the way: strip sums ∂F/∂α ≥ 0 rising and ∂y/∂β ≥ 0 falling, which is
-weaker than μ ≥ 0 (theory.md §1). Where the output turns back on the way, a DataError says between which
-inputs. Smooth surfaces are looked at in 256 places: a dip narrower than that passes. Knows no control law.
+The output must be monotone along the move: strip sums ∂F/∂α ≥ 0 when rising and ∂y/∂β ≥ 0 when falling. This is weaker
+than μ ≥ 0 (theory.md §1). Otherwise a DataError names the inputs between which the output reverses. Smooth surfaces are
+checked at 256 inputs, so a narrower reversal is not detected.
 """
 
 from bisect import bisect_left, bisect_right
@@ -26,11 +26,11 @@ from smarig.preisach.kernel import ExtremaStack, KeyedEverett, keyed
 Array = NDArray[np.float64]
 ROUNDING = 1e-12  # of the output range
 GRID_POINTS = 256
-MAX_NODES = 600  # beyond this, monotonicity is looked at along each way instead of once for all
+MAX_NODES = 600  # with more nodes, monotonicity is checked along each move instead of once for all moves
 
 
 class BranchSegment(NamedTuple):
-    """A part of the way between two inputs with one law of output, for a scalar and for an array."""
+    """A part of the move between two inputs with one formula for the output, for a scalar and for an array."""
 
     start: float
     end: float
@@ -40,10 +40,10 @@ class BranchSegment(NamedTuple):
 
 
 def bracketed_root(f: Callable[[float], float], near: float, far: float) -> float:
-    """Zero of a function that is negative at ``near`` and positive at ``far``, or the end at which it is not.
+    """Zero of a function that is negative at ``near`` and positive at ``far``; otherwise the end that violates this.
 
-    Regula falsi with Anderson and Björck's weights, which ends at once where f is linear; every fourth step
-    halves, so that no shape of f takes more than some two hundred.
+    Regula falsi with Anderson and Björck's weights, which ends at once if f is linear. Every fourth step bisects, so
+    about two hundred evaluations are enough for any f.
     """
     at_near, at_far = f(near), f(far)
     if at_near >= 0 or at_far <= 0:
@@ -71,64 +71,64 @@ def bracketed_root(f: Callable[[float], float], near: float, far: float) -> floa
 
 
 def _weight(left: float) -> float:
-    """How much of the value at the end that stayed twice still counts, by what is left at the other."""
+    """Weight of the value at an end that was kept twice, from the ratio of the values at the other end."""
     return 1.0 - left if left < 1.0 else 0.5
 
 
 def _is_finite(target: float) -> bool:
     try:
         return isfinite(target)
-    except (TypeError, ValueError, OverflowError):  # a word, an array, an integer beyond all floats
-        raise UsageError(f"The inverse takes a number as its output, got {target!r:.40}.") from None
+    except (TypeError, ValueError, OverflowError):  # text, an array, or an integer too large for a float
+        raise UsageError(f"The inverse needs a number as its output, got {target!r:.40}.") from None
 
 
 def _format_distinct(a: float, b: float) -> tuple[str, str]:
-    """Two different numbers in print, with as many digits (six or more) as it takes to see that they differ."""
+    """Two different numbers as texts with enough digits (six or more) to show that they differ."""
     digits = next((n for n in range(6, 17) if f"{a:.{n}g}" != f"{b:.{n}g}"), 17)
     return f"{a:.{digits}g}", f"{b:.{digits}g}"
 
 
 @dataclass(frozen=True, eq=False)
 class InverseSolver:
-    """Monotone moves of one hysteresis, and where they end up."""
+    """Monotone moves of one hysteresis, and the outputs that they reach."""
 
     hysteresis: Everett
 
     @cached_property
     def keyed(self) -> KeyedEverett:
-        """F by keys, as the loop uses it."""
+        """F by keys, as in the loop."""
         return keyed(self.hysteresis)
 
     @cached_property
     def rounding(self) -> float:
-        """Outputs closer than this are one."""
+        """Outputs that differ by less than this count as equal."""
         h = self.hysteresis
         return ROUNDING * abs(h.everett(h.upper, h.lower))
 
     @cached_property
     def steps(self) -> list[float]:
-        """Where the output jumps and between which it stands still; empty for a continuous hysteresis."""
+        """Inputs at which the output jumps, with constant output between them. Empty for a continuous hysteresis."""
         return np.asarray(getattr(self.hysteresis, "steps", ())).tolist()
 
     @cached_property
     def slack(self) -> float:
-        """How far short of a target still counts as there: jumps bring sums in another order, or nothing."""
+        """Tolerance for reaching a target: nonzero only for jumps, whose sums depend on their order."""
         return self.rounding if self.steps else 0.0
 
     @cached_property
     def kinks(self) -> list[float]:
-        """Where slopes jump; for relays where outputs do."""
+        """Inputs at which the slope jumps; for relays, at which the output jumps."""
         return self.steps or np.asarray(getattr(self.hysteresis, "kinks", ())).tolist()
 
     @cached_property
     def nodes(self) -> Array:
-        """Inputs at which monotonicity is looked at."""
+        """Inputs at which monotonicity is checked."""
         even = np.linspace(self.hysteresis.lower, self.hysteresis.upper, GRID_POINTS + 1)
         return np.array(self.steps) if self.steps else np.union1d(even, self.kinks)
 
     @cached_property
     def monotone(self) -> bool:
-        """Whether no move whatever turns the output back: F rises with α and falls with β at all nodes."""
+        """Whether every move is monotone: F rises with α and falls with β at all nodes."""
         u = self.nodes
         if u.size > MAX_NODES:
             return False
@@ -139,9 +139,9 @@ class InverseSolver:
         return bool(np.all(rises >= low) and np.all(falls >= low))
 
     def solve(self, stack: ExtremaStack, u: float, y: float, target: float) -> float:
-        """Input of the least move from (u, y) that brings the output to the target; DataError when none does."""
+        """Input of the least move from (u, y) that gives the target output. DataError if there is none."""
         if not _is_finite(target):
-            raise DataError(f"Output {target:g} cannot be reached: it is no number.")
+            raise DataError(f"Output {target:g} cannot be reached: it is not a finite number.")
         if abs(target - y) <= self.slack:
             return u
         up = target > y
@@ -160,14 +160,16 @@ class InverseSolver:
         wanted, last = _format_distinct(target, end)
         raise DataError(f"Output {wanted} cannot be reached: the range ends at {last}.")
 
-    # --- the way ---------------------------------------------------------------------------------
+    # --- segments of a move ----------------------------------------------------------------------
 
     def _branch_segments(self, s: ExtremaStack, u: float, y: float, up: bool) -> Iterator[BranchSegment]:
-        """From the present input to saturation; each ends where a remembered extremum is passed and wiped out."""
+        """Segments from the present input to saturation. Each ends at a remembered extremum, which it wipes out."""
         h, diagonal = self.hysteresis, s.centre == s.centre
         end = h.upper if up else h.lower
         k = s.top
-        if u != s.U[k] and (u < s.U[k]) == up:  # the move turns: its branch hangs on the present point
+        if (
+            u != s.U[k] and (u < s.U[k]) == up
+        ):  # the input reverses: the new branch starts at the present point
             edge = min(max(s.U[k], h.lower), h.upper)
             yield self._branch(u, y, u, edge, s.Y[k] if k > 1 or not diagonal else None, up)
             u = edge
@@ -219,19 +221,21 @@ class InverseSolver:
 
         return BranchSegment(start, end, output(end), output, outputs)
 
-    # --- within one stretch ------------------------------------------------------------------------
+    # --- search within one segment -------------------------------------------------------------------
 
     def _residual_function(self, segment: BranchSegment, target: float, up: bool) -> Callable[[float], float]:
         sign, tiny = (1.0 if up else -1.0), 1e-3 * self.rounding
 
         def residual(u: float) -> float:
             far = sign * (segment.output(u) - target)
-            return 0.0 if -tiny < far < tiny else far  # to rounding is there: no search for the last bit
+            return (
+                0.0 if -tiny < far < tiny else far
+            )  # accept the target to rounding; do not search the last bit
 
         return residual
 
     def _bracket(self, segment: BranchSegment, target: float, up: bool) -> tuple[float, float] | None:
-        """Neighbouring kinks (else nodes) the target lies between; None when this stretch does not reach it."""
+        """Neighbouring kinks (or nodes) around the target. None if this segment does not reach it."""
         if not self.monotone:
             return self._first_crossing(segment, target, up)
         if (target - segment.y_end if up else segment.y_end - target) > self.slack:
@@ -251,10 +255,9 @@ class InverseSolver:
         return near, inside[low] if low < len(inside) else segment.end
 
     def _nodes_inside(self, segment: BranchSegment, places: list[float]) -> list[float]:
-        """Those of the places (rising) that lie strictly between the ends, in the order they are passed.
+        """The given inputs (rising) strictly between the segment's ends, in the order in which the move passes them.
 
-        Relays: a move away from a threshold it stood on switches, however short it is; so its first place
-        is the very next number.
+        For relays, a move away from a threshold switches immediately, so the first input is the next float.
         """
         if segment.end > segment.start:
             inside = places[bisect_right(places, segment.start) : bisect_left(places, segment.end)]
@@ -265,7 +268,7 @@ class InverseSolver:
         return inside
 
     def _first_crossing(self, segment: BranchSegment, target: float, up: bool) -> tuple[float, float] | None:
-        """Neighbouring nodes around the first place that brings the target; DataError when the output turns first."""
+        """Neighbouring nodes around the first crossing of the target. DataError if the output reverses before it."""
         u = np.array([segment.start, *self._nodes_inside(segment, self.nodes.tolist()), segment.end])
         progress = (segment.outputs(u) - target) * (1.0 if up else -1.0)
         there = np.flatnonzero(progress[1:] >= -self.slack)
@@ -276,7 +279,7 @@ class InverseSolver:
             until = u[back[0] + more[0]] if more.size else u[-1]
             raise DataError(
                 f"The output is not monotone on the way to {target:g}: while the input "
-                f"{'rises' if up else 'falls'} from {u[back[0]]:g} to {until:g} it turns back, "
-                "so there is no inverse there."
+                f"{'rises' if up else 'falls'} from {u[back[0]]:g} to {until:g}, the output reverses, "
+                "so no inverse exists there."
             )
         return (float(u[last]), float(u[last + 1])) if there.size else None

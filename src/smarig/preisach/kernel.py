@@ -1,17 +1,17 @@
-"""The one loop of the Preisach operator: a whole array of inputs along the stack of remembered extrema.
+"""The loop of the Preisach operator: an array of inputs applied to the stack of remembered extrema.
 
-The same source runs as plain Python on lists and, compiled by ``compiled.py``, on arrays; a single step is
-the same loop with one input. A hysteresis hands itself over ``KeyedEverett``: where an input lies (its keys, as α
-and as β, found once) and the Everett function between two keys. Knows no integral, no file and no class.
+The same source runs as plain Python on lists and, compiled by ``compiled.py``, on arrays. A single step is the same
+loop with one input. A hysteresis provides a ``KeyedEverett``: the keys of an input (as α and as β, computed once), and
+the Everett function of two keys.
 
-The stack: ``U[1] … U[top]`` are remembered extrema, maxima and minima in turn, ``K`` their keys (as α for
-a maximum, as β for a minimum) and ``Y`` the outputs at them. The present branch ends, and what it closes is
-wiped out, where it passes ``U[top − 1]``; so the element below the oldest extremum says where even that is
-left behind:
+The stack: ``U[1] … U[top]`` are the remembered extrema, alternating maxima and minima. ``K`` are their keys (as α for a
+maximum, as β for a minimum) and ``Y`` the outputs at them. The present branch ends where it passes ``U[top − 1]``; the
+loop that it closes there is wiped out. The element below the oldest extremum defines the input beyond which that
+extremum is wiped out too:
 
-* from saturation ``U[0] = +∞`` and ``U[1] = u₋``: only u₋ itself forgets everything;
-* from a diagonal state B_ℓ ``U[0]`` is the furthest input so far and ``U[1] = 2ℓ − U[0]`` its mirror image:
-  an input beyond either leaves B_ℓ anew, with the output handed in as ``released``.
+* from saturation ``U[0] = +∞`` and ``U[1] = u₋``: only u₋ itself erases everything;
+* from a diagonal state B_ℓ ``U[0]`` is the furthest input so far and ``U[1] = 2ℓ − U[0]`` its mirror image.
+  An input beyond either starts again from B_ℓ, with the output given as ``released``.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -35,11 +35,11 @@ CHUNK = 1 << 14
 
 @dataclass(frozen=True, eq=False, slots=True)
 class KeyedEverett:
-    """A hysteresis as the loop sees it; ``between`` and ``place`` are free functions that numba can compile.
+    """A hysteresis as the loop uses it. ``between`` and ``place`` are free functions that numba can compile.
 
-    ``between(params, a, b)`` is F(α, β) for keys; ``place(params, u)`` gives an input's keys as α and as β,
-    ``places(u, search)`` the same for an array, ``search`` being np.searchsorted or a faster one. ``params``
-    holds lists and numbers; inputs lie in [u₋, u₊].
+    ``between(params, a, b)`` is F(α, β) for keys. ``place(params, u)`` gives an input's keys as α and as β.
+    ``places(u, search)`` does the same for an array, where ``search`` is np.searchsorted or a faster function.
+    ``params`` holds lists and numbers. Inputs lie in [u₋, u₊].
     """
 
     between: KeyedFunction
@@ -64,7 +64,7 @@ def _call_everett(everett: Callable[[float, float], float], alpha: float, beta: 
 
 
 def keyed(hysteresis: Everett) -> KeyedEverett:
-    """The hysteresis's own ``keyed``, or its method ``everett`` called sample by sample."""
+    """The hysteresis's own ``keyed``, or a wrapper that calls its method ``everett`` for each sample."""
     own = getattr(hysteresis, "keyed", None)
     return (
         own
@@ -74,12 +74,12 @@ def keyed(hysteresis: Everett) -> KeyedEverett:
 
 
 def make_loop(between: KeyedFunction) -> LoopFunction:
-    """The loop around one Everett function.
+    """The loop for one Everett function.
 
-    ``run(params, u, a, b, y, released, centre, U, K, Y, top)`` follows the inputs ``u[1:]`` with keys ``a``
-    and ``b`` from the present point (u[0], y[0]), writes the outputs into ``y`` and returns the new ``top``.
-    ``U``, ``K``, ``Y`` must have room for one more extremum per input. ``centre`` is ℓ, or NaN when the
-    memory holds no diagonal; then ``released`` is not read.
+    ``run(params, u, a, b, y, released, centre, U, K, Y, top)`` follows the inputs ``u[1:]`` with keys ``a`` and ``b``
+    from the present point (u[0], y[0]), writes the outputs into ``y`` and returns the new ``top``. ``U``, ``K`` and
+    ``Y`` must have room for one more extremum per input. ``centre`` is ℓ, or NaN if the memory holds no diagonal
+    state; then ``released`` is not read.
     """
 
     def run(params, u, a, b, y, released, centre, U, K, Y, top):
@@ -87,7 +87,7 @@ def make_loop(between: KeyedFunction) -> LoopFunction:
         for i in range(1, len(u)):
             v = u[i]
             if v > now:
-                if now < U[top]:  # it was falling: the present point is a minimum
+                if now < U[top]:  # the input was falling: the present point is a minimum
                     top += 1
                     U[top], K[top], Y[top] = now, b[i - 1], out
                 while v >= U[top - 1]:
@@ -98,7 +98,7 @@ def make_loop(between: KeyedFunction) -> LoopFunction:
                 else:
                     out = Y[top] + between(params, a[i], K[top])
             elif v < now:
-                if now > U[top]:  # it was rising: the present point is a maximum
+                if now > U[top]:  # the input was rising: the present point is a maximum
                     top += 1
                     U[top], K[top], Y[top] = now, a[i - 1], out
                 while v <= U[top - 1]:
@@ -119,11 +119,11 @@ def make_loop(between: KeyedFunction) -> LoopFunction:
     return run
 
 
-python_loop = cache(make_loop)  # one closure for each Everett function
+python_loop = cache(make_loop)  # one closure per Everett function
 
 
 class ExtremaStack:
-    """``U``, ``K``, ``Y`` and ``top`` of the module's docstring, as lists; ``centre`` is ℓ or NaN."""
+    """``U``, ``K``, ``Y`` and ``top`` of the module's docstring as lists; ``centre`` is ℓ or NaN."""
 
     __slots__ = ("K", "U", "Y", "centre", "top")
 
@@ -135,7 +135,7 @@ class ExtremaStack:
 
     @classmethod
     def from_state(cls, state: State, place: Callable[[float], tuple[Any, Any]]) -> "ExtremaStack":
-        """The memory of a state, whose present point is not the last extremum as well; ``place`` gives keys."""
+        """The memory of a state. Its present point is not stored as an extremum; ``place`` gives keys."""
         extrema, below, centre = [*state.extrema], inf, nan
         if state.diagonal:
             below, centre = (*extrema, state.u)[1], extrema[0]
@@ -145,7 +145,7 @@ class ExtremaStack:
         return cls(below, extrema, keys, state.outputs, centre)
 
     def reserve(self, more: int) -> None:
-        """Room for this many more extrema."""
+        """Make room for this many more extrema."""
         missing = self.top + 1 + more - len(self.U)
         if missing > 0:
             for column in (self.U, self.K, self.Y):
@@ -154,7 +154,7 @@ class ExtremaStack:
 
 @dataclass(frozen=True, slots=True)
 class KernelInput:
-    """What is to be followed: the present point, inputs (n,), the saturations that clip them; ``released`` (n,)."""
+    """The input of the loop: present point, inputs (n,), saturations that clip them, and ``released`` (n,)."""
 
     u: float
     y: float
@@ -164,7 +164,7 @@ class KernelInput:
     released: Array | None = None
 
     def chunks(self) -> Iterator[tuple[slice, Array, Array]]:
-        """Where in ``inputs``; the clipped inputs there, after the one before them; ``released`` likewise."""
+        """Slices of ``inputs``, each with its clipped inputs after the preceding one, and with ``released``."""
         before = self.u
         for begin in range(0, self.inputs.size, CHUNK):
             where = slice(begin, begin + CHUNK)
@@ -176,9 +176,9 @@ class KernelInput:
 
 
 def follow(keyed: KeyedEverett, stack: ExtremaStack, kernel_input: KernelInput, y: Array) -> None:
-    """Write the outputs (n,) along the way into y; plain Python.
+    """Write the outputs (n,) of the inputs into y, in plain Python.
 
-    In chunks, so that Python's numbers never take more memory than a few megabytes.
+    It works in chunks, so that Python numbers never take more than a few megabytes.
     """
     run, last = python_loop(keyed.between), kernel_input.y
     for where, part, released_part in kernel_input.chunks():

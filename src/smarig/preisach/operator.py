@@ -1,13 +1,12 @@
-"""The Preisach operator, by its dominant extrema: no relay grid, no integration, exact to rounding.
+"""The Preisach operator, represented by its remembered extrema: no relay grid, no integration, exact to rounding.
 
-The boundary B of the Preisach plane is a staircase whose corners are the remembered extrema
-(thesis §3.1, §6.1). The operator keeps them on a stack with the output at each: a monotone move
-costs one evaluation of the Everett function F, a wipe-out is a pop (§3.3.1). Amortised O(1).
+The boundary B of the Preisach plane is a staircase whose corners are the remembered extrema (thesis §3.1, §6.1). The
+operator keeps them on a stack, with the output at each. A monotone move costs one evaluation of the Everett function F,
+and wiping-out removes elements from the stack (§3.3.1). The amortised cost of a move is O(1).
 
     rising from a minimum m:  y = y(m) + F(u, m)        falling from a maximum M:  y = y(M) − F(M, u)
 
-The loop itself is ``kernel.py``; here are its beginnings and ends. Inputs beyond the saturation range
-[u₋, u₊] are saturated. Knows no time and no physics.
+The loop itself is in ``kernel.py``. Inputs beyond the saturation range [u₋, u₊] are saturated.
 """
 
 import math
@@ -29,16 +28,15 @@ from smarig.preisach.kernel import ExtremaStack, KernelInput, follow, keyed, pyt
 from smarig.preisach.state import State as State
 
 Array = NDArray[np.float64]
-_NAN = "The Preisach operator was given NaN as its input."
+_NAN = "The input of the Preisach operator is NaN."
 Initial = Literal["negative", "positive", "anhysteretic"] | State
 
 
 class Preisach:
     """Preisach operator y = Γ[u] for a FOD surface, a FOD table or a measure of relays.
 
-    ``compiled``: None compiles the loop with numba (extra ``fast``) where it is installed and the input is
-    long enough to be worth it, or the ``samples`` are that are still to come; True always, False never. The loop
-    is the same.
+    ``compiled``: None compiles the loop with numba (extra ``fast``) if numba is installed and the input, or the
+    announced number of further ``samples``, is long enough. True always compiles, False never. The loop is the same.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> wire = Preisach.from_surface(thesis_surface("one_c"))
@@ -77,7 +75,7 @@ class Preisach:
 
     @classmethod
     def from_table(cls, alpha: ArrayLike, beta: ArrayLike, y: ArrayLike) -> "Preisach":
-        """Operator of a FOD table y[i, j] = y(α_i, β_j), NaN where β_j > α_i; bilinear, exact at nodes."""
+        """Operator of a FOD table y[i, j] = y(α_i, β_j), NaN where β_j > α_i. Bilinear, exact at the nodes."""
         return cls(FodTable.from_arrays(alpha, beta, y))
 
     @classmethod
@@ -101,9 +99,9 @@ class Preisach:
         return not math.isnan(self._stack.centre)
 
     def reset(self, initial: Initial = "negative") -> float:
-        """Go to a state: "negative" or "positive" saturation, "anhysteretic" (B*), or a State. Returns y.
+        """Go to "negative" or "positive" saturation, the "anhysteretic" state (B*), or a State. Returns y.
 
-        DataError when a State is not nested or lies outside this hysteresis's range.
+        DataError if a State is not nested or lies outside the range of this hysteresis.
         """
         if isinstance(initial, State):
             self._restore(initial)
@@ -112,15 +110,17 @@ class Preisach:
         elif initial in ("negative", "positive"):
             self._saturate(self._lower if initial == "negative" else self._upper)
         else:
-            raise UsageError(f"Initial state '{initial}' is not negative, positive, anhysteretic or a State.")
+            raise UsageError(
+                f"Initial state '{initial}' must be negative, positive, anhysteretic or a State."
+            )
         return self.y
 
     def go_to_diagonal(self, centre: float) -> float:
-        """Go to B_ℓ = {α = 2ℓ − β} (§8.3), ℓ = centre clipped to the range; returns ψ(ℓ) = r(B_ℓ)."""
+        """Go to B_ℓ = {α = 2ℓ − β} (§8.3), ℓ = centre clipped to the range. Returns ψ(ℓ) = r(B_ℓ)."""
         h = self.hysteresis
         centre = float(min(max(input_number(centre), self._lower), self._upper))
-        # F alone does not reach B_ℓ, so ψ is built from below: what is on in B_ℓ is what a fall to u₋
-        # would switch off.
+        # F alone does not give the output of B_ℓ. ψ is therefore computed from below: a fall from B_ℓ to u₋
+        # switches off exactly the relays that are up in B_ℓ.
         y = h.y_lower + h.fall_from_diagonal(centre, self._lower)
         self._set_state(State((centre,), (y,), centre, y, True))
         return y
@@ -135,7 +135,7 @@ class Preisach:
         return y
 
     def _restore(self, state: State) -> None:
-        """A state given from outside, checked."""
+        """Restore a given state after checking it."""
         state.check()
         inside = all(self._lower <= u <= self._upper for u in (*state.extrema, state.u))
         if not inside or (state.extrema[0] != self._lower and not state.diagonal):
@@ -155,13 +155,13 @@ class Preisach:
         self._a, self._b = self._place(u)
 
     def _place(self, u: float) -> tuple[Any, Any]:
-        """Keys of an input; the mirror image of an extremum may lie outside the range."""
+        """Keys of an input. The mirror image of an extremum may lie outside the range."""
         return self._keyed.place(self._keyed.params, min(max(u, self._lower), self._upper))
 
     # --- motion ----------------------------------------------------------------------------------
 
     def step(self, u: float) -> float:
-        """Move monotonically from the present input to u; returns the output there."""
+        """Move monotonically from the present input to u. Returns the output there."""
         try:
             inside = self._lower < u < self._upper
         except (TypeError, ValueError):
@@ -177,7 +177,7 @@ class Preisach:
         return self.y
 
     def _move_result(self, u: float, a: Any, b: Any) -> tuple[int, float]:
-        """The stack's new top and the output after a move to u, with keys a and b, inside the range."""
+        """The stack's new top and the output after a move to u with keys a and b, inside the range."""
         s, y, released = self._stack, [self.y, self.y], None
         if s.top + 2 > len(s.U):
             s.reserve(64)
@@ -188,7 +188,7 @@ class Preisach:
         return top, y[1]
 
     def peek(self, u: float) -> float:
-        """Output that step(u) would give; the memory stays as it is."""
+        """The output that step(u) would give, without changing the memory."""
         try:
             u = min(max(u, self._lower), self._upper)
         except (TypeError, ValueError):
@@ -200,19 +200,19 @@ class Preisach:
             self._set_point(*saved[1:])
             return y
         s = self._stack
-        below = s.U[0], s.U[1]  # all a move overwrites; what it pops is still there
+        below = s.U[0], s.U[1]  # a move overwrites only these; the elements it removes stay in the lists
         _, y = self._move_result(u, *self._place(u))
         s.U[0], s.U[1] = below
         return y
 
     def simulate(self, u: Sequence[float] | ArrayLike, initial: Initial = "negative") -> Array:
-        """Outputs for inputs u, shape (n,), from an initial state; moves are monotone between samples."""
+        """Outputs for inputs u, shape (n,), from an initial state. Moves between samples are monotone."""
         inputs = input_array(u)
         self.reset(initial)
         return self._follow(inputs)
 
     def follow(self, u: Sequence[float] | ArrayLike) -> Array:
-        """Outputs for inputs u, shape (n,), from the present state on: many steps in one call."""
+        """Outputs for inputs u, shape (n,), from the present state: many steps in one call."""
         return self._follow(input_array(u))
 
     def _follow(self, inputs: Array) -> Array:
@@ -222,7 +222,7 @@ class Preisach:
         return y
 
     def _leave_diagonal(self, inputs: Array, y: Array) -> int:
-        """Follow the inputs through the first that saturates, where a diagonal state ends; returns how many."""
+        """Follow the inputs up to the first that saturates and so ends a diagonal state. Returns their number."""
         saturated = np.flatnonzero((inputs <= self._lower) | (inputs >= self._upper))[:1]
         end = int(saturated[0]) if saturated.size else inputs.size
         self._run_loop(inputs[:end], y[:end], self._released(inputs[:end]))
@@ -231,11 +231,11 @@ class Preisach:
         return end + 1
 
     def _released(self, inputs: Array) -> Array:
-        """Outputs by one move from B_ℓ to each input further from ℓ than all before it; NaN elsewhere."""
+        """Outputs of one move from B_ℓ to each input further from ℓ than all before it; NaN elsewhere."""
         s = self._stack
         away = np.abs(np.concatenate([[s.U[0]], inputs]) - s.centre)
         furthest = np.maximum.accumulate(away)
-        # by a rounding more than the loop will ask for: it alone decides, by mirror images
+        # include inputs within rounding of the limit; the loop makes the final decision by mirror images
         wanted = np.flatnonzero(away[1:] >= furthest[:-1] - 1e-12 * (self._upper - self._lower))
         outputs = np.full(inputs.size, np.nan)
         if wanted.size:
@@ -256,9 +256,9 @@ class Preisach:
     # --- inverse ---------------------------------------------------------------------------------
 
     def inverse(self, y_target: float, state: State | None = None) -> float:
-        """Input u that reaches y_target from the state (default: the present one) by one monotone move.
+        """The input that reaches y_target from the state (default: the present one) by the least monotone move.
 
-        The least move that does: see ``inverse.py``. Leaves the operator's memory as it was.
+        The operator's memory does not change. See ``inverse.py``.
         """
         if state is None:
             return self._inverse_solver.solve(self._stack, self.u, self.y, y_target)
@@ -271,10 +271,10 @@ class Preisach:
             self._set_point(*here[1:])
 
     def inverse_trajectory(self, y: Sequence[float] | ArrayLike) -> Array:
-        """Inputs (n,) that bring the output to each y in turn, one least monotone move each.
+        """Inputs (n,) that bring the output to each y in turn, each by the least monotone move.
 
-        The memory moves along, as with ``follow``. DataError, naming the sample, when an output cannot be
-        reached; the memory is then that before the sample. UsageError for another shape.
+        The memory changes, as with ``follow``. If an output cannot be reached, a DataError names the sample, and the
+        memory is that before the sample. UsageError for another shape.
         """
         targets = _vector(y, "The inverse", "output")
         u = np.empty(targets.size)
@@ -299,16 +299,18 @@ class Preisach:
 
 
 def input_array(u: Sequence[float] | ArrayLike) -> Array:
-    """Inputs (n,) as floats; UsageError for another shape, DataError for NaN."""
+    """Inputs (n,) as floats. UsageError for another shape, DataError for NaN."""
     inputs = _vector(u, "The Preisach operator", "input")
-    if inputs.size and np.isnan(inputs.min()):  # a minimum with NaN is NaN, and needs no memory
+    if inputs.size and np.isnan(
+        inputs.min()
+    ):  # the minimum is NaN if any input is; this needs no extra memory
         where = int(np.argmax(np.isnan(inputs)))
-        raise DataError(f"The Preisach operator was given NaN as its input, at sample {where}.")
+        raise DataError(f"The input of the Preisach operator is NaN at sample {where}.")
     return inputs
 
 
 def input_number(u: float) -> float:
-    """One input; UsageError for what is no number, DataError for NaN."""
+    """One input as a float. UsageError if it is not a number, DataError for NaN."""
     try:
         nan = math.isnan(u)
     except (TypeError, ValueError, OverflowError):
@@ -319,14 +321,14 @@ def input_number(u: float) -> float:
 
 
 def _not_a_number(u: object) -> UsageError:
-    return UsageError(f"The Preisach operator takes a number as its input, got {u!r:.40}.")
+    return UsageError(f"The Preisach operator needs a number as its input, got {u!r:.40}.")
 
 
 def _vector(values: Sequence[float] | ArrayLike, what: str, of: str) -> Array:
     try:
         row = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise UsageError(f"{what} takes numbers as its {of}, in one row.") from None
+        raise UsageError(f"{what} needs a one-dimensional {of} of numbers.") from None
     if row.ndim != 1:
-        raise UsageError(f"{what} takes a one-dimensional {of}, got shape {row.shape}.")
+        raise UsageError(f"{what} needs a one-dimensional {of}, got shape {row.shape}.")
     return row

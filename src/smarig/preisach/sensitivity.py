@@ -1,10 +1,9 @@
-"""How the present output follows from what is remembered: its slope to the input and to every extremum.
+"""Derivatives of the present output with respect to the present input and to every remembered extremum.
 
     y = y₀ + Σ_k ± F(corner k),   corner k between extremum k − 1 and extremum k (the last: the present input)
 
-so each extremum moves two corners: the strip it swept when it was reached, and the strip the next move
-swept back from it (∂F/∂α and ∂y/∂β of the hysteresis). Noise in past inputs propagates through the memory
-by these slopes. Knows no noise.
+Each extremum moves two corners. They correspond to the strip swept on the way to it and the strip swept back by the
+next move (∂F/∂α and ∂y/∂β of the hysteresis). These slopes propagate noise of past inputs through the memory.
 """
 
 from collections.abc import Sequence
@@ -23,28 +22,28 @@ Array = NDArray[np.float64]
 def sensitivity(hysteresis: Everett | Differentiable, state: State) -> Array:
     """∂y/∂(each of ``state.extrema``) and, last, ∂y/∂u of the present input; shape (len(extrema) + 1,).
 
-    The base is held: its slope is 0, for saturation forgets where beyond u₋ the input was and the centre ℓ
-    of B_ℓ is no input. ∂y/∂u is that of going on in the direction of the last move. On a kink the slopes are
-    one-sided. UsageError for relays, which have none.
+    The slope of the base is 0, because saturation does not depend on inputs beyond u₋ and the centre ℓ of B_ℓ is not
+    an input. ∂y/∂u is that of continuing in the direction of the last move. At a kink the slopes are one-sided.
+    UsageError for relays, which have no slopes.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> from smarig.preisach.operator import Preisach
     >>> wire = Preisach.from_surface(thesis_surface("one_c"))
     >>> y = wire.simulate([90.0, 40.0])
-    >>> sensitivity(wire.hysteresis, wire.state).round(4).tolist()     # base, the maximum 90, now
+    >>> sensitivity(wire.hysteresis, wire.state).round(4).tolist()     # base, maximum 90, present input
     [0.0, 0.0504, 0.165]
     """
     return sensitivities(hysteresis, [state])[0]
 
 
 def sensitivities(hysteresis: Everett | Differentiable, states: Sequence[State]) -> list[Array]:
-    """``sensitivity`` of each state, all corners at once."""
+    """``sensitivity`` of each state, computed for all corners at once."""
     surface = _with_slopes(hysteresis)
     sizes = [len(state.extrema) + 1 for state in states]
     path = np.array([u for state in states for u in (*state.extrema, state.u)])
     slope = np.zeros(path.size)
     base = np.cumsum([0, *sizes[:-1]]) if states else np.empty(0, dtype=np.int64)
-    strip = np.ones(path.size, dtype=bool)  # whether a strip was swept on the way here
+    strip = np.ones(path.size, dtype=bool)  # whether a strip was swept on the way to this point
     strip[base] = False
     for k, state in zip(base.tolist(), states):
         if state.diagonal:
@@ -65,13 +64,13 @@ def sensitivities(hysteresis: Everett | Differentiable, states: Sequence[State])
 def _with_slopes(hysteresis: Everett | Differentiable) -> Differentiable:
     if np.size(getattr(hysteresis, "steps", ())) or not hasattr(hysteresis, "strip_alpha"):
         raise UsageError(
-            f"{type(hysteresis).__name__} has no slopes: sensitivities need a surface or a table."
+            f"{type(hysteresis).__name__} has no slopes. Sensitivities need a surface or a table."
         )
     return cast(Differentiable, hysteresis)
 
 
 def _slope_leaving_diagonal(hysteresis: Differentiable, centre: float, u: float) -> float:
-    """Slope of the output along the first move away from B_ℓ, whose strip ends at the mirror image of u."""
+    """Slope of the output along the first move from B_ℓ. The strip ends at the mirror image of u."""
     here, image = np.array([u]), np.array([2 * centre - u])
     if u >= centre:
         return float(hysteresis.strip_alpha(here, np.maximum(image, hysteresis.lower))[0])

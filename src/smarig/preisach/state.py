@@ -1,7 +1,7 @@
-"""The memory of a Preisach operator as a value: what must be kept to go on where another run ended.
+"""The memory of a Preisach operator as a value, from which a later run can continue.
 
-The boundary B of the Preisach plane is a staircase whose corners are the remembered extrema (thesis §3.1,
-§6.1). Knows no hysteresis: whether a state suits one is asked with that hysteresis's range.
+The boundary B of the Preisach plane is a staircase whose corners are the remembered extrema (thesis §3.1, §6.1). The
+range of a hysteresis is needed to check whether a state fits it.
 """
 
 import json
@@ -15,10 +15,10 @@ from smarig.core import DataError
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The memory: remembered extrema, oldest first, with the output at each, and the present point.
+    """The memory: remembered extrema (oldest first) with the output at each, and the present point.
 
-    ``extrema[0]`` is the base: u₋ for a history that began in negative saturation, or the centre ℓ of
-    the diagonal boundary B_ℓ = {α = 2ℓ − β} (``diagonal`` true; ℓ = 0 is the anhysteretic state B*).
+    ``extrema[0]`` is the base: u₋ for a history from negative saturation, or the centre ℓ of the diagonal
+    boundary B_ℓ = {α = 2ℓ − β} (then ``diagonal`` is true; ℓ = 0 is the anhysteretic state B*).
 
     >>> State((0.0, 80.0), (0.0, 5.0), 40.0, 4.5).to_json()
     '{"extrema": [0.0, 80.0], "outputs": [0.0, 5.0], "u": 40.0, "y": 4.5, "diagonal": false}'
@@ -31,18 +31,18 @@ class State:
     diagonal: bool = False
 
     def to_json(self) -> str:
-        """One JSON object; ``from_json`` gives the same state back, bit for bit."""
+        """One JSON object. ``from_json`` restores the same state bit for bit."""
         return json.dumps(asdict(self), allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> "State":
-        """The state in a JSON object; DataError when it is none, is not finite or not nested."""
+        """The state in a JSON object. DataError if it is not a state, is not finite or is not nested."""
         try:
             data = json.loads(text)
-        except (TypeError, ValueError, RecursionError) as error:  # no text, no JSON, nested without end
-            raise DataError(f"This is no Preisach state: {error}.") from None
+        except (TypeError, ValueError, RecursionError) as error:  # not text, not JSON, or nested too deeply
+            raise DataError(f"This is not a Preisach state: {error}.") from None
         if not isinstance(data, dict):
-            raise DataError("This is no Preisach state: expected a JSON object.")
+            raise DataError("This is not a Preisach state: expected a JSON object.")
         try:
             state = cls(
                 _numbers(data["extrema"], "extrema"),
@@ -51,27 +51,27 @@ class State:
                 diagonal=data["diagonal"],
             )
         except KeyError as error:
-            raise DataError(f"This is no Preisach state: {error} is missing.") from None
+            raise DataError(f"This is not a Preisach state: {error} is missing.") from None
         if not isinstance(state.diagonal, bool):
-            raise DataError("This is no Preisach state: 'diagonal' must be true or false.")
+            raise DataError("This is not a Preisach state: 'diagonal' must be true or false.")
         state.check()
         return state
 
     def reduced(self) -> "State":
-        """The same memory in plain floats, the present point not kept as an extremum as well."""
+        """The same memory as plain floats. The present point is not stored as an extremum."""
         keep = len(self.extrema) - (len(self.extrema) > 1 and self.extrema[-1] == self.u)
         extrema, outputs = (tuple(map(float, x[:keep])) for x in (self.extrema, self.outputs))
         return State(extrema, outputs, float(self.u), float(self.y), self.diagonal)
 
     def check(self) -> None:
-        """DataError unless all is finite and each extremum lies between the two before it."""
+        """Raise DataError unless all values are finite and each extremum lies between the two before it."""
         if not self.extrema or len(self.extrema) != len(self.outputs):
             raise DataError(
-                f"A Preisach state needs one output for each extremum and at least one of them; "
+                f"A Preisach state needs at least one extremum and one output for each; "
                 f"got {len(self.outputs)} for {len(self.extrema)}."
             )
         if not all(map(math.isfinite, (*self.extrema, *self.outputs, self.u, self.y))):
-            raise DataError("A Preisach state holds a number that is not finite.")
+            raise DataError("A Preisach state contains a number that is not finite.")
         path = [*self.extrema, self.u] if self.u != self.extrema[-1] else [*self.extrema]
         for k, (low, high) in enumerate(self._ranges(path), start=1):
             if not low < path[k] < high:
@@ -81,7 +81,7 @@ class State:
                 )
 
     def _ranges(self, path: list[float]) -> Iterator[tuple[float, float]]:
-        """What each point after the base must lie between: its turn, up or down, inside what is remembered."""
+        """Limits for each point after the base: its direction, and the remembered extrema."""
         low, high, up = path[0], math.inf, True
         if self.diagonal:
             up = len(path) > 1 and path[1] > path[0]
@@ -89,16 +89,18 @@ class State:
         for k, here in enumerate(path[1:]):
             yield low, high
             low, high, up = (low, here, False) if up else (here, high, True)
-            if self.diagonal and k == 0:  # from B_ℓ: what is remembered ends at the mirror image
+            if self.diagonal and k == 0:  # from B_ℓ the memory ends at the mirror image
                 low, high = (2 * path[0] - here, here) if here > path[0] else (here, 2 * path[0] - here)
 
 
 def _numbers(values: Any, where: str) -> tuple[float, ...]:
     if not isinstance(values, Sequence) or isinstance(values, str):
-        raise DataError(f"This is no Preisach state: {where} must be numbers.")
+        raise DataError(f"This is not a Preisach state: {where} must be numbers.")
     if not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
-        raise DataError(f"This is no Preisach state: {where} must be numbers.")
+        raise DataError(f"This is not a Preisach state: {where} must be numbers.")
     try:
         return tuple(float(v) for v in values)
     except OverflowError:
-        raise DataError(f"This is no Preisach state: {where} holds a number beyond any input.") from None
+        raise DataError(
+            f"This is not a Preisach state: {where} contains a number too large for an input."
+        ) from None

@@ -1,13 +1,13 @@
-"""Where an input turns back, noise aside. Knows inputs only: no memory, no output."""
+"""Turning points of an input in spite of noise."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 
 def turning_points(u: NDArray[np.float64], threshold: float) -> list[int]:
-    """Indices of the first reading of u (n,), every reversal of more than ``threshold``, and the last reading.
+    """Indices of the first reading of u (n,), of every reversal by more than ``threshold``, and of the last reading.
 
-    A small move before the first branch is a turning point as well: the branch begins where it turned.
+    The start of the first branch is also a turning point if a small move in the other direction precedes it.
 
     >>> turning_points(np.array([0.0, 3.0, 2.9, 4.0, 1.0, 2.0]), 1.5)
     [0, 3, 5]

@@ -1,4 +1,4 @@
-"""Experiments as inert generators, one file each; the file name is the name on the command line."""
+"""Experiments as generators of commands, one file each. The file name is the name on the command line."""
 
 import inspect
 from typing import TYPE_CHECKING, Any, get_type_hints
@@ -28,10 +28,10 @@ __getattr__, __dir__, __all__ = front_door(__name__)
 
 
 def misfit(name: str, found: Any) -> str:
-    """What keeps something from being a protocol, ``NAME(setup, *, setting: type = default, …)``; "" if nothing.
+    """The reason why an object is not a protocol ``NAME(setup, *, setting: type = default, …)``; "" if it is one.
 
     >>> misfit("hold", lambda: None)
-    'hold must be a function hold(setup, *, setting: type = default, …); it takes no setup'
+    'hold must be a function hold(setup, *, setting: type = default, …); it has no argument setup'
     """
     reason = _misfit_reason(found)
     shape = f"{name} must be a function {name}(setup, *, setting: type = default, …)"
@@ -46,14 +46,14 @@ def _misfit_reason(found: Any) -> str:
         inspect.Parameter.POSITIONAL_ONLY,
         inspect.Parameter.POSITIONAL_OR_KEYWORD,
     ):
-        return "it takes no setup"
+        return "it has no argument setup"
     try:
         hints = get_type_hints(found)
     except Exception as error:
-        return f"its types cannot be understood ({error})"
+        return f"its types cannot be resolved ({error})"
     for p in parameters[1:]:
         if p.kind is not p.KEYWORD_ONLY:
-            return f"'{p.name}' stands before the *"
+            return f"'{p.name}' must come after the *"
         if p.default is p.empty:
             return f"its setting '{p.name}' has no default"
         if p.name not in hints:

@@ -1,6 +1,6 @@
-"""From ``key=value`` to a protocol: settings are checked against the protocol function's own signature.
+"""Builds a protocol from ``key=value`` settings, which are checked against the protocol function's signature.
 
-Knows types and names; refuses to know values' meaning (the protocol checks that itself).
+Names and types are checked here. The protocol itself checks the values.
 """
 
 import inspect
@@ -16,15 +16,15 @@ from smarig.protocols._setup import Setup
 from smarig.protocols.adaptive_fod import Chooser
 
 PROTOCOLS = "smarig.protocols"
-_LOOPS = ("regulate", "track")  # need a model, and have commands of their own
+_LOOPS = ("regulate", "track")  # these need a model and have commands of their own
 
 
 def build_protocol(
     name: str, setup: Setup, settings: Mapping[str, Any] | None = None, chooser: Chooser | None = None
 ) -> Protocol:
-    """A protocol by name with settings (strings as typed by a user, or values); dots reach into groups.
+    """A protocol by name with settings (strings typed by a user, or values). Dots address settings in groups.
 
-    ``chooser`` is handed to the protocols that take one.
+    ``chooser`` is passed to protocols that take one.
 
     >>> setup = Setup.of("one_wire_twin")
     >>> protocol = build_protocol("validation", setup, {"points": "5", "settle.window_s": "10"})
@@ -43,27 +43,27 @@ def build_protocol(
         arguments[key] = _converted(name, key, value, hints[key])
     generator = function(setup, **arguments)
     if not isinstance(generator, Generator):
-        raise UsageError(f"Protocol '{name}' yields nothing: it must be a generator of commands.")
+        raise UsageError(f"Protocol '{name}' yields nothing. It must be a generator of commands.")
     return generator
 
 
 def refuse_closed_loops(name: str) -> None:
-    """UsageError that says what closes a loop, where a closed loop is asked for as if it were a protocol."""
+    """Raise UsageError if a closed loop is requested as a protocol; the message names the right command."""
     if name in _LOOPS and name not in catalogue_names(PROTOCOLS):
         raise UsageError(
-            f"'{name}' closes a loop by a model, and is no protocol: 'smarig {name} MODEL …' ('smarig {name} --help'), "
-            f"in Python smarig.{name}(model, …)."
+            f"'{name}' is not a protocol for 'smarig run'. Use 'smarig {name} MODEL …' (see 'smarig {name} --help'), "
+            f"or smarig.{name}(model, …) in Python."
         )
 
 
 def with_loaded_protocols(plan: CampaignFile) -> CampaignFile:
-    """A campaign with its steps' protocols by name; own files join the catalogue."""
+    """A campaign whose steps give their protocols by name. Own files are added to the catalogue."""
     steps = (s.model_copy(update={"protocol": resolve_name(PROTOCOLS, s.protocol)}) for s in plan.step)
     return plan.model_copy(update={"step": tuple(steps)})
 
 
 def setting_texts(name: str) -> list[tuple[str, str]]:
-    """(setting, default and choices) of a protocol, for listings; groups with their dots.
+    """(setting, default and choices) of a protocol, for listings. Dots mark settings in groups.
 
     >>> dict(setting_texts("initialise"))["method"]
     "'planned' (planned | thesis)"
@@ -84,7 +84,7 @@ def setting_texts(name: str) -> list[tuple[str, str]]:
 
 
 def parse_pairs(pairs: tuple[str, ...]) -> dict[str, str]:
-    """``("points=5",)`` → {"points": "5"}; UsageError for anything without '='."""
+    """``("points=5",)`` → {"points": "5"}. UsageError for a text without '='."""
     settings = {}
     for pair in pairs:
         key, equals, value = pair.partition("=")
@@ -99,11 +99,11 @@ def _grouped(settings: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in settings.items():
         group, dot, inner = key.partition(".")
         if dot and not isinstance(grouped.setdefault(group, {}), dict):
-            raise UsageError(f"'{group}' is set both as a whole and by '{key}'.")
+            raise UsageError(f"'{group}' is set as a whole and also by '{key}'. Use one of them.")
         if dot:
             grouped[group][inner] = value
         elif key in grouped:
-            raise UsageError(f"'{key}' is set both as a whole and by its parts.")
+            raise UsageError(f"'{key}' is set as a whole and also by its parts. Use one of them.")
         else:
             grouped[key] = value
     return grouped

@@ -1,4 +1,4 @@
-"""What a protocol may know of the rig it is written for: ranges and the heating law. Never the rig itself."""
+"""The properties of a rig that a protocol may use: ranges and the heating law. The rig itself is not accessible."""
 
 from dataclasses import dataclass
 
@@ -23,23 +23,23 @@ class Setup:
 
     @classmethod
     def of(cls, rig: str) -> "Setup":
-        """For a rig by name or path."""
+        """The setup of a rig given by name or path."""
         file = load_rig(rig)
         return cls(Actuator.named(file.actuator), file.limits, file.period_s)
 
     @property
     def lower_K(self) -> float:
-        """Smallest hysteresis input the limits allow, kelvin above ambient."""
+        """Smallest hysteresis input that the limits allow, in kelvin above ambient."""
         return max(self.actuator.input_for(self.limits.current_min_A), -self._hottest_K)
 
     @property
     def upper_K(self) -> float:
-        """Largest hysteresis input the limits allow."""
+        """Largest hysteresis input that the limits allow, in kelvin above ambient."""
         return min(self.actuator.input_for(self.limits.current_max_A), self._hottest_K)
 
     @property
     def _hottest_K(self) -> float:
-        """The temperature limit less what the prediction's own noise needs."""
+        """The temperature limit minus a margin for the noise of the prediction."""
         return self.limits.temperature_max_K - _MARGIN_K
 
     @property
@@ -49,15 +49,15 @@ class Setup:
 
     @property
     def two_wire(self) -> bool:
-        """Differential rig."""
+        """Whether the rig is differential."""
         return self.actuator.two_wire
 
     def current_for(self, input_K: float) -> float:
-        """Steady current for an input, kept within the limits against rounding."""
+        """Steady current for an input, clipped to the limits against rounding."""
         current = self.actuator.current_for(input_K)
         low, high = self.limits.current_min_A, self.limits.current_max_A
         return min(max(current, low - 0.0), high) if low - 1e-9 <= current <= high + 1e-9 else current
 
     def at(self, share: float) -> float:
-        """Input at a share of the range: 0 is the lower end, 1 the upper."""
+        """Input at a share of the range: 0 is the lower end and 1 the upper end."""
         return self.lower_K + share * (self.upper_K - self.lower_K)

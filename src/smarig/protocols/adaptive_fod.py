@@ -1,7 +1,6 @@
-"""Identification data where it tells most: the next inputs are chosen from what was seen so far (§3.4, §9.2).
+"""First-order descending data at inputs that are chosen from the results so far (§3.4, §9.2).
 
-The protocol knows ranges, time and when to stop. What is worth measuring is a chooser's business: whoever
-runs the protocol hands it one. Refuses to know models and fits.
+A chooser, given by the code that runs the protocol, decides what to measure. The protocol enforces range and time.
 """
 
 import math
@@ -15,9 +14,9 @@ from smarig.protocols._setup import Setup
 
 @dataclass(frozen=True, slots=True)
 class HoldResult:
-    """A finished hold: the input asked for and the mean counts of its window.
+    """A finished hold: the requested input and the mean counts of its window.
 
-    ``settled`` is False for a hold that timed out: the wire was there, but its reading is not the settled one.
+    ``settled`` is False for a hold that timed out. Its reading is not a settled one.
     """
 
     input_K: float
@@ -29,10 +28,10 @@ class HoldResult:
 
 @dataclass(frozen=True, slots=True)
 class NextInputs:
-    """Inputs to hold next, one after the other; none when there is nothing left to ask.
+    """The inputs to hold next, in order. No inputs mean that the chooser has finished.
 
-    ``predicted_share`` is the predicted rms error of y(α, β) over the triangle, as a share of the output
-    range, with what is known now; NaN where a chooser cannot say.
+    ``predicted_share`` is the predicted rms error of y(α, β) over the triangle from the present data, as a share of
+    the output range. It is NaN if the chooser gives no prediction.
     """
 
     inputs_K: tuple[float, ...]
@@ -40,10 +39,10 @@ class NextInputs:
 
 
 class Chooser(Interface):
-    """What to hold next, from everything seen so far: a function, so state goes in and comes out."""
+    """A function that chooses the next inputs from all results so far. It keeps no state of its own."""
 
     def __call__(self, setup: Setup, results: Sequence[HoldResult], settle: Settled, /) -> NextInputs:
-        """``results`` begins with a hold in negative saturation."""
+        """Return the next inputs. ``results`` starts with a hold in negative saturation."""
         ...
 
 
@@ -55,16 +54,16 @@ def adaptive_fod(
     longest_h: float = 2.0,
     settle: Settled | None = None,
 ) -> Protocol:
-    """FOD data with its inputs chosen on the way, until the predicted error is small enough.
+    """First-order descending (FOD) data at inputs chosen during the run, until the predicted error is small enough.
 
-    Both saturations first, then whatever the chooser asks for. Ends when the predicted rms error of y(α, β)
-    is below ``target_share`` of the output range, after ``longest_h`` of rig time, or when the chooser
-    has no more to ask. A hold that does not settle is marked and the run goes on. Without a chooser of its
-    own (``smarig run`` hands one over) it halves the gaps of a partition.
+    The run starts with both saturations and continues with the inputs of the chooser. It ends when the predicted rms
+    error of y(α, β) is below ``target_share`` of the output range, after ``longest_h`` of rig time, or when the
+    chooser has finished. A hold that does not settle is marked, and the run continues. ``smarig run`` supplies a
+    chooser. Without one, the protocol repeatedly halves the segments of a partition.
     """
     if not 0 < target_share < 1:
         raise UsageError(
-            f"target_share is a share of the output range between 0 and 1, not {target_share:g}."
+            f"target_share must lie between 0 and 1 (share of the output range), got {target_share:g}."
         )
     if not 0 < longest_h <= 1000:
         raise UsageError(f"longest_h must lie between 0 and 1000 hours, got {longest_h:g}.")
@@ -72,7 +71,7 @@ def adaptive_fod(
 
 
 def halving(setup: Setup, results: Sequence[HoldResult], _settle: Settled) -> NextInputs:
-    """The chooser that looks at nothing: FOD curves over even partitions of 4, 8 and 16 segments in turn."""
+    """A chooser that ignores the results: FOD curves over even partitions of 4, 8 and 16 segments in turn."""
     hold_count = 2  # both saturations
     for segments in (4, 8, 16):
         levels = [setup.at(k / segments) for k in range(segments + 1)]
@@ -111,7 +110,7 @@ def _adaptive(
 
 
 def _branch(results: Sequence[HoldResult], input_K: float) -> str:
-    """Where a hold leads from the one before it: the record's word for its step."""
+    """The branch of a hold, relative to the one before it, as stored in the record of its step."""
     if len(results) < 2:
         return "saturate"
     return "rise" if input_K > results[-1].input_K else "fall"
@@ -120,7 +119,7 @@ def _branch(results: Sequence[HoldResult], input_K: float) -> str:
 def _check(setup: Setup, input_K: float) -> None:
     if not setup.lower_K - 1e-6 <= input_K <= setup.upper_K + 1e-6:
         raise UsageError(
-            f"The chooser of adaptive_fod asked for {input_K:g} K, outside the rig's range "
+            f"The chooser of adaptive_fod requested {input_K:g} K, which is outside the rig's range "
             f"{setup.lower_K:g}…{setup.upper_K:g} K above ambient."
         )
 
@@ -128,7 +127,7 @@ def _check(setup: Setup, input_K: float) -> None:
 def _hold_result(input_K: float, result: StepResult | None) -> HoldResult:
     if not isinstance(result, StepResult):
         raise UsageError(
-            "adaptive_fod chooses from results: it can be run on a rig or a twin, not be listed."
+            "adaptive_fod chooses its inputs from results. Run it on a rig or a twin; it cannot be listed."
         )
     return HoldResult(
         input_K, result.counts, result.counts_sd, result.n, result.verdict is StepVerdict.SETTLED

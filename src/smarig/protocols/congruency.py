@@ -1,4 +1,4 @@
-"""The congruent-minor-loop test of §5.3.2: do comparable loops have one shape?"""
+"""The congruency test of §5.3.2: do minor loops between the same inputs have the same shape?"""
 
 from smarig.core import Mark, Protocol, Settled, UsageError
 from smarig.protocols._building_blocks import checked_count, evenly_spaced, saturate, settle_at
@@ -14,11 +14,11 @@ def congruency(
     points_per_branch: int = 6,
     settle: Settled | None = None,
 ) -> Protocol:
-    """Two minor loops between the same inputs, a higher peak between them (Fig. 5.9).
+    """Two minor loops between the same inputs, with a higher peak between them (Fig. 5.9).
 
-    ``low``, ``high``, ``peak`` are shares of the range. Loop A starts at its top on the rising major
-    branch, loop B at its bottom after the peak: same inputs, different history, same shape if the wire
-    has a Preisach representation (§3.3.2).
+    ``low``, ``high`` and ``peak`` are shares of the range. Loop A starts at its top on the rising major branch, loop B
+    at its bottom after the peak. The inputs are the same and the histories differ. If the wire has a Preisach
+    representation, both loops have the same shape (§3.3.2).
     """
     if not 0 <= low < high < peak <= 1:
         raise UsageError(f"congruency needs 0 ≤ low < high < peak ≤ 1, got {low:g}, {high:g}, {peak:g}.")

@@ -1,4 +1,4 @@
-"""The mirror of the FOD protocol (§4.2): first-order ascending (FOA) curves."""
+"""First-order ascending (FOA) curves, the mirror image of the FOD protocol (§4.2)."""
 
 from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_partition, default_partition, saturate, settle_at
@@ -8,9 +8,9 @@ from smarig.protocols._setup import Setup
 def first_order_ascending(
     setup: Setup, *, partition_K: tuple[float, ...] = (), settle: Settled | None = None
 ) -> Protocol:
-    """First-order ascending curves: from positive saturation fall to β, then rise through the partition.
+    """First-order ascending curves: from positive saturation, fall to β, then rise through the partition.
 
-    A classical Preisach operator gives the same density from either set; comparing them tests it.
+    A classical Preisach operator gives the same density from FOD and FOA data. Comparing both tests it.
     """
     settle = settle or Settled()
     levels = checked_partition(setup, partition_K or default_partition(setup))

@@ -1,4 +1,4 @@
-"""The identification protocol of §3.4 and §5.4.1: first-order descending (FOD) curves."""
+"""First-order descending (FOD) curves: the identification protocol of §3.4 and §5.4.1."""
 
 from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_partition, default_partition, saturate, settle_at
@@ -10,9 +10,9 @@ def first_order_descending(
 ) -> Protocol:
     """First-order descending curves over a partition: the identification data of a Preisach model.
 
-    From negative saturation u₀ rise to α = u_i, then fall through u_{i−1} … u₀; for i = 1 … n. With n
-    segments that is n curves and n(n+3)/2 points y(α, β). Default: the thesis's
-    partitions, scaled to the rig's range.
+    From negative saturation u₀ the input rises to α = u_i, then falls through u_{i−1} … u₀, for i = 1 … n. A
+    partition of n segments gives n curves and n(n+3)/2 points y(α, β). The default is the thesis's partition,
+    scaled to the rig's range.
     """
     settle = settle or Settled()
     levels = checked_partition(setup, partition_K or default_partition(setup))

@@ -1,4 +1,4 @@
-"""Actuator initialisation, §5.2.2: a decaying sinusoid that leaves the anhysteretic state."""
+"""Initialisation of the actuator (§5.2.2): a decaying sinusoid leads to the anhysteretic state."""
 
 import math
 from typing import Literal
@@ -9,7 +9,7 @@ from smarig.protocols._setup import Setup
 
 _SATURATION_TAUS = 8.0  # a swing of 8 τ comes within 0.03 % of the limit
 _CYCLES = 18  # as in the thesis: 18 maxima and 18 minima
-_PERIOD_TAUS = 5 * math.pi  # ω τ = 0.4: lag compensation asks for at most 8 % more than the amplitude
+_PERIOD_TAUS = 5 * math.pi  # ω τ = 0.4: compensating the lag needs at most 8 % more than the amplitude
 
 
 def initialise(
@@ -21,11 +21,11 @@ def initialise(
 ) -> Protocol:
     """Bring the wire to its initial state and zero the encoder (§5.2.2).
 
-    Differential rig, ``planned``: both limits are reached first, wiping out all memory; then the *wire's*
-    temperature follows a sinusoid that decays over ``cycles``, because the source is the one that makes
-    it so, s = u + τ du/dt, with the period planned from τ. ``thesis``: the current of 185 K · (180−t)/180 ·
-    sin(0.2πt) by the steady relation, for 180 s; with τ ≈ 5 s the wire does not follow it (theory.md §8.6).
-    A one-wire rig has no remnant hysteresis when cold: it is cooled.
+    Differential rig, ``planned``: both limits are reached first, which wipes out all memory. Then the *wire's*
+    temperature follows a sinusoid that decays over ``cycles``. The source temperature that produces it is
+    s = u + τ du/dt; the period follows from τ. Differential rig, ``thesis``: the steady relation gives the current of
+    185 K · (180−t)/180 · sin(0.2πt), for 180 s. With τ ≈ 5 s the wire does not follow it (theory.md §8.6).
+    One-wire rig: the wire is cooled, because a cold wire has no remnant hysteresis.
     """
     checked_count("cycles", cycles, 1, 1000)
     settle = settle or Settled()

@@ -1,4 +1,4 @@
-"""The experiment of Fig. 5.3: minor loops at a chosen pace, to see what the heating's lag does."""
+"""Minor loops at a chosen period, which show the effect of the heating's lag (Fig. 5.3)."""
 
 from smarig.core import Elapsed, Hold, Mark, Protocol, UsageError, Waveform
 from smarig.protocols._setup import Setup
@@ -7,16 +7,16 @@ from smarig.protocols._setup import Setup
 def minor_loops(
     setup: Setup, *, low_A: float = 0.5, high_A: float = 0.75, loops: int = 5, loop_s: float = 8.0
 ) -> Protocol:
-    """Triangular current from zero, then back and forth between two values (Fig. 5.3, §5.1.3).
+    """Triangular current from zero, then minor loops between two currents (Fig. 5.3, §5.1.3).
 
-    With loops of seconds the wire's temperature lags the current and the loops drift; with loops of
-    minutes they close. ``loop_s`` is the period of one loop; the first rise takes half of it.
+    If a loop takes seconds, the wire's temperature lags the current and the loops drift. If a loop takes minutes, the
+    loops close. ``loop_s`` is the period of one loop. The first rise takes half of it.
     """
     if not (
         0 <= low_A < high_A and 0 < loop_s <= 86_400 and 1 <= loops <= 1000 and loops * loop_s <= 864_000
     ):
         raise UsageError(
-            "minor_loops needs 0 ≤ low_A < high_A, 0 < loop_s ≤ 86400 and 1 ≤ loops ≤ 1000, ten days in all; got "
+            "minor_loops needs 0 ≤ low_A < high_A, 0 < loop_s ≤ 86400, 1 ≤ loops ≤ 1000, ten days in all at most; got "
             f"{low_A:g}, {high_A:g}, {loop_s:g}, {loops}."
         )
     half = max(1, round(loop_s / 2 / setup.period_s))

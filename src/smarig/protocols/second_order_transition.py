@@ -1,4 +1,4 @@
-"""Second-order transition curves (§3.5): what a non-linear Preisach model needs besides FODs."""
+"""Second-order transition curves (§3.5): needed for a nonlinear Preisach model, in addition to FOD curves."""
 
 from smarig.core import Mark, Protocol, Settled
 from smarig.protocols._building_blocks import checked_partition, evenly_spaced, saturate, settle_at
@@ -10,7 +10,7 @@ def second_order_transition(
 ) -> Protocol:
     """For every pair β < α of a partition: negative saturation → α → β → rising back towards α.
 
-    The re-rising branches are second-order: they tell congruent from input-dependent hysteresis (§3.5).
+    The last, rising branches are of second order. They distinguish congruent from input-dependent hysteresis (§3.5).
     """
     settle = settle or Settled()
     levels = checked_partition(

@@ -1,4 +1,4 @@
-"""The data collection of §5.2.1: any profile, sampled at N points, each held until the wire stands still."""
+"""The data collection of §5.2.1: any profile, sampled at N points, each held until the wire has settled."""
 
 import csv
 import math
@@ -20,14 +20,14 @@ def step_currents(
     file: str = "",
     settle: Settled | None = None,
 ) -> Protocol:
-    """Steady-state steps along a temperature or current profile (§5.2.1, steps 1 to 6).
+    """Settled steps along a temperature or current profile (§5.2.1, steps 1 to 6).
 
-    ``profile`` names a shape over the rig's range, sampled at ``points``; ``temperatures_K`` or
-    ``currents_A`` list one; ``file`` is a CSV with one column named temperature_K or current_A.
+    ``profile`` names a shape over the rig's range, sampled at ``points``. ``temperatures_K`` or ``currents_A`` list the
+    values instead. ``file`` is a CSV file with one column, headed temperature_K or current_A.
     """
     settle = settle or Settled()
     if sum(map(bool, (temperatures_K, currents_A, file))) > 1:
-        raise UsageError("step_currents takes one of temperatures_K, currents_A and file, not several.")
+        raise UsageError("step_currents takes only one of temperatures_K, currents_A and file.")
     if file:
         temperatures_K, currents_A = _from_csv(Path(file))
     low, high = setup.limits.current_min_A, setup.limits.current_max_A
@@ -59,7 +59,7 @@ def _profile_inputs(setup: Setup, profile: str, points: int) -> list[float]:
 
 def _from_csv(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if not path.is_file() or path.stat().st_size > 10_000_000:
-        raise UsageError(f"Profile {path} cannot be read: there is no such file, or it is larger than 10 MB.")
+        raise UsageError(f"Profile {path} cannot be read: the file is missing or larger than 10 MB.")
     try:
         with path.open(newline="", encoding="utf-8-sig") as lines:
             rows = list(csv.reader(lines))

@@ -1,4 +1,4 @@
-"""Seeded random holds: data to judge a model on, never used to fit one."""
+"""Random holds from a seed: data to verify a model, never used to fit one."""
 
 import random
 
@@ -8,9 +8,9 @@ from smarig.protocols._setup import Setup
 
 
 def validation(setup: Setup, *, points: int = 40, seed: int = 1, settle: Settled | None = None) -> Protocol:
-    """Random holds over the whole range, from negative saturation: nested memory of every depth.
+    """Random holds over the whole range, from negative saturation, with nested memory of every depth.
 
-    The sequence follows from ``seed``; a model is judged on it, and never fitted to it.
+    ``seed`` determines the sequence. Use the run to verify a model, and never to fit it.
     """
     checked_count("points", points, 2, 100_000)
     settle = settle or Settled()

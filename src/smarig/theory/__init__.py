@@ -1,4 +1,4 @@
-"""What the thesis proves of a Preisach operator: state space, properties, energy; and its extended models."""
+"""Theory of the Preisach operator after the thesis: state space, properties, energy, and extended models."""
 
 from typing import TYPE_CHECKING
 

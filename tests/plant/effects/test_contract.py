@@ -160,7 +160,7 @@ def test_its_values_have_bounds_units_and_sources(name):
         assert p.unit
         assert len(p.source) > 10 or p.source == "when"
         for wrong in (p.lower - 1, p.upper + 1, math.nan, math.inf, "much", None):
-            with pytest.raises(UsageError, match=rf"{name}\.{p.name} = .* is not between"):
+            with pytest.raises(UsageError, match=rf"{name}\.{p.name} = .* must lie between"):
                 k(**{p.name: wrong})
     assert k.primary.lower <= 0 <= k.primary.upper
     with pytest.raises(UsageError, match=f"{name} has no parameter 'strenght'"):

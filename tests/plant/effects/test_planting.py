@@ -27,8 +27,8 @@ def test_pairs_name_strengths_and_parameters():
         ("setling=1", "No effect 'setling'; did you mean settling"),
         ("settling=much", "'settling=much' is not NAME=NUMBER"),
         ("settling.tau=3", "settling has no parameter 'tau'"),
-        ("settling=50", "settling.share_percent = 50.0 is not between 0 and 10 %"),
-        ("settling=nan", "not between"),
+        ("settling=50", "settling.share_percent = 50.0 must lie between 0 and 10 %"),
+        ("settling=nan", "must lie between"),
         ("", "No effect ''"),
         ("settling.share_percent", "not NAME=NUMBER"),
     ],
@@ -55,14 +55,14 @@ def test_a_model_file_gives_back_what_was_written():
 
 def test_what_is_there_twice_or_has_more_to_say_is_no_effect():
     creep = {"name": "creep", "parameters": {"percent_per_decade": 1.0}}
-    with pytest.raises(DataError, match="creep is there twice"):
+    with pytest.raises(DataError, match="creep occurs twice"):
         effects_from_json([creep, creep])
     with pytest.raises(DataError, match="unexpected keyword"):
         effects_from_json([creep | {"since": 1997}])
 
 
 def test_one_wire_has_no_other_that_would_warm_it():
-    with pytest.raises(UsageError, match="cross_talk needs two wires, and this rig has one"):
+    with pytest.raises(UsageError, match="cross_talk needs two wires, but this rig has one"):
         Twin.named("one_wire_twin", effects=effects_from_pairs(["cross_talk=2"]))
     assert Twin.named("two_wire_twin", effects=effects_from_pairs(["cross_talk=2"]))
 
@@ -121,8 +121,8 @@ def test_run_plants_effects_on_a_twin_and_records_them(tmp_path):
     ("pairs", "said"),
     [
         (["backlash."], "not NAME=NUMBER"),
-        (["backlash=1", "backlash=2"], "a second time"),
-        (["backlash=1", "backlash.play_percent=1"], "a second time"),
+        (["backlash=1", "backlash=2"], "repeats"),
+        (["backlash=1", "backlash.play_percent=1"], "repeats"),
     ],
 )
 def test_repeated_or_incomplete_pairs_are_refused(pairs, said):

@@ -242,7 +242,7 @@ def test_thm_7_4_notices_the_surfaces_that_give_energy_back(name, high, low):
 def test_energies_of_bad_inputs_are_refused_in_one_sentence():
     s = thesis_surface("one_c")
     for bad in ([], [1.0, float("nan")]):
-        with pytest.raises(DataError, match="at least one input, all of them finite"):
+        with pytest.raises(DataError, match="at least one input, and all inputs must be finite"):
             energy_balance(s, bad)
     with pytest.raises(UsageError, match="one-dimensional"):
         energy_balance(s, [[1.0]])

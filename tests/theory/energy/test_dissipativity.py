@@ -241,7 +241,7 @@ def test_a_kind_that_cannot_be_decided_is_refused():
     odd = type("Sampled", (), {"lower": 0.0, "upper": 1.0})()
     with pytest.raises(UsageError, match="Dissipativity of a Sampled cannot be decided exactly"):
         certify(odd)
-    with pytest.raises(UsageError, match="storage function of a FodTable is not decided"):
+    with pytest.raises(UsageError, match="storage function of a FodTable cannot be decided"):
         recoverable_energy_is_storage(table(0))
 
 
@@ -282,7 +282,7 @@ def test_a_certificate_names_its_units_where_they_are_known():
     assert "↔ 185 K gives back 1.248 deg·K in" in certificate("two_p").text
     assert "at least 0 mm·K)" in certificate("one_e").text
     undecided = replace(certificate("one_e"), dissipative=None, lower_bound=-2.0, area=-1.0)
-    assert undecided.text == "Undecided: loop areas lie above -2 mm·K, none seen is below -1 mm·K."
+    assert undecided.text == "Undecided: all loop areas exceed -2 mm·K; the smallest one found is -1 mm·K."
     unknown = certify(replace(thesis_surface("two_p"), unit=""))
     assert unknown.text == certificate("two_p").text.replace(" deg·K", "").replace(" K", "")
 
@@ -306,7 +306,7 @@ def test_every_certified_violation_is_confirmed_and_nothing_else(values):
     h = measure_of(values)
     c = certify(h)
     if c.dissipative:
-        with pytest.raises(UsageError, match="gives nothing back"):
+        with pytest.raises(UsageError, match="returns no energy"):
             confirm(h, (float(SMALL[-1]), float(SMALL[0])))
     else:
         assert confirm(h, c.at).confirmed

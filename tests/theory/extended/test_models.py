@@ -282,7 +282,7 @@ def test_mistakes_are_answered_in_one_sentence():
     with pytest.raises(UsageError, match="one function Q_j"):
         RestrictedPreisach(WIRE, [0.5])
     for model in (NonlinearPreisach, RestrictedPreisach.first_order):
-        with pytest.raises(DataError, match="ranges over"):
+        with pytest.raises(DataError, match="covers only"):
             model(WIRE, SecondOrderExcess.from_nodes([0.0, 100.0], np.zeros((2,) * 3)))
     hole = np.zeros((4, 4, 4))
     hole[3, 1, 2] = np.nan
@@ -318,5 +318,5 @@ def test_lists_of_numbers_do_as_well_as_arrays():
 @pytest.mark.parametrize("name", STRONG)
 @pytest.mark.parametrize("wrong", ["1.0", None], ids=str)
 def test_a_step_to_no_number_is_refused(name, wrong):
-    with pytest.raises(UsageError, match="takes a number as its input"):
+    with pytest.raises(UsageError, match="needs a number as its input"):
         STRONG[name].step(wrong)

@@ -148,10 +148,12 @@ def test_strips_can_fail():
 
 def test_strips_outside_the_range_are_refused():
     table = Lattice(np.arange(3.0), np.ones((2, 2))).table()
-    with pytest.raises(UsageError, match=r"leaves the input range \[0, 2\]"):
+    with pytest.raises(UsageError, match=r"must lie inside the input range \[0, 2\]"):
         strips.H(table, 1.5, 1.0)
     for function in (strips.K, strips.bound, largest_change, modulus):
-        with pytest.raises(UsageError, match="An input change ξ = 3 is not between 0 and the input range 2"):
+        with pytest.raises(
+            UsageError, match="An input change ξ = 3 must lie between 0 and the input range 2"
+        ):
             function(table, 3.0)
 
 

@@ -211,7 +211,7 @@ def test_G_counterexample_erratum_10_p_N_is_a_corner_and_not_the_end(elements):
     s = MemorySequence(elements, BOUND)
     printed = Boundary(tuple(corners_as_printed(s, from_N=True)), BOUND)
     assert printed != G(s)
-    with pytest.raises(UsageError, match="no input draws"):
+    with pytest.raises(UsageError, match="no input generates"):
         G_inverse(printed)
 
 
@@ -270,13 +270,13 @@ def test_range_of_G_is_staircases_that_leave_the_zero_state_once(boundary):
     if all(level):
         assert G(G_inverse(boundary)) == boundary
     else:
-        with pytest.raises(UsageError, match="no input draws"):
+        with pytest.raises(UsageError, match="no input generates"):
             G_inverse(boundary)
 
 
 @pytest.mark.parametrize("centre", [-4.0, 3.0])
 def test_range_of_G_counterexample_a_slope_of_minus_one_elsewhere_does_not_pass_for_the_zero_state(centre):
-    with pytest.raises(UsageError, match="no input draws"):
+    with pytest.raises(UsageError, match="no input generates"):
         G_inverse(diagonal(BOUND, centre))
 
 

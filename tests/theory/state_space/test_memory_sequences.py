@@ -236,5 +236,5 @@ def test_inputs_outside_U_are_refused():
         F(InputSignal((0, 1), (2, 3)), 1, BOUND)
     with pytest.raises(UsageError, match="beyond its bound"):
         H_left(InputSignal((0, 1), (0, 11)), 1, BOUND)
-    with pytest.raises(UsageError, match="known until"):
+    with pytest.raises(UsageError, match="defined until"):
         InputSignal((0, 1), (0, 3))(1.5)

@@ -292,7 +292,7 @@ def test_theorem_6_7_counterexample_staircases_alone_are_not_complete(limit):
         G_inverse(state)
     check_cauchy(states, first=80.0)
     assert distance(states[-1], limit) < 0.4
-    with pytest.raises(UsageError, match="no input draws"):
+    with pytest.raises(UsageError, match="no input generates"):
         G_inverse(limit)
 
 

@@ -59,7 +59,7 @@ def test_def_6_5_counterexample_without_the_condition_inputs_could_jump():
     [
         (0, 1, DEEP, ONWARD, "forward in time"),
         (9, 0, DEEP, ONWARD, "known until"),
-        (1, 0, diagonal(BOUND, 5), ONWARD, "no input draws"),
+        (1, 0, diagonal(BOUND, 5), ONWARD, "no input generates"),
     ],
 )
 def test_eq_6_8_refuses_unreachable_states(t1, t0, boundary, u, message):

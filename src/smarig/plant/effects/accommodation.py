@@ -1,8 +1,8 @@
-"""The middle of the minor loops creeps after the state: repeated loops do not close.
+"""The centre of minor loops drifts towards the state, so repeated loops do not close.
 
-    dz = |dξ|/l (ξ − z),    T_felt = T + Λ (z − z₀)         z₀ the state the run began in
+    dz = |dξ|/l (ξ − z),    T_h = T + Λ (z − z₀)        T_h: hysteresis input, z₀: initial state of the run
 
-z follows the output over l strokes of travel; return-point memory is lost in proportion.
+z follows the output over l strokes of travel. Return-point memory is lost in proportion.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
             start = follower = before = now.austenite
             travel = now.travel
         progress = (now.travel - travel) / strokes
-        if progress > 0:  # exact for a state that moves evenly along its travel
+        if progress > 0:  # exact if the state changes at a constant rate along its travel
             left = exp(-progress)
             mean_follower = (now.austenite - before) * (1 - left) / progress
             follower = now.austenite - mean_follower + (follower - before) * left
@@ -34,12 +34,12 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 accommodation = EffectType(
     name="accommodation",
-    summary="The middle of the minor loops creeps after the state: repeated loops do not close.",
+    summary="The centre of minor loops drifts towards the state, so repeated loops do not close.",
     number="E15",
-    enters="input map with a memory of its own",
-    looks_like="repeats of a minor loop approach their limit geometrically; wiping-out misses",
+    enters="input map with memory",
+    looks_like="repeated minor loops approach their limit geometrically; wiping-out fails",
     confused_with=("settling", "walking", "temperature_memory"),
-    separated_by="a rest between repeats: settling heals with time, accommodation does not",
+    separated_by="a pause between repetitions: settling decays with time, accommodation does not",
     parameters=(
         Parameter(
             "shift_K", "K", -8.0, 8.0, 3.0, "0.3–5 K, engineering estimate; mixing models after Della Torre"

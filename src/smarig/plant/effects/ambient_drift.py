@@ -1,8 +1,8 @@
-"""The room warms or cools while the experiment runs.
+"""The ambient temperature changes during the experiment.
 
     T = T_a(t) − T_a(0) + wire above ambient,    T_a(t) − T_a(0) = D [sin 2π(t/P + φ) − sin 2πφ]
 
-Two wires share the room: the differential rig's T₁ − T₂ does not see it.
+Both wires of the differential rig have the same ambient temperature, so it cancels in T₁ − T₂.
 """
 
 from collections.abc import Mapping
@@ -22,25 +22,29 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 ambient_drift = EffectType(
     name="ambient_drift",
-    summary="The room warms or cools while the experiment runs.",
+    summary="The ambient temperature changes during the experiment.",
     number="E3",
     enters="input map: adds to the wire's temperature",
-    looks_like="local slope of the hysteresis × a smooth function of clock time, nothing in saturation",
+    looks_like="local slope of the hysteresis × a smooth function of clock time; nothing in saturation",
     confused_with=("walking", "fatigue", "slip"),
-    separated_by="a thermometer in the box, or a pause of an hour: the room goes on, cycles do not",
+    separated_by="a thermometer in the box, or a pause of an hour: ambient drift continues, cycles do not",
     parameters=(
-        Parameter("swing_K", "K", -5.0, 5.0, 1.5, "unregulated rooms move by 0.2–3 K in hours"),
+        Parameter(
+            "swing_K", "K", -5.0, 5.0, 1.5, "rooms without temperature control vary by 0.2–3 K in hours"
+        ),
         Parameter(
             "period_h",
             "h",
             0.1,
             48.0,
             12.0,
-            "air conditioning 10–30 min, the day 24 h",
+            "air conditioning 10–30 min, day 24 h",
             tries=(0.3, 0.7, 2.0),
             of_record=True,
         ),
-        Parameter("phase", "turn", 0.0, 1.0, 0.0, "where in its period the run begins", tries=(0.0, 0.25)),
+        Parameter(
+            "phase", "turn", 0.0, 1.0, 0.0, "phase of the period at the start of the run", tries=(0.0, 0.25)
+        ),
     ),
     act=_act,
     output_independent=True,

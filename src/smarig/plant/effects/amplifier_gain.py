@@ -1,8 +1,8 @@
-"""The amplifier delivers another current than it was asked for.
+"""The amplifier delivers a current that differs from the command.
 
     i = (1 + g) i_c + o
 
-An output that is off stays off.
+If the output is off, it stays off.
 """
 
 from collections.abc import Mapping
@@ -21,10 +21,10 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 amplifier_gain = EffectType(
     name="amplifier_gain",
-    summary="The amplifier delivers another current than it was asked for.",
+    summary="The amplifier delivers a current that differs from the command.",
     number="E10",
     enters="input map: current",
-    looks_like="nothing in steady states against the command; the measured current shows it",
+    looks_like="no change in steady states as a function of the command; visible in the measured current",
     confused_with=("convection", "dead_zone"),
     separated_by="the measured current, checked with a shunt",
     parameters=(

@@ -1,6 +1,6 @@
-"""The transmission has play: after a reversal the output stands still at first.
+"""The transmission has play: after a reversal the output does not move at first.
 
-    y = play_b(x): y stays while |x − y| ≤ b/2, and is dragged beyond
+    y = play_b(x): y is constant while |x − y| ≤ b/2, and follows x beyond
 
 The dead band is constant in counts, not in kelvin.
 """
@@ -24,12 +24,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 backlash = EffectType(
     name="backlash",
-    summary="The transmission has play: after a reversal the output stands still at first.",
+    summary="The transmission has play: after a reversal the output does not move at first.",
     number="E19a",
-    enters="output map with a memory of its own",
+    enters="output map with memory",
     looks_like="the first steps after every reversal are missing",
     confused_with=("resistance_phase", "noncongruency", "creep"),
-    separated_by="an outside push; a second encoder; the voltage, which moves while y stands",
+    separated_by="an external push; a second encoder; the voltage, which changes while y is constant",
     parameters=(
         Parameter(
             "play_percent", "%", 0.0, 10.0, 1.5, "0.5–5 counts of a stroke of 255", tries=(0.4, 1.5, 4.0)

@@ -3,8 +3,8 @@
     h u = h₀ u (u/u_ref)ⁿ   ⇒   u_∞ = u_ref (u_lin/u_ref)^(1/(1+n))
     τ(u) = τ (u − u_∞)/(u (u/u_ref)ⁿ − u_∞ (u_∞/u_ref)ⁿ)
 
-u_lin is the steady temperature of (5.3), u_ref where it was measured. The lag is the secant's, of each wire on
-its own; below 1 K the loss is linear.
+u_lin is the steady temperature of (5.3) and u_ref the temperature of that measurement. The lag is that of the secant,
+for each wire separately. Below 1 K the heat loss is linear.
 """
 
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from math import copysign
 
 from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
-_COLD_K = 1.0  # below, h is that of 1 K
+_COLD_K = 1.0  # below this, h is that of 1 K
 
 
 def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
@@ -40,9 +40,9 @@ convection = EffectType(
     summary="The heat loss grows faster than the temperature.",
     number="E4",
     enters="input map (monotone) and transient",
-    looks_like="nothing in steady states; approaches that are faster when hot",
+    looks_like="nothing in steady states; faster approaches at high temperature",
     confused_with=("resistance_phase", "wire_lag", "amplifier_gain"),
-    separated_by="transients at several levels; the wire's own temperature; a second ambient",
+    separated_by="transients at several levels; the wire's own temperature; a second ambient temperature",
     parameters=(
         Parameter(
             "exponent",

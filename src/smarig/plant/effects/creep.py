@@ -1,8 +1,8 @@
-"""Every move is followed by more of it, in proportion to the logarithm of time.
+"""Every movement continues slowly, in proportion to the logarithm of time.
 
     y(t) ← y(t) + c ∫ log₁₀(1 + (t − s)/t₀) dy(s),    t₀ = 1 s
 
-as a sum of exponentials, two to a decade (0.3 s … 28 h).
+computed as a sum of exponentials, two per decade (0.3 s … 28 h).
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
     def added(y: float, now: PlantState) -> float:
         nonlocal last, rest
         if last is None or rest is None:
-            last = rest = y  # everything before has crept, and what maps the output was there before
+            last = rest = y  # assume that all earlier creep is complete and part of the output
         step, last = y - last, y
         for k, tau_s in enumerate(_TIMES_S):
             late[k] = (late[k] + step) * exp(-now.dt_s / tau_s)
@@ -34,12 +34,12 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 creep = EffectType(
     name="creep",
-    summary="Every move is followed by more of it, in proportion to the logarithm of time.",
+    summary="Every movement continues slowly, in proportion to the logarithm of time.",
     number="E20",
     enters="additive",
-    looks_like="after each move, the same way as the move, growing with the logarithm of the hold",
+    looks_like="after each movement, in its direction, growing with the logarithm of the hold time",
     confused_with=("settling", "backlash"),
-    separated_by="holds ten times as long, outside and inside the transformation (settling goes with power)",
+    separated_by="holds ten times as long, inside and outside the transformation (settling follows the power)",
     parameters=(
         Parameter(
             "percent_per_decade",

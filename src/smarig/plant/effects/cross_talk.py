@@ -1,8 +1,8 @@
-"""Each wire warms the other through the air of the box.
+"""Each wire heats the other through the air in the box.
 
     u_1 ← u_1 + k s_2,  u_2 ← u_2 + k s_1,    ds_j/dt = (u_j,∞ − s_j)/τ_p
 
-Slower than the wires themselves, so the differential temperature overshoots and comes back.
+This is slower than the wires themselves, so the differential temperature overshoots and returns.
 """
 
 from collections.abc import Mapping
@@ -25,12 +25,12 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 cross_talk = EffectType(
     name="cross_talk",
-    summary="Each wire warms the other through the air of the box.",
+    summary="Each wire heats the other through the air in the box.",
     number="E8",
     enters="input map: current of the other wire",
-    looks_like="after a change of current, an approach slower than the wire's own",
+    looks_like="after a change of current, an approach that is slower than the wire's own",
     confused_with=("settling", "amplifier_gain"),
-    separated_by="heat one wire with the other unhooked",
+    separated_by="heating one wire with the other disconnected",
     parameters=(
         Parameter("share_percent", "%", 0.0, 15.0, 5.0, "1–10 %, engineering estimate"),
         Parameter(
@@ -39,7 +39,7 @@ cross_talk = EffectType(
             2.0,
             1000.0,
             60.0,
-            "plume seconds, enclosure minutes",
+            "plume: seconds; enclosure: minutes",
             tries=(20.0, 60.0, 300.0),
         ),
     ),

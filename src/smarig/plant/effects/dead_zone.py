@@ -1,4 +1,4 @@
-"""Series diodes: below a current nothing flows.
+"""Series diodes: no current flows below a threshold.
 
     i = sign(i_c) max(0, |i_c| − i_d)
 
@@ -22,10 +22,10 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 dead_zone = EffectType(
     name="dead_zone",
-    summary="Series diodes: below a current nothing flows.",
+    summary="Series diodes: no current flows below a threshold.",
     number="E11",
     enters="input map: current",
-    looks_like="a flat foot at small currents; the measured current shows it",
+    looks_like="no response at small currents; visible in the measured current",
     confused_with=("slack", "amplifier_gain"),
     separated_by="the measured current",
     parameters=(
@@ -35,7 +35,7 @@ dead_zone = EffectType(
             0.0,
             0.3,
             0.05,
-            "0.6–1.4 V of diodes over the wire's resistance, less what feedback removes",
+            "0.6–1.4 V of the diodes divided by the wire's resistance, less what feedback compensates",
             tries=(0.004, 0.0125, 0.05, 0.12),
         ),
     ),

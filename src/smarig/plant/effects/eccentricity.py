@@ -1,4 +1,4 @@
-"""The pulley is not round about its axle.
+"""The pulley is eccentric to its axle.
 
 y ← y + ε r [sin(y/r + 2πφ) − sin 2πφ]        r in the unit of y per radian
 """
@@ -22,15 +22,15 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 eccentricity = EffectType(
     name="eccentricity",
-    summary="The pulley is not round about its axle.",
+    summary="The pulley is eccentric to its axle.",
     number="E22",
     enters="output map",
-    looks_like="a wave over the position, the same on the way up and down",
+    looks_like="a wave along the position, the same on the way up and down",
     confused_with=("noncongruency",),
-    separated_by="turn the pulley by half a turn: the wave turns with it",
+    separated_by="turning the pulley by half a turn: the wave turns with it",
     parameters=(
         Parameter("share_percent", "%", -10.0, 10.0, 2.0, "0.1–2 % of the radius"),
-        Parameter("phase", "turn", 0.0, 1.0, 0.25, "where the pulley stands when y = 0", tries=(0.0, 0.25)),
+        Parameter("phase", "turn", 0.0, 1.0, 0.25, "angle of the pulley at y = 0", tries=(0.0, 0.25)),
     ),
     act=_act,
     memoryless=True,

@@ -1,6 +1,6 @@
-"""The ends of the wire are cooled by their clamps.
+"""The clamps cool the ends of the wire.
 
-y = (1 − f) Γ[u] + f Γ[κ u]        a share f of the wire at the temperature κ u
+y = (1 − f) Γ[u] + f Γ[κ u]        a share f of the wire has the temperature κ u
 """
 
 from collections.abc import Mapping
@@ -21,17 +21,17 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 end_conduction = EffectType(
     name="end_conduction",
-    summary="The ends of the wire are cooled by their clamps.",
+    summary="The clamps cool the ends of the wire.",
     number="E7",
     enters="adds relays in parallel",
-    looks_like="a wider tail towards high currents; nothing that steady states can tell",
+    looks_like="a wider tail towards high currents; nothing that steady states can distinguish",
     confused_with=("r_phase", "convection"),
-    separated_by="two lengths of wire; an infra-red picture",
+    separated_by="two lengths of wire; an infrared image",
     parameters=(
         Parameter(
             "share_percent", "%", 0.0, 20.0, 6.0, "1–2 conduction lengths of 2–7 mm at each end: 2–7 %"
         ),
-        Parameter("cooler", "1", 0.2, 1.0, 0.6, "mean temperature of the ends over the middle's"),
+        Parameter("cooler", "1", 0.2, 1.0, 0.6, "mean temperature of the ends relative to the middle"),
     ),
     act=_act,
 )

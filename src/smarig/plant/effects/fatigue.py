@@ -1,6 +1,6 @@
-"""Transformation temperatures drift as cycles add up.
+"""Transformation temperatures drift with the number of cycles.
 
-T_felt = T − B (1 − exp(−N/N₀))        N: full strokes there and back
+T_h = T − B (1 − exp(−N/N₀))        T_h: hysteresis input, N: number of full cycles
 """
 
 from collections.abc import Mapping
@@ -20,14 +20,16 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 fatigue = EffectType(
     name="fatigue",
-    summary="Transformation temperatures drift as cycles add up.",
+    summary="Transformation temperatures drift with the number of cycles.",
     number="E17",
     enters="input map, by the number of cycles",
     looks_like="local slope × a saturating function of the number of cycles",
     confused_with=("ambient_drift", "walking"),
-    separated_by="a pause: cycles stop, the room does not",
+    separated_by="a pause: cycles stop, ambient drift continues",
     parameters=(
-        Parameter("shift_K", "K", -8.0, 8.0, 3.0, "untrained wire: kelvins in the first tens of cycles"),
+        Parameter(
+            "shift_K", "K", -8.0, 8.0, 3.0, "untrained wire: several kelvin in the first tens of cycles"
+        ),
         Parameter("cycles", "cycle", 0.5, 500.0, 8.0, "engineering estimate", tries=(2.0, 8.0, 40.0)),
     ),
     act=_act,

@@ -1,10 +1,10 @@
-"""Transforming takes heat: inside the loop the wire warms and cools more slowly.
+"""The transformation takes up heat, so the wire heats and cools more slowly inside the loop.
 
     τ(T, ξ) = τ [1 + δ (ξ − ½) + (L/c_p) dξ/dT]        L on heating, λ L on cooling; δ = (c_A − c_M)/c̄
 
-dξ/dT is the slope on which the hysteresis has come, to the wire's own temperature, over some tenths of a kelvin:
-relays switch one by one. What they took beyond that is owed and paid on the next tick, so that heat is kept
-whatever the slope and the tick. The phases have specific heats of their own.
+dξ/dT is the slope of the present branch with respect to the wire's own temperature, averaged over some tenths of a
+kelvin, because relays switch one by one. Heat that they take up beyond this is carried over to the next tick, so heat
+is conserved for every slope and tick. Both phases have their own specific heats.
 """
 
 from collections.abc import Mapping
@@ -12,13 +12,13 @@ from math import exp
 
 from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
-_LEAST_K = 1e-4  # of temperature between two ticks, for a slope
-_SMOOTH_K = 0.5  # over which a slope is forgotten
-_LARGEST = 1e3  # lag of a wire that stands still while its relays are paid
+_LEAST_K = 1e-4  # least temperature change between two ticks for computing a slope
+_SMOOTH_K = 0.5  # temperature range over which the slope is averaged
+_LARGEST = 1e3  # lag of a wire that does not heat until the transformation heat is supplied
 
 
 class _TransformationHeat:
-    """Heat of the wire in kelvin: what the lag let pass, and what the relays took."""
+    """Heat of the wire in kelvin: supplied through the lag, and taken up by the relays."""
 
     def __init__(self, p: Values, context: EffectContext) -> None:
         self._latent_heating_K = 1000 * p["latent_J_per_g"] / context.actuator.file.wire.specific_heat.value
@@ -29,7 +29,7 @@ class _TransformationHeat:
         self._capacity = self._lag = 1.0
 
     def source(self, u: float, now: PlantState) -> float:
-        """A tick begins: close the books of the last one, and find the lag of this one."""
+        """Start a tick: complete the heat account of the last one and compute the lag of this one."""
         self._account_last_tick(now)
         self._latent_K = self._latent_heating_K * (1.0 if abs(u) >= abs(now.input_K) else self._ratio)
         self._capacity = 1 + self._change * (now.austenite - 0.5)
@@ -41,7 +41,7 @@ class _TransformationHeat:
         return u
 
     def lag(self, tau: float, _now: PlantState) -> float:
-        """The same for both wires: their difference is what transforms."""
+        """The lag, which is the same for both wires because their temperature difference transforms."""
         return tau * self._lag
 
     def _account_last_tick(self, now: PlantState) -> None:
@@ -50,7 +50,7 @@ class _TransformationHeat:
             deficit_K = (
                 self._deficit_K + self._latent_K * transformed - (self._lag - self._capacity) * moved_K
             )
-            self._deficit_K = deficit_K * exp(-now.dt_s / self._tau_s)  # the room takes its share of it
+            self._deficit_K = deficit_K * exp(-now.dt_s / self._tau_s)  # part of it is lost to the ambient
             if abs(moved_K) > _LEAST_K:
                 here = max(transformed / moved_K, 0.0)
                 self._slope += (here - self._slope) * (1 - exp(-abs(moved_K) / _SMOOTH_K))
@@ -64,10 +64,10 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 latent_heat = EffectType(
     name="latent_heat",
-    summary="Transforming takes heat: inside the loop the wire warms and cools more slowly.",
+    summary="The transformation takes up heat, so the wire heats and cools more slowly inside the loop.",
     number="E6",
     enters="transient",
-    looks_like="approaches two to four times slower inside the transformation, unlike in heating and cooling",
+    looks_like="approaches two to four times slower inside the transformation, different in heating and cooling",
     confused_with=("wire_lag", "settling"),
     separated_by="pairs of small steps inside and outside the transformation",
     parameters=(
@@ -80,7 +80,13 @@ latent_heat = EffectType(
             "24.2 J/g (Flexinol 1140); 12.2 heating, 4.1 cooling measured in a spring",
         ),
         Parameter(
-            "cooling_ratio", "1", 0.0, 5.0, 1.0, "heat given back over heat taken up, 0.3–1", tries=(0.3, 1.0)
+            "cooling_ratio",
+            "1",
+            0.0,
+            5.0,
+            1.0,
+            "heat released relative to heat taken up, 0.3–1",
+            tries=(0.3, 1.0),
         ),
         Parameter("specific_heat_change_percent", "%", -60.0, 60.0, 0.0, "0.47–0.84 J/(g K) reported"),
     ),

@@ -1,8 +1,8 @@
-"""The output is not linear in what the relays add up to.
+"""The output is a nonlinear function of the sum of the relays.
 
     m = ξ of the operator,    y = y₋ + (y₊ − y₋) [m + 2g m (1 − m)]
 
-Minor loops between the same inputs then differ in height by their level: congruency fails.
+Minor loops between the same inputs then differ in height with their level: congruency fails.
 """
 
 from collections.abc import Mapping
@@ -22,12 +22,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 noncongruency = EffectType(
     name="noncongruency",
-    summary="The output is not linear in what the relays add up to.",
+    summary="The output is a nonlinear function of the sum of the relays.",
     number="E16",
     enters="output map",
     looks_like="loops between the same inputs are higher at one level than at another",
     confused_with=("resistance_phase", "stress_coupling", "eccentricity"),
-    separated_by="turning the pulley (eccentricity moves with it); the voltage; a second load",
+    separated_by="turning the pulley (eccentricity turns with it); the voltage; a second load",
     parameters=(Parameter("bend_percent", "%", -40.0, 40.0, 10.0, "1–20 %, engineering estimate"),),
     act=_act,
     memoryless=True,

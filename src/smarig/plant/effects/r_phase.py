@@ -1,4 +1,4 @@
-"""A second, narrow transformation (R-phase) adds a stroke of its own.
+"""A second, narrow transformation (R-phase) contributes its own stroke.
 
 y = (1 − w) Γ[u] + w [y₋ + (y₊ − y₋)/(1 + exp(−(p(u) − T_R)/b))]        p: play of ± 1 K
 """
@@ -29,15 +29,15 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 r_phase = EffectType(
     name="r_phase",
-    summary="A second, narrow transformation (R-phase) adds a stroke of its own.",
+    summary="A second, narrow transformation (R-phase) contributes its own stroke.",
     number="E13",
     enters="adds relays in parallel",
-    looks_like="a second step; nothing that steady states at one load can tell",
+    looks_like="a second step; nothing that steady states at one load can distinguish",
     confused_with=("end_conduction", "convection"),
     separated_by="the hump of the voltage on cooling; two loads",
     parameters=(
         Parameter("share_percent", "%", 0.0, 30.0, 12.0, "strain 0.3–1 % of 4 %"),
-        Parameter("at", "range", 0.0, 1.0, 0.3, "where in the input range", tries=(0.15, 0.3, 0.5)),
+        Parameter("at", "range", 0.0, 1.0, 0.3, "position in the input range", tries=(0.15, 0.3, 0.5)),
         Parameter("width_K", "K", 0.5, 10.0, 2.0, "1–5 K, engineering estimate"),
     ),
     act=_act,

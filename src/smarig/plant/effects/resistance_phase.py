@@ -1,9 +1,9 @@
-"""The wire's resistance follows the phase, so a current heats it by what it has done.
+"""The wire's resistance depends on the phase, so the heating by a current depends on the state.
 
     R(ξ) = R̄ [1 + ρ (ξ − ½)],    T_ss = (R(ξ)/hA) i²        ρ = (R_A − R_M)/R̄
 
-With R_M > R_A (ρ < 0) heating weakens as the wire transforms: the skew of thesis §5.4.1. In the differential
-rig ξ is that of the wire that carries the current. The voltage shows R itself.
+With R_M > R_A (ρ < 0) heating decreases as the wire transforms, which gives the skew of thesis §5.4.1. In the
+differential rig ξ is that of the wire that carries the current. The voltage shows R itself.
 """
 
 from collections.abc import Mapping
@@ -24,12 +24,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 resistance_phase = EffectType(
     name="resistance_phase",
-    summary="The wire's resistance follows the phase, so a current heats it by what it has done.",
+    summary="The wire's resistance depends on the phase, so the heating by a current depends on the state.",
     number="E9",
-    enters="output feedback on the heating, and the voltage",
+    enters="feedback of the output on the heating, and the voltage",
     looks_like="a shift in temperature in proportion to power and ξ: the loop leans",
     confused_with=("stress_coupling", "noncongruency", "backlash"),
-    separated_by="the voltage; or a second load, which stress feels and resistance does not",
+    separated_by="the voltage; or a second load, which changes the stress effect and not the resistance",
     parameters=(
         Parameter(
             "change_percent",
@@ -37,7 +37,7 @@ resistance_phase = EffectType(
             -30.0,
             30.0,
             -10.0,
-            "in situ 5–20 % fall; martensite 80, austenite 100 µΩ cm (Flexinol data)",
+            "5–20 % decrease measured in situ; martensite 80, austenite 100 µΩ cm (Flexinol data)",
         ),
     ),
     act=_act,

@@ -1,4 +1,4 @@
-"""The amplifier cannot deliver the largest currents asked for.
+"""The amplifier cannot deliver the largest commanded currents.
 
 i = sign(i_c) min(|i_c|, i_max),    i_max = (1 − c) × the current that saturates the hysteresis
 """
@@ -19,10 +19,10 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 saturation = EffectType(
     name="saturation",
-    summary="The amplifier cannot deliver the largest currents asked for.",
+    summary="The amplifier cannot deliver the largest commanded currents.",
     number="E11/E12",
     enters="input map: current",
-    looks_like="different commands at the top give one position; the measured current stops growing",
+    looks_like="different large commands give the same position; the measured current stops growing",
     confused_with=("dead_zone", "resistance_phase"),
     separated_by="the measured current",
     parameters=(
@@ -32,7 +32,7 @@ saturation = EffectType(
             0.0,
             60.0,
             20.0,
-            "supply voltage over wire resistance",
+            "supply voltage divided by wire resistance",
             tries=(5.0, 15.0, 30.0, 45.0),
         ),
     ),

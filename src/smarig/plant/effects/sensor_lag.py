@@ -1,8 +1,8 @@
-"""The sensor answers late: a first-order lag or a dead time.
+"""The sensor responds late: a first-order lag or a dead time.
 
     dc/dt = (c_true(t − d) − c)/τ
 
-What the wire does is untouched.
+The motion of the wire does not change.
 """
 
 from collections import deque
@@ -26,7 +26,7 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
         before = arrived
         while delayed and delayed[0][0] <= now.t_s + 1e-9:
             arrived = delayed.popleft()[1]
-        left = exp(-now.dt_s / lag_s)  # exact for what moves evenly within a tick
+        left = exp(-now.dt_s / lag_s)  # exact for a constant rate within a tick
         reading = arrived - (arrived - before) * (1 - left) * lag_s / now.dt_s + (reading - before) * left
         return reading
 
@@ -35,12 +35,12 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 sensor_lag = EffectType(
     name="sensor_lag",
-    summary="The sensor answers late: a first-order lag or a dead time.",
+    summary="The sensor responds late: a first-order lag or a dead time.",
     number="—",
     enters="transient, in the sensor",
     looks_like="every approach is delayed by the same time, also outside the transformation",
     confused_with=("wire_lag",),
-    separated_by="a step of the quantity itself (a tap on the pulley, hot water on the thermocouple)",
+    separated_by="a step of the measurand itself (a tap on the pulley, hot water on the thermocouple)",
     parameters=(
         Parameter("lag_s", "s", 0.0, 30.0, 3.0, "glued thermocouples 0.5–10 s; filtered encoders less"),
         Parameter("dead_time_s", "s", 0.0, 30.0, 0.0, "logging and filters"),

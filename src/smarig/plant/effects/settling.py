@@ -2,7 +2,7 @@
 
     T = (1 − f) u + f s,    ds/dt = (u_∞ − s)/τ_s        u_∞ the steady temperature of the present current
 
-"Steady for 25 s" passes while up to τ_s/25 counts are still to come.
+The test "steady for 25 s" is met while up to τ_s/25 counts of movement remain.
 """
 
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ settling = EffectType(
     summary="A slow second thermal mass (clamp, plate, enclosure) follows the wire's power.",
     number="E2",
     enters="input map",
-    looks_like="opposite to the power change of the last τ_s, by the local slope; drift at the end of holds",
+    looks_like="opposite to the power change of the last τ_s, times the local slope; drift at the end of holds",
     confused_with=("ambient_drift", "creep", "accommodation"),
     separated_by="the same curve with holds ten times as long; power steps outside the transformation",
     parameters=(

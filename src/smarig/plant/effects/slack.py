@@ -1,8 +1,8 @@
-"""The cold wire is slack: below a stroke nothing pulls the pulley.
+"""The cold wire is slack: below a certain stroke it does not turn the pulley.
 
     y ← max(y, y₋ + s (y₊ − y₋))
 
-The wire goes on transforming under it.
+The wire continues to transform meanwhile.
 """
 
 from collections.abc import Mapping
@@ -21,12 +21,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 slack = EffectType(
     name="slack",
-    summary="The cold wire is slack: below a stroke nothing pulls the pulley.",
+    summary="The cold wire is slack: below a certain stroke it does not turn the pulley.",
     number="E24",
     enters="output map",
     looks_like="a flat floor at the cold end, always at the same position",
     confused_with=("dead_zone", "backlash"),
-    separated_by="more pre-load; the voltage, which goes on changing while y stands",
+    separated_by="more pre-load; the voltage, which changes while y is constant",
     parameters=(
         Parameter(
             "floor_percent", "%", 0.0, 30.0, 4.0, "0–1 mm of a stroke of 12 mm", tries=(1.0, 4.0, 10.0)

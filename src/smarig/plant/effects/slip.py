@@ -1,8 +1,8 @@
-"""The pulley slips, or the encoder loses counts, once.
+"""The pulley slips once, or the encoder loses counts once.
 
     y ← y + J (y₊ − y₋) for t ≥ t₁
 
-Saturated ends move with the rest.
+The saturated ends shift by the same amount.
 """
 
 from collections.abc import Mapping
@@ -21,10 +21,10 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 slip = EffectType(
     name="slip",
-    summary="The pulley slips, or the encoder loses counts, once.",
+    summary="The pulley slips once, or the encoder loses counts once.",
     number="E21",
     enters="additive",
-    looks_like="a step in all later residuals at once, saturated ends included",
+    looks_like="a simultaneous step in all later residuals, including the saturated ends",
     confused_with=("walking", "ambient_drift"),
     separated_by="the index pulse, or a reading in saturation before and after",
     parameters=(

@@ -1,8 +1,8 @@
-"""A compliant load raises the stress with the stroke, and the transformation with it.
+"""A compliant load increases the stress with the stroke, which shifts the transformation temperatures.
 
-    T_felt = T − S (ξ − ξ₀),    S = Δσ/C (Clausius–Clapeyron),    ξ₀ = 0 with one wire, ½ with two
+    T_h = T − S (ξ − ξ₀),    S = Δσ/C (Clausius–Clapeyron),    ξ₀ = 0 with one wire, ½ with two
 
-ξ is the share of the stroke just made: an algebraic feedback, solved in each tick.
+T_h is the hysteresis input and ξ the present share of the stroke: an algebraic feedback, solved in each tick.
 """
 
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 stress_coupling = EffectType(
     name="stress_coupling",
-    summary="A compliant load raises the stress with the stroke, and the transformation with it.",
+    summary="A compliant load increases the stress with the stroke, which shifts the transformation temperatures.",
     number="E14",
-    enters="output feedback on the input (a moving Preisach model)",
+    enters="feedback of the output on the input (a moving Preisach model)",
     looks_like="the loop leans and the family of curves shears",
     confused_with=("resistance_phase", "noncongruency", "thermal_expansion"),
     separated_by="a second load or spring: the curves shift by Δσ/C",

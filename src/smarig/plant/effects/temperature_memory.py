@@ -1,8 +1,8 @@
-"""The wire remembers where an incomplete heating was arrested, and halts there on the next.
+"""A heating curve halts where an earlier incomplete heating stopped.
 
-    while heating:    T_felt = T − S exp(−((T − T_a)/w)²)        T_a: the last incomplete peak, until it is passed
+    while heating:    T_h = T − S exp(−((T − T_a)/w)²)        T_h: hysteresis input
 
-Cooling in between does not erase it (as wiping-out would); passing T_a by 3 w does.
+T_a is the last incomplete peak. Cooling does not erase it (as wiping-out would); heating beyond T_a + 3 w does.
 """
 
 from collections.abc import Mapping
@@ -10,12 +10,12 @@ from math import e, exp, sqrt
 
 from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
-_REVERSAL_K = 0.5  # smaller ones are noise
+_REVERSAL_K = 0.5  # smaller reversals are noise
 
 
 def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
     width = p["width_K"]
-    retard = min(p["retard_K"], 0.8 * width * sqrt(e / 2))  # what is felt still rises with the wire
+    retard = min(p["retard_K"], 0.8 * width * sqrt(e / 2))  # so that the hysteresis input still rises with T
     complete = context.hysteresis.upper - 3 * width
     heating, turn, held, arrest = True, float("-inf"), 0.0, float("-inf")
 
@@ -40,12 +40,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 temperature_memory = EffectType(
     name="temperature_memory",
-    summary="The wire remembers where an incomplete heating was arrested, and halts there on the next.",
+    summary="A heating curve halts where an earlier incomplete heating stopped.",
     number="E15b",
-    enters="input map with a memory of its own",
-    looks_like="a dent of a heating branch at an earlier arrest, although saturation lay between",
+    enters="input map with memory",
+    looks_like="a dent in a heating branch at an earlier arrest, although saturation lay between",
     confused_with=("accommodation", "noncongruency"),
-    separated_by="a full loop, some arrests at one temperature, a full loop",
+    separated_by="a full loop, several arrests at one temperature, a full loop",
     parameters=(
         Parameter(
             "retard_K",
@@ -53,7 +53,7 @@ temperature_memory = EffectType(
             0.0,
             3.0,
             1.5,
-            "differential scanning calorimetry of TiNi: a stop near the arrest",
+            "differential scanning calorimetry of NiTi: a halt near the arrest",
             tries=(0.4, 1.5),
         ),
         Parameter("width_K", "K", 1.0, 15.0, 4.0, "1–5 K, engineering estimate", tries=(2.0, 4.0, 9.0)),

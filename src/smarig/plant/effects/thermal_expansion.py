@@ -1,4 +1,4 @@
-"""The wire expands with temperature whatever its phase.
+"""The wire expands with temperature in both phases.
 
 y ← y − e (y₊ − y₋) u/(100 K)        u the wire's temperature above ambient
 """
@@ -19,12 +19,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 thermal_expansion = EffectType(
     name="thermal_expansion",
-    summary="The wire expands with temperature whatever its phase.",
+    summary="The wire expands with temperature in both phases.",
     number="E23",
     enters="additive and reversible",
-    looks_like="nothing that reversible relays do not take up",
+    looks_like="nothing that reversible relays cannot represent",
     confused_with=("noncongruency", "stress_coupling"),
-    separated_by="steps in saturation, where only expansion is left",
+    separated_by="steps in saturation, where only expansion remains",
     parameters=(
         Parameter(
             "percent_per_100K",
@@ -32,7 +32,7 @@ thermal_expansion = EffectType(
             0.0,
             10.0,
             2.0,
-            "6.6 (martensite) and 11 (austenite) 1e-6/K against a strain of 4 %",
+            "6.6 (martensite) and 11 (austenite) 1e-6/K relative to a strain of 4 %",
         ),
     ),
     act=_act,

@@ -1,6 +1,6 @@
-"""A new wire ratchets fast at first, ever more slowly with every cycle (training).
+"""A new wire ratchets fast at first and more slowly with every cycle (training).
 
-y ← y + c (y₊ − y₋) ln(1 + N/N₀)        N: full strokes there and back (Bo and Lagoudas 1999, ε = C₁ ln(1 + C₂ ζ))
+y ← y + c (y₊ − y₋) ln(1 + N/N₀)        N: number of full cycles (Bo and Lagoudas 1999, ε = C₁ ln(1 + C₂ ζ))
 """
 
 from collections.abc import Mapping
@@ -20,12 +20,12 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 training = EffectType(
     name="training",
-    summary="A new wire ratchets fast at first, ever more slowly with every cycle (training).",
+    summary="A new wire ratchets fast at first and more slowly with every cycle (training).",
     number="E18",
     enters="additive",
-    looks_like="the same everywhere, saturated ends included; grows with the logarithm of the number of cycles",
+    looks_like="the same at all positions, saturated ends included; grows with the logarithm of the number of cycles",
     confused_with=("walking", "fatigue"),
-    separated_by="ten times as many cycles: walking goes on, training all but ends",
+    separated_by="ten times as many cycles: walking continues, training nearly stops",
     parameters=(
         Parameter(
             "percent_per_e_fold",
@@ -33,7 +33,7 @@ training = EffectType(
             -20.0,
             20.0,
             1.0,
-            "new NiTi under load gains 0.5-5 % of its stroke in tens of cycles; engineering estimate",
+            "new NiTi under load gains 0.5–5 % of its stroke in tens of cycles; engineering estimate",
         ),
         Parameter("cycles", "cycle", 0.05, 200.0, 2.0, "engineering estimate", tries=(0.3, 2.0, 15.0)),
     ),

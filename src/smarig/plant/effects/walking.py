@@ -1,6 +1,6 @@
-"""The wire lengthens or shortens a little with every cycle (ratchet strain).
+"""The wire lengthens or shortens slightly with every cycle (ratchet strain).
 
-y ← y + d (y₊ − y₋) N        N: full strokes there and back
+y ← y + d (y₊ − y₋) N        N: number of full cycles
 """
 
 from collections.abc import Mapping
@@ -19,10 +19,10 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
 
 walking = EffectType(
     name="walking",
-    summary="The wire lengthens or shortens a little with every cycle (ratchet strain).",
+    summary="The wire lengthens or shortens slightly with every cycle (ratchet strain).",
     number="E18",
     enters="additive",
-    looks_like="the same everywhere, saturated ends included; counts cycles, not hours",
+    looks_like="the same at all positions, saturated ends included; depends on cycles, not on hours",
     confused_with=("slip", "ambient_drift", "fatigue"),
     separated_by="a pause; readings in saturation, where temperature does not matter",
     parameters=(

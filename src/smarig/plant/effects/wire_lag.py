@@ -1,4 +1,4 @@
-"""The wire heats more slowly or faster than its constants say.
+"""The wire heats more slowly or faster than its constants predict.
 
 τ ← τ (1 + l)        first order, so steady states do not change
 """
@@ -19,12 +19,12 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
 
 wire_lag = EffectType(
     name="wire_lag",
-    summary="The wire heats more slowly or faster than its constants say.",
+    summary="The wire heats more slowly or faster than its constants predict.",
     number="E1",
     enters="transient",
-    looks_like="every approach is stretched by one factor",
+    looks_like="all approaches are stretched by the same factor",
     confused_with=("latent_heat", "convection", "sensor_lag"),
-    separated_by="log positions at 5 Hz or more, steps up and down from the same state",
+    separated_by="positions logged at 5 Hz or more; steps up and down from the same state",
     parameters=(
         Parameter(
             "change_percent",
@@ -32,7 +32,7 @@ wire_lag = EffectType(
             -80.0,
             400.0,
             40.0,
-            "τ = 0.5–15 s with the diameter to the power 1.5; c_p is typical only",
+            "τ = 0.5–15 s, proportional to diameter to the power 1.5; c_p is typical only",
         ),
     ),
     act=_act,

@@ -1,1 +1,1 @@
-"""What a Preisach operator needs of a wire: surfaces, tables, relays, one file each."""
+"""Hystereses for the Preisach operator: surfaces, tables and relay measures, one file each."""

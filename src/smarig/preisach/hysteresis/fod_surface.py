@@ -3,7 +3,7 @@
     y(α, β) = y₋ + (y₊ − y₋) · s(α, β) / s(u₊, u₊)
     s(α, β) = σ(x₂(α + x₃)) · [σ(x₄(β + f(α))) − σ(x₄(u₋ + f(α)))],     σ(z) = 1/(1 + e⁻ᶻ)
 
-which is (5.5) with its exponentials gathered into sigmoids. f is that of a form in ``forms/``.
+which is (5.5) with its exponentials combined into sigmoids. f is that of a form in ``forms/``.
 """
 
 from dataclasses import dataclass
@@ -29,9 +29,9 @@ def sigmoid(z: ArrayLike) -> Array:
 class FodSurface(DiagonalIntegrals):
     """Analytic FOD surface y(α, β), thesis (5.5).
 
-    ``form`` is the name of the form of f, ``x`` are x₂, x₃, x₄ and the form's own; ``lower``/``upper`` the
-    smallest/largest identification input; ``y_lower``/``y_upper`` the outputs at negative and positive
-    saturation. Inputs α ≥ β in kelvin above ambient, outputs in ``unit``. All methods broadcast.
+    ``form`` names the form of f; ``x`` are x₂, x₃, x₄ and the form's own parameters. ``lower`` and ``upper`` are the
+    smallest and largest identification input; ``y_lower`` and ``y_upper`` the outputs at negative and positive
+    saturation. Inputs α ≥ β are in kelvin above ambient, outputs in ``unit``. All methods broadcast.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> one_e = thesis_surface("one_e")
@@ -54,7 +54,7 @@ class FodSurface(DiagonalIntegrals):
         numbers = (*self.x, self.lower, self.upper, self.y_lower, self.y_upper)
         try:
             finite = bool(np.isfinite(numbers).all())
-        except TypeError:  # words, or nothing
+        except TypeError:  # text or None
             finite = False
         if not finite:
             raise UsageError(f"A {self.form} surface has a parameter that is not a finite number: {numbers}.")
@@ -63,14 +63,14 @@ class FodSurface(DiagonalIntegrals):
 
     @property
     def kinks(self) -> Array:
-        """Where derivatives jump: nowhere."""
+        """Inputs at which derivatives jump: none."""
         return np.empty(0)
 
-    # --- the pieces -------------------------------------------------------------------------------
+    # --- parts of the formula ---------------------------------------------------------------------
 
     @property
     def surface_form(self) -> SurfaceForm:
-        """The form of f; UsageError where there is none of that name."""
+        """The form of f. UsageError if no form has that name."""
         return surface_form(self.form)
 
     def shift(self, alpha: ArrayLike) -> tuple[Array, Array]:
@@ -82,9 +82,9 @@ class FodSurface(DiagonalIntegrals):
 
     @property
     def amplitude(self) -> float:
-        """c = (y₊ − y₋)/s(u₊, u₊); UsageError where s vanishes there: nothing to scale to y₊ − y₋."""
+        """c = (y₊ − y₋)/s(u₊, u₊). UsageError if s(u₊, u₊) = 0, because then nothing can be scaled to y₊ − y₋."""
         height = float(self.shape(self.upper, self.upper))
-        if height == 0:  # asked late: a fit may pass through such parameters and turn away from them
+        if height == 0:  # checked only on use, because a fit may pass through such parameters
             raise UsageError(
                 f"A {self.form} surface with x = {self.x} has no amplitude: its shape s(u₊, u₊) is zero, so (5.5) "
                 "is not defined."
@@ -104,14 +104,14 @@ class FodSurface(DiagonalIntegrals):
         return self.y_lower + self.amplitude * self.shape(alpha, beta)
 
     def strip_beta(self, alpha: Array | float, beta: Array | float) -> Array:
-        """∂y/∂β, output per kelvin of a falling input."""
+        """∂y/∂β: output per kelvin of a falling input."""
         x2, x3, x4 = self.x[:3]
         f = self._shift(alpha)
         s = sigmoid(x4 * (beta + f))
         return self.amplitude * sigmoid(x2 * (alpha + x3)) * x4 * s * (1 - s)
 
     def slope_alpha(self, alpha: Array | float, beta: Array | float) -> Array:
-        """∂y/∂α, output per kelvin of the earlier peak."""
+        """∂y/∂α: output per kelvin of the earlier peak."""
         x2, x3, x4 = self.x[:3]
         f, df = self.shift(alpha)
         a = sigmoid(x2 * (alpha + x3))
@@ -124,7 +124,7 @@ class FodSurface(DiagonalIntegrals):
         return on_diagonal - self.slope_alpha(alpha, beta)
 
     def density(self, alpha: Array | float, beta: Array | float) -> Array:
-        """μ(α, β) = ½ ∂²y/∂α∂β (3.5), output per K². The ½ is missing in print (theory.md §8.3)."""
+        """μ(α, β) = ½ ∂²y/∂α∂β (3.5), output per K². The thesis prints it without the ½ (theory.md §8.3)."""
         x2, x3, x4 = self.x[:3]
         f, df = self.shift(alpha)
         a, s = sigmoid(x2 * (alpha + x3)), sigmoid(x4 * (beta + f))
@@ -135,11 +135,11 @@ class FodSurface(DiagonalIntegrals):
         """g(β) = ∂y/∂β(β, β): density of the degenerate relays on α = β, output per kelvin."""
         return self.strip_beta(beta, beta)
 
-    # --- what the operator asks -----------------------------------------------------------------------
+    # --- interface to the operator --------------------------------------------------------------------
 
     @cached_property
     def keyed(self) -> KeyedEverett:
-        """For the loop: inputs are their own keys, F in closed form."""
+        """For the loop: inputs are their own keys, and F is in closed form."""
         params = (*map(float, self.x), 0.25 * self.amplitude)
         return KeyedEverett(self.surface_form.between, params, input_as_keys, inputs_as_keys)
 
@@ -155,7 +155,7 @@ class FodSurface(DiagonalIntegrals):
         return k.between(k.params, alpha, beta)
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """F(α, β), arrays: the same products as ``everett``."""
+        """F(α, β) for arrays, by the same products as ``everett``."""
         a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
         x2, x3, half = self.x[0], self.x[1], 0.5 * self.x[2]
         f = self._shift(a)

@@ -1,7 +1,7 @@
 """A table of FOD data as a hysteresis: bilinear on the triangle, exact at its nodes (thesis §3.4).
 
-Rectangles are bilinear; on the cells cut by the diagonal α = β the surface is linear. No fit, no
-differentiation: this is the interpolation the thesis mentions and does not use. Knows no noise.
+The table is bilinear on rectangles and linear on the cells cut by the diagonal α = β. It needs no fit and no
+differentiation. The thesis mentions this interpolation but does not use it.
 """
 
 from bisect import bisect_right
@@ -22,10 +22,10 @@ Cells = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class FodTable(DiagonalIntegrals):
-    """y(u_i, u_j) for j ≤ i on one partition u (n,), strictly increasing; NaN above the diagonal.
+    """y(u_i, u_j) for j ≤ i on one strictly increasing partition u (n,); NaN above the diagonal.
 
-    The row u_0 is negative saturation; the output there is y[0, 0], and a table whose rows end
-    differently at u_0 (curves that do not merge, §5.4.1) is made to merge by its mean, as the thesis does.
+    The row u_0 is negative saturation, with output y[0, 0]. If the curves of a table end at different outputs at u_0
+    (they do not merge, §5.4.1), their mean replaces these outputs, as in the thesis.
     """
 
     nodes: Array
@@ -35,12 +35,12 @@ class FodTable(DiagonalIntegrals):
 
     def __post_init__(self) -> None:
         _check(self.nodes, self.values)
-        # Above the diagonal nothing is ever used but as a factor of zero: a number there keeps NaN out.
+        # Values above the diagonal are only ever multiplied by zero; a finite number there prevents NaN.
         object.__setattr__(self, "_filled", np.where(np.tri(self.nodes.size, dtype=bool), self.values, 0.0))
 
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, y: ArrayLike, unit: str = "") -> "FodTable":
-        """From y[i, j] at (α_i, β_j); both axes must be the same partition or α its upper part."""
+        """A table from y[i, j] at (α_i, β_j). Both axes are the same partition, or α is its upper part."""
         try:
             a, b, values = (np.asarray(x, dtype=float) for x in (alpha, beta, y))
         except (TypeError, ValueError):
@@ -78,13 +78,13 @@ class FodTable(DiagonalIntegrals):
 
     @property
     def kinks(self) -> Array:
-        """Where derivatives jump: the partition."""
+        """Inputs at which derivatives jump: the partition."""
         return self.nodes
 
     @cached_property
     def keyed(self) -> KeyedEverett:
-        """For the loop: an input's key is its cell's number plus its place in the cell, 0 … n − 1."""
-        drops = np.zeros((self.nodes.size + 1,) * 2)  # F at the nodes, and a last cell no one is inside of
+        """For the loop: an input's key is the number of its cell plus its position in the cell, 0 … n − 1."""
+        drops = np.zeros((self.nodes.size + 1,) * 2)  # F at the nodes, with an unused last cell
         drops[:-1, :-1] = np.diag(self._filled)[:, None] - self._filled
         nodes = self.nodes.tolist()
         return KeyedEverett(
@@ -92,14 +92,14 @@ class FodTable(DiagonalIntegrals):
         )
 
     def everett(self, alpha: float, beta: float) -> float:
-        """F(α, β) = y(α, α) − y(α, β): bilinear in its own nodes, linear on the diagonal cells."""
+        """F(α, β) = y(α, α) − y(α, β): bilinear between its nodes, linear on the diagonal cells."""
         k, low, high = self.keyed, self.lower, self.upper
         a, _ = k.place(k.params, min(max(alpha, low), high))
         b, _ = k.place(k.params, min(max(beta, low), high))
         return _between(k.params, a, b)
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """F(α, β), arrays."""
+        """F(α, β) for arrays."""
         i, s, j, t = self._cells(alpha, beta)
         drops = np.diag(self._filled)[:, None] - self._filled
         near = drops[i, j] + t * (drops[i, j + 1] - drops[i, j])
@@ -112,7 +112,7 @@ class FodTable(DiagonalIntegrals):
         rows = self._filled
         near = rows[i, j] + t * (rows[i, j + 1] - rows[i, j])
         far = rows[i + 1, j] + t * (rows[i + 1, j + 1] - rows[i + 1, j])
-        # the diagonal cell: linear on the triangle (i,i), (i+1,i), (i+1,i+1)
+        # the diagonal cell is linear on the triangle (i,i), (i+1,i), (i+1,i+1)
         rise, fall = rows[i + 1, i] - rows[i, i], rows[i + 1, i + 1] - rows[i + 1, i]
         on_diagonal = rows[i, i] + s * rise + np.where(j == i, t, s) * fall
         return np.where(j >= i, on_diagonal, near + s * (far - near))
@@ -134,7 +134,7 @@ class FodTable(DiagonalIntegrals):
         return np.where(j == i, far, (1 - s) * near + s * far) / width
 
     def _cells(self, alpha: ArrayLike, beta: ArrayLike) -> tuple[Cells, Array, Cells, Array]:
-        """Cell and place in it, 0 … 1, of α and of β (broadcast); inputs beyond saturation are saturated."""
+        """Cell and position in it, 0 … 1, of α and of β (broadcast). Inputs beyond saturation are saturated."""
         a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
         return *self._cell(a, np.searchsorted), *self._cell(b, np.searchsorted)
 
@@ -177,13 +177,13 @@ def _check(nodes: Array, values: Array) -> None:
     if missing.size:
         i, j = missing[0]
         raise DataError(
-            f"FOD table: no value at α = {nodes[i]:g}, β = {nodes[j]:g}; every β ≤ α is needed "
-            "(measure the missing curve, or fit a surface instead)."
+            f"FOD table: no value at α = {nodes[i]:g}, β = {nodes[j]:g}; every β ≤ α is needed. "
+            "Measure the missing curve, or fit a surface."
         )
 
 
 def _merged(values: Array) -> Array:
-    """Let all curves end at one negative saturation output (their mean, §5.5)."""
+    """Make all curves end at one output in negative saturation, their mean (§5.5)."""
     merged = values.copy()
     ends = values[~np.isnan(values[:, 0]), 0]
     merged[:, 0] = ends.mean() if ends.size else np.nan

@@ -1,8 +1,7 @@
-"""A measured first-order curve, and how curves are completed to saturation where they were not measured.
+"""A measured first-order curve, and the completion of curves to saturation beyond their last points.
 
-A curve runs on as its neighbour that reaches further does, the gap between the two closing linearly in β
-until all curves meet in negative saturation; the curve that reaches furthest runs there straight. Knows
-no table and no interpolation across curves.
+A curve continues parallel to the neighbour that reaches further. The gap between both closes linearly in β until all
+curves meet in negative saturation. The curve that reaches furthest continues to saturation in a straight line.
 """
 
 from collections.abc import Sequence
@@ -19,11 +18,11 @@ Line = tuple[Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class ForcCurve:
-    """One first-order descending curve: up to the peak α, then down along β (n,) with outputs y (n,).
+    """One first-order descending curve from the peak α down along β (n,) with outputs y (n,).
 
-    β falls strictly and begins at the peak, so (β₀, y₀) is the major branch's point y(α, α).
-    ``saturation`` is the (input, output) of negative saturation measured with this curve, if it was.
-    Magnetic FORCs rise and are given mirrored, (u, y) → (−u, −y). Raises DataError.
+    β falls strictly and starts at the peak, so (β₀, y₀) is the major branch's point y(α, α). ``saturation`` is the
+    (input, output) of negative saturation if it was measured with this curve. Magnetic FORCs rise; give them mirrored,
+    (u, y) → (−u, −y). Raises DataError.
     """
 
     alpha: float
@@ -35,20 +34,20 @@ class ForcCurve:
         where = f"First-order curve with its peak at {self.alpha:g}"
         if self.beta.ndim != 1 or self.beta.shape != self.y.shape or self.beta.size == 0:
             raise DataError(
-                f"{where}: β has shape {self.beta.shape} and y {self.y.shape}; expected (n,) both."
+                f"{where}: β has shape {self.beta.shape} and y {self.y.shape}; both must be (n,)."
             )
         if not (np.isfinite(self.beta).all() and np.isfinite(self.y).all()):
-            raise DataError(f"{where}: a point is not a number; leave it out.")
+            raise DataError(f"{where}: a point is not a number. Leave it out.")
         if self.beta[0] != self.alpha or np.any(np.diff(self.beta) >= 0):
-            raise DataError(f"{where}: β must begin at the peak and fall strictly.")
+            raise DataError(f"{where}: β must start at the peak and fall strictly.")
 
 
 def saturation(curves: Sequence[ForcCurve]) -> tuple[float, float]:
-    """Negative saturation (u₋, y₋): the furthest that was measured, by calibration point or by curve.
+    """Negative saturation (u₋, y₋): the lowest measured input, from calibration points or curves.
 
-    Every calibration point counts as saturated: u₋ is the least far of them, y₋ their mean output. Where
-    a curve goes beyond that, or there is no such point, u₋ is the least β and y₋ the mean of the curves
-    that end there.
+    Every calibration point counts as saturated: u₋ is the highest of their inputs and y₋ their mean output. If a curve
+    extends below it, or if there is no calibration point, u₋ is the least β and y₋ the mean output of the curves that
+    end there.
     """
     least = min(float(c.beta[-1]) for c in curves)
     points = [c.saturation for c in curves if c.saturation is not None]
@@ -59,7 +58,7 @@ def saturation(curves: Sequence[ForcCurve]) -> tuple[float, float]:
 
 
 def completed_curves(curves: Sequence[ForcCurve], lower: float, y_lower: float) -> list[Line]:
-    """Each curve from (u₋, y₋) to its peak: nodes β rising, and y; curves come by rising peak."""
+    """Each curve from (u₋, y₋) to its peak: rising nodes β, and y. The curves are sorted by rising peak."""
     far = min(range(len(curves)), key=lambda k: curves[k].beta[-1])
     saturation_point = (np.array([lower]), np.array([y_lower]))
     lines = {far: _joined(saturation_point, curves[far])}
@@ -71,7 +70,7 @@ def completed_curves(curves: Sequence[ForcCurve], lower: float, y_lower: float) 
 
 
 def _continued(curve: ForcCurve, guide: Line, lower: float) -> Line:
-    """The guide's nodes beyond the curve's end, with the gap at that end closing linearly in β."""
+    """The guide's nodes beyond the curve's end. The gap at that end closes linearly in β."""
     beta, y = guide
     end = curve.beta[-1]
     if end <= lower:
@@ -82,7 +81,7 @@ def _continued(curve: ForcCurve, guide: Line, lower: float) -> Line:
 
 
 def _joined(tail: Line, curve: ForcCurve) -> Line:
-    """The tail and the curve as one line; at saturation itself the common point stands (§5.5: they merge)."""
+    """The tail and the curve as one line. At saturation the common point is used (§5.5: the curves merge)."""
     beyond_tail = curve.beta > tail[0][-1]
     return (
         np.concatenate([tail[0], curve.beta[beyond_tail][::-1]]),

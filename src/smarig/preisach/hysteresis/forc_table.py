@@ -1,18 +1,18 @@
-"""Irregular measured first-order curves as a hysteresis, without a fit: interpolation of the FOD data (§3.4).
+"""Measured first-order curves with irregular points as a hysteresis, by interpolation of the FOD data (§3.4).
 
-Linear along each curve, linear between neighbouring curves at constant β; between a curve's peak and the
-diagonal, linear from the major branch. On curves that share one partition this is ``FodTable``. Magnetic
-FORCs rise: hand them over mirrored, (u, y) → (−u, −y), and turn the result back with ``Mirrored``.
+The interpolation is linear along each curve and, at constant β, linear between neighbouring curves. Between a curve's
+peak and the diagonal it is linear from the major branch. For curves on one common partition the result is ``FodTable``.
+Magnetic FORCs rise: give them mirrored, (u, y) → (−u, −y), and mirror the result with ``Mirrored``.
 
-What was not measured is filled in, and ``measured`` says where:
+Values that were not measured are filled in; ``measured`` identifies them:
 
 * beyond its last point a curve is completed to saturation along its neighbours (``forc_curve``);
-* below the first peak no curve exists, so no memory is claimed: the output retraces the first curve;
+* below the first peak there is no curve and no memory is assumed: the output retraces the first curve;
 * inputs above the last peak count as positive saturation.
 
-Knows no noise: nodes are met exactly, so measured noise is in the table and branches need not be monotone.
-Drift between curves is left as it is: on magnetic data, dividing by the noisy calibration points predicts
-held-out curves no better, and one sample worse (DECISIONS.md).
+The table passes exactly through the points, so it contains the measured noise, and branches need not be monotone. Drift
+between curves is not corrected: on magnetic data, division by the noisy calibration points does not improve the
+prediction of held-out curves, and makes it worse for one sample (DECISIONS.md).
 """
 
 from bisect import bisect_left, bisect_right
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 class ValueAndSlopes(NamedTuple):
-    """y(α, β), ∂y/∂α and ∂y/∂β, broadcast shapes."""
+    """y(α, β), ∂y/∂α and ∂y/∂β, with broadcast shapes."""
 
     value: Array
     d_alpha: Array
@@ -41,7 +41,7 @@ class ValueAndSlopes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ForcInterpolant:
-    """All lines end to end. ``key`` rises along them: a line's index times twice the range, plus β."""
+    """All lines in one array. ``key`` rises along them: a line's index times twice the range, plus β."""
 
     beta: Array
     y: Array
@@ -52,7 +52,7 @@ class ForcInterpolant:
 
     @classmethod
     def of(cls, lines: list[Line]) -> "ForcInterpolant":
-        """From completed lines in order of rising peaks."""
+        """The interpolant of completed lines, sorted by rising peak."""
         lower, upper = lines[0][0][0], lines[-1][0][-1]
         stride = 2 * (upper - lower)
         key = np.concatenate([k * stride + (b - lower) for k, (b, _) in enumerate(lines)])
@@ -61,7 +61,7 @@ class ForcInterpolant:
         return cls(beta, y, key, first, np.array([b[-1] for b, _ in lines]), float(stride))
 
     def value_and_slopes(self, alpha: ArrayLike, beta: ArrayLike) -> ValueAndSlopes:
-        """Value and slopes at (α, β), β ≤ α; on a kink the slopes are those of one side."""
+        """Value and slopes at (α, β), β ≤ α. At a kink the slopes are one-sided."""
         a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
         k = np.clip(np.searchsorted(self.peaks, a), 0, self.peaks.size - 1)
         below = np.maximum(k - 1, 0)
@@ -80,7 +80,7 @@ class ForcInterpolant:
         )
 
     def _corner(self, a: Array, b: Array, k: NDArray[np.intp], high: Array, d_high: Array) -> ValueAndSlopes:
-        """The triangle on the diagonal: from the major branch (straight between peaks) to the upper curve."""
+        """The triangle at the diagonal: from the major branch (straight between peaks) to the upper curve."""
         below = np.maximum(k - 1, 0)
         top, bottom = self.peaks[k], self.peaks[below]
         on_top, on_bottom = self.y[self.first[k + 1] - 1], self.y[self.first[below + 1] - 1]
@@ -103,9 +103,9 @@ class ForcInterpolant:
 
 @dataclass(frozen=True, eq=False)
 class ForcTable(DiagonalIntegrals):
-    """The hysteresis through first-order curves; satisfies ``Everett`` and ``Differentiable``.
+    """The hysteresis defined by first-order curves; satisfies ``Everett`` and ``Differentiable``.
 
-    ``curves`` come by rising peak; (``lower``, ``y_lower``) is negative saturation, where all meet.
+    ``curves`` are sorted by rising peak. All meet at (``lower``, ``y_lower``), negative saturation.
 
     >>> down = [ForcCurve(a, np.linspace(a, 0.0, 5), a * np.linspace(a, 0.0, 5)) for a in (1.0, 2.0)]
     >>> table = ForcTable.from_curves(down)
@@ -130,7 +130,7 @@ class ForcTable(DiagonalIntegrals):
 
     @classmethod
     def from_curves(cls, curves: Sequence[ForcCurve], unit: str = "") -> "ForcTable":
-        """The table of at least two curves in any order, no two with one peak; saturation as they say."""
+        """A table of at least two curves with different peaks, in any order. Saturation follows from the curves."""
         if len(curves) < 2:
             raise DataError(f"A table needs at least two first-order curves, got {len(curves)}.")
         return cls(tuple(sorted(curves, key=lambda c: c.alpha)), *saturation(curves), unit)
@@ -142,11 +142,11 @@ class ForcTable(DiagonalIntegrals):
 
     @property
     def kinks(self) -> Array:
-        """Where derivatives jump: every node of every curve."""
+        """Inputs at which derivatives jump: every node of every curve."""
         return np.unique(self._interpolant.beta)
 
     def measured(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.bool_]:
-        """Whether y(α, β) is interpolation: both neighbouring curves were measured as far down as β."""
+        """Whether y(α, β) is interpolated: both neighbouring curves were measured at least down to β."""
         a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
         peaks, ends = np.array(self._peaks), np.array([c.beta[-1] for c in self.curves])
         above = np.clip(np.searchsorted(peaks, a), 0, peaks.size - 1)
@@ -163,11 +163,11 @@ class ForcTable(DiagonalIntegrals):
         return self._value(alpha, alpha) - self._value(alpha, beta)
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """F(α, β), arrays."""
+        """F(α, β) for arrays."""
         return self.y(alpha, alpha) - self.y(alpha, beta)
 
     def _value(self, alpha: float, beta: float) -> float:
-        """One point of the surface without arrays, for the tick; ``Strips.value_and_slopes`` is the same in arrays."""
+        """One point of the surface without arrays, for use in the tick. ``value_and_slopes`` is the array version."""
         peaks = self._peaks
         k = min(bisect_left(peaks, alpha), len(peaks) - 1)
         high = _on_line(self._lines[k], beta)
@@ -183,24 +183,24 @@ class ForcTable(DiagonalIntegrals):
         return major + (alpha - beta) / (top - beta) * (high - major)
 
     def strip_alpha(self, alpha: Array, beta: Array) -> Array:
-        """∂F/∂α: the strip a rising input sweeps per unit."""
+        """∂F/∂α: the strip that a rising input sweeps per unit."""
         on_diagonal = self._interpolant.value_and_slopes(alpha, alpha)
         return (
             on_diagonal.d_alpha + on_diagonal.d_beta - self._interpolant.value_and_slopes(alpha, beta).d_alpha
         )
 
     def strip_beta(self, alpha: Array, beta: Array) -> Array:
-        """∂y/∂β: the strip a falling input sweeps per unit."""
+        """∂y/∂β: the strip that a falling input sweeps per unit."""
         return self._interpolant.value_and_slopes(alpha, beta).d_beta
 
     def to_json(self) -> dict[str, Any]:
-        """The measured curves as plain lists; ``from_json`` gives the same table back, bit for bit."""
+        """The measured curves as plain lists. ``from_json`` restores the same table bit for bit."""
         curves = [{"alpha": c.alpha, "beta": c.beta.tolist(), "y": c.y.tolist()} for c in self.curves]
         return {"unit": self.unit, "lower": self.lower, "y_lower": self.y_lower, "curves": curves}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> "ForcTable":
-        """Rebuild from ``to_json``; DataError when a key is missing or wrong."""
+        """The table from ``to_json``. DataError if a key is missing or wrong."""
         try:
             curves = tuple(
                 ForcCurve(float(c["alpha"]), np.array(c["beta"], dtype=float), np.array(c["y"], dtype=float))
@@ -220,10 +220,10 @@ def _on_line(line: tuple[list[float], list[float]], u: float) -> float:
 def _check(curves: tuple[ForcCurve, ...], lower: float) -> None:
     for a, b in pairwise(curves):
         if a.alpha >= b.alpha:
-            raise DataError(f"Two first-order curves have their peak at {b.alpha:g}: average them first.")
+            raise DataError(f"Two first-order curves have their peak at {b.alpha:g}. Average them first.")
     if not curves or curves[0].alpha <= lower:
         raise DataError(
-            f"A first-order curve begins at or below negative saturation ({lower:g}): leave it out."
+            f"A first-order curve starts at or below negative saturation ({lower:g}). Leave it out."
         )
     if any(c.beta[-1] < lower for c in curves):
-        raise DataError(f"A first-order curve goes below negative saturation ({lower:g}): cut it there.")
+        raise DataError(f"A first-order curve extends below negative saturation ({lower:g}). Cut it there.")

@@ -1,7 +1,7 @@
 """The six identified surfaces of Table 5.1 (Gorbet 1997), by name: one_c … two_e.
 
-Printed parameters are rounded (x₅ = −0.0010 has two digits), so errors recomputed from them differ
-in the third digit. One-wire outputs in mm, two-wire in degrees; inputs in kelvin above ambient.
+Printed parameters are rounded (x₅ = −0.0010 has two digits), so errors recomputed from them differ in the third digit.
+One-wire outputs are in mm and two-wire outputs in degrees; inputs are in kelvin above ambient.
 """
 
 from smarig.core import UsageError, suggestion
@@ -20,7 +20,7 @@ _TABLE_5_1: dict[str, tuple[str, tuple[float, ...], dict]] = {
 }
 THESIS_SURFACES = tuple(_TABLE_5_1)
 
-# §5.4.1: the partitions of the identification inputs, kelvin above ambient.
+# §5.4.1: the partitions of the identification inputs, in kelvin above ambient.
 THESIS_PARTITIONS: dict[str, tuple[float, ...]] = {
     "one_wire": (0.0, 1.7, 7.0, 15.7, 27.8, 43.5, 62.7, 85.3, 111.4, 141.0, 174.1),
     "two_wire": (-185.0, -145.0, -105.0, -75.0, -45.0, -15.0, 15.0, 45.0, 75.0, 105.0, 145.0, 185.0),

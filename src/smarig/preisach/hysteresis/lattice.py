@@ -1,4 +1,4 @@
-"""The lattice on which the mass of a hysteresis is added up cell by cell."""
+"""The lattice on which the mass of a hysteresis is summed cell by cell."""
 
 from functools import singledispatch
 
@@ -11,7 +11,7 @@ from smarig.preisach.hysteresis.fod_table import FodTable
 
 @singledispatch
 def lattice(hysteresis: Everett, cells: int) -> NDArray[np.float64]:
-    """Rising inputs from u₋ to u₊: a FOD table's own nodes, else ``cells`` + 1 even ones.
+    """Rising inputs from u₋ to u₊: the nodes of a FOD table, or else ``cells`` + 1 evenly spaced ones.
 
     >>> from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     >>> lattice(thesis_surface("two_c"), 2).tolist()

@@ -1,7 +1,7 @@
-"""A hysteresis seen in the mirror (u, y) → (−u, −y): what FOD is for rising, FOA is for falling.
+"""The mirror image of a hysteresis, (u, y) → (−u, −y). It turns first-order ascending curves into descending ones.
 
-Magnetic first-order reversal curves rise from a reversal point below positive saturation: they are
-FOD curves of the mirrored hysteresis. Reflection keeps the measure: F(α, β) = F̃(−β, −α).
+Magnetic first-order reversal curves rise from a reversal point below positive saturation. They are FOD curves of the
+mirrored hysteresis. Reflection preserves the measure: F(α, β) = F̃(−β, −α).
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Mirrored:
 
     @property
     def lower(self) -> float:
-        """Negative saturation: the image's positive one, reflected."""
+        """Negative saturation: the reflected positive saturation of the image."""
         return -self.image.upper
 
     @property
@@ -41,49 +41,49 @@ class Mirrored:
         return self.image.everett(-beta, -alpha)
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
-        """F(α, β), arrays."""
+        """F(α, β) for arrays."""
         return self.image.swept(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
     @property
     def steps(self) -> NDArray[np.float64]:
-        """Where F jumps, if it does: the image's thresholds, reflected."""
+        """Inputs at which F jumps, if any: the reflected thresholds of the image."""
         return -np.asarray(getattr(self.image, "steps", ()))[::-1]
 
     @property
     def kinks(self) -> NDArray[np.float64]:
-        """Where slopes jump: the image's kinks, reflected."""
+        """Inputs at which slopes jump: the reflected kinks of the image."""
         return -np.asarray(getattr(self.image, "kinks", ()))[::-1]
 
     def strip_alpha(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
-        """∂F/∂α: what a fall sweeps in the mirror. Only where the image has slopes."""
+        """∂F/∂α: the strip that a fall of the image sweeps. Available only if the image has slopes."""
         return self._slopes.strip_beta(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
     def strip_beta(self, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.float64]:
-        """∂y/∂β: what a rise sweeps in the mirror. Only where the image has slopes."""
+        """∂y/∂β: the strip that a rise of the image sweeps. Available only if the image has slopes."""
         return self._slopes.strip_alpha(-np.asarray(beta, dtype=float), -np.asarray(alpha, dtype=float))
 
     @property
     def _slopes(self) -> Differentiable:
         if not hasattr(self.image, "strip_alpha"):
-            raise UsageError(f"{type(self.image).__name__} has no slopes, nor has its mirror image.")
+            raise UsageError(f"{type(self.image).__name__} has no slopes, so its mirror image has none.")
         return cast(Differentiable, self.image)
 
     def from_diagonal(self, centre: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Output change (signed) from B_ℓ to each input: the mirror's from B_−ℓ, reflected."""
+        """Signed output change from B_ℓ to each input: the reflected change of the image from B_−ℓ."""
         return -from_diagonal(self.image, -centre, -u)
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
-        """A rise here is a fall in the mirror."""
+        """Output change of a rise, which is a fall of the image."""
         return self.image.fall_from_diagonal(-centre, -u)
 
     def fall_from_diagonal(self, centre: float, u: float) -> float:
-        """A fall here is a rise in the mirror."""
+        """Output change of a fall, which is a rise of the image."""
         return self.image.rise_from_diagonal(-centre, -u)
 
 
 @singledispatch
 def mirror_image(hysteresis: Everett) -> Everett:
-    """The hysteresis in the mirror; what a ``Mirrored`` mirrors, that it is not mirrored twice."""
+    """The mirror image of a hysteresis. The mirror image of a ``Mirrored`` is its image."""
     return Mirrored(hysteresis)
 
 
@@ -94,7 +94,7 @@ def _image(hysteresis: Mirrored) -> Everett:
 
 @singledispatch
 def unmirrored(hysteresis: Everett) -> Everett:
-    """What stands in the mirror, however often mirrored; else the hysteresis itself."""
+    """The hysteresis without any mirroring."""
     return hysteresis
 
 

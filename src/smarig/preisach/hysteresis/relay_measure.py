@@ -1,7 +1,7 @@
 """A finite, signed measure of relays as a hysteresis: y = Σ mass_k γ_k (3.1), by prefix sums.
 
-Convention: a relay (α, β) is +1 for u ≥ α, −1 for u ≤ β, and remembers in between. In the diagonal
-state B_ℓ relays with α + β < 2ℓ are +1, and so are those with α ≤ ℓ; the others are −1.
+Convention: a relay (α, β) is +1 for u ≥ α and −1 for u ≤ β; in between it keeps its value. In the diagonal state B_ℓ
+the relays with α + β < 2ℓ and those with α ≤ ℓ are +1; the others are −1.
 """
 
 from bisect import bisect_left, bisect_right
@@ -32,7 +32,7 @@ class RelayMeasure:
 
     @classmethod
     def from_arrays(cls, alpha: ArrayLike, beta: ArrayLike, mass: ArrayLike) -> "RelayMeasure":
-        """Build the prefix sums; arrays of one shape (n,)."""
+        """A measure from arrays of one shape (n,), with its prefix sums."""
         try:
             a, b, m = (np.ravel(np.asarray(x, dtype=float)) for x in (alpha, beta, mass))
         except (TypeError, ValueError):
@@ -42,7 +42,7 @@ class RelayMeasure:
         if not (np.isfinite(a).all() and np.isfinite(b).all() and np.isfinite(m).all()):
             raise DataError("A relay has a threshold or a mass that is not finite.")
         if max(np.abs(a).max(), np.abs(b).max(), np.abs(m).max()) > _LARGEST:
-            raise DataError(f"A relay has a threshold or a mass beyond all measure (over {_LARGEST:g}).")
+            raise DataError(f"A relay has a threshold or a mass that is too large (over {_LARGEST:g}).")
         if np.any(a < b):
             raise DataError("A relay has α < β: it must switch up above where it switches down.")
         alphas, rows = np.unique(a, return_inverse=True)
@@ -54,7 +54,7 @@ class RelayMeasure:
 
     @classmethod
     def zero(cls, lower: float, upper: float) -> "RelayMeasure":
-        """No output at all over [lower, upper], one relay of no mass: for following the memory alone."""
+        """A measure with zero output over [lower, upper]: one relay without mass, to follow the memory alone."""
         return cls.from_arrays([upper], [lower], [0.0])
 
     @property
@@ -69,28 +69,28 @@ class RelayMeasure:
 
     @property
     def y_lower(self) -> float:
-        """All relays at −1."""
+        """Output with all relays at −1."""
         return -float(self.mass.sum())
 
     @property
     def steps(self) -> Array:
-        """Inputs at which F jumps, and between which it is constant: the thresholds."""
+        """Inputs at which F jumps: the thresholds. F is constant between them."""
         return np.union1d(self._alphas, self._betas)
 
     @cached_property
     def keyed(self) -> KeyedEverett:
-        """For the loop: an input's keys are its row of prefix sums, as an offset, and its column."""
+        """For the loop: an input's keys are the offset of its row of prefix sums, and its column."""
         alphas, betas = self._alphas.tolist(), self._betas.tolist()
         params = (alphas, betas, self._sums.ravel().tolist(), self._sums.shape[1])
         return KeyedEverett(_between, params, _place, self._places)
 
     def everett(self, alpha: float, beta: float) -> float:
-        """F(α, β): twice the mass of the relays a rise from β to α switches."""
+        """F(α, β): twice the mass of the relays that a rise from β to α switches."""
         alphas, betas, sums, width = self.keyed.params
         return sums[bisect_right(alphas, alpha) * width + bisect_left(betas, beta)]
 
     def swept(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """F(α, β), arrays."""
+        """F(α, β) for arrays."""
         rows = np.searchsorted(self._alphas, alpha, side="right")
         return self._sums[rows, np.searchsorted(self._betas, beta, side="left")]
 
@@ -99,15 +99,15 @@ class RelayMeasure:
         return search(self._alphas, u, "right") * self._sums.shape[1], search(self._betas, u, "left")
 
     def from_diagonal(self, centre: float, u: Array) -> Array:
-        """Output change (signed) from B_ℓ to each input (n,): twice the mass that switches."""
+        """Signed output change from B_ℓ to each input (n,): twice the mass that switches."""
         return np.where(u >= centre, self._mass_switched_on(centre, u), -self._mass_switched_off(centre, u))
 
     def rise_from_diagonal(self, centre: float, u: float) -> float:
-        """Twice the mass switched on by a rise from ℓ to u."""
+        """Twice the mass that a rise from ℓ to u switches on."""
         return float(self._mass_switched_on(centre, np.array(u)))
 
     def fall_from_diagonal(self, centre: float, u: float) -> float:
-        """Twice the mass switched off by a fall from ℓ to u."""
+        """Twice the mass that a fall from ℓ to u switches off."""
         return float(self._mass_switched_off(centre, np.array(u)))
 
     def _mass_switched_on(self, centre: float, u: Array) -> Array:

@@ -1,7 +1,6 @@
-"""A form of the analytic surface (5.5): its shift f(α) and what a fit and a page need of it; forms by name.
+"""Forms of the analytic surface (5.5), by name: the shift f(α) with its properties for fits and pages.
 
-Each form is one file of ``forms/``, an object with the file's name. Everything that differs between forms
-stands there.
+Each form is an object in a file of ``forms/`` with the same name. The file contains everything specific to the form.
 """
 
 from abc import ABC, abstractmethod
@@ -23,34 +22,34 @@ _COMMON_POWERS = {"x2": -1, "x3": 1, "x4": -1}
 class SurfaceForm(ABC):
     """One f(α) of (5.5), α in kelvin above ambient; ``x`` are its own parameters x₅….
 
-    f must be smooth. The verified bounds of the theory hold for every form that names its turning points.
+    f must be smooth. The verified bounds of the theory hold for every form that gives its turning points.
     """
 
     powers: ClassVar[
         Mapping[str, int]
     ]  # own parameters x5… in order, each with its power of the input's unit
-    colour: ClassVar[str]  # on every page
-    place: ClassVar[int]  # in lists, among forms with as many parameters
+    colour: ClassVar[str]  # used on every page
+    place: ClassVar[int]  # order in lists among forms with the same number of parameters
     grows_from: ClassVar[str | None] = "constant"  # the form that is fitted first, for ``starts``
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of all x: x₂, x₃, x₄, which every form has, and its own."""
+        """Names of all parameters x: x₂, x₃, x₄, which every form has, and its own."""
         return (*_COMMON_POWERS, *self.powers)
 
     def units(self, input_unit: str) -> dict[str, str]:
-        """Units of all x by name, for inputs in a unit."""
+        """Units of all parameters by name, for inputs in a given unit."""
         unit_of_power = {-1: f"1/{input_unit}", 0: "1", 1: input_unit}
         powers = {**_COMMON_POWERS, **self.powers}
         return {name: unit_of_power.get(power, f"{input_unit}^{power}") for name, power in powers.items()}
 
     @abstractmethod
     def value(self, x: Parameters, alpha: Array) -> Array:
-        """f(α), shape of α."""
+        """f(α) in the shape of α."""
 
     @abstractmethod
     def slope(self, x: Parameters, alpha: Array) -> Array:
-        """f′(α), shape of α."""
+        """f′(α) in the shape of α."""
 
     @abstractmethod
     def jacobian(self, x: Parameters, alpha: Array) -> Array:
@@ -59,44 +58,44 @@ class SurfaceForm(ABC):
     @staticmethod
     @abstractmethod
     def between(params: Any, alpha: float, beta: float) -> float:
-        """F(α, β) on plain numbers, ``params`` being x₂, x₃, x₄, x… and a quarter of the amplitude.
+        """F(α, β) for plain numbers. ``params`` are x₂, x₃, x₄, x… and a quarter of the amplitude.
 
-        The loop of the operator calls it once a sample and numba compiles it, so that it calls nothing but math.
+        The operator's loop calls it for each sample and numba compiles it, so it may call nothing but math.
         """
 
     def value_turns(self, x: Parameters) -> tuple[float, ...]:
-        """Inputs between which f is monotone: where it can turn; none for a monotone f."""
+        """Inputs at which f can turn; f is monotone between them. Empty for a monotone f."""
         del x
         return ()
 
     def slope_turns(self, x: Parameters) -> tuple[float, ...]:
-        """Inputs between which f′ is monotone."""
+        """Inputs at which f′ can turn; f′ is monotone between them."""
         del x
         return ()
 
     @abstractmethod
     def starts(self, lower: float, upper: float, fitted: Parameters) -> list[Parameters]:
-        """Guesses of all x for data over [u₋, u₊]; ``fitted`` are all x of the fitted form ``grows_from``."""
+        """Starting values of all x for data over [u₋, u₊]; ``fitted`` are all x of the fitted form ``grows_from``."""
 
     def bounds(self, lower: float, upper: float) -> dict[str, tuple[float, float]]:
-        """Least and largest value of own parameters in a fit over [u₋, u₊], for those that need any."""
+        """Smallest and largest values of own parameters in a fit over [u₋, u₊], for those that need limits."""
         del lower, upper
         return {}
 
 
 def surface_form(name: str) -> SurfaceForm:
-    """The form of that name; UsageError lists the known ones."""
+    """The form of that name. UsageError lists the known names."""
     shipped = _shipped_forms().get(name)
     if shipped is not None:
         return shipped
     known = surface_forms()
     if name not in known:
-        raise UsageError(f"Surface form '{name}' is not one of {', '.join(known)}.")
+        raise UsageError(f"Surface form '{name}' must be one of {', '.join(known)}.")
     return known[name]
 
 
 def surface_forms() -> dict[str, SurfaceForm]:
-    """Every form by name, by rising number of parameters, own files that were loaded included.
+    """All forms by name, by rising number of parameters, including own files that were loaded.
 
     >>> list(surface_forms())
     ['constant', 'parabolic', 'exponential']

@@ -1,6 +1,6 @@
-"""Energy in the Preisach model (thesis ch. 7): work, storage, loss, and whether a model is dissipative at all.
+"""Energy in the Preisach model (thesis ch. 7): work, storage, loss, and dissipativity.
 
-Supply rate u ẏ. Knows no wire, no time and no data: energies are output times input units (mm·K, deg·K).
+The supply rate is u ẏ. Energies are in output times input units (mm·K, deg·K).
 """
 
 from smarig.theory.energy.available_storage import AvailableStorage, available_storage

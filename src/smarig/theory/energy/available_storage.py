@@ -1,12 +1,12 @@
-"""The available storage S_a(B): the most energy any input can take out of a state (Willems; thesis Def. 7.1).
+"""The available storage S_a(B): the most energy that any input can extract from a state (Willems; thesis Def. 7.1).
 
     S_a(B) = sup over inputs from B of −∫ u dy
 
-It is the smallest storage function there is: finite for every state exactly when the model is dissipative,
-equal to Q_r for μ ≥ 0 and g ≥ 0, and S_a(B*) = 0 is passivity with zero bias (Thm 8.1). A closed loop costs
-A ≥ 0, so the best input closes none: its excursions first grow, wiping out B, then shrink. On n levels
-that leaves n² situations, solved backwards: exact for relays, whose thresholds are the levels; otherwise the
-best among inputs that turn on the levels, a lower bound that rises with n.
+It is the smallest storage function. It is finite for every state exactly if the model is dissipative, it equals Q_r for
+μ ≥ 0 and g ≥ 0, and S_a(B*) = 0 means passivity with zero bias (Thm 8.1). A closed loop costs A ≥ 0, so the best input
+closes none: its excursions first grow, which wipes out B, and then shrink. On n levels this leaves n² situations, which
+are solved backwards. The result is exact for relays, whose thresholds are the levels. Otherwise it is the best among
+inputs that turn on the levels: a lower bound that rises with n.
 """
 
 import math
@@ -24,14 +24,14 @@ from smarig.theory.energy.moments import breaks, moments_on, rounding
 from smarig.theory.energy.sweep_work import MovingBoundary, work_of_segments
 
 Array = NDArray[np.float64]
-_MAX_LEVELS = 2000  # n² situations, each some hundred bytes
+_MAX_LEVELS = 2000  # n² situations of some hundred bytes each
 
 
 @dataclass(frozen=True)
 class AvailableStorage:
-    """``value`` in output times input units, inf if some loop on the levels gives energy back.
+    """``value`` in output times input units; inf if some loop on the levels returns energy.
 
-    ``exact`` for relay measures; otherwise a lower bound, over the inputs that turn on ``levels`` levels.
+    It is ``exact`` for relay measures. Otherwise it is a lower bound over the inputs that turn on ``levels`` levels.
     """
 
     value: float
@@ -44,7 +44,7 @@ def available_storage(
 ) -> AvailableStorage:
     """S_a of a state, by dynamic programming over the inputs that close no loop.
 
-    ``levels`` is the number of even levels, 2 … 2000 (else UsageError); relays have their own.
+    ``levels`` is the number of evenly spaced levels, 2 … 2000 (else UsageError). Relays use their thresholds.
 
     >>> from smarig.preisach import thesis_surface
     >>> available_storage(thesis_surface("one_e"), "negative").value      # passive with zero bias
@@ -67,7 +67,7 @@ def available_storage(
 
 @singledispatch
 def _inner_levels(hysteresis: Everett, count: int) -> tuple[Array, bool]:
-    """Levels of inputs that turn, and whether no input does better between them: so for thresholds of relays."""
+    """Levels at which inputs turn, and whether no input does better between them, as for thresholds of relays."""
     even = np.linspace(hysteresis.lower, hysteresis.upper, count)
     return np.concatenate([breaks(hysteresis), even]), False
 
@@ -79,7 +79,7 @@ def _thresholds(hysteresis: RelayMeasure, count: int) -> tuple[Array, bool]:
 
 
 def _levels(hysteresis: Everett, state: State, inner: Array) -> Array:
-    """Levels with every corner of the boundary among them; in pairs about the centre of a diagonal one."""
+    """Levels that include every corner of the boundary, in pairs about the centre of a diagonal state."""
     levels = np.concatenate([inner, state.extrema, [state.u, 0.0]])
     if state.diagonal:
         levels = np.concatenate([levels, 2 * state.extrema[0] - levels])
@@ -90,7 +90,7 @@ def _levels(hysteresis: Everett, state: State, inner: Array) -> Array:
 
 def _best_shrinking(rising: Array, falling: Array) -> tuple[Array, Array]:
     """Most energy from inputs that stay inside the last turn: at a maximum i above floor j, and at a minimum j
-    below ceiling i; shape (n, n) each."""
+    below ceiling i. Shape (n, n) each."""
     at_maximum, at_minimum = np.zeros_like(rising), np.zeros_like(rising)
     for i in range(1, len(rising)):
         turn = at_maximum[i - 1] - rising[i - 1]
@@ -104,9 +104,9 @@ def _best_shrinking(rising: Array, falling: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _BoundaryLevels:
-    """The boundary of the initial state, level by level: ``rise[k]`` is the work of its strip between levels
-    ``at`` + k and the next, ``left[k]`` the level where that strip ends; ``fall[j]`` is what the strip between
-    levels j and j + 1 gives back, ``top[j]`` where it ends. ``at`` is the level of the present input."""
+    """The boundary of the initial state, level by level. ``rise[k]`` is the work of its strip between levels
+    ``at`` + k and the next, and ``left[k]`` the level where that strip ends. ``fall[j]`` is the energy that the strip
+    between levels j and j + 1 returns, and ``top[j]`` the level where it ends. ``at`` is the level of the input."""
 
     at: int
     rise: Array
@@ -116,21 +116,21 @@ class _BoundaryLevels:
 
     @classmethod
     def of(cls, hysteresis: Everett, state: State, levels: Array) -> "_BoundaryLevels":
-        """Leave the state upwards and downwards, level by level."""
+        """Boundary of a state, found by leaving it upwards and downwards, level by level."""
         at = int(np.searchsorted(levels, state.u))
         rise, left = _strips(hysteresis, state, levels[at:])
         fall, top = _strips(hysteresis, state, levels[at::-1])
         boundary = (
             np.append(left, np.inf),
             np.append(top[::-1], np.inf),
-        )  # the last level has no strip of its own
+        )  # the last level has no strip
         near = 1e-9 * float(np.ptp(levels))
         left, top = (np.searchsorted(levels, np.clip(e, levels[0], levels[-1]) - near) for e in boundary)
         return cls(at, rise, left, -fall[::-1], top)
 
 
 def _strips(hysteresis: Everett, state: State, stops: Array) -> tuple[Array, Array]:
-    """Work of each strip on a monotone move from stop to stop, and where the strip ends at its far side."""
+    """Work of each strip of a monotone move from stop to stop, and the far end of each strip."""
     memory = MovingBoundary(state, hysteresis.lower, hysteresis.upper)
     segments = [segment for stop in stops[1:].tolist() for segment in memory.move(stop)]
     ends = [2 * p.base - p.stop if p.diagonal else p.base for p in segments]
@@ -140,13 +140,13 @@ def _strips(hysteresis: Everett, state: State, stops: Array) -> tuple[Array, Arr
 def _best_growing(
     boundary: _BoundaryLevels, rising: Array, falling: Array, shrinking: tuple[Array, Array]
 ) -> float:
-    """Most energy from the state: windows [j, i] of levels visited so far, widest first."""
+    """Most energy from the state, over windows [j, i] of levels visited so far, widest first."""
     n, at = len(rising), boundary.at
     at_maximum, at_minimum = shrinking
     high, low = (
         np.full((n + 1, n + 1), -np.inf),
         np.full((n + 1, n + 1), -np.inf),
-    )  # [i, j + 1]; border: outside
+    )  # [i, j + 1]; the border lies outside
     for i in range(n - 1, at - 1, -1):
         for j in range(at + 1):
             down = up = -math.inf

@@ -1,6 +1,6 @@
 """Bounds of the density μ of an analytic surface (5.5) over boxes, by interval arithmetic on its closed form.
 
-Bounds, not samples: whatever μ does inside a box, it stays between them. Knows FodSurface and no energy.
+μ lies between these bounds everywhere in a box; they are not samples.
 """
 
 from dataclasses import dataclass
@@ -19,8 +19,8 @@ def density_bounds(surface: FodSurface, a0: Array, a1: Array, b0: Array, b1: Arr
 
     2μ = c · a · x₄ s(1 − s) · [x₂(1 − a) + x₄ f′ (1 − 2s)],   a = σ(x₂(α + x₃)),   s = σ(x₄(β + f(α))).
 
-    a and s(1 − s) are positive, so the sign comes from the bracket alone, even where s(1 − s) underflows;
-    the bracket, where terms cancel, is widened by its rounding.
+    a and s(1 − s) are positive, so the bracket alone determines the sign, even where s(1 − s) underflows. Where terms
+    of the bracket cancel, its bounds are widened by the rounding error.
     """
     x2, x3, x4 = surface.x[:3]
     f, df = shift_bounds(surface, Interval(a0, a1))
@@ -52,7 +52,7 @@ class DensityCells:
 
     @classmethod
     def of(cls, surface: FodSurface, n: int) -> "DensityCells":
-        """Bound the density of a surface in every cell on and below the diagonal."""
+        """Bounds of the density of a surface in every cell on and below the diagonal."""
         levels = np.linspace(surface.lower, surface.upper, n + 1)
         low = np.zeros((n, n))
         i, j = np.tril_indices(n)
@@ -85,10 +85,10 @@ class DensityCells:
         return np.cumsum(np.cumsum(negative, axis=0)[:, ::-1], axis=1)[:, ::-1] == 0
 
     def _cellwise(self, near: Array, far: Array) -> tuple[Array, Array]:
-        """A cell the strip crosses entirely, and one it may end in."""
+        """Contribution of a cell that the strip crosses entirely, and of one in which it may end."""
         return np.tril(np.minimum(self.low * near, self.low * far), -1), np.minimum(self.low, 0.0) * far
 
     @staticmethod
     def _diagonal_part(part: Array) -> Array:
-        """The triangle on the diagonal, which every strip touches."""
+        """Contribution of the triangle on the diagonal, which every strip touches."""
         return np.diag(part)

@@ -2,8 +2,8 @@
 
     slack_k = Q_r(B₀) + ∫_{t₀}^{t_k} u ẏ dt − Q_r(B_k) ≥ 0        for μ ≥ 0 and g ≥ 0
 
-The slack is the energy lost in the hysteresis so far; it never shrinks then. A negative slack says that Q_r
-is no storage function of this model, not that there is none: that is ``certify``'s question.
+The slack is the energy lost in the hysteresis so far; under these conditions it never decreases. A negative slack shows
+that Q_r is not a storage function of this model. Another one may exist; ``certify`` decides this.
 """
 
 from dataclasses import dataclass
@@ -22,10 +22,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class EnergyBalance:
-    """Energies along a run, shape (n,) each, output times input units.
+    """Energies along a run, shape (n,) each, in output times input units.
 
-    ``supplied`` ∫ u dy since the initial state, ``stored`` Q_r of the state at each sample, ``stored_before``
-    Q_r of the initial state, ``slack`` the dissipation so far, ``rounding`` what it may be wrong by.
+    ``supplied`` is ∫ u dy since the initial state, ``stored`` is Q_r at each sample, ``stored_before`` is Q_r of the
+    initial state, ``slack`` is the energy dissipated so far, and ``rounding`` is the possible error.
     """
 
     supplied: Array
@@ -40,7 +40,7 @@ class EnergyBalance:
 
     @property
     def smallest(self) -> tuple[float, int]:
-        """The smallest slack and the sample where it is."""
+        """The smallest slack and its sample."""
         where = int(np.argmin(self.slack))
         return float(self.slack[where]), where
 
@@ -60,8 +60,8 @@ class EnergyBalance:
 def energy_balance(hysteresis: Everett, u: ArrayLike, initial: Initial = "negative") -> EnergyBalance:
     """Energies along the inputs u (n,), monotone between samples, from an initial state.
 
-    Each move's ∫ u dy is exact (``sweep``). Raises DataError for an input that is empty, not finite or not
-    one-dimensional.
+    ∫ u dy of each move is exact (``sweep``). UsageError if the input is not one-dimensional; DataError if it is empty
+    or not finite.
 
     >>> from smarig.preisach import thesis_surface
     >>> energy_balance(thesis_surface("two_c"), [150.0, -80.0, 30.0], "anhysteretic").holds
@@ -69,9 +69,9 @@ def energy_balance(hysteresis: Everett, u: ArrayLike, initial: Initial = "negati
     """
     inputs = np.asarray(u, dtype=float)
     if inputs.ndim != 1:
-        raise UsageError(f"An energy balance takes a one-dimensional input, got shape {inputs.shape}.")
+        raise UsageError(f"An energy balance needs a one-dimensional input, got shape {inputs.shape}.")
     if not inputs.size or not np.isfinite(inputs).all():
-        raise DataError("An energy balance needs at least one input, all of them finite.")
+        raise DataError("An energy balance needs at least one input, and all inputs must be finite.")
     start = initial_state(hysteresis, initial)
     memory = MovingBoundary(start, hysteresis.lower, hysteresis.upper)
     moves: list[list[SweepSegment]] = []
@@ -85,7 +85,7 @@ def energy_balance(hysteresis: Everett, u: ArrayLike, initial: Initial = "negati
 
 
 def initial_state(hysteresis: Everett, initial: Initial) -> State:
-    """The state an operator of this hysteresis begins in."""
+    """The initial state of an operator of this hysteresis."""
     return Preisach(hysteresis, initial).state
 
 
@@ -96,7 +96,7 @@ def _per_move(hysteresis: Everett, moves: list[list[SweepSegment]]) -> Array:
 
 
 def recoverable_energy(hysteresis: Everett, state: State) -> float:
-    """Q_r(B) of a state, output times input units; zero at u = 0 (Prop. 7.1), ≥ 0 for μ ≥ 0 and g ≥ 0.
+    """Q_r(B) of a state in output times input units; zero at u = 0 (Prop. 7.1), ≥ 0 for μ ≥ 0 and g ≥ 0.
 
     >>> from smarig.preisach import thesis_surface
     >>> from smarig.preisach import Preisach

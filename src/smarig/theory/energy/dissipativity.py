@@ -1,10 +1,10 @@
-"""Is a Preisach model dissipative with any storage function at all? Decided by its loop areas, exactly.
+"""Decides by the loop areas, exactly, whether a Preisach model is dissipative with any storage function.
 
     dissipative (supply u ẏ, bounded range and memory)  ⇔  A(M, m) = 2∬_{m≤β≤α≤M} μ(α − β) ≥ 0 for all m < M
 
-The thesis proves the sufficient condition μ ≥ 0 (Thm 7.4) and asks for a necessary one (ch. 9); this is it,
-and it needs no sign of μ or g. Proof and figures: docs/explanation/dissipativity.md. Tables and relay measures are
-decided by an exact minimum, analytic surfaces by a verified lower bound. Refuses to sample and hope.
+The thesis proves the sufficient condition μ ≥ 0 (Thm 7.4) and asks for a necessary one (ch. 9). This condition is
+necessary and sufficient, whatever the signs of μ and g. Proof and figures: docs/explanation/dissipativity.md. Tables
+and relay measures are decided by an exact minimum, analytic surfaces by a verified lower bound. No sampling is used.
 """
 
 from dataclasses import dataclass, replace
@@ -20,19 +20,18 @@ from smarig.theory.energy.moments import area as area_of
 from smarig.theory.energy.moments import rounding
 
 _FIRST_CELLS, _MAX_CELLS = 64, 512
-_TIGHTNESS = 0.05  # a negative minimum is known well enough when the bound is this close, relatively
+_TIGHTNESS = 0.05  # relative accuracy of the bound at which a negative minimum is known well enough
 
 
 @dataclass(frozen=True)
 class DissipativityCertificate:
-    """What is proved of a model's loop areas; output times input units.
+    """What is proved about the loop areas of a model, in output times input units.
 
-    ``dissipative`` is None when the bound was not tight enough to decide. ``area`` is the smallest loop area
-    found, at the loop ``at`` = (M, m); every loop's area is at least ``lower_bound`` (equal to ``area`` where
-    the minimum is exact). ``area`` is never above 0, the value of the degenerate loop M = m. Areas within
-    ``tolerance`` of zero are rounding, and an exact minimum that small is given as 0. ``evaluations`` counts the
-    loops or cells looked at. ``unit`` is that of the areas and ``input_unit`` that of the loop, empty where the
-    hysteresis does not say.
+    ``dissipative`` is None if the bound is not tight enough to decide. ``area`` is the smallest loop area found, at the
+    loop ``at`` = (M, m). Every loop area is at least ``lower_bound``, which equals ``area`` if the minimum is exact.
+    ``area`` is never above 0, the value of the degenerate loop M = m. Areas within ``tolerance`` of zero are rounding;
+    an exact minimum that small is given as 0. ``evaluations`` counts the loops or cells evaluated. ``unit`` is that of
+    the areas and ``input_unit`` that of the loop; they are empty if the hysteresis has no units.
     """
 
     dissipative: bool | None
@@ -55,8 +54,8 @@ class DissipativityCertificate:
             )
         if self.dissipative is None:
             return (
-                f"Undecided: loop areas lie above {_with_unit(f'{self.lower_bound:.3g}', self.unit)}, none seen is "
-                "below "
+                f"Undecided: all loop areas exceed {_with_unit(f'{self.lower_bound:.3g}', self.unit)}; "
+                "the smallest one found is "
                 f"{_with_unit(f'{self.area:.3g}', self.unit)}."
             )
         return (
@@ -71,20 +70,22 @@ def _with_unit(number: str, unit: str) -> str:
 
 
 def certify(hysteresis: Everett) -> DissipativityCertificate:
-    """Decide dissipativity of a surface, table, relay measure, or the mirror image of one.
+    """Decide the dissipativity of a surface, a table, a relay measure, or the mirror image of one.
 
     >>> from smarig.preisach import thesis_surface
     >>> certify(thesis_surface("one_e")).dissipative, certify(thesis_surface("one_p")).dissipative
     (True, False)
     """
-    return _certified(getattr(hysteresis, "hysteresis", hysteresis))  # an operator stands for what it runs on
+    return _certified(
+        getattr(hysteresis, "hysteresis", hysteresis)
+    )  # accept an operator in place of its hysteresis
 
 
 @singledispatch
 def _certified(hysteresis: Everett) -> DissipativityCertificate:
     raise UsageError(
-        f"Dissipativity of a {type(hysteresis).__name__} cannot be decided exactly: "
-        "give an analytic surface, a table on one partition, or a measure of relays."
+        f"Dissipativity of a {type(hysteresis).__name__} cannot be decided exactly. "
+        "Give an analytic surface, a table on one partition, or a measure of relays."
     )
 
 
@@ -92,7 +93,7 @@ def _certified(hysteresis: Everett) -> DissipativityCertificate:
 def _certified_mirrored(hysteresis: Mirrored) -> DissipativityCertificate:
     image = certify(hysteresis.image)
     high, low = image.at
-    # magnetic curves come in the mirror: their inputs are no kelvin
+    # magnetic curves are given mirrored, and their inputs are not in kelvin
     return replace(image, at=(-low, -high), unit="", input_unit="")
 
 
@@ -124,7 +125,7 @@ def _exact(
 
 
 def _least_of_relays(measure: RelayMeasure) -> tuple[float, tuple[float, float], int]:
-    """A changes at thresholds only, and is itself the Everett function of the measure mass · (α − β)."""
+    """A changes only at thresholds. It is the Everett function of the measure mass · (α − β)."""
     losses = RelayMeasure.from_arrays(
         measure.alpha, measure.beta, measure.mass * (measure.alpha - measure.beta)
     )
@@ -135,7 +136,7 @@ def _least_of_relays(measure: RelayMeasure) -> tuple[float, tuple[float, float],
 
 
 def _bounded(surface: FodSurface, tolerance: float) -> DissipativityCertificate:
-    """Halve the cells until the bound decides, and is tight if the answer is no."""
+    """Halve the cells until the bound decides and, if the answer is no, until it is tight."""
     small = negative_small_loop(surface)
     cells, evaluations = _FIRST_CELLS, 0
     while True:
@@ -157,7 +158,7 @@ def _bounded(surface: FodSurface, tolerance: float) -> DissipativityCertificate:
 
 
 def _refined_minimum(surface: FodSurface, bound: AreaBound) -> tuple[float, tuple[float, float]]:
-    """The smallest area among nodes, taken down to the minimum beside it."""
+    """The smallest area among the nodes, refined to the nearby minimum."""
     if bound.area >= 0:
         return bound.area, bound.at
     scale = (surface.upper - surface.lower) / 100

@@ -1,4 +1,4 @@
-"""A verified lower bound of the loop area over every loop of an analytic surface (5.5).
+"""A verified lower bound of the loop area over all loops of an analytic surface (5.5).
 
 The triangle is cut into boxes. In a box of loops (M, m) ∈ [u_i, u_i+1] × [u_j, u_j+1] the smallest loop is
 (u_i, u_j+1), and A grows from it by strip moments,
@@ -6,10 +6,10 @@ The triangle is cut into boxes. In a box of loops (M, m) ∈ [u_i, u_i+1] × [u_
     A(M, m) = A(u_i, u_j+1) + ∫ ∂A/∂M + ∫ (−∂A/∂m)
     ∂A/∂M = 2∫_m^M μ(M, β)(M − β) dβ,    −∂A/∂m = 2∫_m^M μ(α, m)(α − m) dα,
 
-each bounded below by interval arithmetic on μ, cell by cell. At a minimum inside the triangle the strip
-moments vanish, so the bound closes in on A with the square of the cell. Where no cell of the triangle under
-a box can be negative, A ≥ 0 holds without looking at A: that settles the diagonal, where A → 0 like the cube
-of the loop, and the tails, where A is below rounding. Refuses to sample.
+each bounded below by interval arithmetic on μ, cell by cell. At a minimum inside the triangle the strip moments vanish,
+so the bound approaches A with the square of the cell size. If no cell of the triangle under a box can be negative,
+A ≥ 0 holds without computing A. This decides the diagonal, where A → 0 with the cube of the loop size, and the tails,
+where A is below rounding. No sampling is used.
 """
 
 from typing import NamedTuple
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 class AreaBound(NamedTuple):
-    """What one cut of the triangle shows: no loop's area is below ``low``; the smallest on its nodes is ``area``."""
+    """Result for one subdivision: every loop area is at least ``low``; the smallest on the nodes is ``area``."""
 
     low: float
     area: float
@@ -36,7 +36,7 @@ class AreaBound(NamedTuple):
 def area_bound(surface: FodSurface, cells: int, rounding: float) -> AreaBound:
     """Lower bound of min A, and the smallest A on the nodes, from ``cells`` equal cells per axis.
 
-    ``rounding`` is what an area on a node may be wrong by; it is taken off wherever such an area is used.
+    ``rounding`` is the possible error of an area on a node. It is subtracted wherever such an area is used.
     """
     cut = DensityCells.of(surface, cells)
     areas = areas_on(surface, cut.levels)
@@ -51,7 +51,7 @@ def area_bound(surface: FodSurface, cells: int, rounding: float) -> AreaBound:
 
 
 def _growth(cut: DensityCells) -> Array:
-    """Least growth of A inside each box, from its smallest loop, shape (n, n)."""
+    """Least growth of A inside each box from its smallest loop, shape (n, n)."""
     gap = cut.levels[:-1, None] - cut.levels[:-1]
     near, far = cut.h * np.maximum(gap - cut.h / 2, 0.0), cut.h * np.maximum(gap + cut.h / 2, 0.0)
     rates = np.minimum(cut.across(near, far), 0.0) + np.minimum(cut.along(near, far), 0.0)
@@ -59,10 +59,10 @@ def _growth(cut: DensityCells) -> Array:
 
 
 def negative_small_loop(surface: FodSurface, points: int = 257) -> tuple[float, tuple[float, float]] | None:
-    """A loop proved to have A < 0 because μ < 0 in all of it, at the diagonal: (upper bound of A, (M, m)).
+    """A loop at the diagonal proved to have A < 0, because μ < 0 in all of it: (upper bound of A, (M, m)).
 
-    Where μ(u, u) < 0 every small enough loop about u has A ≤ 2 max μ · (M − m)³/6 < 0, however far below
-    rounding that is. None when μ(u, u) ≥ 0 at all ``points`` of the diagonal looked at.
+    Where μ(u, u) < 0, every small enough loop about u has A ≤ 2 max μ · (M − m)³/6 < 0, even if that is below
+    rounding. None if μ(u, u) ≥ 0 at all ``points`` of the diagonal that are evaluated.
     """
     u = np.linspace(surface.lower, surface.upper, points)
     worst = float(u[np.argmin(density_bounds(surface, u, u, u, u).high)])
@@ -78,9 +78,9 @@ def negative_small_loop(surface: FodSurface, points: int = 257) -> tuple[float, 
 
 
 def least_area(table: FodTable) -> tuple[float, tuple[float, float]]:
-    """min A over all loops m < M of a table, and the loop (M, m); zero if no loop is negative.
+    """min A over all loops m < M of a table, and its loop (M, m). It is zero if no loop is negative.
 
-    The degenerate loop M = m counts, so the minimum is never positive.
+    The degenerate loop M = m is included, so the minimum is never positive.
     """
     u = table.nodes
     width = np.diff(u)
@@ -126,7 +126,7 @@ class AreaPolynomial:
         return self.area + across + along + self.c * s * t * (self.h + (s + t) / 2)
 
     def minimum(self, w: float, v: float) -> tuple[float, float, float]:
-        """Least value on the cell, and s, t there."""
+        """Least value on the cell, with its s and t."""
         points = [(0.0, 0.0), (w, 0.0), (0.0, v), (w, v)]
         points += [(s, t) for t in (0.0, v) if (s := self._stationary_s(t)) is not None]
         points += [(s, t) for s in (0.0, w) if (t := self._stationary_t(s)) is not None]
@@ -134,7 +134,7 @@ class AreaPolynomial:
         return min((self(s, t), s, t) for s, t in points if 0.0 <= s <= w and 0.0 <= t <= v)
 
     def _stationary_s(self, t: float) -> float | None:
-        """∂A/∂s = 0 is linear in s."""
+        """The root s of ∂A/∂s = 0, which is linear in s."""
         slope = 2 * self.a[1] + self.c * t
         return None if slope == 0.0 else -(self.a[0] + self.c * t * (self.h + t / 2)) / slope
 
@@ -143,7 +143,7 @@ class AreaPolynomial:
         return None if slope == 0.0 else -(self.b[0] + self.c * s * (self.h + s / 2)) / slope
 
     def _interior_t(self) -> list[float]:
-        """t where ∂A/∂t = 0 too, with s = N/D from ∂A/∂s = 0: a quartic."""
+        """t where also ∂A/∂t = 0, with s = N/D from ∂A/∂s = 0: roots of a quartic."""
         (a1, a2), (b1, b2), c, h = self.a, self.b, self.c, self.h
         t = Polynomial([0.0, 1.0])
         n, d = -(a1 + c * t * (h + t / 2)), 2 * a2 + c * t

@@ -1,15 +1,15 @@
-"""Work as an Everett function: the moments of ν over triangles, from F alone.
+"""Work as an Everett function: the moments of ν over triangles, computed from F alone.
 
-A rising input that sweeps Ω does the work ∬_Ω α dν, a falling one −∬_Ω β dν (thesis (7.2)); over the
-triangle with corner (α, β) both follow from F by parts, with no derivative and no density:
+A rising input that sweeps Ω does the work ∬_Ω α dν, and a falling one −∬_Ω β dν (thesis (7.2)). For the triangle with
+corner (α, β) both follow from F by parts, without derivative or density:
 
     up(α, β)   = ∬ α′ dν = α F(α, β) − ∫_β^α F(v, β) dv            work of rising from β to α
-    down(α, β) = ∬ β′ dν = β F(α, β) + ∫_β^α F(α, v) dv            work given back when falling from α to β
+    down(α, β) = ∬ β′ dν = β F(α, β) + ∫_β^α F(α, v) dv            work returned when falling from α to β
     A(α, β)    = up − down = ∫_β^α [F(α, β) − F(α, v) − F(v, β)] dv    area of the loop β ↔ α
 
-ν carries the reversible part g: it enters both moments as ∫ v g(v) dv and cancels in A. The integrals are
-Gauss–Legendre on panels that end where F is not smooth: exact for tables (piecewise linear along a line)
-and for relay measures (piecewise constant), exact to rounding for surfaces. Knows F; refuses to know μ.
+ν contains the reversible part g, which adds ∫ v g(v) dv to both moments and cancels in A. The integrals are
+Gauss–Legendre sums on panels that end where F is not smooth: exact for tables (piecewise linear along a line) and relay
+measures (piecewise constant), exact to rounding for surfaces.
 """
 
 from collections.abc import Callable
@@ -23,17 +23,15 @@ from smarig.preisach import Everett, Mirrored, RelayMeasure
 
 Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-_PANELS = (
-    24  # of a smooth surface's range: 12 nodes on a 24th of it reach rounding for every Table 5.1 surface
-)
+_PANELS = 24  # panels over a smooth surface's range: 12 nodes on each are exact to rounding for every Table 5.1 surface
 
 
 @singledispatch
 def breaks(hysteresis: Everett) -> Array:
-    """Where F is not smooth along either axis, with the ends of the range; rising, shape (n,).
+    """Inputs at which F is not smooth along either axis, and the ends of the range; rising, shape (n,).
 
-    Relay thresholds, table nodes, or an even cut where derivatives never jump. A hysteresis that names no
-    ``kinks`` is taken as smooth.
+    These are relay thresholds, table nodes, or an even division if derivatives never jump. A hysteresis without
+    ``kinks`` is assumed to be smooth.
     """
     kinks = np.asarray(getattr(hysteresis, "kinks", ()), dtype=float)
     even = np.linspace(hysteresis.lower, hysteresis.upper, 2 if kinks.size else _PANELS + 1)
@@ -52,7 +50,7 @@ def _breaks_of_mirrored(hysteresis: Mirrored) -> Array:
 
 @singledispatch
 def rounding(hysteresis: Everett) -> float:
-    """What a computed work or loop area may be wrong by: 1e-13 of the largest output swing times the largest input."""
+    """Possible error of a computed work or loop area: 1e-13 of the largest output range times the largest input."""
     u = breaks(hysteresis)
     output_changes = np.abs(np.tril(hysteresis.swept(np.maximum(u[:, None], u), u)))
     return 1e-13 * _largest_input(u) * float(output_changes.max())
@@ -70,7 +68,7 @@ def _largest_input(u: Array) -> float:
 def integral(f: Callable[[Array, NDArray[np.intp]], Array], a: Array, b: Array, cuts: Array) -> Array:
     """∫_a^b f(v, k) dv for intervals k with a ≤ b, shape (n,), each split at ``cuts``.
 
-    ``f`` takes points (p, q) and the interval each row belongs to, as a column (p, 1).
+    ``f`` takes points (p, q) and, as a column (p, 1), the interval to which each row belongs.
     """
     first = np.searchsorted(cuts, a, side="right")
     count = np.maximum(np.searchsorted(cuts, b, side="left") - first, 0) + 1
@@ -93,7 +91,7 @@ def up(hysteresis: Everett, alpha: ArrayLike, beta: ArrayLike) -> Array:
 
 
 def down(hysteresis: Everett, alpha: ArrayLike, beta: ArrayLike) -> Array:
-    """∬ β′ dν over the triangles with corners (α, β): work given back on falling from α to β. Broadcasts."""
+    """∬ β′ dν over the triangles with corners (α, β): work returned when falling from α to β. Broadcasts."""
     a, b, shape = _flat(alpha, beta)
     under = integral(lambda v, k: hysteresis.swept(a[k], v), b, a, breaks(hysteresis))
     return (b * hysteresis.swept(a, b) + under).reshape(shape)
@@ -102,7 +100,7 @@ def down(hysteresis: Everett, alpha: ArrayLike, beta: ArrayLike) -> Array:
 def loop_area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
     """A(M, m) = 2∬_{m≤β≤α≤M} μ(α − β) dα dβ: work lost in one cycle m → M → m, ∮ u dy. Broadcasts.
 
-    Output times input units (mm·K, deg·K). Zero for M = m; g does not enter. UsageError unless
+    In output times input units (mm·K, deg·K). Zero for M = m; independent of g. UsageError unless
     u₋ ≤ m ≤ M ≤ u₊.
 
     >>> from smarig.preisach import thesis_surface
@@ -111,7 +109,7 @@ def loop_area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
     """
     a, b, _ = _flat(upper, lower)
     low, high = hysteresis.lower, hysteresis.upper
-    inside = (low <= b) & (b <= a) & (a <= high)  # NaN is nowhere inside
+    inside = (low <= b) & (b <= a) & (a <= high)  # false for NaN
     if not inside.all():
         k = int(np.argmin(inside))
         raise UsageError(f"A loop needs {low:g} ≤ m ≤ M ≤ {high:g}, got m = {b[k]} and M = {a[k]}.")
@@ -119,7 +117,7 @@ def loop_area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
 
 
 def area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
-    """The formula of ``loop_area`` for any M and m: a search for the least may look beyond the triangle."""
+    """The formula of ``loop_area`` for any M and m, because a search for the minimum may leave the triangle."""
     a, b, shape = _flat(upper, lower)
 
     def rectangle(v: Array, k: NDArray[np.intp]) -> Array:
@@ -131,7 +129,7 @@ def area(hysteresis: Everett, upper: ArrayLike, lower: ArrayLike) -> Array:
 def moments_on(hysteresis: Everett, levels: Array) -> tuple[Array, Array]:
     """up(u_i, u_j) and down(u_i, u_j) for j ≤ i on rising levels (n,), shape (n, n); zero above the diagonal.
 
-    One cell of one line is integrated once: n² integrals for all n² loops.
+    Each cell of each line is integrated once: n² integrals for all n² loops.
     """
     n = levels.size
     cells = np.arange(n - 1)

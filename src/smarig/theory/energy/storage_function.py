@@ -1,13 +1,13 @@
-"""Does the thesis's own storage function Q_r (7.1) carry further than μ ≥ 0? A sufficient test, exact per kind.
+"""A sufficient test, exact per kind, whether the thesis's storage function Q_r (7.1) is valid beyond μ ≥ 0.
 
-Along a sweep Q_r(B) + ∫u dy − Q_r(B₁) changes by a strip moment; a fall at u > 0 or a rise at u < 0 only takes
-stored energy back. With β⁺ = max(β, 0) and α⁻ = min(α, 0), Thm 7.4 holds with storage Q_r if for all m < M
+Along a sweep Q_r(B) + ∫u dy − Q_r(B₁) changes by a strip moment. A fall at u > 0 or a rise at u < 0 only returns stored
+energy. With β⁺ = max(β, 0) and α⁻ = min(α, 0), Thm 7.4 holds with storage Q_r if for all m < M
 
     rise at M > 0:   2∫_m^M μ(M, β)(M − β⁺) dβ ≥ 0        fall at m < 0:   2∫_m^M μ(α, m)(α⁻ − m) dα ≥ 0
 
-and Q_r ≥ 0, for which non-negative strips of ν are enough: ∂_βy(M, β) ≥ 0 for β > 0, ∂_αF(α, m) ≥ 0 for α < 0.
-Then Q_r is the available storage too (the return to zero takes all of it), and every state at u = 0 has none:
-the model is passive with zero bias (Thm 8.1) whatever the sign of μ. Refuses to say no: False is "not proved".
+and Q_r ≥ 0. Non-negative strips of ν are sufficient for the latter: ∂_βy(M, β) ≥ 0 for β > 0, ∂_αF(α, m) ≥ 0 for α < 0.
+Then Q_r is also the available storage, because the return to zero extracts all of it, and every state at u = 0 has
+none. The model is passive with zero bias (Thm 8.1), whatever the sign of μ. The result False means "not proved".
 """
 
 from functools import singledispatch
@@ -34,8 +34,8 @@ def recoverable_energy_is_storage(hysteresis: Everett, cells: int = 512) -> bool
     """
     _check_cells(cells)
     raise UsageError(
-        f"Whether Q_r is a storage function of a {type(hysteresis).__name__} is not decided: "
-        "give an analytic surface or a measure of relays."
+        f"Whether Q_r is a storage function of a {type(hysteresis).__name__} cannot be decided. "
+        "Give an analytic surface or a measure of relays."
     )
 
 
@@ -73,7 +73,7 @@ def _strips_are_positive(surface: FodSurface, cut: DensityCells) -> bool:
     f = np.sort(np.stack([surface.shift(below)[0], surface.shift(above)[0]]), axis=0)
     z = np.stack([x4 * (below + f[0]), x4 * (above + f[1])])
     bell = np.minimum(*(0.25 / np.cosh(np.minimum(np.abs(z) / 2, 300.0)) ** 2))
-    # f at the ends of a cell is its range only where f does not turn
+    # the values of f at the ends of a cell are its range only where f does not turn
     turns = bool(surface.surface_form.value_turns(surface.x[3:]))
     reversible = np.zeros(below.size) if turns else surface.amplitude * x4 * first * bell
     whole = np.full(cut.low.shape, cut.h)
@@ -83,7 +83,7 @@ def _strips_are_positive(surface: FodSurface, cut: DensityCells) -> bool:
 
 @recoverable_energy_is_storage.register
 def _relays(hysteresis: RelayMeasure, cells: int = 512) -> bool:
-    """The same strips, threshold by threshold, from the triangle moments: nothing happens between thresholds."""
+    """The same strips, threshold by threshold, from the triangle moments. Nothing changes between thresholds."""
     del cells
     levels = np.unique(np.append(breaks(hysteresis), 0.0))
     levels = np.concatenate([[levels[0] - 1], levels, [levels[-1] + 1]])

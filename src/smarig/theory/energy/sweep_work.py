@@ -1,12 +1,12 @@
-"""The work of moving the input: a move cut into pieces along the remembered boundary (thesis Thm 7.2).
+"""The work of moving the input, with the move cut into segments along the remembered boundary (thesis Thm 7.2).
 
-A monotone input sweeps the Preisach plane strip by strip. Between two wipe-outs all strips end at one
-remembered extremum e (or on a diagonal boundary B_ℓ), the output is F(·, e) up to a constant, and
+A monotone input sweeps the Preisach plane strip by strip. Between two wipe-outs all strips end at one remembered
+extremum e (or on a diagonal boundary B_ℓ), and the output is F(·, e) up to a constant. Then
 
     ∫ u dy = [u y] − ∫ y du                                                  (7.2), by parts
 
-is exact: no trapezoid, no density, any sign of ν, jumps of relays included. Inputs beyond saturation do no
-work. Knows how the memory moves; the outputs are the operator's.
+is exact: without trapezoids or density, for any sign of ν, and including jumps of relays. Inputs beyond saturation do
+no work.
 """
 
 from collections.abc import Iterable, Iterator
@@ -31,7 +31,7 @@ class SweepSegment(NamedTuple):
 
 
 class MovingBoundary:
-    """A boundary on the move: the remembered extrema of a ``State`` along a run, without the outputs.
+    """A boundary during a run: the remembered extrema of a ``State``, without the outputs.
 
     ``extrema[0]`` is the base (u₋, or the centre ℓ of B_ℓ), then alternating maxima and minima, nested.
     """
@@ -41,13 +41,13 @@ class MovingBoundary:
         self.lower, self.upper = lower, upper
 
     def copy(self) -> "MovingBoundary":
-        """The same boundary, free to go elsewhere."""
+        """An independent copy of the boundary."""
         copied = object.__new__(MovingBoundary)
         copied.__dict__.update(self.__dict__, extrema=self.extrema.copy())
         return copied
 
     def move(self, u: float) -> list[SweepSegment]:
-        """Go to u (saturated) and return the pieces on the way, in order."""
+        """Move to u (saturated) and return the segments of the move in order."""
         u = min(max(u, self.lower), self.upper)
         if u == self.u:
             return []
@@ -75,7 +75,7 @@ class MovingBoundary:
         return self.extrema[-1], self.diagonal and len(self.extrema) == 1
 
     def _next_wiped(self, rising: bool) -> float | None:
-        """The input at which the last two extrema are forgotten, if there is one on this side."""
+        """The input at which the last two extrema are wiped out, if there is one on this side."""
         stack = self.extrema
         if len(stack) > 2:
             return stack[-2]
@@ -85,7 +85,7 @@ class MovingBoundary:
 
 
 def work_of_segments(hysteresis: Everett, segments: Iterable[SweepSegment]) -> Array:
-    """∫ u dy over each piece, shape (n,); output times input units."""
+    """∫ u dy over each segment, shape (n,), in output times input units."""
     segments = list(segments)
     works = np.zeros(len(segments))
     straight = [k for k, p in enumerate(segments) if not p.diagonal]
@@ -106,14 +106,15 @@ def work(hysteresis: Everett, state: State, u: float) -> float:
 
 
 def _against_corner(hysteresis: Everett, start: Array, stop: Array, base: Array) -> Array:
-    """A falling output is −F and the move runs backwards: the signs cancel, one formula serves both ways.
+    """Work of segments whose strips end at an extremum. One formula serves rising and falling moves.
 
-    F(e, e) ≠ 0 only for a degenerate relay at e itself: it switches as the piece begins, not before.
+    A falling output is −F and the move runs backwards, so the signs cancel. F(e, e) ≠ 0 only for a degenerate relay at
+    e itself, which switches at the start of the segment and not before.
     """
     low, high = np.minimum(start, stop), np.maximum(start, stop)
 
     def output(v: Array, at: Array) -> Array:
-        """The swept output, F(v, e) rising from e and F(e, v) falling from it."""
+        """The swept output: F(v, e) when rising from e, and F(e, v) when falling from it."""
         return hysteresis.swept(np.maximum(v, at), np.minimum(v, at))
 
     under = integral(lambda v, k: output(v, base[k]), low, high, breaks(hysteresis))
@@ -122,7 +123,7 @@ def _against_corner(hysteresis: Everett, start: Array, stop: Array, base: Array)
 
 
 def _off_diagonal(hysteresis: Everett, segment: SweepSegment) -> float:
-    """∫ u dR along a boundary of slope −1, R being what the operator releases from B_ℓ."""
+    """∫ u dR along a boundary of slope −1, where R is the output change of the operator from B_ℓ."""
     centre, low, high = segment.base, min(segment[:2]), max(segment[:2])
     rising = segment.stop > segment.start
     release = hysteresis.rise_from_diagonal if rising else hysteresis.fall_from_diagonal

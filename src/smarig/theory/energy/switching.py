@@ -1,11 +1,11 @@
-"""The work of switching one weighted relay (thesis §7.1.1, Table 7.1). Knows no boundary and no input.
+"""The work of switching one weighted relay (thesis §7.1.1, Table 7.1).
 
-A relay (α, β) of density μ changes the output by 2μ; the work ∫ u dy is done at the threshold:
+A relay (α, β) of density μ changes the output by 2μ. The work ∫ u dy is done at the threshold:
 
     q_α = 2μα (up),    q_β = −2μβ (down),    q_α + q_β = 2μ(α − β) (one cycle).
 
-For a relay of finite mass m read m for μ: its output goes from −m to +m. A reversible relay (α = β, of the
-part g) gives back all it took. Work has units of output times input.
+For a relay of finite mass m replace μ by m: its output changes from −m to +m. A reversible relay (α = β, in the part g)
+returns all the work. Work has units of output times input.
 """
 
 import numpy as np
@@ -34,9 +34,9 @@ def loss_per_cycle(mu: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Array:
 
 
 def recoverable(mu: ArrayLike, alpha: ArrayLike, beta: ArrayLike, on: ArrayLike) -> Array:
-    """Energy a relay gives back at its next switch, Table 7.1 (μ ≥ 0): −q_β in Q₁ when on, −q_α in Q₃ when off.
+    """Energy that a relay returns at its next switch, Table 7.1 (μ ≥ 0): −q_β in Q₁ when on, −q_α in Q₃ when off.
 
-    Relays of Q₂ (β ≤ 0 ≤ α) only cost. For α, β > 0 a relay in state −1 stores nothing, and so on.
+    Relays of Q₂ (β ≤ 0 ≤ α) only take up energy. For α, β > 0 a relay in state −1 stores nothing, and so on.
     """
     a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
     stored = np.where(np.asarray(on), np.maximum(b, 0.0), np.maximum(-a, 0.0))

@@ -1,8 +1,8 @@
-"""A loop that gives energy back, driven through the forward model until it has repaid its own approach.
+"""Confirms with the forward model that a loop returns energy, until it has repaid its own approach.
 
-The loop area is a statement about F. This runs the operator itself: from the initial state to the loop, then
-m ↔ M again and again, adding up ∫ u dy from its outputs, until the total is negative: energy has been taken
-from a model that was given none. Knows ``Preisach`` by its outputs only; refuses the exact sweeps of ``sweep``.
+The loop area is computed from F. This module runs the operator itself: from the initial state to the loop, then m ↔ M
+repeatedly. It sums ∫ u dy from the outputs until the total is negative. The model has then returned more energy than it
+received. It does not use the exact sweeps of ``sweep_work``.
 """
 
 import math
@@ -24,10 +24,10 @@ _CYCLES_PER_CALL = 1000
 
 @dataclass(frozen=True, eq=False)
 class Violation:
-    """What the forward model did; energies ∫ u dy in output times input units.
+    """The result of the forward model; energies ∫ u dy in output times input units.
 
-    ``approach`` is the work along the turning points ``turning_points`` (from the initial state over m to M),
-    ``per_cycle`` that of the last of ``cycles`` cycles M → m → M, ``balance`` the sum over the whole input.
+    ``approach`` is the work along the points ``turning_points`` (from the initial state over m to M), ``per_cycle``
+    that of the last of ``cycles`` cycles M → m → M, and ``balance`` the sum over the whole input.
     """
 
     turning_points: Array
@@ -38,11 +38,11 @@ class Violation:
 
     @property
     def confirmed(self) -> bool:
-        """Whether more energy came out than ever went in."""
+        """Whether the model returned more energy than it received."""
         return self.balance < 0
 
     def inputs(self) -> Array:
-        """The whole input by its turning points, shape (3 + 2·cycles,)."""
+        """The turning points of the whole input, shape (3 + 2·cycles,)."""
         _, low, high = self.turning_points
         return np.concatenate([self.turning_points, np.tile([low, high], self.cycles)])
 
@@ -50,8 +50,8 @@ class Violation:
 def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "negative") -> Violation:
     """Drive a loop (M, m) of negative area from an initial state until the energy balance is negative.
 
-    Raises UsageError when the loop has no negative area in the forward model, or would need more than
-    200 000 cycles.
+    UsageError if the loop has no negative area in the forward model, or if it would need more than 200 000
+    cycles.
 
     >>> from smarig.preisach import thesis_surface
     >>> confirm(thesis_surface("two_p"), (185.0, 84.0)).confirmed
@@ -70,11 +70,13 @@ def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "
     cycle = _SampledPath([high, low, high], cuts)
     first = float(cycle.drive(operator)[0])
     if not first < 0:
-        raise UsageError(f"The loop {low:g} ↔ {high:g} takes {first:.3g} a cycle: it gives nothing back.")
+        raise UsageError(
+            f"The loop {low:g} ↔ {high:g} takes up {first:.3g} in each cycle, so it returns no energy."
+        )
     if approach > -first * _MAX_CYCLES:
         raise UsageError(
-            f"The loop {low:g} ↔ {high:g} gives back {-first:.3g} a cycle: its approach ({approach:.3g}) would "
-            f"need more than {_MAX_CYCLES} cycles."
+            f"The loop {low:g} ↔ {high:g} returns {-first:.3g} in each cycle. To repay its approach ({approach:.3g}), "
+            f"it would need more than {_MAX_CYCLES} cycles."
         )
     works = [float(approach), first]
     while (balance_so_far := math.fsum(works)) >= 0:
@@ -93,7 +95,7 @@ class _SampledPath:
         self.turns = turns[0], turns[-1]
 
     def drive(self, operator: Preisach, times: int = 1) -> Array:
-        """∫ u dy of each passage, shape (times,); the operator moves on."""
+        """∫ u dy of each passage, shape (times,). The operator's state advances."""
         before = operator.y
         outputs = operator.simulate(np.tile(self.inputs, times), operator.state).reshape(times, -1)
         ends = outputs[:, -1]
@@ -102,7 +104,7 @@ class _SampledPath:
 
 
 def _nodes(start: float, stop: float, cuts: Array) -> tuple[Array, Array]:
-    """Gauss nodes of ∫ y du on one branch, with its end (weight zero): panels end where y(u) is not smooth."""
+    """Gauss nodes of ∫ y du on one branch, with its end (weight zero). Panels end where y(u) is not smooth."""
     inner = cuts[(cuts > min(start, stop)) & (cuts < max(start, stop))]
     edges = np.concatenate([[start], inner if start < stop else inner[::-1], [stop]])
     half = np.diff(edges)[:, None] / 2

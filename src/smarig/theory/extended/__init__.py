@@ -1,1 +1,1 @@
-"""Beyond the classical operator (thesis §3.5): one file per extension, each plain Preisach at zero strength."""
+"""Extensions of the classical operator (thesis §3.5), one file each; at zero strength each is the classical one."""

@@ -1,19 +1,19 @@
-"""The accommodation Preisach model: what is frozen drifts towards the mean, and minor loops with it.
+"""The accommodation Preisach model: frozen relays drift towards the mean, and minor loops drift with them.
 
-Repeated loops between equal inputs coincide in the classical model (thesis §3.3.3); in some wires they
-drift to a limit. Thesis §3.5: a second weight, a function of the output extrema, multiplies μ. Here a relay that
-the input does not decide (β < u < α) carries such a weight: from the extremum that ended the branch which last
-swept it to ±1 it is mixed with all others along the output's path (after Della Torre's accommodation model,
-IEEE Trans. Magn. 30, 1994; Vajda & Della Torre, ibid. 30:4371, thesis ref. [59]). The relays that one branch
-swept last form one region k:
+Repeated loops between equal inputs coincide in the classical model (thesis §3.3.3); in some wires they drift to a
+limit. In thesis §3.5 a second weight, a function of the output extrema, multiplies μ. Here a relay with β < u < α,
+which the input does not determine, has such a weight. It starts at ±1 at the extremum that ended the branch which
+last swept the relay, and mixes with all others along the output's path (after Della Torre's accommodation model, IEEE
+Trans. Magn. 30, 1994; Vajda & Della Torre, ibid. 30:4371, thesis ref. [59]). The relays that one branch swept last
+form one region k:
 
     y = Γ[u] + (κ/2) Σ_k (q_k − γ_k) ν_k(u),        dq_k/dp = (m − q_k)/l,      q_k = γ_k = ±1 at its extremum
     dp = |dΓ|/(y₊ − y₋),      m = (2Γ − y₋ − y₊)/(y₊ − y₋)
 
-κ ∈ [0, 1] is the amount, l > 0 the path in strokes after which 1/e of the memory is left. Between fixed inputs
-the drift is geometric: each cycle of path p leaves exp(−p/l) of it. m is linear in p on a branch, so the mixing
-is integrated exactly: samples in between change nothing (where Γ's branches are monotone). Both κ = 0 and l = ∞
-are the classical model, bit for bit. Neither wiping-out nor congruency holds. Knows no data.
+κ ∈ [0, 1] is the amount, and l > 0 the path in strokes after which 1/e of the memory remains. Between fixed inputs the
+drift is geometric: each cycle of path p leaves the fraction exp(−p/l). m is linear in p on a branch, so the mixing is
+integrated exactly, and intermediate samples change nothing (where Γ's branches are monotone). Both κ = 0 and l = ∞ give
+the classical model bit for bit. Neither wiping-out nor congruency holds.
 """
 
 import math
@@ -40,7 +40,7 @@ class SweptBranch:
 
 @dataclass(frozen=True, slots=True)
 class AccommodationState:
-    """The classical memory, and the branches that swept the relays now frozen, oldest first."""
+    """The classical memory, and the branches that swept the presently frozen relays, oldest first."""
 
     memory: State
     swept: tuple[SweptBranch, ...]
@@ -83,7 +83,7 @@ class AccommodatingPreisach:
         return AccommodationState(self._memory.state, tuple(self._swept))
 
     def reset(self, initial: Initial | AccommodationState = "negative") -> float:
-        """Go to saturation, to a classical state with nothing drifted yet, or to a state of this model."""
+        """Go to saturation, to a classical state without drift, or to a state of this model. Returns y."""
         if isinstance(initial, AccommodationState):
             self._memory.reset(initial.memory)
             self._swept = list(initial.swept)
@@ -91,17 +91,17 @@ class AccommodatingPreisach:
             self._memory.reset(initial)
             if self._memory.state.diagonal:
                 raise UsageError(
-                    "Accommodation starts from saturation: in the anhysteretic state no branch swept last."
+                    "Accommodation must start from saturation: in the anhysteretic state no branch swept last."
                 )
             self._swept = [_new_branch(u, k % 2 == 1) for k, u in enumerate(self._memory.state.extrema)]
         return self._read_out()
 
     def step(self, u: float) -> float:
-        """Move monotonically to u; returns y. Cost grows with the depth of the memory."""
+        """Move monotonically to u. Returns y. The cost grows with the depth of the memory."""
         before = self._memory.state
         self._memory.step(u)
         here, rising = self._memory.u, u > before.u
-        if here in (self.hysteresis.lower, self.hysteresis.upper):  # everything is swept
+        if here in (self.hysteresis.lower, self.hysteresis.upper):  # all relays are swept
             self._swept = [_new_branch(self.hysteresis.lower, False)]
         elif here != before.u:
             if (before.u > before.extrema[-1]) != rising and before.u != before.extrema[-1]:
@@ -115,7 +115,7 @@ class AccommodatingPreisach:
         return simulate_steps(self, u, initial)
 
     def _mix(self, before: float, after: float) -> None:
-        """dq/dp = (m − q)/l over one branch, on which m moves by ±2 per stroke."""
+        """Apply dq/dp = (m − q)/l over one branch, on which m changes by ±2 per stroke."""
         path = abs(after - before) / self._stroke / self.path
         if path == 0:
             return
@@ -125,7 +125,7 @@ class AccommodatingPreisach:
         self._swept = [SweptBranch(s.u, s.up, end + (s.q - start) * left + trail) for s in self._swept]
 
     def _read_out(self) -> float:
-        """Each branch's frozen relays: those above and below u that no later branch swept."""
+        """Contribution of each branch's frozen relays: those above and below u that no later branch swept."""
         F, lowest, highest = self.hysteresis.everett, self.hysteresis.lower, self.hysteresis.upper
         above = below = self._memory.u
         drift = 0.0

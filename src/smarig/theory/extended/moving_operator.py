@@ -1,16 +1,16 @@
-"""The moving (output-dependent) Preisach model: the output acts back on the input.
+"""The moving (output-dependent) Preisach model: the output feeds back to the input.
 
     y = Γ[w],     w = u + k y
 
-(Della Torre, IEEE Trans. Audio Electroacoust. 14:86, 1966: the effective field H + k M; k in kelvin per
-output unit). On a monotone move w solves φ(w) = w − k Γ(w) = u. φ rises strictly on every branch, so that
-w exists and is one, if and only if 1 − k s > 0 for every slope s = ∂Γ/∂w a branch can have:
+(Della Torre, IEEE Trans. Audio Electroacoust. 14:86, 1966: the effective field H + k M; k in kelvin per output unit).
+On a monotone move w solves φ(w) = w − k Γ(w) = u. φ rises strictly on every branch, so that w exists and is unique, if
+and only if 1 − k s > 0 for every slope s = ∂Γ/∂w of a branch:
 
-    k < 1/s_max      and, where outputs turn back (s_min < 0),      k > 1/s_min
+    k < 1/s_max      and, where outputs reverse (s_min < 0),      k > 1/s_min
 
-Beyond that the wire would snap; such a k is refused. Wiping-out holds (w is monotone in u); loops
-between equal inputs run between different w, so congruency and equal vertical chords fail. k = 0 is the
-classical model, bit for bit. Knows no data.
+Beyond these limits the output would jump; such a k is rejected. Wiping-out holds, because w is monotone in u. Loops
+between equal inputs run between different w, so congruency and equal vertical chords fail. k = 0 gives the classical
+model bit for bit.
 """
 
 from dataclasses import dataclass
@@ -27,12 +27,12 @@ from smarig.theory.extended.operator_base import ExtendedOperator
 
 Array = NDArray[np.float64]
 _CELLS = 256
-_ROUNDING: Any = 9e-16  # the least brentq takes
+_ROUNDING: Any = 9e-16  # the smallest tolerance that brentq accepts
 
 
 @dataclass(frozen=True)
 class SlopeRange:
-    """The least and the greatest slope ∂Γ/∂w over all branches, and where (origin of the branch, w)."""
+    """The least and the greatest slope ∂Γ/∂w over all branches, with their places (origin of the branch, w)."""
 
     least: float
     least_at: tuple[float, float]
@@ -41,7 +41,7 @@ class SlopeRange:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """The open interval of feedbacks k that are well posed."""
+        """The open interval of well-posed feedbacks k."""
         low = 1 / self.least if self.least < 0 else -np.inf
         return low, 1 / self.greatest if self.greatest > 0 else np.inf
 
@@ -50,8 +50,8 @@ class SlopeRange:
 def slope_range(hysteresis: Everett) -> SlopeRange:
     """Slopes ∂_αF(α, β) of rising and ∂_βy(α, β) of falling branches, as divided differences of F.
 
-    Exact for a FOD table (its slopes are linear between nodes); for smooth surfaces on 257 levels, short of
-    the true extremes by O(step²). Relays switch in steps: their slope has no bound (UsageError).
+    Exact for a FOD table, whose slopes are linear between nodes. For smooth surfaces it uses 257 levels and misses the
+    true extremes by O(step²). Relays switch in steps, so their slope is unbounded (UsageError).
     """
     v = lattice(hysteresis, _CELLS)
     on = np.tri(v.size, dtype=bool)
@@ -73,18 +73,18 @@ def slope_range(hysteresis: Everett) -> SlopeRange:
 def _slopes_of_relays(hysteresis: RelayMeasure) -> SlopeRange:
     del hysteresis
     raise UsageError(
-        "A measure of relays switches in steps, so no feedback k ≠ 0 is well posed; use a FOD table or surface."
+        "A measure of relays switches in steps, so no feedback k ≠ 0 is well posed. Use a FOD table or surface."
     )
 
 
 class MovingPreisach(ExtendedOperator):
     """y = Γ[u + k y]; ``feedback`` k in input units per output unit; see the module.
 
-    ``hysteresis`` is that of Γ, in terms of w. A state is the memory of Γ: its extrema are values of w.
+    ``hysteresis`` is that of Γ, a function of w. A state is the memory of Γ; its extrema are values of w.
 
     >>> from smarig.preisach import thesis_surface
     >>> wire = MovingPreisach(thesis_surface("one_c"), feedback=-0.5)
-    >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])     # wiping-out survives feedback
+    >>> y = wire.simulate([80.0, 40.0, 60.0, 40.0])     # wiping-out holds with feedback
     >>> abs(float(y[1] - y[3])) < 1e-12
     True
     """
@@ -96,11 +96,11 @@ class MovingPreisach(ExtendedOperator):
         super().__init__(hysteresis, initial)
 
     def step(self, u: float) -> float:
-        """Move the input monotonically to u; returns y."""
+        """Move the input monotonically to u. Returns y."""
         return super().step(u if self.feedback == 0 else self._effective(u))
 
     def _effective(self, u: float) -> float:
-        """The w of one monotone move that solves w − k Γ(w) = u; the end of the range beyond saturation."""
+        """The w of one monotone move that solves w − k Γ(w) = u; beyond saturation the end of the range."""
         memory, k, h, u = self._memory, self.feedback, self.hysteresis, input_number(u)
 
         def excess(w: float) -> float:
@@ -125,5 +125,5 @@ def _check(s: SlopeRange, k: float) -> None:
     slope, (origin, w) = (s.greatest, s.greatest_at) if k > 0 else (s.least, s.least_at)
     raise UsageError(
         f"Feedback k = {k:g} is ill posed: on the branch from {origin:g} the slope near {w:g} is {slope:.4g}, "
-        f"so the output would snap; k must lie between {low:.4g} and {high:.4g}."
+        f"so the output would jump. k must lie between {low:.4g} and {high:.4g}."
     )

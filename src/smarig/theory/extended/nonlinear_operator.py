@@ -1,4 +1,4 @@
-"""The non-linear (input-dependent) Preisach model: comparable minor loops keep equal vertical chords only.
+"""The nonlinear (input-dependent) Preisach model: comparable minor loops have only equal vertical chords.
 
     y(t) = ∬ μ(α, β, u(t)) γ_αβ u dα dβ  =  Γ[u](t) + Σ_k (−1)^{k+1} Q(α_k, β_k, u(t))
 
@@ -7,8 +7,8 @@ first-order curves, (α_k, β_k) the corners of the staircase, and the excess
 
     Q(α, β, u) = P(α, β, u) − [F(α, β) − F(α, u) − F(u, β)],     P(α, β, u) = y_α(u) − y_αβ(u)
 
-is how far a second-order curve (saturation → α → β → u) lies below the congruent one. Q ≡ 0 is the
-classical model, bit for bit. Wiping-out holds, congruency does not.
+is the amount by which a second-order curve (saturation → α → β → u) lies below the congruent one. Q ≡ 0 gives the
+classical model bit for bit. Wiping-out holds; congruency does not.
 """
 
 from bisect import bisect_right
@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 class SecondOrderExcess:
     """Q on a partition ``nodes`` (n,), trilinear between them; ``values`` (n, n, n) in output units.
 
-    Q vanishes at u = α, at u = β and, because the base holds the first-order curves, at β = u₋. The tensor is
-    totally antisymmetric in (α, β, u), so its interpolant vanishes on the two slanted planes as well.
+    Q vanishes at u = α, at u = β and, because the base contains the first-order curves, at β = u₋. The tensor is
+    totally antisymmetric in (α, β, u), so its interpolant also vanishes on the two slanted planes.
     """
 
     nodes: Array
@@ -38,19 +38,19 @@ class SecondOrderExcess:
     def __post_init__(self) -> None:
         nodes, values = _checked_tensor(self.nodes, self.values)
         if not np.isfinite(values).all():
-            raise DataError("An excess holds a value that is not finite.")
+            raise DataError("An excess contains a value that is not finite.")
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "values", values)
 
     @classmethod
     def from_nodes(cls, nodes: ArrayLike, q: ArrayLike) -> "SecondOrderExcess":
-        """From q[i, j, k] = Q(u_i, u_j, u_k), read for 0 < j < k < i only; DataError when one is missing."""
+        """The excess from q[i, j, k] = Q(u_i, u_j, u_k), used for 0 < j < k < i only. DataError if one is missing."""
         u, table = _checked_tensor(nodes, q)
         inner_values = np.where(second_order_mask(u.size), table, 0.0)
         if not np.isfinite(inner_values).all():
             alpha, beta, at = u[np.argwhere(~np.isfinite(inner_values))[0]]
             raise DataError(
-                f"No second-order value at α = {alpha:g}, β = {beta:g}, u = {at:g}; measure that curve too."
+                f"No second-order value at α = {alpha:g}, β = {beta:g}, u = {at:g}. Measure that curve too."
             )
         return cls(u, _antisymmetric(inner_values))
 
@@ -67,7 +67,7 @@ class SecondOrderExcess:
 
 
 def _checked_tensor(nodes: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
-    """A partition (n,) and a tensor (n, n, n) on it, as floats; DataError for anything else."""
+    """A partition (n,) and a tensor (n, n, n) on it, as floats. DataError for anything else."""
     try:
         u, table = np.asarray(nodes, dtype=float), np.asarray(values, dtype=float)
     except (TypeError, ValueError):
@@ -75,24 +75,24 @@ def _checked_tensor(nodes: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
     rising = u.ndim == 1 and u.size > 1 and np.isfinite(u).all() and np.all(np.diff(u) > 0)
     if not rising or table.shape != (u.size,) * 3:
         raise DataError(
-            f"An excess of shape {table.shape} does not fit a partition of shape {u.shape}: "
-            "give n strictly increasing, finite inputs and an array (n, n, n)."
+            f"An excess of shape {table.shape} does not fit a partition of shape {u.shape}. "
+            "Give n strictly increasing, finite inputs and an array (n, n, n)."
         )
     return u, table
 
 
 def check_excess_range(excess: SecondOrderExcess, hysteresis: Everett) -> None:
-    """DataError where the excess is not known over the whole range of the hysteresis."""
+    """Raise DataError if the excess does not cover the whole range of the hysteresis."""
     first, last = excess.nodes[0], excess.nodes[-1]
     if first > hysteresis.lower or last < hysteresis.upper:
         raise DataError(
-            f"The excess is known on [{first:g}, {last:g}] only; the hysteresis ranges over "
+            f"The excess covers only [{first:g}, {last:g}]; the range of the hysteresis is "
             f"[{hysteresis.lower:g}, {hysteresis.upper:g}]."
         )
 
 
 def second_order_mask(n: int) -> NDArray[np.bool_]:
-    """Where a second-order curve is news: index triples (α, β, u) with 0 < j < k < i, shape (n, n, n)."""
+    """Where a second-order curve adds information: index triples (α, β, u) with 0 < j < k < i, shape (n, n, n)."""
     i, j, k = np.indices((n, n, n))
     return (j > 0) & (j < k) & (k < i)
 
@@ -104,9 +104,9 @@ def _antisymmetric(q: Array) -> Array:
 
 
 class NonlinearPreisach(ExtendedOperator):
-    """Γ of the first-order curves plus the excess of the second-order ones; see the module.
+    """Γ of the first-order curves plus the excess of the second-order curves; see the module.
 
-    Output in the hysteresis's unit. The memory is the classical one. Histories must begin in saturation.
+    The output is in the hysteresis's unit. The memory is the classical one. Histories must start in saturation.
 
     >>> from smarig.preisach import thesis_surface
     >>> from smarig.preisach import Preisach
@@ -123,7 +123,7 @@ class NonlinearPreisach(ExtendedOperator):
         super().__init__(hysteresis, initial)
 
     def _read_out(self, y: float) -> float:
-        """Cost grows with the depth of the memory."""
+        """The output. The cost grows with the depth of the memory."""
         state, sign = self._memory.state, 1.0
         for alpha, beta in corners(state):
             y += sign * self.excess.at(alpha, beta, state.u)

@@ -1,4 +1,4 @@
-"""What the extensions of §3.5 share: the classical memory with its corners, and one way to drive a model."""
+"""Common base of the extensions of §3.5: the classical memory with its corners, and stepwise simulation."""
 
 from collections.abc import Sequence
 from typing import Any, Protocol
@@ -13,16 +13,16 @@ Array = NDArray[np.float64]
 
 
 class SteppedOperator(Protocol):
-    """What every operator here can do, each from states of its own; ``reset`` and ``step`` return the output."""
+    """The common methods of all operators here, each with its own kind of state; ``reset`` and ``step`` return y."""
 
     def reset(self, initial: Any) -> float: ...
     def step(self, u: float) -> float: ...
 
 
 class ExtendedOperator:
-    """An extension that remembers what Γ does, the Preisach operator of ``hysteresis``, and reads it otherwise.
+    """An extension with the memory of Γ, the Preisach operator of ``hysteresis``, and another read-out.
 
-    As it stands it is Γ itself: an extension gives its own ``_read_out`` or ``step``.
+    The base class is Γ itself. An extension overrides ``_read_out`` or ``step``.
     """
 
     def __init__(self, hysteresis: Everett, initial: Initial = "negative") -> None:
@@ -32,15 +32,15 @@ class ExtendedOperator:
 
     @property
     def state(self) -> State:
-        """The memory of Γ, with the outputs of Γ in it."""
+        """The memory of Γ, including the outputs of Γ."""
         return self._memory.state
 
     def reset(self, initial: Initial = "negative") -> float:
-        """Go to saturation or to a state of Γ; returns y."""
+        """Go to saturation or to a state of Γ. Returns y."""
         return self._read_out(self._memory.reset(initial))
 
     def step(self, u: float) -> float:
-        """Move monotonically to u; returns y."""
+        """Move monotonically to u. Returns y."""
         return self._read_out(self._memory.step(u))
 
     def simulate(self, u: ArrayLike, initial: Initial = "negative") -> Array:
@@ -48,12 +48,12 @@ class ExtendedOperator:
         return simulate_steps(self, u, initial)
 
     def _read_out(self, y: float) -> float:
-        """The output, when that of Γ is y."""
+        """The output, given the output y of Γ."""
         return y
 
 
 def simulate_steps(model: SteppedOperator, u: Sequence[float] | ArrayLike, initial: Any) -> Array:
-    """Outputs (n,) for inputs u (n,), moves monotone between samples, from an initial state."""
+    """Outputs (n,) for inputs u (n,), with monotone moves between samples, from an initial state."""
     inputs = input_array(u)
     model.reset(initial)
     return np.fromiter((model.step(v) for v in inputs.tolist()), dtype=float, count=inputs.size)
@@ -67,9 +67,9 @@ def corners(state: State) -> list[tuple[float, float]]:
 
 
 def reduced_memory(state: State) -> tuple[float, ...]:
-    """(u₋, M₁, m₁, …, u): remembered extrema, oldest first, and the present input where it is none of them.
+    """(u₋, M₁, m₁, …, u): remembered extrema, oldest first, and the present input if it is not one of them.
 
-    Only for a memory that began in saturation: a diagonal boundary B_ℓ has no steps (UsageError).
+    It needs a memory that started in saturation, because a diagonal boundary B_ℓ has no steps (UsageError).
     """
     _check_steps(state)
     e = state.extrema
@@ -79,6 +79,6 @@ def reduced_memory(state: State) -> tuple[float, ...]:
 def _check_steps(state: State) -> None:
     if state.diagonal:
         raise UsageError(
-            "This extension needs a memory of steps; drive to saturation before using it "
+            "This extension needs a staircase memory. Drive to saturation before using it "
             "(the anhysteretic state has a slanted boundary)."
         )

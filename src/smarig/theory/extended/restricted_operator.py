@@ -2,20 +2,20 @@
 
     y(t) = ∬ μ(α, β; e_1 … e_n) γ_αβ u dα dβ
 
-e_1 = M_1, e_2 = m_1, e_3 = M_2, …: the dominant extrema since negative saturation, oldest first (thesis §3.5;
-Mayergoyz & Friedman, IEEE Trans. Magn. 24:212, 1988). Loops are comparable when they run between the same inputs
-after the same e_1 … e_n: those are congruent, others need not be. As changes of output along the reduced memory
+e_1 = M_1, e_2 = m_1, e_3 = M_2, … are the dominant extrema since negative saturation, oldest first (thesis §3.5;
+Mayergoyz & Friedman, IEEE Trans. Magn. 24:212, 1988). Loops are comparable if they run between the same inputs after
+the same e_1 … e_n. Comparable loops are congruent; others need not be. As changes of output along the reduced memory
 p_0 = u₋, p_1 = e_1, …, p_K = e_K, p_K+1 = u, with F the Everett function of the first-order curves,
 
     y = Γ[u] − Σ_k s_k Σ_{j ≤ min(n, k−1)} Q_j(e_1 … e_j; b_k, a_k),   a_k, b_k = max, min of p_k−1, p_k,   s_k = ±1
 
-s_k is the direction of the k-th move. Q_j says by how much a curve of order j + 1 inside the triangle e_j … e_j−1 rises
-less than one that follows e_1 … e_j−1 only. Q_j vanishes at a = b, and over the whole triangle (a, b = e_j−1, e_j in
-their order), so that loops close: wiping-out holds. Without Q the model is the classical one, bit for bit.
+s_k is the direction of the k-th move. Q_j is the amount by which a curve of order j + 1 inside the triangle
+e_j … e_j−1 rises less than one that follows e_1 … e_j−1 only. Q_j vanishes at a = b, and over the whole triangle
+(a, b = e_j−1, e_j in their order), so loops close and wiping-out holds. Q = 0 gives the classical model bit for bit.
 
-Why the oldest extrema: if the n most recent ones decided instead, a branch e_K → u that closes a loop at e_K−1 would
-have to undo e_K−1 → e_K, which depends on one extremum more; by induction nothing but the Everett function of the
-classical model has wiping-out then.
+The weights depend on the oldest extrema for this reason: if they depended on the n most recent ones, a branch e_K → u
+that closes a loop at e_K−1 would have to undo e_K−1 → e_K, which depends on one extremum more. By induction, only the
+Everett function of the classical model would then give wiping-out.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,9 +29,10 @@ Excess = Callable[[tuple[float, ...], float, float], float]
 
 
 class RestrictedPreisach(ExtendedOperator):
-    """Γ of the first-order curves less the excess of inner curves; see the module.
+    """Γ of the first-order curves minus the excess of inner curves; see the module.
 
-    ``excesses``: Q_1 … Q_n, each (extrema (j,), β, α) → output; as many as the order n. Histories begin in saturation.
+    ``excesses``: Q_1 … Q_n, each (extrema (j,), β, α) → output. Their number is the order n. Histories must start in
+    saturation.
 
     >>> import numpy as np
     >>> from smarig.preisach import thesis_surface
@@ -54,7 +55,7 @@ class RestrictedPreisach(ExtendedOperator):
     def first_order(
         cls, hysteresis: Everett, excess: SecondOrderExcess, initial: Initial = "negative"
     ) -> "RestrictedPreisach":
-        """n = 1, from second-order curves: Q_1(M_1; β, α) is their excess Q(M_1, β, α)."""
+        """The model with n = 1 from second-order curves: Q_1(M_1; β, α) is their excess Q(M_1, β, α)."""
         check_excess_range(excess, hysteresis)
         return cls(hysteresis, [_first_order_excess(excess)], initial)
 
@@ -64,7 +65,7 @@ class RestrictedPreisach(ExtendedOperator):
         return len(self.excesses)
 
     def _read_out(self, y: float) -> float:
-        """Cost grows with the depth of the memory."""
+        """The output. The cost grows with the depth of the memory."""
         path = reduced_memory(self._memory.state)
         extrema = path[1:-1]
         for k in range(2, len(path)):

@@ -2,9 +2,9 @@
 
     y(t) = Γ[u](t) + r(u(t))
 
-(Mayergoyz, ch. 2: r = ½(y⁺ + y⁻) is the fully reversible part of the non-linear model; thesis §3.5).
-r has no memory, so wiping-out and congruency survive; it may go on where Γ is saturated. A hysteresis
-with mass on α = β holds a reversible part already (theory.md §1): r is what goes beyond it. Knows no data.
+(Mayergoyz, ch. 2: r = ½(y⁺ + y⁻) is the fully reversible part of the nonlinear model; thesis §3.5).
+r has no memory, so wiping-out and congruency still hold. It may change where Γ is saturated. A hysteresis with mass on
+α = β already contains a reversible part (theory.md §1); r is added to it.
 """
 
 from dataclasses import dataclass
@@ -32,14 +32,14 @@ class ReversiblePart:
         except (TypeError, ValueError):
             raise DataError("A reversible part needs numbers as inputs and values.") from None
         if nodes.ndim != 1 or nodes.shape != values.shape or nodes.size == 0:
-            raise DataError("A reversible part needs as many values as inputs, and at least one.")
+            raise DataError("A reversible part needs the same number of values and inputs, at least one.")
         if np.any(np.diff(nodes) <= 0) or not (np.isfinite(nodes).all() and np.isfinite(values).all()):
             raise DataError("A reversible part needs strictly increasing, finite inputs and finite values.")
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "values", values)
 
     def at(self, u: ArrayLike) -> Array:
-        """r(u), broadcasts."""
+        """r(u). Broadcasts."""
         return np.interp(np.asarray(u, dtype=float), self.nodes, self.values)
 
 
@@ -48,7 +48,7 @@ class ReversiblePreisach(ExtendedOperator):
 
     >>> from smarig.preisach import thesis_surface
     >>> linear = ReversiblePart(np.array([0.0, 200.0]), np.array([0.0, 1.0]))
-    >>> float(ReversiblePreisach(thesis_surface("one_c"), linear).simulate([200.0])[0])   # saturation 12.54, and r
+    >>> float(ReversiblePreisach(thesis_surface("one_c"), linear).simulate([200.0])[0])   # saturation 12.54, plus r
     13.54
     """
 
@@ -57,7 +57,7 @@ class ReversiblePreisach(ExtendedOperator):
         super().__init__(hysteresis, initial)
 
     def step(self, u: float) -> float:
-        """Move monotonically to u; returns y. Γ saturates, r does not."""
+        """Move monotonically to u. Returns y. Γ saturates, r does not."""
         return self._memory.step(u) + float(self.part.at(u))
 
     def _read_out(self, y: float) -> float:

@@ -1,4 +1,4 @@
-"""Chapter 4: what the measure of a hysteresis implies. Strips, continuity, positivity, monotone branches."""
+"""Consequences of the measure of a hysteresis (thesis ch. 4): strips, continuity, positivity, monotone branches."""
 
 from smarig.theory.properties.summary import OutputChange, Properties, properties
 

@@ -1,9 +1,8 @@
-"""The classes of Def. 4.1: is μ bounded and piecewise continuous (M_PC), is it never negative (M_P)?
+"""The classes of Def. 4.1: is μ bounded and piecewise continuous (M_PC), and is it non-negative (M_P)?
 
-And the extremes of μ and of the reversible g, with their places: the place of the least is where a
-violation of μ ≥ 0 or g ≥ 0 is worst. M_PC and M_P speak of the density alone; the theorems that need
-them need g ≥ 0 besides (theory.md §8, erratum 8). Knows no data: what a table says of its wire is not
-said here.
+The extremes of μ and of the reversible g are given with their places. The minimum is where μ ≥ 0 or g ≥ 0 is violated
+most. M_PC and M_P concern the density alone; the theorems that use them also need g ≥ 0 (theory.md §8, erratum 8). For
+a table the results concern the interpolated hysteresis, not the wire.
 """
 
 from collections.abc import Callable
@@ -19,17 +18,17 @@ from smarig.theory.properties.extreme import Extreme, least, least_of
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses
 
 Array = NDArray[np.float64]
-_ZERO = 1e-9  # of the largest, taken for rounding
+_ZERO = 1e-9  # relative to the largest value; smaller values are rounding
 _INTERVALS = 4096
 
 
 @dataclass(frozen=True)
 class MeasureClasses:
-    """Extremes of μ (output per K², at (α, β)) and g (output per K, at (β, β)); the classes they mean.
+    """Extremes of μ (output per K², at (α, β)) and g (output per K, at (β, β)), and the resulting classes.
 
-    For relays (``atoms``) the "densities" are the masses of single relays, α > β in ``mu``, α = β in ``g``,
-    and no class holds: a measure of points has no density. ``reversible_share`` is ∫g over y₊ − y₋
-    (NaN where that is zero).
+    For relays (``atoms``) the "densities" are the masses of single relays: α > β in ``mu``, α = β in ``g``. No class
+    holds then, because a measure of points has no density. ``reversible_share`` is ∫g divided by y₊ − y₋ (NaN where
+    that is zero).
     """
 
     mu_min: Extreme
@@ -41,19 +40,19 @@ class MeasureClasses:
 
     @property
     def M_PC(self) -> bool:
-        """Bounded and piecewise continuous."""
+        """Whether μ is bounded and piecewise continuous."""
         return not self.atoms and all(
             np.isfinite(e.value) or np.isnan(e.value) for e in (self.mu_min, self.mu_max)
         )
 
     @property
     def M_P(self) -> bool:
-        """M_PC and μ ≥ 0, rounding apart; the proof is ``mu_min.bound``."""
+        """Whether M_PC holds and μ ≥ 0 up to rounding; the proof is ``mu_min.bound``."""
         return self.M_PC and _positive(self.mu_min, self.mu_max)
 
     @property
     def positive(self) -> bool:
-        """ν ≥ 0: neither μ nor g is negative anywhere. What the theorems need, for relays as well."""
+        """ν ≥ 0: neither μ nor g is negative anywhere. The theorems need this, also for relays."""
         return _positive(self.mu_min, self.mu_max) and _positive(self.g_min, self.g_max)
 
 
@@ -70,7 +69,7 @@ def classes(hysteresis: Everett) -> MeasureClasses:
 
 
 def _positive(low: Extreme, high: Extreme) -> bool:
-    """No negative value; nothing at all counts as none."""
+    """Whether there is no negative value. An empty set has none."""
     return not low.value < -_ZERO * max(abs(low.value), abs(high.value))
 
 
@@ -109,7 +108,7 @@ def _of_relays(h: RelayMeasure) -> MeasureClasses:
 
 
 def _of_cells(plane: TriangleGrid) -> MeasureClasses:
-    """μ is even over a cell, g even along a diagonal one: what a ``FodTable`` means between its nodes."""
+    """μ is constant over a cell, g constant along a diagonal one, as a ``FodTable`` interpolates between its nodes."""
     u, w = plane.levels, np.diff(plane.levels)
     nu = masses(plane.hysteresis, u)
     middle = (u[1:] + u[:-1]) / 2
@@ -123,7 +122,7 @@ def _of_cells(plane: TriangleGrid) -> MeasureClasses:
 
 
 def _from_values(mu: Array, g: Array, place: Array, share: float, *, atoms: bool) -> MeasureClasses:
-    """Least and largest of finitely many values at places (2, …)."""
+    """Least and largest of a finite number of values at places (2, …)."""
     alpha, beta = place
     return MeasureClasses(
         mu_min=least_of(mu, alpha, beta),

@@ -1,8 +1,8 @@
-"""Intervals that hold μ, g and the slopes of a surface (5.5) over whole boxes: what makes a bound proved.
+"""Intervals that contain μ, g and the slopes of a surface (5.5) over whole boxes: the basis of proved bounds.
 
-Every factor of the closed forms is monotone, or has one known turning point, so its range over
-[α₀, α₁] × [β₀, β₁] is known; products and sums of ranges enclose the rest. An interval shrinks in
-proportion to its box. Proved means: to rounding of double precision. Knows no search and no table.
+Every factor of the closed forms is monotone or has one known turning point, so its range over [α₀, α₁] × [β₀, β₁] is
+known. Products and sums of ranges enclose the rest. An interval shrinks in proportion to its box. A proof holds to
+rounding in double precision.
 """
 
 import numpy as np
@@ -23,12 +23,12 @@ def density(surface: FodSurface, alpha: Interval, beta: Interval) -> Interval:
 
 
 def reversible(surface: FodSurface, beta: Interval) -> Interval:
-    """g = ∂y/∂β(β, β) = c a x₄ s(1 − s): every factor keeps its sign, so g has that of y₊ − y₋."""
+    """g = ∂y/∂β(β, β) = c a x₄ s(1 − s). Every factor keeps its sign, so g has the sign of y₊ − y₋."""
     return fall(surface, beta, beta)
 
 
 def fall(surface: FodSurface, alpha: Interval, beta: Interval) -> Interval:
-    """∂y/∂β = c a x₄ s(1 − s), the strip a falling input sweeps; the sign of y₊ − y₋ everywhere."""
+    """∂y/∂β = c a x₄ s(1 − s): the strip that a falling input sweeps, everywhere with the sign of y₊ − y₋."""
     a, f, _ = _along_alpha(surface, alpha)
     return (a * _bell(_falling(surface, f, beta))).times(surface.amplitude * surface.x[2])
 
@@ -61,6 +61,6 @@ def _one_minus(a: Interval) -> Interval:
 
 
 def _bell(s: Interval) -> Interval:
-    """s(1 − s) for s in [0, 1]: highest at ½."""
+    """s(1 − s) for s in [0, 1], largest at ½."""
     ends = Interval.hull(s.low * (1 - s.low), s.high * (1 - s.high))
     return Interval(ends.low, np.where((s.low < 0.5) & (s.high > 0.5), 0.25, ends.high))

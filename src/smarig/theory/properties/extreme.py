@@ -1,7 +1,7 @@
 """The least value of a function over the triangle P_r, found and bounded by branch and bound.
 
-Boxes whose enclosure cannot beat the best value found are dropped; the others are quartered. What comes
-back is a value that is attained, where, and a bound that is proved. Knows no physics.
+Boxes whose enclosure cannot improve on the best value found are dropped; the others are quartered. The result is an
+attained value, its place, and a proved bound.
 """
 
 from collections.abc import Callable
@@ -20,9 +20,9 @@ _MAX_BOXES = 400_000
 
 @dataclass(frozen=True)
 class Extreme:
-    """A least (or largest) ``value``, attained at (α, β) = ``at``, and the ``bound`` nothing goes beyond.
+    """A least (or largest) ``value``, attained at (α, β) = ``at``, and the ``bound`` that no value exceeds.
 
-    ``bound`` equals ``value`` where the value is exact, and is NaN where nothing is proved.
+    ``bound`` equals ``value`` if the value is exact, and is NaN if nothing is proved.
     """
 
     value: float
@@ -34,12 +34,12 @@ class Extreme:
         return Extreme(self.value, (-self.at[1], -self.at[0]), self.bound)
 
     def negated(self) -> "Extreme":
-        """A largest value from the least one of the negative, or back."""
+        """A largest value from the least value of the negated function, or the reverse."""
         return Extreme(-self.value, self.at, -self.bound)
 
 
 def least_of(values: Array, alpha: Array, beta: Array) -> Extreme:
-    """Least of finitely many values, exact; NaN entries do not count."""
+    """Least of a finite number of values, exact. NaN entries are ignored."""
     if not np.isfinite(values).any():
         return Extreme(float("nan"), (float("nan"), float("nan")), float("nan"))
     k = int(np.nanargmin(values))
@@ -54,9 +54,9 @@ def least(
     upper: float,
     tolerance: float = 1e-6,
 ) -> Extreme:
-    """Least ``value(α, β)`` over u₋ ≤ β ≤ α ≤ u₊; the bound is within ``tolerance`` of its largest size.
+    """Least ``value(α, β)`` over u₋ ≤ β ≤ α ≤ u₊. The bound is within ``tolerance``, relative to the largest value.
 
-    Should that take more than some 10⁵ boxes, the search ends early and the bound is what was proved.
+    If that takes more than about 10⁵ boxes, the search ends early, and the bound is what was proved until then.
     """
     edges = np.linspace(lower, upper, _START + 1)
     i, j = (k.ravel() for k in np.meshgrid(np.arange(_START), np.arange(_START), indexing="ij"))

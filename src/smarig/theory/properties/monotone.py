@@ -1,9 +1,9 @@
-"""Assumption 2.1: does the output follow the input? Slopes of every branch, and first-order curves that cross.
+"""Assumption 2.1: does the output follow the input? Slopes of every branch, and crossings of first-order curves.
 
     ∂F/∂α (α, β) = g(α) + 2∫_β^α μ dβ′ ≥ 0: rising branches rise;   ∂y/∂β ≥ 0: falling branches fall
 
-for all β ≤ α. Every sweep is a sum of such strips, so the output then follows the input from any state,
-and an inverse exists. Weaker than μ ≥ 0. Knows no data: measured curves with noise are judged in the identification.
+for all β ≤ α. Every sweep is a sum of such strips, so the output then follows the input from any state, and an inverse
+exists. The condition is weaker than μ ≥ 0. The identification tests noisy measured curves.
 """
 
 from dataclasses import dataclass
@@ -24,10 +24,10 @@ _ZERO = 1e-12
 
 @dataclass(frozen=True)
 class Monotonicity:
-    """Least slopes (output per K) of rising branches ∂F/∂α and falling ones ∂y/∂β, with the worst places (α, β).
+    """Least slopes (output per K) of rising branches ∂F/∂α and falling ones ∂y/∂β, with their places (α, β).
 
-    For relays they are the least output changes between neighbouring thresholds instead. ``setback`` is
-    the largest output change against the input that one monotone input change makes, 0 if none.
+    For relays they are the least output changes between neighbouring thresholds instead. ``setback`` is the largest
+    output change against the direction of a monotone input change; 0 if there is none.
     """
 
     rising: Extreme
@@ -36,17 +36,17 @@ class Monotonicity:
 
     @property
     def holds(self) -> bool:
-        """Assumption 2.1, rounding apart; proved where the bounds of both slopes are not negative."""
+        """Assumption 2.1 up to rounding. It is proved if the bounds of both slopes are non-negative."""
         return self.rising.value >= 0 and self.falling.value >= 0
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """The first-order curves that turn at ``lower`` and ``higher`` lie in the wrong order at ``at``, by ``depth``.
+    """Two first-order curves, turning at ``lower`` and ``higher``, in the wrong order at ``at``, by ``depth``.
 
-    y(α₂, β) − y(α₁, β) = 2∬ μ over α₁ < α ≤ α₂, β′ < β, free of g since β ≤ α₁: a negative one proves μ < 0
-    in that rectangle (Prop. 4.6, and with it the thesis's case of curves that merge again). The converse
-    is not true: only rectangles that reach down to u₋ are seen.
+    y(α₂, β) − y(α₁, β) = 2∬ μ over α₁ < α ≤ α₂, β′ < β, without g because β ≤ α₁. A negative value proves μ < 0 in that
+    rectangle (Prop. 4.6, which includes the thesis's case of curves that merge again). The converse is not true: only
+    rectangles that extend down to u₋ are visible.
     """
 
     lower: float
@@ -84,24 +84,24 @@ def _enclosed_slopes(hysteresis: FodSurface) -> Monotonicity:
 
 
 def crossing_descending(hysteresis: Everett) -> Crossing | None:
-    """The worst crossing of first-order descending curves inside the major loop, or None found.
+    """The worst crossing of first-order descending curves inside the major loop; None if none is found.
 
-    Exact for tables and relays; on a grid for others, where a crossing is proved by its place.
+    Exact for tables and relays. For others it uses a grid; a crossing that it finds is proved.
     """
     return _crossing(TriangleGrid.of(hysteresis))
 
 
 def crossing_ascending(hysteresis: Everett) -> Crossing | None:
-    """The worst crossing of first-order ascending curves (positive saturation → β → α), or None found.
+    """The worst crossing of first-order ascending curves (positive saturation → β → α); None if none is found.
 
-    The mirror image of the descending ones; ``lower`` > ``higher`` are the turning points β.
+    It is the mirror image of the descending case; ``lower`` > ``higher`` are the turning points β.
     """
     found = _crossing(TriangleGrid.of(hysteresis).mirrored())
     return found and Crossing(-found.lower, -found.higher, -found.at, found.depth)
 
 
 def _least_rise(plane: TriangleGrid) -> Extreme:
-    """Least (F(u_{i+1}, β) − F(u_i, β)) per K over nodes β ≤ u_i; relays: not per K, and β between too."""
+    """Least (F(u_{i+1}, β) − F(u_i, β)) per K over nodes β ≤ u_i. For relays not per K, and also for β in between."""
     u = _between(plane)
     w = np.diff(u)
     F = plane.hysteresis.swept(u[:, None], np.minimum(u, u[:, None]))
@@ -128,6 +128,6 @@ def _crossing(plane: TriangleGrid) -> Crossing | None:
 
 
 def _between(plane: TriangleGrid) -> Array:
-    """The levels; for relays the points between them too, where a state can stop short of a threshold."""
+    """The levels; for relays also the points between them, where a state can end before a threshold."""
     u = plane.levels
     return np.unique(np.concatenate([u, (u[1:] + u[:-1]) / 2])) if plane.kind == "relays" else u

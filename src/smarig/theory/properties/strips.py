@@ -4,10 +4,10 @@
     V(λ, ξ) = 2∬_{λ≤β≤λ+ξ} μ + ∫_λ^{λ+ξ} g = F(u₊, λ) − F(u₊, λ + ξ)         fall along the major loop
     k = max(H, V),     K(ξ) = max_λ k(λ, ξ)
 
-(Printed once without the 2 and always without g: theory.md §8, errata 1 and 8.) K is the largest output
-change of a monotone input change ξ only for ν ≥ 0; for signed ν a sweep that covers part of a strip can
-do more: ``bound`` is K of |ν|, and ``sweeps.largest_change`` the truth. Relays on the strip's edges count
-as a sweep would switch them. Knows no operator.
+(The thesis prints them once without the 2 and always without g: theory.md §8, errata 1 and 8.) K is the largest output
+change of a monotone input change ξ only for ν ≥ 0. For signed ν a sweep that covers part of a strip can give more.
+``bound`` is K of |ν|, and ``sweep_changes.largest_change`` is the true value. Relays on the strip's edges count as a
+sweep would switch them.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ _GRID_POINTS = 2048
 
 
 def H(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
-    """Horizontal strip: output change of a rise from λ to λ + ξ, straight from negative saturation.
+    """Horizontal strip: output change of a rise from λ to λ + ξ, directly from negative saturation.
 
     >>> from smarig.preisach import thesis_surface
     >>> s = thesis_surface("two_c")
@@ -35,7 +35,7 @@ def H(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
 
 
 def V(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
-    """Vertical strip: output change, a drop taken positive, of a fall from λ + ξ to λ, from saturation."""
+    """Vertical strip: output change of a fall from λ + ξ to λ from saturation; a drop is positive."""
     low, high = _strip(hysteresis, lam, xi)
     return hysteresis.swept(hysteresis.upper, low) - hysteresis.swept(hysteresis.upper, high)
 
@@ -46,7 +46,7 @@ def k(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
 
 
 def K(hysteresis: Everett, xi: float) -> float:
-    """K(ξ) = max over λ of k(λ, ξ): exact for tables and relays, on a fine grid of λ for the others."""
+    """K(ξ) = max over λ of k(λ, ξ): exact for tables and relays, on a fine grid of λ for others."""
     plane = TriangleGrid.of(hysteresis)
     lam = candidates(plane, xi)
     if plane.kind not in ("table", "relays"):
@@ -56,9 +56,9 @@ def K(hysteresis: Everett, xi: float) -> float:
 
 
 def bound(hysteresis: Everett, xi: float) -> float:
-    """2∬|μ| + ∫|g| over the widest strip: no monotone input change ξ moves the output by more.
+    """2∬|μ| + ∫|g| over the widest strip: no monotone input change ξ changes the output by more.
 
-    Proved for surfaces, tables and relays; NaN for anything else, of which only samples are known.
+    It is proved for surfaces, tables and relays. It is NaN for anything else, because only samples are known.
     """
     plane = TriangleGrid.of(hysteresis)
     _check(hysteresis.lower, hysteresis.upper, xi)
@@ -68,7 +68,7 @@ def bound(hysteresis: Everett, xi: float) -> float:
 
 
 def candidates(plane: TriangleGrid, xi: float) -> Array:
-    """All λ at which a strip of width ξ begins or ends on a level; for relays, points between them too."""
+    """All λ at which a strip of width ξ starts or ends on a level; for relays also points between them."""
     lower, upper = float(plane.levels[0]), float(plane.levels[-1])
     _check(lower, upper, xi)
     last = max(upper - xi, lower)
@@ -84,14 +84,12 @@ def _strip(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> tuple[Array, A
     _check(lower, upper, float(width.min()))
     slack = 1e-12 * (upper - lower)
     if low.min() < lower - slack or (low + width).max() > upper + slack:
-        raise UsageError(
-            f"A strip λ … λ + ξ leaves the input range [{lower:g}, {upper:g}]: choose it inside."
-        )
+        raise UsageError(f"A strip λ … λ + ξ must lie inside the input range [{lower:g}, {upper:g}].")
     return np.maximum(low, lower), np.minimum(low + width, upper)
 
 
 def _check(lower: float, upper: float, xi: float) -> None:
     if not 0.0 <= xi <= (upper - lower) * (1 + 1e-12):
         raise UsageError(
-            f"An input change ξ = {xi:g} is not between 0 and the input range {upper - lower:g}."
+            f"An input change ξ = {xi:g} must lie between 0 and the input range {upper - lower:g}."
         )

@@ -1,4 +1,4 @@
-"""Everything chapter 4 asks of a hysteresis, in one answer. Computed, never stored; knows no data."""
+"""All properties of chapter 4 of a hysteresis in one result, computed on request and never stored."""
 
 import math
 from dataclasses import dataclass, fields, is_dataclass
@@ -32,11 +32,11 @@ INPUT_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
 
 @dataclass(frozen=True)
 class OutputChange:
-    """What an input change of ``xi`` (K) can do to the output.
+    """Largest effects of an input change of ``xi`` (K) on the output.
 
-    ``K`` of §4.1, the largest for ν ≥ 0; ``bound`` = 2∬|μ| + ∫|g| over the widest strip, for any ν;
-    ``largest`` the largest there is; ``modulus`` the largest difference of outputs of two inputs that
-    stay within ``xi`` of each other.
+    ``K`` of §4.1 is the largest change for ν ≥ 0. ``bound`` = 2∬|μ| + ∫|g| over the widest strip holds for any ν.
+    ``largest`` is the true largest change. ``modulus`` is the largest difference of the outputs of two inputs that stay
+    within ``xi`` of each other.
     """
 
     xi: float
@@ -48,12 +48,11 @@ class OutputChange:
 
 @dataclass(frozen=True, repr=False)
 class Properties:
-    """Chapter 4 of a hysteresis on [``lower``, ``upper``]; outputs from ``y_lower`` to ``y_upper``.
+    """Chapter 4 for a hysteresis on [``lower``, ``upper``] with outputs from ``y_lower`` to ``y_upper``.
 
-    ``kind``: surface (bounds proved), table or relays (exact), sampled (nothing proved between samples).
-    ``lipschitz`` is C of Lemma 4.2 with g: every change is at most C times its ``xi``. ``changes`` are
-    taken at 1/16, 1/8, 1/4, 1/2 and the whole of the input range. ``unit`` is that of outputs, empty where
-    the hysteresis does not say.
+    ``kind``: surface (bounds proved), table or relays (exact), sampled (nothing proved between samples). ``lipschitz``
+    is C of Lemma 4.2 with g: every change is at most C times its ``xi``. ``changes`` are given for 1/16, 1/8, 1/4, 1/2
+    and the whole of the input range. ``unit`` is that of outputs, and empty if the hysteresis has none.
     """
 
     kind: MeasureKind
@@ -70,7 +69,7 @@ class Properties:
     unit: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values by field name, with the classes' verdicts; None for NaN and for infinity."""
+        """Plain values by field name, including the results for the classes; None for NaN and for infinity."""
         plain = _plain_values(self)
         c = self.classes
         plain["classes"] |= {"M_PC": c.M_PC, "M_P": c.M_P, "positive": c.positive}
@@ -104,14 +103,14 @@ class Properties:
 
 
 def properties(hysteresis: Everett) -> Properties:
-    """All properties of any hysteresis; about a second for a surface.
+    """All properties of any hysteresis. It takes about a second for a surface.
 
     >>> from smarig.preisach import thesis_surface
     >>> p = properties(thesis_surface("one_c"))
     >>> p.classes.M_P, p.monotone.holds, p.fod_crossing
     (True, True, None)
     """
-    h = getattr(hysteresis, "hysteresis", hysteresis)  # an operator stands for what it runs on
+    h = getattr(hysteresis, "hysteresis", hysteresis)  # accept an operator in place of its hysteresis
     plane = TriangleGrid.of(h)
     return Properties(
         kind=plane.kind,

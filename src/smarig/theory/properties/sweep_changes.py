@@ -1,13 +1,13 @@
-"""The largest output change a monotone input change can make, over every state: what K bounds.
+"""The largest output change of a monotone input change, over all states: the quantity that K bounds.
 
-A rise from λ to λ + ξ sweeps {λ < α ≤ λ + ξ, β ≥ b(α)}; the memory allows any b ≤ λ that does not
-increase with α (Prop. 3.4), so
+A rise from λ to λ + ξ sweeps {λ < α ≤ λ + ξ, β ≥ b(α)}. The memory allows any b ≤ λ that does not increase with α
+(Prop. 3.4), so
 
     largest rise = max over such b of ∫_λ^{λ+ξ} ∂_αF(α, b(α)) dα.
 
-On a table the integrand is linear in b between the nodes and constant in α, so the best b runs along the
-nodes: dynamic programming is exact. For relays b matters only at thresholds. On a surface the staircases
-of a grid are attained and ``variation.uncertainty`` bounds the rest. Falls are rises in the mirror.
+On a table the integrand is linear in b between the nodes and constant in α, so the best b runs along the nodes, and
+dynamic programming is exact. For relays b matters only at thresholds. On a surface the staircases of a grid are
+attained, and ``variation.uncertainty`` bounds the rest. Falls are rises of the mirror image.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 class ChangeBounds:
     """``attained``: reached by some state and input, arbitrarily closely; ``bound``: never exceeded.
 
-    The two are equal where the value is exact; ``bound`` is NaN where nothing is proved.
+    Both are equal if the value is exact. ``bound`` is NaN if nothing is proved.
     """
 
     attained: float
@@ -36,13 +36,13 @@ class ChangeBounds:
 
 
 def largest_change(hysteresis: Everett, xi: float, levels: int = LEVELS) -> ChangeBounds:
-    """Largest |Δy| of a monotone input change of exactly ξ, from any state a past can leave.
+    """Largest |Δy| of a monotone input change of exactly ξ, from any state that an input can produce.
 
-    ``levels``: cells a side for a surface, whose attained and bound close in as 1/levels².
+    ``levels``: cells per side for a surface; attained value and bound converge with 1/levels².
 
     >>> from smarig.preisach import RelayMeasure
     >>> pair = RelayMeasure.from_arrays([1.0, 1.0, 2.0], [0.0, 0.5, 0.0], [1.0, -1.0, 1e-9])
-    >>> float(pair.everett(1.0, 0.0)), largest_change(pair, 1.0).attained      # the strip hides it
+    >>> float(pair.everett(1.0, 0.0)), largest_change(pair, 1.0).attained      # the whole strip does not show it
     (0.0, 2.0)
     """
     plane = TriangleGrid.of(hysteresis, levels)
@@ -51,17 +51,17 @@ def largest_change(hysteresis: Everett, xi: float, levels: int = LEVELS) -> Chan
 
 
 def largest_setback(hysteresis: Everett) -> float:
-    """Largest output change against the direction of a monotone input change of any size; 0 if none.
+    """Largest output change against the direction of a monotone input change of any size; 0 if there is none.
 
-    Exact for tables and relays; for others the largest on the grid, which is attained. Zero is
-    Assumption 2.1: output follows input.
+    Exact for tables and relays. For others it is the largest on the grid, which is attained. Zero means
+    Assumption 2.1: the output follows the input.
     """
     plane = TriangleGrid.of(hysteresis)
     return max(_setback(plane), _setback(plane.mirrored()))
 
 
 def _rises(plane: TriangleGrid, xi: float) -> tuple[float, float]:
-    """Largest and smallest output change of a rise by ξ: one row of the lattice after the other."""
+    """Largest and smallest output change of a rise by ξ, row by row of the lattice."""
     F, u = plane.hysteresis.swept, plane.levels
     lam = _with_turning_points(plane, candidates(plane, xi), xi)
     top = np.minimum(lam + xi, u[-1])
@@ -79,12 +79,12 @@ def _rises(plane: TriangleGrid, xi: float) -> tuple[float, float]:
 
 
 def _best_further_right(best: np.ufunc, values: Array) -> Array:
-    """Best value over b′ ≥ b: the row below may reach less far to the left, never further."""
+    """Best value over b′ ≥ b, because the row below may not extend further to the left."""
     return best.accumulate(values[:, ::-1], axis=1)[:, ::-1]
 
 
 def _with_turning_points(plane: TriangleGrid, lam: Array, xi: float) -> Array:
-    """Add the vertices of F(λ + ξ, λ), piecewise quadratic on a table; all else is convex between ``lam``."""
+    """Add the vertices of F(λ + ξ, λ), piecewise quadratic on a table; all other terms are convex between ``lam``."""
     if plane.kind == "relays" or lam.size < 2:
         return lam
     low, high = lam[:-1], lam[1:]
@@ -99,7 +99,7 @@ def _with_turning_points(plane: TriangleGrid, lam: Array, xi: float) -> Array:
 
 
 def _setback(plane: TriangleGrid) -> float:
-    """−(least output change of any rise), which may begin and end on any level."""
+    """−(least output change of any rise), which may start and end on any level."""
     u = plane.levels
     if plane.kind == "relays":
         u = np.unique(np.concatenate([u, (u[1:] + u[:-1]) / 2]))
@@ -110,5 +110,5 @@ def _setback(plane: TriangleGrid) -> float:
         swept = np.where(u <= low, F(high, b) - F(low, b), np.inf)
         least = swept + np.minimum.accumulate(least[::-1])[::-1]
         worst = max(worst, -float(least.min()))
-        least = np.where(np.isfinite(least), least, 0.0)  # the move may begin at any level
+        least = np.where(np.isfinite(least), least, 0.0)  # the move may start at any level
     return worst

@@ -2,8 +2,8 @@
 
     ν = 2μ dα dβ + g(β) δ(α − β),     F(α, β) = ν(triangle with corner (α, β))        (theory.md §1)
 
-A table spreads the mass of a cell evenly, a diagonal cell's along α = β; relays are atoms; a surface has
-a density. Which of them a hysteresis is decides what can be said exactly. Knows no property.
+A table spreads the mass of a cell evenly, and that of a diagonal cell along α = β. Relays are atoms. A surface has a
+density. The kind of a hysteresis determines which results are exact.
 """
 
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ LEVELS = 128
 class TriangleGrid:
     """A hysteresis with the levels (n,) along which its triangle is cut, increasing from u₋ to u₊.
 
-    ``table`` and ``relays``: its own partition or thresholds, so that nothing is lost between levels;
-    ``surface``: an even grid, what lies between is enclosed; ``sampled`` (any other ``Everett``): an even
-    grid with the kinks, nothing is known of what lies between.
+    ``table`` and ``relays``: its own partition or thresholds, so nothing is lost between levels. ``surface``: an even
+    grid, with enclosures between levels. ``sampled`` (any other ``Everett``): an even grid with the kinks; nothing is
+    known between levels.
     """
 
     hysteresis: Everett
@@ -35,11 +35,11 @@ class TriangleGrid:
 
     @classmethod
     def of(cls, hysteresis: Everett, levels: int = LEVELS) -> "TriangleGrid":
-        """Cut the triangle of any hysteresis; ``levels`` is the number of cells a side where it is free."""
+        """Cut the triangle of any hysteresis; ``levels`` is the number of cells per side where it can be chosen."""
         return _cut(hysteresis, levels)
 
     def mirrored(self) -> "TriangleGrid":
-        """The plane seen in the mirror (u, y) → (−u, −y): falls become rises."""
+        """The plane of the mirror image (u, y) → (−u, −y), in which falls become rises."""
         return TriangleGrid(mirror_image(self.hysteresis), -self.levels[::-1], self.kind)
 
     @property
@@ -92,8 +92,8 @@ def _even(hysteresis: Everett, levels: int) -> Array:
 def masses(hysteresis: Everett, levels: Array) -> Array:
     """ν of the cells of a lattice, (n − 1, n − 1): row i is α in [u_i, u_{i+1}], column j ≤ i is β; else 0.
 
-    By inclusion and exclusion of F; diagonal cells (j = i) carry the reversible part. Relays are counted
-    one by one, those on a level with the cell above it. Levels beyond the range hold nothing.
+    It uses inclusion and exclusion of F. Diagonal cells (j = i) contain the reversible part. Relays are counted one by
+    one; a relay on a level belongs to the cell above it. Levels beyond the range contain nothing.
     """
     u = np.clip(levels, hysteresis.lower, hysteresis.upper)
     F = hysteresis.swept(u[:, None], np.minimum(u, u[:, None]))
@@ -117,7 +117,7 @@ def _masses_of_relays(hysteresis: RelayMeasure, levels: Array) -> Array:
 
 
 def table_of(levels: Array, cells: Array, unit: str = "") -> FodTable:
-    """The table with these masses ν (n − 1, n − 1) of cells, lower triangle; output 0 at u₋."""
+    """The table with these masses ν (n − 1, n − 1) of cells in the lower triangle, and output 0 at u₋."""
     n = levels.size
     F = np.zeros((n, n))
     F[1:, :-1] = np.cumsum(np.cumsum(cells, axis=0)[:, ::-1], axis=1)[:, ::-1]

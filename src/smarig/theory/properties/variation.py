@@ -1,9 +1,9 @@
-"""|ν|: what a signed measure can do at most; and how far a surface's ν may be from that of its grid.
+"""|ν|, the largest effect of a signed measure, and a bound on the difference between a surface's ν and its grid's.
 
-For tables and relays the total variation is exact. For surfaces each cell gets 2∬|μ| + ∫|g|, exact where
-the enclosure of μ has one sign and an upper bound elsewhere, and ``uncertainty`` bounds |ν(Ω) − ν_h(Ω)|
-for every region Ω a sweep can cover, ν_h being ν spread evenly over each cell: only cells that the edge
-of Ω crosses count, so that it shrinks with the square of the cell. Knows no operator.
+For tables and relays the total variation is exact. For surfaces each cell gets 2∬|μ| + ∫|g|: exact where the enclosure
+of μ has one sign, and an upper bound elsewhere. ``uncertainty`` bounds |ν(Ω) − ν_h(Ω)| for every region Ω that a sweep
+can cover, where ν_h is ν spread evenly over each cell. Only cells that the edge of Ω crosses count, so the bound
+decreases with the square of the cell size.
 """
 
 from functools import singledispatch
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def variation(plane: TriangleGrid) -> Everett:
-    """|ν| as a hysteresis of its own: relays of |mass|, or a table of 2∬|μ| + ∫|g| cell by cell."""
+    """|ν| as a hysteresis: relays of |mass|, or a table of 2∬|μ| + ∫|g| cell by cell."""
     return _variation(plane.hysteresis, plane)
 
 
@@ -44,7 +44,7 @@ def _variation_of_mirrored(hysteresis: Mirrored, plane: TriangleGrid) -> Everett
 
 
 def variation_masses(plane: TriangleGrid, levels: Array) -> Array:
-    """|ν| of the cells of any lattice, (n − 1, n − 1), as ``plane.masses``; NaN for a sampled plane."""
+    """|ν| of the cells of any lattice, (n − 1, n − 1), as in ``masses``; NaN for a sampled plane."""
     return _variation_masses(plane.hysteresis, plane, levels)
 
 
@@ -76,8 +76,8 @@ def _masses_of_table(hysteresis: FodTable, plane: TriangleGrid, levels: Array) -
 def uncertainty(plane: TriangleGrid) -> float:
     """E with |ν(Ω) − ν_h(Ω)| ≤ E for all regions Ω of sweeps; 0 for tables and relays, NaN if unknown.
 
-    The edge of Ω is a falling staircase, which crosses a chain of cells each next to, above or left of the
-    last, and at most two whole rows (or columns) with the diagonal cells in them.
+    The edge of Ω is a falling staircase. It crosses a chain of cells, each next to, above or left of the last, and at
+    most two whole rows (or columns) including their diagonal cells.
     """
     return _uncertainty(plane.hysteresis, plane)
 
@@ -120,7 +120,7 @@ def _masses_of_surface(hysteresis: FodSurface, plane: TriangleGrid, levels: Arra
 
 
 def _densities(surface: FodSurface, levels: Array) -> tuple[Interval, Array]:
-    """Enclosures of μ on the cells of a lattice, clipped to the range, and the cells' areas."""
+    """Enclosures of μ on the cells of a lattice, clipped to the range, and the areas of the cells."""
     u = np.clip(levels, surface.lower, surface.upper)
     alpha, beta = (
         Interval(*(np.broadcast_to(x, (u.size - 1,) * 2) for x in ends))

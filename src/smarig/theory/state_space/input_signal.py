@@ -1,7 +1,6 @@
-"""Inputs u ∈ 𝒰 (§6.2.1): continuous, bounded by û, at rest at 0 before they begin. Piecewise linear in time.
+"""Inputs u ∈ 𝒰 (§6.2.1): continuous, bounded by û, and 0 before their first time. Piecewise linear in time.
 
-Only extrema and their order matter to a Preisach operator, so straight lines between knots lose nothing.
-Knows no memory and no boundary.
+Only the extrema and their order matter to a Preisach operator, so straight lines between knots are sufficient.
 """
 
 import math
@@ -14,11 +13,11 @@ from smarig.core import UsageError
 
 @dataclass(frozen=True)
 class InputSignal:
-    """u(t) by straight lines between knots (``times``, ``values``), both (n,); constant before the first.
+    """u(t) as straight lines between knots (``times``, ``values``), both (n,); constant before the first knot.
 
-    An input of 𝒰(−∞, T] begins with the value 0; one that begins elsewhere is a piece u_[t₀,T] to be joined
-    to a past with ``joined_with``. Nothing is known after the last knot. Raises UsageError for times that do not
-    increase and for values that are not finite.
+    An input of 𝒰(−∞, T] starts with the value 0. One that starts elsewhere is a part u_[t₀,T], to be joined to a past
+    with ``joined_with``. The input is not defined after the last knot. UsageError if times do not increase or values
+    are not finite.
 
     >>> u = InputSignal((0, 1, 3), (0, 4, -2))
     >>> u(-7), u(0.5), u.until(2), u.shifted(1).times
@@ -43,19 +42,19 @@ class InputSignal:
 
     @property
     def end(self) -> float:
-        """The last time the input is known."""
+        """The last time at which the input is defined."""
         return self.times[-1]
 
     def __call__(self, t: float) -> float:
         """u(t), t ≤ end."""
         if t > self.end:
-            raise UsageError(f"The input is known until t = {self.end:g}; t = {t:g} was asked for.")
+            raise UsageError(f"The input is defined until t = {self.end:g}, but t = {t:g} was requested.")
         k = bisect_left(self.times, t)
         if k == 0 or self.times[k] == t:
             return self.values[k]
         (t0, t1), (u0, u1) = self.times[k - 1 : k + 1], self.values[k - 1 : k + 1]
         u = u0 + (t - t0) / (t1 - t0) * (u1 - u0)
-        return min(max(u, min(u0, u1)), max(u0, u1))  # rounding must not invent an extremum
+        return min(max(u, min(u0, u1)), max(u0, u1))  # rounding must not create an extremum
 
     def until(self, t: float) -> "InputSignal":
         """u_(−∞,t]."""
@@ -73,18 +72,18 @@ class InputSignal:
         return InputSignal(tuple(t - T for t in self.times), self.values)
 
     def joined_with(self, after: "InputSignal", slack: float = 0.0) -> "InputSignal":
-        """u ◇ v (§6.3): this input until ``after`` begins, which must be where and when this one ends.
+        """u ◇ v (§6.3): this input until ``after`` starts, which must be at the time and value at which this one ends.
 
-        A jump larger than ``slack`` is refused: the operator is defined for continuous inputs (Def. 6.5).
+        A jump larger than ``slack`` is an error, because the operator is defined for continuous inputs (Def. 6.5).
         """
         if after.times[0] != self.end:
             raise UsageError(
-                f"Inputs cannot be joined: the first ends at t = {self.end:g}, the second begins at "
+                f"Inputs cannot be joined: the first ends at t = {self.end:g}, but the second starts at "
                 f"t = {after.times[0]:g}."
             )
         if not abs(after.values[0] - self.values[-1]) <= slack:
             raise UsageError(
-                f"The input is not admissible: it begins at u = {after.values[0]:g} where the past ends at "
-                f"u = {self.values[-1]:g}; a Preisach operator needs continuous inputs."
+                f"The input is not admissible: it starts at u = {after.values[0]:g}, but the past ends at "
+                f"u = {self.values[-1]:g}. A Preisach operator needs continuous inputs."
             )
         return InputSignal(self.times + after.times[1:], self.values + after.values[1:])

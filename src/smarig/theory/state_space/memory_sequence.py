@@ -1,9 +1,9 @@
 """Reduced memory sequences s ∈ 𝒮 (§6.3.1): the extrema of an input that have not been wiped out.
 
-s₁ is the extremum of largest |u|, later ones alternate about the present input and close in on it. The
-thesis's sequences are infinite. Here one is a finite prefix and what follows: the constant s_N when N(s)
-(6.3) is finite, or a remainder known to stay within ``remainder`` of s_N when an infinite sequence was cut.
-Knows no time: when an extremum happened is of no significance.
+s₁ is the extremum of largest |u|. Later extrema alternate about the present input and approach it. The thesis's
+sequences are infinite. Here a sequence is a finite prefix with one of two continuations: the constant s_N if N(s) (6.3)
+is finite, or a remainder within ``remainder`` of s_N if an infinite sequence was truncated. The times of the extrema
+have no influence.
 """
 
 from collections.abc import Iterable
@@ -18,10 +18,10 @@ MAX_ELEMENTS = 1_000_000
 class MemorySequence:
     """s₁ … s_N (``values``) with |s_i| ≤ û (``bound``), then s_i = s_N, or within ``remainder`` of it.
 
-    Definition 6.4 asks that the even and odd subsequences be strictly monotone in opposite directions and
-    converge to one limit: each s_i lies strictly between its two predecessors. It must also ask for
-    |s₂| < |s₁|, which print leaves out: without it (1, −5) would be allowed, whose −5 wipes out the 1.
-    A repeated end (the thesis's tail) is dropped. Raises UsageError naming the element that fails.
+    Definition 6.4 requires that the even and odd subsequences are strictly monotone in opposite directions and converge
+    to one limit: each s_i lies strictly between its two predecessors. It must also require |s₂| < |s₁|, which the
+    thesis omits. Otherwise (1, −5) would be allowed, although −5 wipes out 1. A repeated end (the thesis's tail) is
+    dropped. UsageError names the element that violates this.
 
     >>> s = MemorySequence((5, -3, 2), bound=10)
     >>> s.N, s.limit, [s.at(i) for i in range(6)]
@@ -41,10 +41,10 @@ class MemorySequence:
 
     @classmethod
     def truncated(cls, elements: Iterable[float], bound: float, within: float) -> "MemorySequence":
-        """An infinite sequence, cut as soon as neighbours differ by no more than ``within`` (or at its end).
+        """An infinite sequence, truncated as soon as neighbours differ by no more than ``within`` (or at its end).
 
-        All later elements lie between the last two, so what is left out changes the boundary by an area of
-        at most ``truncation_area`` and the present input by at most ``remainder``.
+        All later elements lie between the last two. The omitted part therefore changes the boundary by an area of at
+        most ``truncation_area`` and the present input by at most ``remainder``.
 
         >>> from itertools import count
         >>> s = MemorySequence.truncated((8 * (-0.5) ** i for i in count()), bound=10, within=1e-3)
@@ -52,13 +52,15 @@ class MemorySequence:
         (16, 0.000732421875, True)
         """
         if not within > 0:
-            raise UsageError(f"An infinite memory sequence is cut at a positive difference, got {within:g}.")
+            raise UsageError(
+                f"An infinite memory sequence needs a positive difference to end at, got {within:g}."
+            )
         values: list[float] = []
         for element in elements:
             if len(values) == MAX_ELEMENTS:
                 raise UsageError(
                     f"Memory sequence: neighbours still differ by more than {within:g} after {MAX_ELEMENTS} "
-                    "elements; a memory sequence converges (Def. 6.4), or ask for a larger difference."
+                    "elements. Give a sequence that converges (Def. 6.4), or a larger difference."
                 )
             values.append(element)
             if len(values) > 1 and abs(values[-1] - values[-2]) <= within:
@@ -67,7 +69,7 @@ class MemorySequence:
 
     @property
     def N(self) -> int:
-        """N(s) (6.3): the index from which s is constant; of a cut sequence, the length that was kept."""
+        """N(s) (6.3): the index from which s is constant; for a truncated sequence, the retained length."""
         return len(self.values)
 
     @property
@@ -87,7 +89,7 @@ class MemorySequence:
 
 def _check(values: list[float], bound: float) -> None:
     if not values:
-        raise UsageError("A memory sequence has at least one element, the present input.")
+        raise UsageError("A memory sequence needs at least one element, the present input.")
     for i, s in enumerate(values, start=1):
         if not abs(s) <= bound:
             raise UsageError(f"Memory sequence: s_{i} = {s:g} is outside [−û, û], û = {bound:g}.")
@@ -101,5 +103,5 @@ def _check(values: list[float], bound: float) -> None:
         if not low < values[i] < high:
             raise UsageError(
                 f"Memory sequence: s_{i + 1} = {values[i]:g} is not strictly between s_{i - 1} = "
-                f"{values[i - 2]:g} and s_{i} = {values[i - 1]:g}; extrema that are wiped out do not belong."
+                f"{values[i - 2]:g} and s_{i} = {values[i - 1]:g}. Leave out extrema that are wiped out."
             )

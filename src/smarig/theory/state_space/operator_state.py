@@ -1,7 +1,7 @@
-"""Between the operator's memory and the boundary it stands for: State → B, and B → State where B is drawn.
+"""Converts the operator's memory into its boundary (State → B), and back for boundaries that an input generates.
 
-The operator lives on [u₋, u₊] with negative saturation or a diagonal state B_ℓ as its base; boundaries
-live on [−û, û], û = max(|u₋|, |u₊|). Beyond [u₋, u₊] there are no relays, so the base u₋ is drawn at −û.
+The operator is defined on [u₋, u₊], with negative saturation or a diagonal state B_ℓ as its base. Boundaries are
+defined on [−û, û], û = max(|u₋|, |u₊|). There are no relays beyond [u₋, u₊], so the base u₋ is placed at −û.
 """
 
 import numpy as np
@@ -37,16 +37,18 @@ def boundary_of(state: State, hysteresis: Everett) -> Boundary:
         return Boundary(((-bound, bound), *staircase_points([-bound, *moves])), bound)
     if moves == [base]:
         return diagonal(bound, base)
-    opposite = 2 * base - moves[0]  # the line α = 2ℓ − β is left at (opposite, s₁) or (s₁, opposite)
+    opposite = (
+        2 * base - moves[0]
+    )  # the boundary leaves the line α = 2ℓ − β at (opposite, s₁) or (s₁, opposite)
     stairs = staircase_points([min(max(opposite, -bound), bound), *moves])
     line = diagonal_ends(bound, base)[:1] if abs(opposite) < bound else ()
     return Boundary(((-bound, bound), *line, *stairs), bound)
 
 
 def state_of(boundary: Boundary, hysteresis: Everett) -> State:
-    """The operator's state at a boundary an input draws from saturation, from B* or from a B_ℓ.
+    """The operator's state for a boundary that an input generates from saturation, from B* or from a B_ℓ.
 
-    Raises UsageError for other slopes and for a boundary that does not cover the range of the hysteresis.
+    UsageError for other slopes and for a boundary that does not cover the range of the hysteresis.
 
     >>> from smarig.preisach import thesis_surface
     >>> from smarig.theory.state_space.boundary import diagonal
@@ -64,7 +66,7 @@ def state_of(boundary: Boundary, hysteresis: Everett) -> State:
 
 
 def _diagonal_start(boundary: Boundary) -> tuple[float | None, tuple[Point, ...]]:
-    """ℓ, if B begins as B_ℓ (perhaps along the edge of P_r), and the points from where it is left."""
+    """ℓ, if B starts as B_ℓ (perhaps along the edge of P_r), and the points from where B leaves it."""
     points, bound = boundary.points, boundary.bound
     for skip in (0, 1):
         ends = points[skip : skip + 2]
@@ -75,7 +77,7 @@ def _diagonal_start(boundary: Boundary) -> tuple[float | None, tuple[Point, ...]
 
 
 def distance(first: Boundary, second: Boundary) -> float:
-    """d(B₁, B₂), input units squared; exact for polylines, to rounding.
+    """d(B₁, B₂) in input units squared; exact to rounding for polylines.
 
     >>> from smarig.theory.state_space.boundary import anhysteretic, diagonal
     >>> round(distance(anhysteretic(10), diagonal(10, 10)), 9)          # half of the triangle
@@ -83,7 +85,7 @@ def distance(first: Boundary, second: Boundary) -> float:
     """
     if first.bound != second.bound:
         raise UsageError(
-            f"Boundaries with û = {first.bound:g} and {second.bound:g} are not in one state space."
+            f"Boundaries with û = {first.bound:g} and {second.bound:g} belong to different state spaces."
         )
     return rotated_distance(rotated(first), rotated(second))
 

@@ -1,8 +1,8 @@
-"""Approximate reachability (Thm 6.4) as a construction: the input that takes B* as close as one likes to B.
+"""Approximate reachability (Thm 6.4) as a construction: an input that takes B* as close to B as required.
 
-No input draws a slope other than what is left of B*, so ℬ is not reachable (§6.2.4); but a slope cut into
-k steps through its middles is missed by an area Δα Δβ/(4k), and steps an input can draw. The steps cover
-[−û, u]: print partitions [−û, 0] only and leaves out the rest (erratum 10). Knows no measure μ.
+No input generates a slope other than the rest of B*, so ℬ is not reachable (§6.2.4). A slope can be approximated by k
+steps through its middles, which an input can generate, with an error of area Δα Δβ/(4k). The steps cover [−û, u]. The
+thesis partitions [−û, 0] only and omits the rest (erratum 10).
 """
 
 import math
@@ -32,29 +32,31 @@ def reach(boundary: Boundary, within: float, tau: float = 0.0) -> InputSignal:
 
 
 def staircase(boundary: Boundary, within: float) -> Boundary:
-    """A reachable boundary at a distance less than ``within`` from B: B itself where an input can draw B.
+    """A reachable boundary at a distance less than ``within`` from B; B itself if an input can generate it.
 
-    The k_j steps of the j-th slope are shared out so that their sum is least for the area allowed:
-    k_j ∝ √(Δα Δβ). Raises UsageError when more than ``MAX_STEPS`` would be needed.
+    The numbers of steps k_j of the slopes are chosen so that their sum is least for the allowed area: k_j ∝ √(Δα Δβ).
+    UsageError if more than ``MAX_STEPS`` would be needed.
     """
     if not within > 0:
-        raise UsageError(f"A boundary is approached to within a positive area, got {within:g}.")
+        raise UsageError(
+            f"The area within which a boundary is approximated must be positive, got {within:g}."
+        )
     points = boundary.points
     kept, sloped = (points[:1], points[1:]) if starts_on_zero_state(boundary) else ((), points)
     roots = [math.sqrt((b1 - b0) * (a0 - a1)) for (b0, a0), (b1, a1) in pairwise(sloped)]
     if not sum(roots) ** 2 / 4 / within < MAX_STEPS:
         raise UsageError(
-            f"To come within an area of {within:g} would take more than {MAX_STEPS} reversals; "
-            "ask for a larger one."
+            f"An approximation within an area of {within:g} needs more than {MAX_STEPS} reversals. "
+            "Give a larger area."
         )
-    enough = (1 + 1e-6) / (4 * within)  # rounding must not make "less than" an "equal"
+    enough = (1 + 1e-6) / (4 * within)  # the margin keeps "less than" true after rounding
     steps = [math.floor(root * sum(roots) * enough) + 1 for root in roots]
     stairs = [point for n, pair in zip(steps, pairwise(sloped)) for point in _stairs(*pair, n)]
     return Boundary((*kept, *sloped[:1], *stairs), boundary.bound)
 
 
 def _stairs(start: Point, end: Point, steps: int) -> list[Point]:
-    """Down, across, down, across … down: ``steps`` level edges through the middles of a slope."""
+    """Corners down, across, down, across … down: ``steps`` level edges through the middles of a slope."""
     (b0, a0), (b1, a1) = start, end
     if b0 == b1 or a0 == a1:
         return [end]

@@ -1,11 +1,10 @@
-"""The read-out r(B): the output that belongs to a state, whatever led to it (§6.4.3).
+"""The read-out r(B): the output of a state, independent of the input that led to it (§6.4.3).
 
     r(B) = ∬_{P₊B} μ − ∬_{P₋B} μ  (+ offset)  =  y₋ + ν(P₊B)
 
-ν is the measure of output changes (theory.md §1), reversible part included. P₊B is read column by column:
-over a level edge at α from β₀ to β₁ stands F(α, β₀) − F(α, β₁), over an upright edge nothing, and over a
-slope −1 the integral the hysteresis itself provides. Other slopes are cut into ``STEPS`` level edges
-through their middles. Knows nothing of the past: only the curve.
+ν is the measure of output changes (theory.md §1), reversible part included. P₊B is evaluated column by column: a level
+edge at α from β₀ to β₁ contributes F(α, β₀) − F(α, β₁), an upright edge nothing, and a slope −1 the integral that the
+hysteresis provides. Other slopes are cut into ``STEPS`` level edges through their middles.
 """
 
 from itertools import pairwise
@@ -23,8 +22,8 @@ STEPS = 1024
 def read_out(boundary: Boundary, hysteresis: Everett) -> float:
     """r(B) in the unit of the output, for any hysteresis whose inputs lie in [−û, û] (else UsageError).
 
-    Exact to rounding for staircases and for B*, B_ℓ and what grows out of them. On segments of other slopes
-    the error falls with the square of the step for a density, and with the step for single relays.
+    Exact to rounding for staircases and for states that start from B* or B_ℓ. On segments of other slopes the error
+    falls with the square of the step size for a density, and with the step size for single relays.
 
     >>> from smarig.preisach import thesis_surface
     >>> from smarig.theory.state_space.boundary import anhysteretic
@@ -41,23 +40,23 @@ def read_out(boundary: Boundary, hysteresis: Everett) -> float:
 
 
 def check_covers(boundary: Boundary, hysteresis: Everett) -> None:
-    """UsageError unless the triangle of the boundary holds that of the hysteresis, û ≥ max(|u₋|, |u₊|)."""
+    """Raise UsageError unless the boundary's triangle contains that of the hysteresis, û ≥ max(|u₋|, |u₊|)."""
     needed = max(abs(hysteresis.lower), abs(hysteresis.upper))
     if boundary.bound < needed:
         raise UsageError(
-            f"The boundary is drawn for |u| ≤ {boundary.bound:g}, the hysteresis reaches {needed:g}; "
-            f"draw it with û = {needed:g}."
+            f"The boundary is defined for |u| ≤ {boundary.bound:g}, but the hysteresis reaches {needed:g}. "
+            f"Define it with û = {needed:g}."
         )
 
 
 def is_up(boundary: Boundary, alpha: ArrayLike, beta: ArrayLike) -> NDArray[np.bool_]:
-    """Whether relays (α, β) belong to P₊B: below or left of the boundary, or on it. Arrays, which broadcast."""
+    """Whether relays (α, β) belong to P₊B: below or left of the boundary, or on it. Arrays broadcast."""
     a, b = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
     return a + b <= np.interp(b - a, boundary.beta - boundary.alpha, boundary.beta + boundary.alpha)
 
 
 def _column(start: Point, end: Point, hysteresis: Everett, bound: float) -> float:
-    """ν of what lies under one segment, cut to the range of the hysteresis."""
+    """ν of the area under one segment, clipped to the range of the hysteresis."""
     (b0, a0), (b1, a1) = start, end
     low, high = hysteresis.lower, hysteresis.upper
     left, right = min(max(b0, low), high), min(max(b1, low), high)
@@ -67,14 +66,14 @@ def _column(start: Point, end: Point, hysteresis: Everett, bound: float) -> floa
         return _under_edge(min(a0, high), left, right, hysteresis)
     if has_slope_minus_one(start, end, bound):
         centre = 0.5 * (a1 + b1)
-        # B meeting α = β ends there: a degenerate relay at the meeting point is up
+        # a boundary that meets α = β ends there: a degenerate relay at this point is up
         beyond = hysteresis.fall_from_diagonal(centre, right) if right < centre else 0.0
         return hysteresis.fall_from_diagonal(centre, left) - beyond
     return _under_slope(start, end, hysteresis)
 
 
 def _under_edge(alpha: float, left: float, right: float, hysteresis: Everett) -> float:
-    """F(α, β₀) − F(α, β₁); an edge that ends on α = β leaves a degenerate relay there up, as rising does."""
+    """F(α, β₀) − F(α, β₁). At the end of an edge on α = β, a degenerate relay is up, as after a rise."""
     return hysteresis.everett(alpha, left) - (hysteresis.everett(alpha, right) if right < alpha else 0.0)
 
 

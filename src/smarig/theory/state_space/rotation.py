@@ -1,10 +1,9 @@
-"""Boundaries turned by 45° (§6.5): every state becomes a function with Lipschitz constant 1.
+"""Boundaries rotated by 45° (§6.5): every state becomes a function with Lipschitz constant 1.
 
     β̃ = (β − α)/√2 ∈ [−√2 û, 0],      B̃ = (β + α)/√2         (6.10)
 
-Level edges get slope +1, upright ones −1, and nothing is multivalued. Claim 6.3: B ∈ ℬ exactly when
+Level edges get slope +1 and upright ones −1; nothing is multivalued. Claim 6.3: B ∈ ℬ exactly if
 (B̃P1) |B̃(β̃)| ≤ √2 û + β̃, (B̃P2) B̃(−√2 û) = 0, (B̃P3) |B̃(β̃₁) − B̃(β̃₂)| ≤ |β̃₁ − β̃₂|.
-Knows no input and no output.
 """
 
 import math
@@ -18,14 +17,14 @@ from smarig.theory.state_space.boundary import ROUNDING, Boundary
 
 Array = NDArray[np.float64]
 ROOT = math.sqrt(2.0)
-TOLERANCE = 1e-9  # of û: rounding allowed to a rotated boundary that was computed
+TOLERANCE = 1e-9  # relative to û: rounding allowed in a computed rotated boundary
 
 
 @dataclass(frozen=True, eq=False)
 class RotatedBoundary:
     """B̃ as a piecewise linear function: ``ordinate`` B̃ at ``abscissa`` β̃, both (n,), rising from −√2 û to 0.
 
-    Raises UsageError naming the property of Claim 6.3 that fails by more than rounding.
+    UsageError names the property of Claim 6.3 that is violated by more than rounding.
     """
 
     abscissa: Array
@@ -35,22 +34,26 @@ class RotatedBoundary:
     def __post_init__(self) -> None:
         x, h, slack = self.abscissa, self.ordinate, TOLERANCE * self.bound
         if x.shape != h.shape or x.ndim != 1 or x.size < 2 or np.any(np.diff(x) <= 0):
-            raise UsageError("A rotated boundary needs one ordinate per abscissa, abscissae rising strictly.")
+            raise UsageError(
+                "A rotated boundary needs one ordinate per abscissa and strictly rising abscissae."
+            )
         if abs(x[0] + ROOT * self.bound) > slack or abs(x[-1]) > slack:
-            raise UsageError(f"A rotated boundary spans [−√2 û, 0]; this one [{x[0]:g}, {x[-1]:g}].")
+            raise UsageError(f"A rotated boundary must span [−√2 û, 0], got [{x[0]:g}, {x[-1]:g}].")
         if not abs(h[0]) <= slack:
-            raise UsageError(f"(B̃P2) fails: a rotated boundary begins at 0, this one at {h[0]:g}.")
+            raise UsageError(f"(B̃P2) fails: a rotated boundary must start at 0, this one starts at {h[0]:g}.")
         steep = np.abs(np.diff(h)) - np.diff(x)
         if not np.max(steep) <= slack:
             at = x[int(np.argmax(steep))]
-            raise UsageError(f"(B̃P3) fails: slope beyond ±1 after β̃ = {at:g}; unrotated, α would rise there.")
+            raise UsageError(
+                f"(B̃P3) fails: the slope exceeds ±1 after β̃ = {at:g}, where the unrotated α would rise."
+            )
 
     def __call__(self, abscissa: ArrayLike) -> Array:
-        """B̃(β̃), arrays."""
+        """B̃(β̃) for arrays."""
         return np.interp(np.asarray(abscissa, dtype=float), self.abscissa, self.ordinate)
 
     def unrotated(self) -> Boundary:
-        """The boundary B = R⁻¹B̃ (6.10), freed of rounding: edges that were level or upright are so again."""
+        """The boundary B = R⁻¹B̃ (6.10) without rounding: level and upright edges are exact again."""
         limit = self.bound
         u = float(self.ordinate[-1] / ROOT)
         if abs(u) > (1 - ROUNDING) * limit:
@@ -66,7 +69,7 @@ class RotatedBoundary:
 
 
 def _without_rounding(v: Array, ends: tuple[float, float], rounding: float) -> Array:
-    """Values that fall from ends[0] to ends[1], with rises, overshoots and drops below rounding taken out."""
+    """Values that fall from ends[0] to ends[1], with rises, overshoots and drops below rounding removed."""
     low = np.minimum.accumulate(np.clip(v, ends[1], ends[0]))
     falls = np.r_[True, -np.diff(low) > rounding]
     level = low[np.maximum.accumulate(np.where(falls, np.arange(low.size), 0))]
@@ -85,5 +88,5 @@ def rotated(boundary: Boundary) -> RotatedBoundary:
     beta, alpha = boundary.beta, boundary.alpha
     abscissa, kept = np.unique(
         (beta - alpha) / ROOT, return_index=True
-    )  # corners closer than rounding are one
+    )  # corners closer than rounding are merged
     return RotatedBoundary(abscissa, (beta + alpha)[kept] / ROOT, boundary.bound)

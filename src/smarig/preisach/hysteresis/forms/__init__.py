@@ -1,4 +1,4 @@
-"""The forms of the analytic surface (5.5): one file each, found by its name."""
+"""The forms of the analytic surface (5.5), one file each, found by its name."""
 
 import inspect
 from typing import Any
@@ -9,7 +9,7 @@ _ATTRIBUTES = ("powers", "colour", "place")
 
 
 def misfit(name: str, found: Any) -> str:
-    """What keeps something from being a form of that name; "" if nothing.
+    """The reason why an object is not a form of that name; "" if it is one.
 
     >>> misfit("linear", 3)
     'linear must be a SurfaceForm (smarig.preisach.hysteresis.surface_form); it is of type int'

@@ -1,4 +1,4 @@
-"""f = x₅, thesis (5.5): every first-order curve has the same shape."""
+"""f = x₅, thesis (5.5): all first-order curves have the same shape."""
 
 import math
 from collections.abc import Mapping
@@ -41,7 +41,7 @@ class ConstantForm(SurfaceForm):
         return params[4] * (1.0 + math.tanh(0.5 * params[0] * (alpha + params[1]))) * rise
 
     def starts(self, lower: float, upper: float, fitted: Parameters) -> list[Parameters]:
-        """Three steepnesses and four centres of either sigmoid, in all combinations."""
+        """Three slopes and four centres of each sigmoid, in all combinations."""
         del fitted
         span = upper - lower
         steep = [k / span for k in (5.0, 10.0, 20.0)]

@@ -1,4 +1,4 @@
-"""f = x₅e^(−x₆α) + x₇, thesis (5.5): the shift of the curves settles as their reversal input rises."""
+"""f = x₅e^(−x₆α) + x₇, thesis (5.5): the shift of the curves approaches a constant as their reversal input rises."""
 
 import math
 from collections.abc import Mapping
@@ -41,13 +41,13 @@ class ExponentialForm(SurfaceForm):
         return params[6] * (1.0 + math.tanh(0.5 * params[0] * (alpha + params[1]))) * rise
 
     def starts(self, lower: float, upper: float, fitted: Parameters) -> list[Parameters]:
-        """f = constant + offset·e^(−x₆(α − u₋)): several offsets at u₋, several decays of either sign."""
+        """f = constant + offset·e^(−x₆(α − u₋)), with several offsets at u₋ and several decays of either sign."""
         span = upper - lower
         guesses: list[Parameters] = []
         offsets, decays, levels = (-0.3, -0.1, 0.1, 0.3, 1.0), (-2.0, 1.0, 4.0, 12.0), (-0.05, 0.0, 0.05)
         for offset, decay, level in product(offsets, decays, levels):
             x6 = decay / span
-            at_edge = lower if decay > 0 else upper  # where the exponential is largest
+            at_edge = lower if decay > 0 else upper  # input at which the exponential is largest
             x5 = offset * span * float(np.exp(x6 * at_edge))
             guesses.append((*fitted[:3], x5, x6, fitted[3] + level * span))
         return guesses

@@ -1,4 +1,4 @@
-"""f = x₅α² + x₆α + x₇, thesis (5.5): the curves shift with their reversal input by a parabola."""
+"""f = x₅α² + x₆α + x₇, thesis (5.5): the shift of the curves is a parabola in their reversal input."""
 
 import math
 from collections.abc import Mapping
@@ -39,11 +39,11 @@ class ParabolicForm(SurfaceForm):
         return params[6] * (1.0 + math.tanh(0.5 * params[0] * (alpha + params[1]))) * rise
 
     def value_turns(self, x: Parameters) -> tuple[float, ...]:
-        """The vertex −x₆/(2x₅); a straight line turns nowhere in reach, at infinity."""
+        """The vertex −x₆/(2x₅). A straight line has it at infinity."""
         return (-x[1] / (2 * x[0]) if x[0] != 0.0 else math.inf,)
 
     def starts(self, lower: float, upper: float, fitted: Parameters) -> list[Parameters]:
-        """f through given values at u₋, the middle and u₊, as offsets of the fitted constant."""
+        """f through given values at u₋, in the middle and at u₊, as offsets from the fitted constant."""
         span = upper - lower
         nodes = np.array([lower, lower + span / 2, upper])
         offsets = [k * span for k in (-0.1, 0.0, 0.1, 0.3)]
