@@ -2,7 +2,7 @@
 #ifndef SMARIG_REGISTERS_H
 #define SMARIG_REGISTERS_H
 
-/* amplifier: Current amplifier: drives the wire, watches it, and switches off when the host falls silent. */
+/* amplifier: Current amplifier: drives the wire, monitors it, and switches off when the host stops communicating. */
 #define AMP_DEVICE_KIND 21313u
 #define AMP_DEVICE_VERSION 1u
 #define AMP_DEVICE_DEFAULT_ADDRESS 65u
@@ -104,7 +104,7 @@
 #define AMP_FAULT_OPEN 7u
 #define AMP_FAULT_STOP 8u
 
-/* encoder_daq: Encoder DAQ: counts, index pulse and ambient temperature by its own clock, kept in a ring. */
+/* encoder_daq: Encoder DAQ: samples counts, index pulse and ambient temperature by its own clock into a ring. */
 #define DAQ_DEVICE_KIND 21316u
 #define DAQ_DEVICE_VERSION 1u
 #define DAQ_DEVICE_DEFAULT_ADDRESS 100u

@@ -166,10 +166,10 @@ def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
     assert 0 < found["ratio"] < found["rest_ratio"] < found["k_e"]
     assert found["ratio"] < found["raw_ratio"], "noise and quantum are in the unfiltered velocity"
     broken = [h["name"] for h in found["hypotheses"] if h["holds"] is False]
-    assert set(broken) - {"input as asked for"} == {"no delay", "velocity as it is"}
-    assert ("input as asked for" in broken) == (found["clipped_share"] > 0)
+    assert set(broken) - {"input as commanded"} == {"no delay", "exact velocity"}
+    assert ("input as commanded" in broken) == (found["clipped_share"] > 0)
     page = run_page(run, certified=(load_model(one), one.name, ""))
-    for words in ("Measured ratio", "of the operator, not of this rig", "velocity as it is", "350"):
+    for words in ("Measured ratio", "of the operator, not of this rig", "exact velocity", "350"):
         assert words in page
     assert page.count("<td>leaky_pi</td>") + page.count(">leaky_pi</th>") == 1, (
         "its certificate, and no other's"

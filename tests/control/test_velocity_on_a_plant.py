@@ -62,10 +62,10 @@ def test_the_assessment_lists_the_hypotheses_that_the_rig_violates():
     hot = measured("one_wire_twin", constant_gain(3000.0), [0.1] * 100 + [-0.1] * 100)
     assessment = assessed("one_wire_twin", "one_e", 3000.0)
     failing = [h.name for h in assessment.hypotheses(hot.clipped_share) if not h.holds]
-    assert failing == ["input as asked for", "no delay", "velocity as it is"]
+    assert failing == ["input as commanded", "no delay", "exact velocity"]
     assert hot.clipped_share > 0.2
     assert hot.applied_K.min() >= 0.0
-    (clipped,) = [h for h in assessment.hypotheses(hot.clipped_share) if h.name == "input as asked for"]
+    (clipped,) = [h for h in assessment.hypotheses(hot.clipped_share) if h.name == "input as commanded"]
     assert "cooling no faster" in clipped.why
     assert f"{hot.clipped_share:.1%}" in clipped.why
     assert [h.holds for h in assessment.hypotheses(0.0) if h.name == clipped.name] == [True]

@@ -22,7 +22,7 @@ void device_begin_tick(void)
     hal_mark_tick();
 }
 
-/* A new current waits for the next tick; nothing waits to switch off. */
+/* A new current is applied at the next tick; switching off is immediate. */
 static void switch_off_at_once(void)
 {
     if (amp.output_uA == 0)
@@ -46,5 +46,5 @@ uint16_t device_answer(const uint8_t *request, uint16_t n, uint8_t *reply, uint1
 }
 
 #else
-typedef int amplifier_is_not_built; /* ISO C wants something in every file */
+typedef int amplifier_is_not_built; /* ISO C requires a declaration in every file */
 #endif

@@ -6,14 +6,14 @@
 #include <util/atomic.h>
 
 static volatile uint16_t now_ms;
-static uint16_t EEMEM boots; /* of an erased EEPROM 65535, which goes round to 0 */
+static uint16_t EEMEM boots; /* 65535 in an erased EEPROM, which wraps to 0 */
 
 ISR(TIMER0_COMPA_vect)
 {
     now_ms++;
 }
 
-/* Timer 0 counts F_CPU/256 up to a whole millisecond. */
+/* Timer 0 counts F_CPU/256 up to one millisecond. */
 void clock_start(void)
 {
     OCR0A = (uint8_t)(F_CPU / 256 / 1000 - 1);

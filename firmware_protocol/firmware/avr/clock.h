@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 void clock_start(void);
-uint16_t clock_ms(void); /* goes round; only differences mean anything */
+uint16_t clock_ms(void); /* wraps; use only differences */
 uint16_t clock_count_boot(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* Which of the two devices this MCU is, chosen with -DDEVICE_amplifier or -DDEVICE_encoder_daq. */
+/* Selects the device of this MCU with -DDEVICE_amplifier or -DDEVICE_encoder_daq. */
 #ifndef SMARIG_AVR_DEVICE_H
 #define SMARIG_AVR_DEVICE_H
 
@@ -21,10 +21,10 @@
 void device_boot(uint16_t boot_count);
 uint16_t device_period_ms(void);
 
-/* A tick begins: what was accepted last takes effect. */
+/* Starts a tick: the last accepted command takes effect. */
 void device_begin_tick(void);
 
-/* The tick's inputs have settled: measure, check, keep. */
+/* Called when the tick's inputs have settled: measures, checks and stores them. */
 void device_end_tick(void);
 
 uint16_t device_answer(const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room);

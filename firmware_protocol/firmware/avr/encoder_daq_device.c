@@ -36,5 +36,5 @@ uint16_t device_answer(const uint8_t *request, uint16_t n, uint8_t *reply, uint1
 }
 
 #else
-typedef int encoder_daq_is_not_built; /* ISO C wants something in every file */
+typedef int encoder_daq_is_not_built; /* ISO C requires a declaration in every file */
 #endif

@@ -1,16 +1,16 @@
 /*
- * The hardware behind the firmware. Here it is a struct in SRAM, which the simulator fills and reads; on a board these
- * functions talk to the ADC, the encoder counter and the current source instead, and nothing else changes.
+ * The hardware layer. Here it is a struct in SRAM, which the simulator writes and reads. On a board these functions
+ * access the ADC, the encoder counter and the current source instead; nothing else changes.
  */
 #ifndef SMARIG_AVR_HAL_H
 #define SMARIG_AVR_HAL_H
 
 #include <stdint.h>
 
-/* simavr/runner.c knows this layout: little-endian, without gaps. */
+/* simavr/runner.c uses this layout: little-endian, without padding. */
 struct plant {
-    uint8_t tick;  /* goes up when `output_uA` of a new tick is there */
-    uint8_t taken; /* 1 while the firmware copies the inputs: the outside waits, or it would be torn */
+    uint8_t tick;  /* incremented when `output_uA` of a new tick is available */
+    uint8_t taken; /* 1 while the firmware copies the inputs: the simulator waits, otherwise the copy could be inconsistent */
     int32_t output_uA;
     int32_t first;  /* current in uA, or raw counts */
     int32_t second; /* voltage in uV; not used by the DAQ */

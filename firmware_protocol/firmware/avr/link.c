@@ -7,12 +7,12 @@
 #include "device.h"
 
 #define BAUD 115200ul
-#define SILENCE_us 1750ul /* of 3.5 characters, as Modbus has it above 19200 baud */
+#define SILENCE_us 1750ul /* 3.5 characters, fixed by Modbus above 19200 baud */
 #define TIMER1_PER_us (F_CPU / 8 / 1000)
 
 static volatile uint16_t received; /* bytes of the request so far */
-static volatile bool whole;        /* it has ended: the main loop owns the buffer */
-static uint8_t request_bytes[REQUEST_ROOM + 1]; /* one more, so that a request that is too long shows */
+static volatile bool whole;        /* the request is complete: the main loop owns the buffer */
+static uint8_t request_bytes[REQUEST_ROOM + 1]; /* one more, so that a request that is too long is detected */
 static uint8_t reply_bytes[REPLY_ROOM];
 static volatile uint16_t sent, to_send;
 
@@ -25,7 +25,7 @@ static void keep(uint8_t byte)
 
 #if defined(FRAMING_rtu)
 
-/* The silence is measured from the last byte: each starts timer 1 anew. */
+/* The silence is measured from the last byte: each byte restarts timer 1. */
 static void after_byte(uint8_t byte)
 {
     (void)byte;
@@ -64,7 +64,7 @@ ISR(USART0_RX_vect)
     const uint8_t spoilt = UCSR0A & (1 << FE0 | 1 << DOR0);
     uint8_t byte = UDR0;
     if (spoilt && byte != '\n')
-        byte = 0xFF; /* what is lost or garbled must not read as something that was sent */
+        byte = 0xFF; /* a lost or garbled byte must not look like a byte that was sent */
     if (whole)
         return;
     keep(byte);
@@ -86,7 +86,7 @@ void link_start(void)
     start_silence();
 }
 
-/* One look at everything that the interrupts share. */
+/* One consistent copy of the variables that the interrupts share. */
 uint16_t link_request(const uint8_t **request)
 {
     uint16_t n = 0;

@@ -1,4 +1,4 @@
-/* The serial line: collects one request by interrupts, sends one reply by interrupts. */
+/* The serial line: receives one request and sends one reply by interrupts. */
 #ifndef SMARIG_AVR_LINK_H
 #define SMARIG_AVR_LINK_H
 
@@ -7,13 +7,13 @@
 
 void link_start(void);
 
-/* A whole request, or 0. It stays as it is, and further bytes are dropped, until link_reply. */
+/* A complete request, or 0. Until link_reply it does not change and further bytes are dropped. */
 uint16_t link_request(const uint8_t **request);
 
-/* Where the reply goes. */
+/* The buffer of the reply. */
 uint8_t *link_room(void);
 
-/* Sends `n` bytes from link_room (0: none) and listens again. */
+/* Sends `n` bytes from link_room (0: none), then receives again. */
 void link_reply(uint16_t n);
 
 #endif

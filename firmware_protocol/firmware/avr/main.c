@@ -1,6 +1,6 @@
 /*
- * Interrupts only collect bytes and count milliseconds. Ticks and exchanges both run in the main loop, one after the
- * other, so that no interrupt ever sees the device half changed.
+ * Interrupts only collect bytes and count milliseconds. Ticks and exchanges run one after the other in the main loop,
+ * so no interrupt sees a partly changed device.
  */
 #include <avr/interrupt.h>
 #include <avr/io.h>
@@ -12,7 +12,7 @@
 #include "device.h"
 #include "link.h"
 
-/* After a watchdog reset the watchdog goes on with its shortest time: stop it before anything else. */
+/* After a watchdog reset the watchdog keeps running with its shortest time: stop it first. */
 void stop_watchdog(void) __attribute__((naked, used, section(".init3")));
 void stop_watchdog(void)
 {
@@ -20,12 +20,12 @@ void stop_watchdog(void)
     wdt_disable();
 }
 
-/* Between the beginning of a tick, when its current begins to flow, and its measurement. */
+/* Time between the start of a tick, when its current starts to flow, and its measurement. */
 #define SETTLE_ms 5
 
 static struct {
     uint16_t began_ms, period_ms;
-    bool settling; /* no exchange meanwhile: what is measured belongs to the current that was set */
+    bool settling; /* no exchange meanwhile: the measurement belongs to the current that was set */
 } running;
 
 static bool exchange(void)
@@ -37,7 +37,7 @@ static bool exchange(void)
     return n;
 }
 
-/* With a new period time begins anew, or a change from a long to a short one would be a burst of ticks. */
+/* A new period restarts the time; otherwise a change from a long to a short period causes a burst of ticks. */
 static void follow_period(void)
 {
     if (running.period_ms == device_period_ms())
@@ -69,12 +69,12 @@ int main(void)
     device_boot(clock_count_boot());
     clock_start();
     link_start();
-    wdt_enable(WDTO_120MS); /* far below the shortest lease */
+    wdt_enable(WDTO_120MS); /* much less than the shortest lease */
     set_sleep_mode(SLEEP_MODE_IDLE);
     sei();
     for (;;) {
-        wdt_reset(); /* here and nowhere else */
+        wdt_reset(); /* the only place */
         if (!tick() && !exchange())
-            sleep_mode(); /* until the next interrupt: at most a millisecond */
+            sleep_mode(); /* until the next interrupt, at most one millisecond */
     }
 }

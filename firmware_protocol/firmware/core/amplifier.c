@@ -19,7 +19,7 @@ static const struct value SETTINGS[] = {
 /* A record of the ring: current (2 words), voltage (2), temperature, marks. */
 enum { RECORD_CURRENT = 0, RECORD_VOLTAGE = 2, RECORD_TEMPERATURE = 4, RECORD_MARKS = 5 };
 
-/* Places in the command block. */
+/* Offsets in the command block. */
 #define AT(name) ((name)-AMP_COMMAND_FIRST)
 
 static bool inside_value(uint16_t address)
@@ -36,7 +36,7 @@ static const struct map MAP = {BLOCK(COMMAND), BLOCK(SETTINGS), AMP_STATUS_FIRST
 
 void amplifier_boot(struct amplifier *a, uint16_t boot_count)
 {
-    memset(a, 0, sizeof *a); /* off, output 0, no sequence heard */
+    memset(a, 0, sizeof *a); /* off, output 0, no sequence received */
     a->boot_count = boot_count;
     block_boot(&MAP.command, a->command);
     block_boot(&MAP.settings, a->settings);
@@ -106,7 +106,7 @@ static uint8_t check_command(const struct amplifier *a, const struct exchange *a
     const uint16_t order = order_of(asked);
     const bool drives = asked->write_count > AT(AMP_CURRENT) && words_i32(asked->words + AT(AMP_CURRENT)) != 0;
     if (repeated(a, asked))
-        return ACCEPTED; /* it is not carried out, so nothing in it can come at a wrong time */
+        return ACCEPTED; /* a repetition is not executed, so its content cannot conflict with the state */
     if (!order_fits(order, a->state) || (drives && a->state != AMP_STATE_ARMED && !arms(order)))
         return REFUSED_NOW;
     return drives && !current_fits(a, words_i32(asked->words + AT(AMP_CURRENT))) ? REFUSED_WORD : ACCEPTED;
@@ -123,7 +123,7 @@ static uint8_t check(const void *device, const struct exchange *asked)
     return a->state == AMP_STATE_ARMED ? REFUSED_NOW : ACCEPTED;
 }
 
-/* --- carrying it out --- */
+/* --- executing an exchange --- */
 
 static void obey(struct amplifier *a, uint16_t order)
 {
@@ -145,7 +145,7 @@ static void drive(struct amplifier *a, int32_t current_uA)
         a->output_uA = current_uA;
 }
 
-/* Takes the words from `at` on, as far as the exchange has them. */
+/* Copies the words from `at` on, as many as the exchange contains. */
 static void take(struct amplifier *a, const struct exchange *asked, uint16_t at)
 {
     if (asked->write_count > at)
@@ -185,7 +185,7 @@ static void write(void *device, const struct exchange *asked)
     choose_window(a);
 }
 
-/* --- reading --- */
+/* --- reading registers --- */
 
 static uint16_t lease_left_ms(const struct amplifier *a)
 {

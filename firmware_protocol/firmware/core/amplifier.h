@@ -1,4 +1,4 @@
-/* The current amplifier: everything it decides, without its hardware. The caller gives the struct. */
+/* The current amplifier's logic, without its hardware. The caller provides the struct. */
 #ifndef SMARIG_AMPLIFIER_H
 #define SMARIG_AMPLIFIER_H
 
@@ -9,12 +9,12 @@
 #include "ring.h"
 
 #ifndef AMPLIFIER_RING_SIZE
-#define AMPLIFIER_RING_SIZE 256u /* a power of two, so that it survives the tick's wrap */
+#define AMPLIFIER_RING_SIZE 256u /* a power of two, so that the index stays valid when the tick wraps */
 #endif
 
 enum { AMPLIFIER_SATURATED = 1, AMPLIFIER_STOP_OPEN = 2 }; /* bits of `hardware` */
 
-/* Bad ticks in a row, of the checks that wait for three. */
+/* Consecutive bad ticks of the checks that trip after three. */
 struct amplifier_spells {
     uint8_t open, short_circuit, resistance;
 };
@@ -24,7 +24,7 @@ struct amplifier {
     uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` reads 0 */
     uint16_t settings[AMP_SETTINGS_WORDS];
     uint16_t state, trip;
-    uint16_t ticks_unfed; /* since the lease was fed or the amplifier armed */
+    uint16_t ticks_unfed; /* since the lease was renewed or the amplifier armed */
     struct amplifier_spells spells;
     uint32_t tick;
     int32_t output_uA;
@@ -34,7 +34,7 @@ struct amplifier {
     uint16_t ring[AMPLIFIER_RING_SIZE][AMP_RING_RECORD_WORDS];
 };
 
-/* What the hardware measured in one tick. */
+/* Measurements of the hardware in one tick. */
 struct amplifier_inputs {
     int32_t current_uA, voltage_uV;
     int16_t temperature; /* 0.01 degC, or AMP_RING_TEMPERATURE_NONE */
@@ -43,7 +43,7 @@ struct amplifier_inputs {
 
 void amplifier_boot(struct amplifier *a, uint16_t boot_count);
 
-/* One tick is over: what was measured while `output_uA` flowed. */
+/* Ends one tick, with the measurements taken while `output_uA` flowed. */
 void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in);
 
 uint16_t amplifier_answer(struct amplifier *a, uint8_t framing, uint8_t address, const uint8_t *request, uint16_t n,
@@ -53,16 +53,16 @@ uint16_t amplifier_answer(struct amplifier *a, uint8_t framing, uint8_t address,
 
 /* amplifier_guard.c: the checks of a tick */
 
-/* Ticks that the lease lasts. */
+/* The lease in ticks. */
 uint16_t guard_lease_ticks(const struct amplifier *a);
 
 /* Adds one tick of the measured current to the heat. */
 void guard_warm(struct amplifier *a, int32_t current_uA);
 
-/* Counts one tick while armed; the fault that trips, 0 for none. */
+/* Checks one tick while armed; returns the fault that trips, 0 for none. */
 uint16_t guard_tick(struct amplifier *a, const struct amplifier_inputs *in);
 
-/* Does a step from the present output change it too fast? */
+/* Whether a step from the present output exceeds the slew limit. */
 bool guard_slews(const struct amplifier *a, int32_t next_uA);
 
 #endif

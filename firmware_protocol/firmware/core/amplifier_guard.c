@@ -1,15 +1,15 @@
-/* What keeps the wire safe: pure arithmetic on settings and measurements, all in whole numbers. */
+/* The checks that protect the wire: integer arithmetic on settings and measurements. */
 #include <stdbool.h>
 
 #include "amplifier.h"
 #include "words.h"
 
 enum { SPELL_TICKS = 3 };
-#define FLOWING_uA 50000ul /* less tells nothing about the circuit */
+#define FLOWING_uA 50000ul /* less does not show the state of the circuit */
 
 static uint32_t magnitude(int32_t value)
 {
-    return value < 0 ? 0u - (uint32_t)value : (uint32_t)value; /* also right for the least number */
+    return value < 0 ? 0u - (uint32_t)value : (uint32_t)value; /* also correct for the smallest number */
 }
 
 static uint16_t period_ms(const struct amplifier *a)
@@ -54,7 +54,7 @@ static bool is_open(const struct amplifier *a, int32_t current_uA)
     return asked_uA >= FLOWING_uA && 2 * (uint64_t)magnitude(current_uA) < asked_uA;
 }
 
-/* Sign of |V| - R |I| with R a limit in milliohms; 0 where too little flows to tell. */
+/* Sign of |V| - R |I| with R a limit in milliohms; 0 if the current is too small. */
 static int8_t against(const struct amplifier_inputs *in, uint32_t limit_mohm)
 {
     const uint32_t flows_uA = magnitude(in->current_uA);
@@ -80,7 +80,7 @@ uint16_t guard_tick(struct amplifier *a, const struct amplifier_inputs *in)
     const bool short_circuit = lasts(&a->spells.short_circuit, against(in, resistance_min) < 0);
     const bool resistance = lasts(&a->spells.resistance, against(in, resistance_max) > 0);
     a->ticks_unfed++;
-    /* in the order in which causes are told apart */
+    /* the order decides which cause is reported */
     if (in->hardware & AMPLIFIER_STOP_OPEN)
         return AMP_FAULT_STOP;
     if (over_current(a, in->current_uA))

@@ -33,7 +33,7 @@ void block_boot(const struct block *block, uint16_t *words)
     }
 }
 
-/* Is a value cut by a border before the word at `at`, counted from the block's first? */
+/* Whether a border before word `at` of the block cuts a value in two. */
 static bool cuts(const struct block *block, uint32_t at)
 {
     for (uint8_t i = 0; i < block->count; i++)
@@ -42,7 +42,7 @@ static bool cuts(const struct block *block, uint32_t at)
     return false;
 }
 
-/* A write begins with the block's first register, and ends with a whole value. */
+/* A write starts at the block's first register and ends with a complete value. */
 static bool writable(const struct block *block, const struct exchange *asked)
 {
     return block_is(block, asked->write_at) && asked->write_count <= size(block) && !cuts(block, asked->write_count);

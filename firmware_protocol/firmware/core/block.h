@@ -1,6 +1,6 @@
 /*
- * What both devices' maps have in common: a status block that is read, a command and a settings block that are also
- * written. Addresses and limits come from smarig_registers.h, through VALUE; they are written nowhere else.
+ * The common part of both devices' maps: a status block that is read, a command and a settings block that are also
+ * written. Addresses and limits come only from smarig_registers.h, through VALUE.
  */
 #ifndef SMARIG_BLOCK_H
 #define SMARIG_BLOCK_H
@@ -10,7 +10,7 @@
 
 #include "exchange.h"
 
-/* A value that may be written. 64 bits hold the limits of signed and unsigned words alike. */
+/* A writable value. 64 bits hold the limits of signed and of unsigned words. */
 struct value {
     uint16_t address;
     uint8_t words;
@@ -28,10 +28,10 @@ struct block {
 struct map {
     struct block command, settings;
     uint16_t status_at, status_words;
-    bool (*inside_value)(uint16_t address); /* of the status block: is this the low word of a 32-bit value? */
+    bool (*inside_value)(uint16_t address); /* of the status block: whether this is the low word of a 32-bit value */
 };
 
-/* Puts every value at what is safe. */
+/* Sets every value to its safe value. */
 void block_boot(const struct block *block, uint16_t *words);
 
 static inline bool block_is(const struct block *block, uint16_t address)
@@ -39,7 +39,7 @@ static inline bool block_is(const struct block *block, uint16_t address)
     return block->values[0].address == address;
 }
 
-/* Every check of an exchange that does not depend on the device's state. */
+/* All checks of an exchange that do not depend on the device's state. */
 uint8_t map_check(const struct map *map, const struct exchange *asked);
 
 #endif

@@ -1,6 +1,6 @@
 #include "crc.h"
 
-/* Bit by bit: a table would cost an AVR 512 bytes, and the longest line takes a few milliseconds without. */
+/* Bit by bit: a table would cost an AVR 512 bytes; without it the longest line takes a few milliseconds. */
 uint16_t crc_modbus(const uint8_t *bytes, uint16_t count)
 {
     uint16_t crc = 0xFFFFu;

@@ -17,7 +17,7 @@ static const struct value SETTINGS[] = {VALUE(DAQ_PERIOD, 1)};
 /* A record of the ring: counts (2 words), ambient, marks. */
 enum { RECORD_COUNTS = 0, RECORD_AMBIENT = 2, RECORD_MARKS = 3 };
 
-/* Places in the command block. */
+/* Offsets in the command block. */
 #define AT(name) ((name)-DAQ_COMMAND_FIRST)
 
 static bool inside_value(uint16_t address)
@@ -32,7 +32,7 @@ static const struct map MAP = {BLOCK(COMMAND), BLOCK(SETTINGS), DAQ_STATUS_FIRST
 
 void encoder_daq_boot(struct encoder_daq *d, uint16_t boot_count)
 {
-    memset(d, 0, sizeof *d); /* no sequence heard, the counts as the hardware has them */
+    memset(d, 0, sizeof *d); /* no sequence received, counts as in the hardware */
     d->boot_count = boot_count;
     block_boot(&MAP.command, d->command);
     block_boot(&MAP.settings, d->settings);
@@ -64,7 +64,7 @@ void encoder_daq_tick(struct encoder_daq *d, const struct encoder_daq_inputs *in
 
 static uint8_t check(const void *device, const struct exchange *asked)
 {
-    (void)device; /* nothing here depends on what the device is doing */
+    (void)device; /* no check depends on the device's state */
     return map_check(&MAP, asked);
 }
 
@@ -73,7 +73,7 @@ static bool repeated(const struct encoder_daq *d, const struct exchange *asked)
     return asked->words[AT(DAQ_SEQUENCE)] == d->command[AT(DAQ_SEQUENCE)];
 }
 
-/* Takes the words from `at` on, as far as the exchange has them. */
+/* Copies the words from `at` on, as many as the exchange contains. */
 static void take(struct encoder_daq *d, const struct exchange *asked, uint16_t at)
 {
     if (asked->write_count > at)

@@ -1,4 +1,4 @@
-/* The encoder's data acquisition, without its hardware. The caller gives the struct. */
+/* The encoder DAQ's logic, without its hardware. The caller provides the struct. */
 #ifndef SMARIG_ENCODER_DAQ_H
 #define SMARIG_ENCODER_DAQ_H
 
@@ -8,7 +8,7 @@
 #include "ring.h"
 
 #ifndef ENCODER_DAQ_RING_SIZE
-#define ENCODER_DAQ_RING_SIZE 1024u /* a power of two, so that it survives the tick's wrap */
+#define ENCODER_DAQ_RING_SIZE 1024u /* a power of two, so that the index stays valid when the tick wraps */
 #endif
 
 enum { ENCODER_DAQ_INDEX = 1, ENCODER_DAQ_ILLEGAL_STEP = 2, ENCODER_DAQ_NO_SUPPLY = 4 }; /* bits of `hardware` */
@@ -25,7 +25,7 @@ struct encoder_daq {
     uint16_t ring[ENCODER_DAQ_RING_SIZE][DAQ_RING_RECORD_WORDS];
 };
 
-/* What the hardware saw in one tick. */
+/* Readings of the hardware in one tick. */
 struct encoder_daq_inputs {
     int32_t raw_counts;
     int16_t ambient; /* 0.01 degC, or DAQ_RING_AMBIENT_NONE */
@@ -35,7 +35,7 @@ struct encoder_daq_inputs {
 void encoder_daq_boot(struct encoder_daq *d, uint16_t boot_count);
 void encoder_daq_tick(struct encoder_daq *d, const struct encoder_daq_inputs *in);
 
-/* The hardware's counts at this moment, between ticks. */
+/* The present counts of the hardware, between ticks. */
 void encoder_daq_now(struct encoder_daq *d, int32_t raw_counts);
 
 uint16_t encoder_daq_answer(struct encoder_daq *d, uint8_t framing, uint8_t address, const uint8_t *request, uint16_t n,

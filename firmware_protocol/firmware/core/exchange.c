@@ -5,7 +5,7 @@ static uint8_t decode(struct exchange *asked, uint8_t framing, uint8_t address, 
     return framing == FRAMING_RTU ? rtu_decode(asked, address, request, n) : lines_decode(asked, request, n);
 }
 
-/* Refusal before effect: all of the request is decoded and checked before any of it is carried out. */
+/* Refusal before effect: the whole request is decoded and checked before any part is executed. */
 uint16_t exchange_answer(const struct served *served, void *device, uint8_t framing, uint8_t address,
                          const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room)
 {

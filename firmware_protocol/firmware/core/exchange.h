@@ -1,6 +1,6 @@
 /*
  * One exchange: write one block of words (or none), then read one (or none), in one request and one reply.
- * Knows the two framings, and no device: a device is three functions behind struct served.
+ * Handles both framings. A device is three functions in struct served.
  */
 #ifndef SMARIG_EXCHANGE_H
 #define SMARIG_EXCHANGE_H
@@ -31,7 +31,7 @@ enum refusal {
     NOT_ANSWERED = 255
 };
 
-/* What was asked; a count of 0: no such part. */
+/* The request; a count of 0 means that this part is absent. */
 struct exchange {
     uint8_t function; /* RTU only: the reply repeats it */
     uint16_t write_at, write_count;
@@ -46,7 +46,7 @@ struct served {
     void (*read)(const void *device, uint16_t at, uint16_t count, uint16_t *words);
 };
 
-/* Length of the reply, 0 for none. Too little `room` for the longest reply: 0, and nothing is carried out. */
+/* Length of the reply, 0 for none. If `room` is too small for the longest reply: 0, and nothing is executed. */
 uint16_t exchange_answer(const struct served *served, void *device, uint8_t framing, uint8_t address,
                          const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room);
 

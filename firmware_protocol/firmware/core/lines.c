@@ -6,7 +6,7 @@
 
 enum { NO_DIGIT = 16, DIGITS_MOST = 4, MARK_LENGTH = 6 };
 
-/* What is still unread of a line. */
+/* The unread rest of a line. */
 struct text {
     const uint8_t *next, *end;
 };
@@ -15,11 +15,11 @@ static uint8_t digit(uint8_t c)
 {
     if (c >= '0' && c <= '9')
         return (uint8_t)(c - '0');
-    c |= 0x20u; /* either case */
+    c |= 0x20u; /* upper or lower case */
     return c >= 'a' && c <= 'f' ? (uint8_t)(c - 'a' + 10) : NO_DIGIT;
 }
 
-/* The digits from here on, at most four; how many there were. */
+/* Reads at most four digits; returns their number. */
 static uint8_t digits(struct text *text, uint16_t *value)
 {
     uint8_t count = 0;
@@ -36,7 +36,7 @@ static bool at_gap(const struct text *text)
     return text->next == text->end || *text->next == ' ';
 }
 
-/* One blank and a number; takes nothing where there is none. */
+/* Reads one blank and a number; reads nothing if there is none. */
 static bool number(struct text *text, uint16_t *value)
 {
     struct text ahead = *text;
@@ -54,7 +54,7 @@ static bool letter(struct text *text, char wanted)
     return true;
 }
 
-/* Words beyond what an exchange holds are counted and not kept: the request is refused for them. */
+/* Words beyond the size of an exchange are counted but not stored, and the request is refused. */
 static bool take_write(struct exchange *asked, struct text *text)
 {
     uint16_t word;
@@ -84,7 +84,7 @@ static bool take(struct exchange *asked, struct text text, bool *reads)
     return *reads && take_read(asked, &text) && text.next == text.end;
 }
 
-/* Cuts " *" and four digits off the end, and gives their value; false, and all as it was, where they are not there. */
+/* Removes " *" and four digits from the end and returns their value; false and no change if they are missing. */
 static bool cut_crc(struct text *text, uint16_t *said)
 {
     if (text->end - text->next < MARK_LENGTH)
@@ -116,7 +116,7 @@ static uint8_t decode_text(struct exchange *asked, struct text text)
 uint8_t lines_decode(struct exchange *asked, const uint8_t *line, uint16_t n)
 {
     if (!n || line[--n] != '\n')
-        return NOT_ANSWERED; /* not a whole line */
+        return NOT_ANSWERED; /* not a complete line */
     if (n && line[n - 1] == '\r')
         n--;
     if (!n)

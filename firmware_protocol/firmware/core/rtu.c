@@ -16,7 +16,7 @@ static bool fits(uint16_t count, uint16_t most)
     return count >= 1 && count <= most;
 }
 
-/* The words of a request that writes: their count, the number of their bytes, and the bytes up to the CRC. */
+/* The words of a writing request: their number, the number of bytes, and the bytes up to the CRC. */
 static uint8_t take_words(struct exchange *asked, const uint8_t *bytes, uint16_t n)
 {
     asked->write_count = word(bytes);
@@ -27,7 +27,7 @@ static uint8_t take_words(struct exchange *asked, const uint8_t *bytes, uint16_t
     return ACCEPTED;
 }
 
-/* `data` is what stands between function and CRC. */
+/* `data`: the bytes between function and CRC. */
 static uint8_t take_read(struct exchange *asked, const uint8_t *data, uint16_t n)
 {
     if (n < 4)
@@ -64,7 +64,7 @@ static uint8_t take(struct exchange *asked, const uint8_t *data, uint16_t n)
 uint8_t rtu_decode(struct exchange *asked, uint8_t address, const uint8_t *frame, uint16_t n)
 {
     if (n < 4 || n > RTU_REQUEST_ROOM || frame[0] != address)
-        return NOT_ANSWERED; /* for others, or (address 0) for all */
+        return NOT_ANSWERED; /* for other devices, or (address 0) a broadcast */
     n = (uint16_t)(n - 2);
     if (crc_modbus(frame, n) != (frame[n] | (uint16_t)(frame[n + 1] << 8)))
         return NOT_ANSWERED;

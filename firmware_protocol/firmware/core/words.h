@@ -1,4 +1,4 @@
-/* 32-bit values stand in two words, high word first, wherever words are kept or sent. */
+/* 32-bit values take two words, high word first, in memory and in frames. */
 #ifndef SMARIG_WORDS_H
 #define SMARIG_WORDS_H
 

@@ -1,6 +1,6 @@
 /*
- * Throws random and mutated requests at both devices; what must hold whatever comes is in promises.h.
- * Built with the sanitizers; everything follows from one seed.   fuzz [REQUESTS [SEED]]
+ * Sends random and mutated requests to both devices; promises.h states the conditions that must hold.
+ * Built with the sanitizers; one seed determines everything.   fuzz [REQUESTS [SEED]]
  */
 #include <stdbool.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@ enum { REQUEST_MOST = 1100 };
 static uint64_t seed;
 static struct devices pair;
 
-/* How often each answer came: none, accepted, then the codes. A campaign that never gets through tests nothing. */
+/* Number of each reply: none, accepted, then the codes. A campaign without accepted requests tests nothing. */
 static unsigned long answers[16], ticks_with_current, trips[AMP_FAULT_STOP + 1];
 
 static uint32_t chance(uint32_t below)
@@ -41,7 +41,7 @@ static uint16_t random_word(void)
     return chance(3) ? liked[chance(sizeof liked / sizeof liked[0])] : (uint16_t)chance(0x10000);
 }
 
-/* Often a block that can be written whole, with words that may be accepted. */
+/* Often a block that can be written completely, with acceptable words. */
 static void plan(struct exchange *e, bool is_amp)
 {
     static const uint16_t at[] = {AMP_COMMAND_FIRST, AMP_COMMAND_FIRST, AMP_SETTINGS_FIRST, AMP_STATUS_FIRST};
@@ -66,7 +66,7 @@ static void plan(struct exchange *e, bool is_amp)
         words_put32(e->words + 12, UINT32_MAX - chance(1000));
         e->words[14] = (uint16_t)(100 + chance(1000));
     }
-    if (chance(2)) /* of the ring: few, or all of what is written is refused */
+    if (chance(2)) /* few words of the ring, otherwise every write is refused */
         e->words[AMP_RING_WANT - AMP_COMMAND_FIRST] = e->words[DAQ_RING_WANT - DAQ_COMMAND_FIRST] = (uint16_t)chance(9);
 }
 
@@ -144,7 +144,7 @@ static void mutate(struct request *r)
         case 1: *at = (uint8_t)liked[chance(sizeof liked - 1)]; break;
         case 2: r->n = (uint16_t)(at - r->bytes); break;
         case 3: *at = (uint8_t)chance(256); break;
-        default: /* doubled from here on */
+        default: /* repeat the rest from here */
             if (2u * r->n < REQUEST_MOST - 16) {
                 const size_t rest = (size_t)(r->bytes + r->n - at);
                 memcpy(r->bytes + r->n, at, rest);
@@ -174,7 +174,7 @@ static void make(struct request *r, bool is_amp, uint8_t framing, uint8_t addres
     if (chance(3))
         return;
     mutate(r);
-    if (chance(2) && r->n) { /* with a CRC that is right again, so that it gets deeper */
+    if (chance(2) && r->n) { /* with a corrected CRC, so that it passes the first check */
         r->n = (uint16_t)(r->n > 7 ? r->n - 7 : r->n);
         if (framing == FRAMING_RTU)
             end_rtu(r);

@@ -1,6 +1,6 @@
 /*
- * Coverage-guided fuzzing of both devices, for libFuzzer: the input is a script of requests, ticks and moments. Check
- * words are put right in half of the requests, lest no input ever gets past them. What must hold is in promises.h.
+ * Coverage-guided fuzzing of both devices with libFuzzer. The input is a script of requests, ticks and moments. Check
+ * words are corrected in half of the requests, because otherwise no input passes them. promises.h states what must hold.
  */
 #include <stddef.h>
 #include <string.h>
@@ -72,7 +72,7 @@ static void tick(struct devices *pair, struct script *s, uint8_t how)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct devices pair; /* compared byte by byte, padding and all */
+    static struct devices pair; /* compared byte by byte, including padding */
     struct script s = {data, data + (size < 4096 ? size : 4096)};
     amplifier_boot(&pair.amp, 1);
     encoder_daq_boot(&pair.daq, 1);

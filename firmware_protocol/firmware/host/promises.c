@@ -16,7 +16,7 @@ void promise(bool holds, const char *what)
     abort();
 }
 
-/* The code of a refusal, 0: accepted; -1: no answer. */
+/* The code of a refusal; 0: accepted; -1: no reply. */
 static int outcome(uint8_t framing, const uint8_t *reply, uint16_t n)
 {
     if (!n)
@@ -50,7 +50,7 @@ int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const ui
 {
     const uint8_t address = is_amp ? AMP_DEVICE_DEFAULT_ADDRESS : DAQ_DEVICE_DEFAULT_ADDRESS;
     const uint16_t room = framing == FRAMING_RTU ? RTU_REPLY_ROOM : LINES_REPLY_ROOM;
-    /* both of exactly the size they are said to have, so that the sanitizer sees the first byte beyond */
+    /* both of exactly the declared size, so that the sanitizer detects the first byte beyond it */
     uint8_t *request = malloc(size ? size : 1), *reply = malloc(room);
     promise(request && reply, "no memory");
     if (size)

@@ -1,6 +1,6 @@
 /*
- * What must hold whatever is asked: a refused or unanswered request changes nothing, replies are whole and fit, no
- * current flows unless armed and within its limits. A promise that is broken ends the program.
+ * Conditions that hold for every request: a refused or unanswered request changes nothing, replies are complete and
+ * fit, current flows only when armed and within its limits. A broken condition ends the program.
  */
 #ifndef PROMISES_H
 #define PROMISES_H
@@ -19,7 +19,7 @@ struct devices {
 void promise(bool holds, const char *what);
 void promised_safe(const struct devices *pair);
 
-/* The code of a refusal, 0: accepted, -1: no answer. */
+/* The code of a refusal; 0: accepted; -1: no reply. */
 int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const uint8_t *bytes, uint16_t size);
 
 #endif

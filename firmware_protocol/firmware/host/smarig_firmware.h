@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The caller gives amp_size() or daq_size() bytes, aligned as malloc would.
- * `framing`: 0 an RTU frame, 1 a line with its \n. Answers with the length of the reply, 0 for none. */
+/* The caller provides amp_size() or daq_size() bytes, aligned as by malloc.
+ * `framing`: 0 an RTU frame, 1 a line with its \n. Returns the length of the reply, 0 for none. */
 size_t amp_size(void);
 void amp_boot(void *amp, uint16_t boot_count);
 void amp_tick(void *amp, int32_t current_uA, int32_t voltage_uV, int16_t temperature, uint16_t hardware);

@@ -1,16 +1,16 @@
 /*
  * Runs the firmware's ELF under simavr, its UART on a pty and its plant struct on stdin and stdout.
  *
- *     runner ELF PLANT_ADDRESS        the address as avr-nm gives it
+ *     runner ELF PLANT_ADDRESS        the address printed by avr-nm
  *
- * Prints `pty PATH` once, `out CURRENT_uA` when a tick begins, and `behind MS` when the machine is too busy for real
- * time and that much of it is given up. Takes, at any time,
- *     in CURRENT_uA VOLTAGE_uV TEMPERATURE HARDWARE     what an amplifier measures from now on
- *     in RAW_COUNTS AMBIENT HARDWARE                    what a DAQ sees from now on
- *     reset                                             the MCU's reset, as after a brown-out
- *     hang                                              the program stops where it is, until the watchdog resets it
- * Physics is never late, but the parent may be: the MCU stands still until a tick's `out` is answered by an `in`, for
- * ANSWER_MOST_ms at most; then the last inputs stay. It ends when stdin is closed.
+ * Prints `pty PATH` once, `out CURRENT_uA` when a tick starts, and `behind MS` when the machine is too busy for real
+ * time and this time is skipped. Accepts at any time:
+ *     in CURRENT_uA VOLTAGE_uV TEMPERATURE HARDWARE     measurements of an amplifier from now on
+ *     in RAW_COUNTS AMBIENT HARDWARE                    readings of a DAQ from now on
+ *     reset                                             resets the MCU, as after a brown-out
+ *     hang                                              stops the program until the watchdog resets it
+ * Real hardware is never late, but the parent may be: the MCU stops until an `in` answers a tick's `out`, for
+ * ANSWER_MOST_ms at most; after that the last inputs are kept. The program ends when stdin is closed.
  */
 #define _XOPEN_SOURCE 700
 #include <errno.h>
@@ -45,7 +45,7 @@ struct plant {
 static avr_t *avr;
 static avr_irq_t *uart_input;
 static volatile struct plant *plant;
-static struct plant inputs; /* as the parent gave them last */
+static struct plant inputs; /* last values from the parent */
 static bool answered;
 static int pty;
 static bool uart_ready;
@@ -75,7 +75,7 @@ static void open_pty(void)
     if (pty < 0 || grantpt(pty) || unlockpt(pty))
         fail("no pty");
     const char *path = ptsname(pty);
-    const int kept = open(path, O_RDWR | O_NOCTTY); /* stays open, or reading fails whenever no host is there */
+    const int kept = open(path, O_RDWR | O_NOCTTY); /* stays open, because otherwise reading fails while no host is connected */
     if (kept < 0)
         fail(path);
     make_raw(kept);
@@ -90,7 +90,7 @@ static void on_byte_sent(struct avr_irq_t *irq, uint32_t value, void *param)
 {
     const uint8_t byte = (uint8_t)value;
     (void)irq, (void)param;
-    if (write(pty, &byte, 1) != 1 && errno != EAGAIN) /* nobody reads: the byte is lost, as on a wire */
+    if (write(pty, &byte, 1) != 1 && errno != EAGAIN) /* no reader: the byte is lost, as on a wire */
         fail("pty");
 }
 
@@ -103,7 +103,7 @@ static void on_ready(struct avr_irq_t *irq, uint32_t value, void *param)
 static void connect_uart(void)
 {
     static char yes;
-    uint32_t flags = 0; /* neither echo on the console nor sleep where the firmware polls */
+    uint32_t flags = 0; /* no echo on the console, no sleep while the firmware polls */
     avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
     uart_input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte_sent, NULL);
@@ -118,7 +118,7 @@ static void feed_uart(void)
         avr_raise_irq(uart_input, byte);
 }
 
-/* --- the MCU's troubles --- */
+/* --- reset and hang of the MCU --- */
 
 static const uint8_t RJMP_TO_ITSELF[2] = {0xFF, 0xCF};
 static uint8_t replaced[2];
@@ -163,7 +163,7 @@ static void obey(const char *line)
         fprintf(stderr, "runner: what is '%s'?\n", line);
 }
 
-/* Whatever the parent has said; exits when it is gone. */
+/* Reads all input of the parent; exits when the parent has ended. */
 static void listen_to_parent(void)
 {
     static char line[128];
@@ -188,7 +188,7 @@ static void tell_parent(const char *what, long value)
 {
     char line[32];
     const int n = snprintf(line, sizeof line, "%s %ld\n", what, value);
-    if (write(STDOUT_FILENO, line, (size_t)n) < 0 && errno != EAGAIN) /* does not read: it misses a tick */
+    if (write(STDOUT_FILENO, line, (size_t)n) < 0 && errno != EAGAIN) /* the parent does not read: it misses a tick */
         fail("stdout");
 }
 
@@ -229,7 +229,7 @@ static void no_sleep(avr_t *ignored, avr_cycle_count_t cycles)
     (void)ignored, (void)cycles; /* run() keeps the time */
 }
 
-/* Waits until `due`; gives up time that is lost for good, so that the MCU never runs faster than the world for long. */
+/* Waits until `due`. Skips time that is lost, so that the MCU does not run faster than real time for long. */
 static void wait_until(struct timespec *due)
 {
     struct timespec now;
@@ -272,7 +272,7 @@ static void run(void)
     }
 }
 
-/* simavr says much on stdout, which is the parent's; what is wrong with the MCU shows as a crash. */
+/* simavr prints to stdout, which belongs to the parent; it is silenced. A fault of the MCU shows as a crash. */
 static void say_nothing(avr_t *ignored, const int level, const char *format, va_list ap)
 {
     (void)ignored, (void)level, (void)format, (void)ap;

@@ -1,7 +1,7 @@
-"""How far a certificate reaches, and where it ends: sentences that follow from what is proved of the model.
+"""The scope of a certificate: sentences that follow from the proved properties of one model (``CertificateScope``).
 
-Each is said of one model: what a theorem gives is told only where its hypotheses hold (``CertificateScope``). The
-evidence for lag, delay and counts is in docs/explanation/control_findings.md. Refuses to know how they are shown.
+A theorem's result is stated only if its hypotheses hold. docs/explanation/control_findings.md gives the evidence for
+lag, delay and counts.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ CONTROL_FINDINGS = "docs/explanation/control_findings.md"
 
 @dataclass(frozen=True)
 class CertificateLimit:
-    """What it is about, in a few words, and a sentence or two."""
+    """One limit of a certificate: its subject in a few words, and a sentence or two."""
 
     about: str
     text: str
@@ -22,7 +22,7 @@ class CertificateLimit:
 
 @dataclass(frozen=True)
 class CertificateScope:
-    """What of the model the sentences rest on: the ground of its storage, Assumption 2.1, and Thm 8.2's verdict."""
+    """The properties behind the sentences: basis of the storage bound, Assumption 2.1, and the result of Thm 8.2."""
 
     basis: BoundBasis
     monotone: bool
@@ -31,18 +31,18 @@ class CertificateScope:
 
     @property
     def dissipative(self) -> bool | None:
-        """Whether any storage function exists; None: not decided."""
+        """Whether any storage function exists; None if not decided."""
         return {"none": False, "undecided": None}.get(self.basis, True)
 
 
 def limits(scope: CertificateScope) -> tuple[CertificateLimit, ...]:
-    """All of them, for text, page and JSON alike.
+    """All limits, shared by text, page and JSON.
 
     >>> [limit.about for limit in limits(CertificateScope("none", False, False))]
     ['hysteresis alone', 'delay and counts', 'position loops']
     """
     hysteresis_only = CertificateLimit(
-        "hysteresis alone", "It speaks of the hysteresis alone, not of effects, heating or a rig."
+        "hysteresis alone", "The certificate covers the hysteresis alone, not effects, heating or a rig."
     )
     lag = [CertificateLimit("lag and limits", _LAG)] if scope.dissipative and scope.monotone else []
     units = (
@@ -55,69 +55,69 @@ def limits(scope: CertificateScope) -> tuple[CertificateLimit, ...]:
 
 
 def k_e_units(units: Units) -> str:
-    """What k_e multiplies and bounds; "" where units are not known."""
+    """The quantities that k_e relates; "" if units are not known."""
     return f"bounds ‖ė‖ in {units.rate} by ‖ṙ‖ in {units.rate} + ‖u_o‖ in {units.input}" if units.gain else ""
 
 
 def scheduling(scope: CertificateScope) -> str:
-    """What is certified of gains on a schedule, as velocity feedback."""
+    """What is certified of gain scheduling as velocity feedback."""
     velocity = (
-        "Gain scheduling as velocity feedback: δ is the least gain and γ the largest, whatever it looks at"
+        "Gain scheduling as velocity feedback: δ is the smallest gain and γ the largest, for every schedule"
     )
     if scope.covered:
         return f"{velocity}, so Thm 8.2 covers it."
     if scope.covered is None:
-        return f"{velocity}; what Thm 8.2 asks of the model is not decided, so no bound is known."
-    return f"{velocity}; but Thm 8.2 asks more of the model than it has, so there is no bound with it."
+        return f"{velocity}. Whether the model satisfies Thm 8.2 is not decided, so no bound is known."
+    return f"{velocity}. The model does not satisfy Thm 8.2, so there is no bound."
 
 
 def position_loops(scope: CertificateScope) -> str:
     """What is known of the loops that ``track`` and ``regulate`` close."""
     head = (
-        "Loops that feed back the position (smarig track and regulate: inverse, pi, gain_scheduled) are not covered by "
-        "Thm 8.2, which is about the velocity."
+        "Thm 8.2 is about the velocity. It does not cover loops that feed back the position (smarig track and "
+        "regulate: inverse, pi, gain_scheduled)."
     )
     if not scope.dissipative:
         return f"{head} Nothing is proved of them with this model{_reason_text(scope)}."
     time = "" if scope.monotone else ", in continuous time"
     return (
-        f"{head} What is proved with this model: {_storage_symbol(scope)} + Φ(e) never rises{time} for a gain that is "
-        "constant or switched by the error alone, at a constant reference and without a tick of delay: the energy is "
-        "bounded, and no more."
+        f"{head} Proved with this model: {_storage_symbol(scope)} + Φ(e) does not increase{time} if the gain is "
+        "constant or switched by the error alone, the reference is constant, and there is no tick of delay. This "
+        "bounds the energy and nothing else."
     )
 
 
 def position_controllers(scope: CertificateScope) -> str:
-    """What is certified of the controllers that §9.2 proposes."""
+    """What is certified of the position controllers of §9.2."""
     if not scope.dissipative:
         return (
-            f"Position controllers of §9.2: nothing is certified{_reason_text(scope)}: they ask for a plant that is "
+            f"Position controllers of §9.2: nothing is certified{_reason_text(scope)}. They require a plant that is "
             "dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for some b."
         )
     return (
         "Position controllers of §9.2: this model is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 only, so the strict "
-        "class (a, c ≠ 0) is empty; the marginal one (a = b = c = 0) holds the controllers whose K(s)/s is positive "
-        "real (proportional, with derivative, lead), and bounds the energy, without delay and without saying that y "
-        "arrives at r."
+        "class (a, c ≠ 0) is empty. The marginal class (a = b = c = 0) contains the controllers whose K(s)/s is "
+        "positive real (proportional, with derivative, lead). It bounds the energy without delay. It does not prove "
+        "that y converges to r."
     )
 
 
 _LAG = (
-    "Behind a heating lag and limits of the current the model stays passive, from the temperature that the current "
-    "asks for."
+    "Behind a heating lag and current limits the model stays passive, with the steady temperature of the commanded "
+    "current as its input."
 )
 _DELAY = (
-    "A tick of delay and a velocity from counts (filtered, quantised, noisy) break the bound, and a real rig has both: "
-    "there k_e is not proved, and at a small ṙ it was exceeded."
+    "A tick of delay and a velocity from counts (filtered, quantised, noisy) invalidate the bound. A real rig has "
+    "both: k_e is not proved there, and a small ṙ exceeded it."
 )
 _NO_BOUND = (
-    "No bound of a velocity loop is proved with this model, not even without the tick of delay and the velocity from "
-    "counts of a real rig."
+    "No bound of a velocity loop is proved with this model, even without a tick of delay and with the exact "
+    "velocity."
 )
 
 
 def _k_e_sentence(units: Units) -> str:
-    return f"k_e {k_e_units(units)}, so its number belongs to these units."
+    return f"k_e {k_e_units(units)}, so its value depends on these units."
 
 
 def _reason_text(scope: CertificateScope) -> str:

@@ -1,4 +1,4 @@
-"""Units of what is certified: they follow from those of a hysteresis's output and input. Knows no model."""
+"""Units of certified quantities, derived from those of output and input."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from smarig.preisach import Everett
 
 @dataclass(frozen=True)
 class Units:
-    """Of the output and the input; "" for one that is not known, and for all that would need it.
+    """Units of output and input; "" for an unknown unit and for all that depend on it.
 
     >>> units = Units("mm", "K")
     >>> units.energy, units.gain, units.rate, units.density
@@ -19,33 +19,33 @@ class Units:
 
     @classmethod
     def of(cls, hysteresis: Everett) -> "Units":
-        """As the hysteresis says itself; its input is in kelvin if it does."""
+        """The units of a hysteresis; the input is in kelvin if the output has a unit."""
         unit = getattr(hysteresis, "unit", "")
         return cls(unit, "K") if unit else cls()
 
     @property
     def energy(self) -> str:
-        """Of ∫ u dy."""
+        """Unit of ∫ u dy."""
         return f"{self.output}·{self.input}" if self._both_known else ""
 
     @property
     def gain(self) -> str:
-        """Of δ and γ: input per output velocity."""
+        """Unit of δ and γ: input per output velocity."""
         return f"{self.input}·s/{self.output}" if self._both_known else ""
 
     @property
     def rate(self) -> str:
-        """Of ṙ and ė."""
+        """Unit of ṙ and ė."""
         return f"{self.output}/s" if self.output else ""
 
     @property
     def density(self) -> str:
-        """Of μ."""
+        """Unit of μ."""
         return f"{self.output}/{self.input}²" if self._both_known else ""
 
     @property
     def slope(self) -> str:
-        """Of g."""
+        """Unit of g."""
         return f"{self.output}/{self.input}" if self._both_known else ""
 
     @property
@@ -57,7 +57,7 @@ UNKNOWN = Units()
 
 
 def with_unit(value: float, unit: str = "", digits: int = 4) -> str:
-    """A number with its unit, where that is known.
+    """A number with its unit, if known.
 
     >>> with_unit(-0.25, "mm·K"), with_unit(1e6), with_unit(2.0)
     ('-0.25 mm·K', '1e+06', '2')

@@ -1,4 +1,4 @@
-"""A named hypothesis of a theorem: whether it holds, and why, in a sentence. Knows no theorem."""
+"""A named hypothesis of a theorem: whether it holds, and the reason."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """``holds`` is None where nothing could be decided; ``why`` is the reason, a sentence without its full stop."""
+    """``holds`` is None if not decided; ``why`` is the reason, a sentence without its full stop."""
 
     name: str
     holds: bool | None
@@ -42,12 +42,12 @@ def all_hold(hypotheses: Iterable[Hypothesis]) -> bool | None:
 
 
 def failing(hypotheses: Iterable[Hypothesis]) -> tuple[Hypothesis, ...]:
-    """Those that do not hold, or are not known to."""
+    """The hypotheses that do not hold or are not decided."""
     return tuple(h for h in hypotheses if h.holds is not True)
 
 
 def coverage(hypotheses: Iterable[Hypothesis]) -> str:
-    """Whether a theorem covers its subject, and by which hypotheses it does not.
+    """Whether a theorem covers its subject, and the hypotheses that fail or are open.
 
     >>> coverage([Hypothesis("passive", False, "seen"), Hypothesis("u(0) = 0", True, "seen")])
     'not covered: passive fails'

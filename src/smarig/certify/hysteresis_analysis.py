@@ -1,4 +1,4 @@
-"""A hysteresis and what chapter 8 asks of it, each looked for once, when it is first asked for. Concludes nothing."""
+"""The properties of a hysteresis that chapter 8 requires, each computed once on first use."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,7 +19,7 @@ from smarig.theory import (
 
 @dataclass(frozen=True, eq=False)
 class HysteresisAnalysis:
-    """A hysteresis with its units.
+    """A hysteresis with its units and its properties.
 
     >>> from smarig.preisach import thesis_surface
     >>> found = HysteresisAnalysis.of(thesis_surface("two_p"))
@@ -32,7 +32,7 @@ class HysteresisAnalysis:
 
     @classmethod
     def of(cls, hysteresis: Everett, units: Units | None = None) -> "HysteresisAnalysis":
-        """An operator stands for what it runs on; units are the hysteresis's own unless they are given."""
+        """An operator is replaced by its hysteresis. ``units``: those of the hysteresis unless given."""
         hysteresis = getattr(hysteresis, "hysteresis", hysteresis)
         return cls(hysteresis, units or Units.of(hysteresis))
 
@@ -48,17 +48,17 @@ class HysteresisAnalysis:
 
     @property
     def dissipativity(self) -> Dissipativity | None:
-        """By its loop areas; None for a kind that cannot be decided, and then ``undecided`` says why."""
+        """Dissipativity by loop areas; None if it cannot be decided, with the reason in ``undecided``."""
         return self._decided[0]
 
     @property
     def undecided(self) -> str:
-        """Why dissipativity cannot be decided, "" where it can."""
+        """Why dissipativity cannot be decided, "" if it can."""
         return self._decided[1]
 
     @cached_property
     def recoverable_is_storage(self) -> bool:
-        """Whether Q_r (7.1) is proved a storage function; False where that cannot be decided."""
+        """Whether Q_r (7.1) is proved a storage function; False if that cannot be decided."""
         try:
             return recoverable_energy_is_storage(self.hysteresis)
         except UsageError:

@@ -1,11 +1,11 @@
-"""Passivity of readings: the supplied energy ∫ u dy of a measured output, and the bound that a model gives it.
+"""Passivity of readings: the supplied energy ∫ u dy of a measured output, and its bound from a model.
 
-    ∫ u dy ≈ Σ ½(u_k + u_k−1)(y_k − y_k−1)        beside the model's, exact, along the same input, and its bound
+    ∫ u dy ≈ Σ ½(u_k + u_k−1)(y_k − y_k−1)        compared with the model's exact value and its bound
 
-The sum is linear in the readings, so what their noise does to it is known: reading j weighs ½(u_j−1 − u_j+1), the two
-at the ends ½(u₀ + u₁) and ½(u_k−1 + u_k). Readings that stay on one count err together. Below the bound by less than
-``SPREADS`` of that, and what sampling costs, is no violation. Refuses to tell a wrong model from an input that was
-predicted wrongly: u is taken as given.
+The sum is linear in the readings, so the effect of their noise is known: the weight of reading j is ½(u_j−1 − u_j+1),
+those at the ends are ½(u₀ + u₁) and ½(u_k−1 + u_k). Consecutive readings with one value share one error. A sum below
+the bound by less than ``SPREADS`` standard deviations plus the sampling error is no violation. The input u is taken
+as given: the method cannot distinguish a wrong model from a wrongly predicted input.
 """
 
 import math
@@ -23,17 +23,17 @@ from smarig.preisach import Preisach, State
 
 Array = NDArray[np.float64]
 SPREADS = 4.0  # standard deviations
-SHORTEST = 3  # readings that a spread can be taken from
+SHORTEST = 3  # smallest number of readings that determines a spread
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentPassivity:
     """Readings without a gap, from row ``first`` on; (n,) each, output times input units, zero at the first reading.
 
-    ``supplied`` ∫ u dy of the readings, ``spread`` its standard deviation by their noise, ``model`` the model's (NaN
-    while its memory is unknown). ``bound`` is −inf for a model that is not dissipative and NaN where none is known;
-    ``why`` says so, and ``proven`` whether it is a theorem. ``sampling``: how far the sum is from the integral, on the
-    model's own output.
+    ``supplied`` is ∫ u dy of the readings, ``spread`` its standard deviation from their noise, ``model`` the value of
+    the model (NaN while its memory is unknown). ``bound`` is −inf for a model that is not dissipative and NaN if
+    unknown; ``why`` is the reason, ``proven`` whether the bound is a theorem. ``sampling`` is the error of the sum
+    against the integral, computed on the model's own output.
     """
 
     first: int
@@ -47,21 +47,21 @@ class SegmentPassivity:
 
     @property
     def slack(self) -> Array:
-        """What each sample is above the bound, with the benefit of the noise: negative is a violation."""
+        """Distance of each sample above the bound, with allowance for noise; negative is a violation."""
         return self.supplied + SPREADS * self.spread + self.sampling - self.bound
 
     @property
     def within(self) -> bool | None:
-        """Whether no sample is below the bound beyond noise; None where there is no bound."""
+        """Whether no sample is below the bound beyond noise; None if there is no bound."""
         return bool((self.slack >= 0).all()) if math.isfinite(self.bound) else None
 
     @property
     def worst(self) -> int:
-        """The row of the worst sample: farthest below the bound, or of least energy where none is below it."""
+        """The row of the worst sample: farthest below the bound, or of smallest energy if none is below it."""
         return self.first + int(np.argmin(self.slack if self.within is False else self.supplied))
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values: rows, least and last supplied energy, its deviation in the end, and the bound."""
+        """Plain values: rows, smallest and last supplied energy, its final deviation, and the bound."""
         return {
             "first": self.first,
             "samples": self.supplied.size,
@@ -77,7 +77,7 @@ class SegmentPassivity:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPassivity:
-    """All stretches of a record; ``noise`` is the standard deviation of one reading."""
+    """All segments of a record; ``noise`` is the standard deviation of one reading."""
 
     segments: tuple[SegmentPassivity, ...]
     noise: float
@@ -86,13 +86,13 @@ class MeasuredPassivity:
 
     @property
     def within(self) -> bool | None:
-        """False if some stretch falls below its bound, True if none does; None if no stretch has a bound."""
+        """False if a segment falls below its bound, True if none does; None if no segment has a bound."""
         verdicts = [s.within for s in self.segments if s.within is not None]
         return all(verdicts) if verdicts else None
 
     @property
     def worst(self) -> SegmentPassivity:
-        """The stretch with the worst sample; one with a bound, if there is one."""
+        """The segment with the worst sample; one with a bound, if there is one."""
         bounded = [s for s in self.segments if s.within is not None]
         return (
             min(bounded, key=lambda s: s.slack.min()) if bounded else min(self.segments, key=_least_supplied)
@@ -108,13 +108,13 @@ class MeasuredPassivity:
             f", {n_segments} segments without a gap" if n_segments > 1 else ""
         )
         return (
-            f"{head}: {self._energy_at(worst, k)} at worst, at sample {worst.worst}, and "
-            f"{self._energy_at(worst, -1)} in the end; "
+            f"{head}: minimum {self._energy_at(worst, k)} at sample {worst.worst}, final value "
+            f"{self._energy_at(worst, -1)}; "
             f"the noise of a reading is {noise}. {self._verdict(worst)}"
         )
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; what is not finite is None."""
+        """Plain values; values that are not finite are None."""
         return {
             "within": self.within,
             "noise": self.noise,
@@ -125,19 +125,19 @@ class MeasuredPassivity:
 
     def _energy_at(self, s: SegmentPassivity, k: int) -> str:
         value, spread = with_unit(s.supplied[k], self.unit), with_unit(s.spread[k], self.unit, 2)
-        model = "" if math.isnan(s.model[k]) else f" (the model's: {with_unit(s.model[k], self.unit)})"
+        model = "" if math.isnan(s.model[k]) else f" (model: {with_unit(s.model[k], self.unit)})"
         return f"{value} ± {spread}{model}"
 
     def _verdict(self, worst: SegmentPassivity) -> str:
         unknown = [s.why for s in self.segments if s.why]
         if self.within is None:
-            return f"There is no bound to hold it against: {unknown[0]}."
+            return f"There is no bound to compare with: {unknown[0]}."
         kind = "" if worst.proven else ", which is known from one side only"
         bound = f"the bound of {with_unit(worst.bound + 0.0, self.unit)}{kind}"
-        rest = f" Not all could be judged: {unknown[0]}." if unknown else ""
+        rest = f" Some segments have no bound: {unknown[0]}." if unknown else ""
         if self.within:
-            return f"It never falls below {bound}, beyond noise.{rest}"
-        return f"It falls below {bound}, by more than noise: the wire is not what this model says.{rest}"
+            return f"It does not fall below {bound} by more than noise.{rest}"
+        return f"It falls below {bound} by more than noise, so the wire differs from this model.{rest}"
 
 
 def segment_passivity(
@@ -148,8 +148,8 @@ def segment_passivity(
     first: int,
     start: State | str,
 ) -> SegmentPassivity:
-    """One stretch of inputs and readings (n,), ``noise`` of one reading; ``start``: the state at its first input, or
-    why that is not known. DataError for values that are missing or that do not belong together.
+    """One segment of inputs and readings (n,), with the ``noise`` of one reading. ``start``: the state at its first
+    input, or why it is not known. Raises DataError for missing values or different lengths.
 
     >>> from smarig.preisach import thesis_surface
     >>> wire = Preisach(thesis_surface("one_e"))
@@ -160,9 +160,9 @@ def segment_passivity(
     """
     inputs, outputs = np.asarray(u, dtype=float), np.asarray(y, dtype=float)
     if inputs.ndim != 1 or inputs.shape != outputs.shape or not inputs.size:
-        raise DataError("A segment needs as many readings as inputs, one at least.")
+        raise DataError("A segment needs equally many readings and inputs, at least one of each.")
     if not (np.isfinite(inputs).all() and np.isfinite(outputs).all()):
-        raise DataError("A segment has no gap: all its inputs and readings are finite.")
+        raise DataError("A segment contains a gap. All its inputs and readings must be finite.")
     supplied, spread = trapezoid(inputs, outputs), noise * noise_weight(inputs, outputs)
     if isinstance(start, str):
         return SegmentPassivity(
@@ -200,15 +200,17 @@ def trapezoid(u: Array, y: Array) -> Array:
 def noise_weight(u: Array, y: Array) -> Array:
     """Standard deviation of the sum up to each sample for readings of standard deviation 1, (n,).
 
-    Readings that follow one another with one value count as one error, others as independent ones.
+    Consecutive readings with one value share one error; others have independent errors.
 
-    >>> noise_weight(np.array([3.0, 3.0, 3.0]), np.array([0.0, 1.0, 2.0])).round(3).tolist()   # held: its ends alone
+    >>> noise_weight(np.array([3.0, 3.0, 3.0]), np.array([0.0, 1.0, 2.0])).round(3).tolist()   # held: only the ends
     [0.0, 4.243, 4.243]
     """
     if u.size < 2:
         return np.zeros(u.size)
     middle = (u[1:] + u[:-1]) / 2
-    inner = np.concatenate([[0.0], np.abs(np.diff(middle)), [0.0]])  # of readings 0 … n − 1, those inside
+    inner = np.concatenate(
+        [[0.0], np.abs(np.diff(middle)), [0.0]]
+    )  # weights of the inner readings of 0 … n − 1
     run = np.concatenate([[0], np.cumsum(np.diff(y) != 0)])
     total = np.bincount(run, inner)
     so_far = np.cumsum(inner) - np.concatenate([[0.0], np.cumsum(total)])[run]
@@ -219,8 +221,8 @@ def noise_weight(u: Array, y: Array) -> Array:
 
 
 def reading_noise(y: ArrayLike, count: float = 0.0) -> float:
-    """Standard deviation of one reading: from second differences, which motion hardly shows in, but no less than a
-    count's rounding. ``count``: what one count is, 0 if unknown; NaN in ``y`` are left out.
+    """Standard deviation of one reading, from second differences, which suppress motion; at least the rounding of a
+    count. ``count``: one count in output units, 0 if unknown. NaN in ``y`` are left out.
 
     >>> rng = np.random.default_rng(1)
     >>> noisy = np.linspace(0, 50, 5000) + rng.normal(0, 1, 5000)

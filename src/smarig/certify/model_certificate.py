@@ -1,8 +1,7 @@
-"""What can be certified of a hysteresis before a loop is closed around it: chapter 8 asked of one model.
+"""The certificate of a hysteresis before a loop is closed around it: chapter 8 applied to one model.
 
-Classes (Def. 4.1), dissipativity, the storage and its bias from u(0) = 0 (Thm 8.1), Thm 8.2 for every velocity
-controller asked for, and how far all that reaches (``scope``). A number that no theorem gives is None. Refuses to
-know where a model came from.
+It contains the classes (Def. 4.1), dissipativity, the storage and its bias from u(0) = 0 (Thm 8.1), Thm 8.2 for every
+requested velocity controller, and its ``scope``. A number that no theorem gives is None.
 """
 
 from collections.abc import Iterable, Mapping
@@ -31,12 +30,12 @@ from smarig.preisach import Everett, Initial, Preisach
 from smarig.theory import DissipativityCertificate as Dissipativity
 from smarig.theory import MeasureClasses
 
-_ROUNDING = 1e-9  # of the largest, as in the classes
+_ROUNDING = 1e-9  # relative to the largest, as in the classes
 
 
 @dataclass(frozen=True)
 class ControllerResult:
-    """One velocity controller: its numbers, and what Thm 8.2 says of the loop with it."""
+    """One velocity controller: its numbers, and the result of Thm 8.2 for its loop."""
 
     name: str
     numbers: dict[str, float]
@@ -44,17 +43,17 @@ class ControllerResult:
 
     @property
     def k_e(self) -> float | None:
-        """The bound of Thm 8.2; None where it does not hold, or is not known to."""
+        """The bound of Thm 8.2; None if it does not hold or is not decided."""
         return self.stability.k_e if self.stability.holds else None
 
     @property
     def coverage(self) -> str:
-        """Whether Thm 8.2 covers the loop, and which hypotheses are in the way."""
+        """Whether Thm 8.2 covers the loop, and the hypotheses that prevent it."""
         return coverage(self.stability.hypotheses)
 
     @property
     def text(self) -> str:
-        """One line: δ and γ with their unit, and k_e where it is proved."""
+        """One line: δ and γ with their unit, and k_e if it is proved."""
         s, unit = self.stability, self.stability.units.gain
         bound = f"k_e {self.coverage}" if self.k_e is None else f"k_e = {self.k_e:.4g}"
         return f"{self.name}: δ = {with_unit(s.delta, unit)}, γ = {with_unit(s.gamma, unit)}, {bound}."
@@ -62,12 +61,11 @@ class ControllerResult:
 
 @dataclass(frozen=True)
 class ModelCertificate:
-    """Of one hysteresis, from the state ``initial`` at u(0) = 0.
+    """Certificate of one hysteresis from the state ``initial`` at u(0) = 0.
 
-    ``dissipativity`` is None where it cannot be decided for this kind, ``undecided`` says why; ``counterexample``
-    is an input
-    that takes energy out in every cycle, where there is one. ``indistinguishable``: two states that zero input never
-    tells apart, where u = 0 leaves more than one.
+    ``dissipativity`` is None if it cannot be decided, with the reason in ``undecided``. ``counterexample`` is an input
+    that extracts energy in every cycle, if there is one. ``indistinguishable``: two states that zero input never
+    distinguishes, if u = 0 leaves more than one.
     """
 
     initial: Initial
@@ -82,33 +80,33 @@ class ModelCertificate:
 
     @property
     def units(self) -> Units:
-        """Of the hysteresis."""
+        """Units of the hysteresis."""
         return self.scope.units
 
     @property
     def limits(self) -> tuple[CertificateLimit, ...]:
-        """How far it reaches: the same list for text, page and JSON."""
+        """The limits of the certificate, shared by text, page and JSON."""
         return limits(self.scope)
 
     @property
     def passive(self) -> bool | None:
-        """Whether the supplied energy is bounded below by a theorem; None where nothing could be decided."""
+        """Whether a theorem bounds the supplied energy from below; None if not decided."""
         if self.storage_bound.basis == "none":
             return False
         return True if self.storage_bound.proven else None
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """Those of Thm 8.1."""
+        """The hypotheses of Thm 8.1."""
         return self.storage_bound.hypotheses
 
     @property
     def verdict(self) -> str:
-        """Passive or not, and by what bias, in a sentence."""
+        """Whether the model is passive, and with which bias, in a sentence."""
         s = self.storage_bound
         bias = with_unit(s.energy, s.unit)
         if s.basis == "none":
-            return "Not passive: some input takes more energy out of this model than was ever put in."
+            return "Not passive: some input extracts more energy from this model than was supplied."
         if s.basis == "undecided":
             return "Not decided: no bound of the supplied energy is known for this model."
         basis = {
@@ -117,14 +115,14 @@ class ModelCertificate:
             "dissipative": "no loop gives energy back, although μ or g is negative somewhere",
         }[s.basis]
         if not s.proven:
-            return f"Dissipative ({basis}), but its bias is known from below only: at least {bias}."
+            return f"Dissipative ({basis}); its bias is known only from below: at least {bias}."
         if s.energy == 0.0:
             return f"Passive without bias: from u(0) = 0 the supplied energy is never negative ({basis})."
         return f"Passive with a bias of {bias} from u(0) = 0 ({basis})."
 
     @property
     def scheduling(self) -> str:
-        """What is certified of gains on a schedule."""
+        """What is certified of gain scheduling."""
         return scheduling(self.scope)
 
     @property
@@ -134,19 +132,23 @@ class ModelCertificate:
 
     @property
     def failing_model_hypotheses(self) -> tuple[Hypothesis, ...]:
-        """What Thm 8.2 asks of the model and does not get, whichever the controller."""
+        """The hypotheses of Thm 8.2 about the model that fail, for every controller."""
         first = self.controllers[0].stability.hypotheses if self.controllers else ()
         return tuple(h for h in failing(first) if not h.name.startswith("H₁"))
 
     @property
     def text(self) -> str:
-        """All of it, for a person."""
+        """The certificate as text."""
         c = self.classes
         lines = [
             self.verdict,
             f"Classes of the density μ: M_PC {_yes_no(c.M_PC)}, M_P {_yes_no(c.M_P)}; reversible part g ≥ 0: "
             f"{_yes_no(self.g_not_negative)}.",
-            *(f"Of μ and g together, {h.text}" for h in self.hypotheses if h.name == "ν ≥ 0" and not h.holds),
+            *(
+                f"For μ and g together, {h.text}"
+                for h in self.hypotheses
+                if h.name == "ν ≥ 0" and not h.holds
+            ),
             self.dissipativity.text
             if self.dissipativity
             else f"Dissipativity is not decided. {self.undecided}",
@@ -164,13 +166,13 @@ class ModelCertificate:
 
     @property
     def g_not_negative(self) -> bool:
-        """g ≥ 0, which no class asks for and the theorems need."""
+        """g ≥ 0, which the theorems require and no class contains."""
         least, largest = self.classes.g_min.value, self.classes.g_max.value
         return not least < -_ROUNDING * max(abs(least), abs(largest))
 
     @property
     def velocity_text(self) -> str:
-        """What Thm 8.2 says of velocity feedback with this model, in a sentence or two."""
+        """The result of Thm 8.2 for velocity feedback with this model, in a sentence or two."""
         if not self.failing_model_hypotheses:
             return "Velocity feedback without delay: ‖ė‖ ≤ k_e (‖ṙ‖ + ‖u_o‖) up to every T (Thm 8.2)."
         lacking = "does not cover it" if self.scope.covered is False else "is not known to cover it"
@@ -180,18 +182,18 @@ class ModelCertificate:
 
     @property
     def counterexample_text(self) -> str:
-        """The input that breaks passivity."""
+        """The input that violates passivity, in a sentence."""
         if self.counterexample is None:
             return ""
         v = self.counterexample.violation
         _, low, high = v.turning_points.tolist()
         unit = self.units.input
         return (
-            f"Drive it from {with_unit(v.turning_points[0], unit)} to {with_unit(low, unit)}, then between "
+            f"Drive the model from {with_unit(v.turning_points[0], unit)} to {with_unit(low, unit)}, then between "
             f"{high:.4g} and "
-            f"{with_unit(low, unit)}: every cycle gives back {with_unit(-v.per_cycle, self.storage_bound.unit)}, "
-            "and after "
-            f"{self.counterexample.cycles_below(0.0)} cycles more came out than went in."
+            f"{with_unit(low, unit)}: every cycle returns {with_unit(-v.per_cycle, self.storage_bound.unit)}. "
+            "More energy is extracted than supplied after "
+            f"{self.counterexample.cycles_below(0.0)} cycles."
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -244,10 +246,10 @@ def certificate(
     controllers: Mapping[str, Mapping[str, Any]] | None = None,
     units: Units | None = None,
 ) -> ModelCertificate:
-    """Certify a hysteresis, with velocity controllers by name and the numbers that are not their defaults.
+    """Certify a hysteresis with velocity controllers, given by name with the numbers that differ from the defaults.
 
-    ``controllers``: the whole catalogue where it is None; UsageError for one that feeds back the position.
-    ``units``: the hysteresis's own where none are given.
+    ``controllers``: the whole catalogue if None. ``units``: those of the hysteresis if None. Raises UsageError for a
+    controller that feeds back the position.
 
     >>> from smarig.preisach import thesis_surface
     >>> found = certificate(thesis_surface("one_e"), {"constant_gain": {"gain": 4.0}})
@@ -298,18 +300,18 @@ def certificate(
 
 
 def _check_names(requested: Iterable[str]) -> None:
-    """A position loop is no mistake of spelling."""
+    """Raise UsageError for position loops, which are not misspelt names."""
     for name in requested:
         if name in catalogue_names(TRACKING_CONTROLLERS):
             raise UsageError(
-                f"'{name}' is a position loop (of smarig track and regulate), which Thm 8.2 does not cover: certify "
-                f"takes {', '.join(catalogue_names(VELOCITY_CONTROLLERS))}; "
-                f"what is known of position loops is in {CONTROL_FINDINGS}."
+                f"'{name}' is a position loop (smarig track and regulate), which Thm 8.2 does not cover. certify "
+                f"accepts {', '.join(catalogue_names(VELOCITY_CONTROLLERS))}. "
+                f"{CONTROL_FINDINGS} describes position loops."
             )
 
 
 def initial_of(hysteresis: Everett) -> Initial:
-    """The state at u(0) = 0: cold for a wire on one side of zero, B* for two."""
+    """The state at u(0) = 0: cold for a wire on one side of zero, B* for two wires."""
     return "negative" if hysteresis.lower >= 0 else "anhysteretic"
 
 
@@ -320,7 +322,7 @@ def _counterexample(
         return counterexample(hysteresis_analysis, initial)
     except (
         UsageError
-    ):  # there is none, or its loop is too small to repay the approach in as many cycles as are tried
+    ):  # there is none, or its loop is too small to repay the approach within the cycles that are tried
         return None
 
 

@@ -1,12 +1,10 @@
-"""Passivity along a run (thesis Thm 8.1): the supplied energy ⟨u, ẏ⟩_T, its lower bound, and what the bound rests on.
+"""Passivity along a run (thesis Thm 8.1): the supplied energy ⟨u, ẏ⟩_T, its lower bound, and the basis of the bound.
 
     ⟨u, ẏ⟩_T = ∫ u dy ≥ −Q_r(B₀)        for μ ∈ M_P with g ≥ 0;   Q_r(B₀) = 0 when u(0) = 0
 
-Each move's ∫ u dy is exact (``preisach.energy.sweep``). The bound is attained by the monotone return to u = 0.
-Models outside M_P keep a bound where they are dissipative (``storage_bound``); for those that are not,
-``counterexample``
-gives an input that goes below any bound. Refuses to conclude from a run that stayed above the bound that the
-model is passive: that is what the hypotheses say.
+∫ u dy of each move is exact (``preisach.energy.sweep``). The monotone return to u = 0 attains the bound. Models
+outside M_P have a bound if they are dissipative (``storage_bound``); for others ``counterexample`` gives an input that
+exceeds any bound. A run above the bound does not prove passivity; only the hypotheses do.
 """
 
 import math
@@ -28,10 +26,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Passivity:
-    """The supplied energy at each sample, ``supplied`` (n,), and what it can never fall below, ``bound``.
+    """The supplied energy at each sample, ``supplied`` (n,), and its lower bound, ``bound``.
 
-    ``bound`` is −inf for a model that is not dissipative, NaN where that is not decided; ``proven`` says whether it
-    is a theorem or a computed limit. ``rounding`` is what an energy may be wrong by. Output times input units.
+    ``bound`` is −inf for a model that is not dissipative, NaN if not decided; ``proven`` states whether it is a theorem
+    or a computed limit. ``rounding`` is the largest error of an energy. Output times input units.
     """
 
     supplied: Array
@@ -44,20 +42,20 @@ class Passivity:
 
     @property
     def least_supplied(self) -> tuple[float, int]:
-        """The least supplied energy and the sample where it is."""
+        """The smallest supplied energy and its sample."""
         where = int(np.argmin(self.supplied))
         return float(self.supplied[where]), where
 
     @property
     def passive(self) -> bool | None:
-        """Thm 8.1 as printed: no bias. None where the bound is undecided or not proved."""
+        """Thm 8.1 as printed: no bias. None if the bound is undecided or not proved."""
         if math.isnan(self.bound) or not self.proven:
             return None
         return self.bound >= 0.0
 
     @property
     def within(self) -> bool:
-        """Whether this run stayed above the bound, rounding apart; False for an undecided bound."""
+        """Whether this run stayed above the bound, except for rounding; False for an undecided bound."""
         return bool(self.least_supplied[0] >= self.bound - self.rounding)
 
     @property
@@ -67,9 +65,9 @@ class Passivity:
 
     @property
     def text(self) -> str:
-        """A few sentences for a report: verdict, the hypotheses that fail, the run."""
+        """A few sentences for a report: verdict, failing hypotheses, the run."""
         least, where = self.least_supplied
-        run = f"Along this run it was never below {self._energy(least)} (sample {where})."
+        run = f"Its minimum along this run is {self._energy(least)} (sample {where})."
         return " ".join([self._verdict(), *(h.text for h in self.failing), run])
 
     def _verdict(self) -> str:
@@ -84,7 +82,7 @@ class Passivity:
         }[self.basis]
         if self.bound == 0.0 and self.proven:
             return f"Passive: the supplied energy is never negative ({how})."
-        kind = "never" if self.proven else "as far as was looked, not"
+        kind = "never" if self.proven else "not, as far as was computed,"
         return f"Passive with bias: the supplied energy is {kind} below {self._energy(self.bound)} ({how})."
 
     def _energy(self, value: float) -> str:
@@ -96,7 +94,7 @@ def passivity(
 ) -> Passivity:
     """⟨u, ẏ⟩_T along inputs u (n,), monotone between samples, from an initial state, with its lower bound.
 
-    Takes a hysteresis that has been examined as well, and does not look again.
+    A given HysteresisAnalysis is used as it is.
 
     Raises DataError for an input that is empty or not finite, UsageError for one of another shape.
 
@@ -133,23 +131,23 @@ def _zero_start(start: State, units: Units) -> Hypothesis:
 
 @dataclass(frozen=True)
 class PassivityCounterexample:
-    """An input that takes any amount of energy out of a model: a loop of negative area, driven again and again.
+    """An input that extracts any amount of energy from a model: repeated cycles of a loop of negative area.
 
-    ``violation`` is what the forward model did until it had repaid its approach (``energy.confirm``).
+    ``violation`` is the response of the forward model until the energy of the approach is repaid (``energy.confirm``).
     """
 
     violation: Violation
 
     def supplied_after(self, cycles: int) -> float:
-        """⟨u, ẏ⟩ after a number of cycles: every cycle is the same, by wiping-out."""
+        """⟨u, ẏ⟩ after a number of cycles; wiping-out makes all cycles equal."""
         return self.violation.approach + cycles * self.violation.per_cycle
 
     def cycles_below(self, energy: float) -> int:
-        """The least number of cycles after which the supplied energy is below −``energy``."""
+        """The smallest number of cycles after which the supplied energy is below −``energy``."""
         return max(0, math.floor((self.violation.approach + energy) / -self.violation.per_cycle) + 1)
 
     def inputs(self, cycles: int) -> Array:
-        """The input by its turning points, shape (3 + 2·cycles,)."""
+        """The turning points of the input, shape (3 + 2·cycles,)."""
         _, low, high = self.violation.turning_points
         return np.concatenate([self.violation.turning_points, np.tile([low, high], cycles)])
 
@@ -157,9 +155,9 @@ class PassivityCounterexample:
 def counterexample(
     hysteresis: Everett | HysteresisAnalysis, initial: Initial = "negative"
 ) -> PassivityCounterexample:
-    """The loop that breaks passivity, from an initial state; UsageError for a model that has none.
+    """The loop that violates passivity, from an initial state. Raises UsageError for a model that has none.
 
-    Takes a hysteresis that has been examined as well, and does not look again.
+    A given HysteresisAnalysis is used as it is.
 
     >>> from smarig.preisach import thesis_surface
     >>> two_p = counterexample(thesis_surface("two_p"), "anhysteretic")
@@ -173,5 +171,5 @@ def counterexample(
     found = hysteresis_analysis.dissipativity
     if found is None or found.dissipative is not False:
         why = found.text if found else hysteresis_analysis.undecided
-        raise UsageError(f"No input is known to break the passivity of this model. {why}")
+        raise UsageError(f"No input is known that violates the passivity of this model. {why}")
     return PassivityCounterexample(confirm(hysteresis_analysis.hysteresis, found.at, initial))

@@ -1,6 +1,6 @@
-"""What §9.2 assumes of the plant, asked of a Preisach model: the matched supply rate, and zero-state detectability.
+"""The assumptions of §9.2 about the plant, for a Preisach model: the matched supply rate, zero-state detectability.
 
-(The third assumption, reachability, is Thm 6.4's: approximate only, ``preisach.state_space.reach``.)
+Thm 6.4 covers the third assumption, reachability, approximately (``preisach.state_space.reach``).
 """
 
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from smarig.theory import boundary_of, distance, work
 def supply_while_held(
     hysteresis: Everett, u: float, hold_s: float, b: float, initial: Initial = "anhysteretic"
 ) -> float:
-    """∫(u ẏ − b² y²) dt of a quick move to u, then held for ``hold_s``: without a lower bound for b > 0 and y ≠ 0.
+    """∫(u ẏ − b² y²) dt of a quick move to u that is then held for ``hold_s``; unbounded below for b > 0 and y ≠ 0.
 
-    A hysteresis keeps its output at no supply; so it is dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ for b = 0 at most
-    (``certify`` says whether it is for that). UsageError for a time that runs backwards and for what is no number.
+    A hysteresis keeps its output without supply, so it can be dissipative to ⟨u, ẏ⟩ − b²⟨y, y⟩ only for b = 0
+    (``certify`` decides that case). Raises UsageError for a negative time and for values that are not finite.
 
     >>> from smarig.preisach import thesis_surface
     >>> leaky, pure = (supply_while_held(thesis_surface("two_c"), 60.0, 1e6, b=b) for b in (0.1, 0.0))
@@ -35,9 +35,9 @@ def supply_while_held(
 
 @dataclass(frozen=True)
 class IndistinguishableStates:
-    """Two states at u = 0 with one output: under zero input they cannot be told apart, for ever.
+    """Two states at u = 0 with equal output, which zero input never distinguishes.
 
-    ``distance`` is the area between their boundaries, input units squared; ``most`` the largest there is, 2û².
+    ``distance`` is the area between their boundaries, input units squared; ``most`` is its maximum, 2û².
     """
 
     first: State
@@ -47,12 +47,12 @@ class IndistinguishableStates:
 
     @property
     def text(self) -> str:
-        """What it means, in a sentence."""
+        """The consequence, in a sentence."""
         path = " → ".join(f"{u:.4g}" for u in (*self.second.extrema[1:], 0.0))
         return (
-            f"Zero-state detectability (§9.2) fails: from saturation along {path} the output is that of B*, and "
-            "at zero "
-            f"input both states stay as they are (distance {self.distance / self.most:.1%} of 2û²)."
+            f"Zero-state detectability (§9.2) fails: after saturation, the path {path} gives the output of B*, and "
+            "zero "
+            f"input keeps both states (distance {self.distance / self.most:.1%} of 2û²)."
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -66,16 +66,16 @@ class IndistinguishableStates:
 
 
 def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
-    """B* and a state reached by +u₊ → −x → 0 with the output of B*: a counter-example to zero-state detectability.
+    """B* and a state reached by +u₊ → −x → 0 with the output of B*: a counterexample to zero-state detectability.
 
-    UsageError for a hysteresis on one side of zero, whose only state at u = 0 is saturation.
+    Raises UsageError for a hysteresis on one side of zero, whose only state at u = 0 is saturation.
 
     >>> from smarig.preisach import thesis_surface
     >>> indistinguishable_states(thesis_surface("two_c")).distance > 1000.0
     True
     """
     if not hysteresis.lower < 0.0 < hysteresis.upper:
-        raise UsageError("All memory lies on one side of u = 0, so zero input leaves one state only.")
+        raise UsageError("All memory is on one side of u = 0, so zero input has only one state.")
     operator = Preisach(hysteresis, "anhysteretic")
     first, target = operator.state, operator.y
 

@@ -1,16 +1,17 @@
-"""Position controllers dissipative to the supply rate of thesis §9.2: which linear ones are, in closed form.
+"""Linear position controllers that are dissipative to the supply rate of thesis §9.2, in closed form.
 
-The thesis names w_c(u, y) = −a²⟨y, y⟩ + (b² − c²)⟨u, u⟩ − ⟨u̇, y⟩, u and y the controller's own input and output. It
+The thesis defines w_c(u, y) = −a²⟨y, y⟩ + (b² − c²)⟨u, u⟩ − ⟨u̇, y⟩ with the controller's own input u and output y. It
 matches the plant's ⟨u, ẏ⟩ when the loop adds: u_c = y_p − r, y_c = u_p. Then ⟨u_p, ẏ_p⟩ = ⟨y_c, u̇_c⟩ cancels the last
 term, and a plant with the rate ⟨u, ẏ⟩ − b²⟨y, y⟩ leaves −a²⟨u_p, u_p⟩ − c²⟨y_p, y_p⟩ of the two. A controller K of the
-usual kind, u_p = K(r − y_p), is −K here: −⟨u̇, −Ku⟩ has the density Re (jω)^* K = ω Im K, and
+usual form, u_p = K(r − y_p), is −K here: −⟨u̇, −Ku⟩ has the density Re (jω)^* K = ω Im K, and
 
     w_c ↔ Π(ω) = −a²|K(jω)|² + (b² − c²) + ω Im K(jω) ≥ 0 for all ω                              (*)
 
-|D|²Π is a polynomial in ω²: its sign is decided where it turns, not sampled. For b = c (*) is exact from rest, up
-to every T: with a = 0 and K(0) ≥ 0 it says that K(s)/s is positive real; with a > 0 it asks for K(0) = 0, and what
-comes after T only costs. For b ≠ c it is necessary. At ω = 0 it reads |K(0)| ≤ √(b² − c²)/a: what that means for a
-hysteresis, which has b = 0 if any, stands in docs/explanation/control_findings.md. Refuses to conclude stability.
+|D|²Π is a polynomial in ω². Its sign is decided at its turning points, not by sampling. For b = c, (*) is exact from
+rest up to every T. With a = 0 and K(0) ≥ 0 it means that K(s)/s is positive real. With a > 0 it requires K(0) = 0, and
+the time after T only reduces the supply. For b ≠ c it is necessary. At ω = 0 it reads |K(0)| ≤ √(b² − c²)/a;
+docs/explanation/control_findings.md gives the consequence for a hysteresis, for which b = 0 if any. The condition
+does not prove stability.
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class SupplyRate:
-    """The constants of w_c, as they are squared in it; UsageError unless they are finite numbers from 0 on."""
+    """The constants of w_c, which contains their squares. Raises UsageError unless they are finite and not negative."""
 
     a: float = 0.0
     b: float = 0.0
@@ -56,19 +57,17 @@ class PositionController:
 
     @classmethod
     def of(cls, numerator: Sequence[float], denominator: Sequence[float] = (1.0,)) -> "PositionController":
-        """Checked: finite, of second order at most, proper but for a PD."""
+        """A checked controller: finite, at most of second order, proper except for a PD."""
         n, d = tuple(map(float, numerator)), tuple(map(float, denominator))
         if not (n and d and np.isfinite([*n, *d]).all() and d[-1] != 0 and len(d) <= _ORDER + 1):
-            raise UsageError(
-                "A position controller needs finite coefficients, at most those of second order."
-            )
+            raise UsageError("A position controller needs finite coefficients of second order at most.")
         if len(np.trim_zeros(n, "b")) > len(d) + 1:
-            raise UsageError("A position controller may differentiate its error once, not more often.")
+            raise UsageError("A position controller may differentiate its error at most once.")
         return cls(n, d)
 
     @classmethod
     def parse(cls, text: str) -> "PositionController":
-        """From text "numerator/denominator", coefficients of 1, s, s² with commas; UsageError for any other.
+        """From text "numerator/denominator", coefficients of 1, s, s² with commas. Raises UsageError for other text.
 
         >>> PositionController.parse("10,20/1,0.5").denominator
         (1.0, 0.5)
@@ -78,7 +77,7 @@ class PositionController:
             n, d = ([float(c) for c in part.split(",")] for part in (numerator, denominator or "1"))
         except ValueError:
             raise UsageError(
-                f"'{text}' is no K(s): give numerator/denominator by coefficients of 1, s, s², as in 10,20/1,0.5."
+                f"'{text}' is not a K(s). Give numerator/denominator as coefficients of 1, s, s², as in 10,20/1,0.5."
             ) from None
         return cls.of(n, d)
 
@@ -94,7 +93,7 @@ class PositionController:
 
     @property
     def text(self) -> str:
-        """What §9.2 says of it, in a sentence."""
+        """The result of §9.2, in a sentence."""
         name = "K(s) = ({})/({})".format(
             *(", ".join(f"{c:g}" for c in part) for part in (self.numerator, self.denominator))
         )
@@ -107,12 +106,12 @@ class PositionController:
 
     @property
     def static_gain(self) -> float:
-        """K(0), infinite for an integral."""
+        """K(0); infinite with an integral."""
         return self.numerator[0] / self.denominator[0] if self.denominator[0] else np.inf
 
     @property
     def stable(self) -> bool:
-        """All poles to the left."""
+        """Whether all poles are in the left half-plane."""
         return bool(np.all(np.real(Polynomial(self.denominator).roots()) < 0))
 
     def at(self, omega: ArrayLike) -> NDArray[np.complex128]:
@@ -130,7 +129,7 @@ class PositionController:
         return self.stable and self.static_gain >= 0 and _never_negative(self._cleared_density(supply))
 
     def largest_a(self, b: float = 0.0, c: float = 0.0) -> float:
-        """The largest a that ``matches`` for b and c, by halving; 0 if none does."""
+        """The largest a that ``matches`` with b and c, by bisection; 0 if none does."""
         if not self.matches(SupplyRate(0.0, b, c)):
             return 0.0
         low, high = 0.0, 1.0
@@ -163,7 +162,7 @@ def _real_and_imaginary(coefficients: Sequence[float]) -> tuple[Polynomial, Poly
 
 
 def _never_negative(p: Polynomial) -> bool:
-    """p(x) ≥ 0 for all x ≥ 0: at 0, where it turns, and at infinity."""
+    """p(x) ≥ 0 for all x ≥ 0, checked at 0, at its turning points and at infinity."""
     largest = np.abs(p.coef).max()
     if largest == 0:
         return True

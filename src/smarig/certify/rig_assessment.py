@@ -1,4 +1,4 @@
-"""Thm 8.2 asked of a loop on a rig: its hypotheses for model and controller, and those that a rig keeps or breaks."""
+"""Thm 8.2 for a loop on a rig: hypotheses about model and controller, and those that a rig satisfies or violates."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,18 +12,18 @@ from smarig.protocols import Setup
 
 @dataclass(frozen=True)
 class RigAssessment:
-    """What is proved of one velocity controller with one model, and what a rig with a velocity filter makes of it."""
+    """What is proved of one velocity controller with one model, and the effect of a rig with a velocity filter."""
 
     result: ControllerResult
     setup: Setup
     filter_s: float
 
     def hypotheses(self, clipped_share: float | None) -> tuple[Hypothesis, ...]:
-        """Of Thm 8.2, then what the rig adds; ``clipped_share``: of the samples, None before it is measured."""
+        """Those of Thm 8.2, then those of the rig. ``clipped_share``: of the samples, None before it is measured."""
         return (*self.result.stability.hypotheses, *self._rig_hypotheses(clipped_share))
 
     def to_json(self, clipped_share: float | None = None) -> dict[str, Any]:
-        """For a mark in the record, plain values; k_e is None where Thm 8.2 does not cover model and controller."""
+        """Plain values for a mark in the record; k_e is None if Thm 8.2 does not cover model and controller."""
         units = self.result.stability.units
         return {
             "k_e": self.result.k_e,
@@ -41,25 +41,26 @@ class RigAssessment:
             Hypothesis(
                 "no delay",
                 False,
-                f"a tick of {setup.period_s:g} s passes between velocity and current: at the highest frequency it "
+                f"a tick of {setup.period_s:g} s passes between velocity and current. At the highest frequency it "
                 f"turns H₁ into −H₁, so its δ is at most −{delta}",
             ),
             Hypothesis(
-                "velocity as it is",
+                "exact velocity",
                 False,
-                f"it comes from differences of counts ({setup.actuator.unit} per tick) through a filter of "
-                f"{self.filter_s:g} s, with noise that no reference drives: the ratio grows when ṙ and u_o are small",
+                f"it is computed from differences of counts ({setup.actuator.unit} per tick) through a filter of "
+                f"{self.filter_s:g} s. Their noise does not depend on the reference, so the ratio grows when ṙ and u_o "
+                "are small",
             ),
         )
 
     def _supply_rate(self) -> Hypothesis:
-        """Passivity from the temperature that the current asks for: it needs Assumption 2.1 of the model."""
+        """Passivity from the steady temperature of the commanded current; it needs Assumption 2.1 of the model."""
         follows = next(h for h in self.result.stability.hypotheses if h.name == "output follows input")
-        lag = f"a current sets where the wire would settle, not where it is (τ = {self.setup.tau_s:.3g} s)"
+        lag = f"a current sets the steady temperature, not the present one (τ = {self.setup.tau_s:.3g} s)"
         if follows.holds:
-            why = "but the wire moves towards it and the output with the wire, which only adds to the supplied energy"
+            why = "but wire and output move towards it, which only adds to the supplied energy"
         else:
-            why = "and the output of this model need not move with the wire"
+            why = "and the output of this model may move against the wire"
         return Hypothesis("supply rate at the current", follows.holds, f"{lag}, {why}")
 
 
@@ -68,12 +69,12 @@ def _input_as_commanded(setup: Setup, clipped_share: float | None) -> Hypothesis
     one_sided = ", cooling no faster than the wire cools by itself" if low >= 0 else ""
     limits = f"the limits ({low:.4g} … {high:.4g} K{one_sided})"
     if clipped_share is None:
-        return Hypothesis("input as asked for", None, f"{limits} may give another, which is not measured yet")
+        return Hypothesis("input as commanded", None, f"{limits} may change it, which is not measured yet")
     if clipped_share == 0:
-        return Hypothesis("input as asked for", True, f"{limits} gave no other in any sample")
+        return Hypothesis("input as commanded", True, f"{limits} changed it in no sample")
     return Hypothesis(
-        "input as asked for",
+        "input as commanded",
         False,
-        f"{limits} gave another in {clipped_share:.1%} of the samples; passivity survives that, the reference may be "
-        "out of reach",
+        f"{limits} changed it in {clipped_share:.1%} of the samples. Passivity still holds, but the reference may be "
+        "unreachable",
     )

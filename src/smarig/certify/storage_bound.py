@@ -1,11 +1,11 @@
-"""What a hysteresis can give back from a state, and on what ground: the lower bound of every supplied energy.
+"""The energy that a hysteresis can return from a state, and the basis of this bound of every supplied energy.
 
     ν ≥ 0                      Q_r(B₀) of (7.1), by Thm 7.4
     Q_r proved a storage       Q_r(B₀) as well, although μ < 0 somewhere (docs/explanation/dissipativity.md)
     dissipative otherwise      the available storage S_a(B₀)
     not dissipative            no bound
 
-Refuses to call a bound proved that is not: S_a is exact for relays, a limit from below for all else.
+S_a is exact for relays. For all others it is a limit from below and not marked as proved.
 """
 
 import math
@@ -23,7 +23,7 @@ BoundBasis = Literal["positive", "recoverable", "dissipative", "none", "undecide
 
 @dataclass(frozen=True)
 class StorageBound:
-    """``energy``: the most a state can give back (inf: no bound, NaN: undecided), output times input units."""
+    """``energy``: the most that a state can return (inf: no bound, NaN: undecided), output times input units."""
 
     energy: float
     proven: bool
@@ -33,7 +33,7 @@ class StorageBound:
 
 
 def storage_bound(analysis: HysteresisAnalysis, state: State) -> StorageBound:
-    """How much energy a state can give back; nothing is assumed of the hysteresis, everything is checked.
+    """The energy that a state can return; all properties of the hysteresis are checked.
 
     >>> from smarig.preisach import thesis_surface
     >>> from smarig.preisach import Preisach

@@ -1,7 +1,7 @@
-"""Numbers of a controller from ``key=value``: checked against the function that makes it. Knows no controller.
+"""Numbers of a controller from ``key=value``, checked against the function that makes it.
 
-What a controller is asked for is what its function names with a number as default; everything else of it (what it
-knows, what is wanted, schedules) is not for a command line.
+The settings of a controller are the parameters of its function that have a number as default. Its other parameters
+(model, reference, schedules) cannot be given on a command line.
 """
 
 import inspect
@@ -15,7 +15,7 @@ from smarig.core import UsageError, catalogue_entry, suggestion
 TRACKING_CONTROLLERS = "smarig.control.tracking.controllers"
 VELOCITY_CONTROLLERS = "smarig.control.velocity.controllers"
 _LINE = re.compile(r"^\s+(\w+) \(([^()]*)\): (.+)$", flags=re.M)
-# What may be typed, zero apart: with squares and quotients of these can still be computed.
+# Range of a number other than zero: its squares and quotients do not overflow.
 SMALLEST, LARGEST = 1e-100, 1e12
 
 
@@ -33,13 +33,13 @@ def documented_numbers(documented: Any) -> dict[str, tuple[str, str]]:
     """(unit, meaning) of numbers, from the lines ``name (unit): meaning`` of a controller's docstring.
 
     >>> documented_numbers(catalogue_entry(TRACKING_CONTROLLERS, "pi"))["integral_s"]
-    ('s', 'integral time T_i: in it a steady error is answered once more')
+    ('s', 'integral time T_i')
     """
     return {name: (unit, text) for name, unit, text in _LINE.findall(documented.__doc__ or "")}
 
 
 def controller_numbers(package: str, name: str, pairs: Mapping[str, Any]) -> dict[str, float]:
-    """All numbers of a controller, those given in place of the defaults; UsageError where one is wrong.
+    """All numbers of a controller: those given, and defaults for the others. Raises UsageError for a wrong one.
 
     >>> controller_numbers(TRACKING_CONTROLLERS, "pi", {"integral_s": "2"})["integral_s"]
     2.0
@@ -59,15 +59,15 @@ def _checked(name: str, key: str, value: Any, defaults: Mapping[str, float]) -> 
 
 
 def finite_number(what: str, value: Any) -> float:
-    """A finite number as typed, or a sentence that says what is none, or what none of a rig is."""
+    """A finite number from text. Raises UsageError if it is not a number or out of range."""
     try:
         found = float(value)
     except (TypeError, ValueError):
-        raise UsageError(f"{what} is no number (given: {value}).") from None
+        raise UsageError(f"{what} is not a number (given: {value}).") from None
     except OverflowError:
         found = LARGEST * 10
     if not math.isfinite(found):
         raise UsageError(f"{what} is not finite (given: {value}).")
     if found and not SMALLEST <= abs(found) <= LARGEST:
-        raise UsageError(f"{what} is beyond what can be computed with (given: {value}).")
+        raise UsageError(f"{what} is outside ±{SMALLEST:g} … ±{LARGEST:g} (given: {value}).")
     return found

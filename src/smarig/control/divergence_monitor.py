@@ -1,7 +1,7 @@
-"""Whether a closed loop still holds the wire: errors that stay large end the run with zero current.
+"""The divergence check of a closed loop: errors that stay large end the run with zero current.
 
-Judged by the rms of whole stretches of time, so a loop that swings from end to end through zero error is no better than
-one that stands still. Knows errors and times; refuses to know who made them.
+The check uses the rms error of time windows, so a loop that oscillates through zero error counts as one that stands
+still at the same rms.
 """
 
 import math
@@ -9,20 +9,20 @@ from dataclasses import dataclass
 
 from smarig.core import LimitExceeded
 
-_WINDOWS = 4  # into which the patience is cut
-_IMPROVEMENT = 0.9  # times the least rms so far: it is coming
+_WINDOWS = 4  # into which the time limit is divided
+_IMPROVEMENT = 0.9  # times the smallest rms so far: the error shrinks
 
 
 @dataclass(frozen=True)
 class DivergenceLimits:
-    """When a loop counts as diverged: further off than a share of the range, for so long without coming closer."""
+    """When a loop counts as diverged: an rms above a share of the range, for this time without improvement."""
 
     share: float = 0.3
     seconds: float = 30.0
 
 
 class DivergenceMonitor:
-    """``look(t_s, error)`` at every sample; ``reach`` (low, high) are the positions within the rig's limits.
+    """``check(t_s, error)`` at every sample. ``reach`` (low, high) are the positions within the rig's limits.
 
     >>> watch = DivergenceMonitor(DivergenceLimits(0.3, 3.0), (0.0, 10.0))
     >>> for tick in range(40):
@@ -37,7 +37,7 @@ class DivergenceMonitor:
         self._since_s, self._sum_of_squares, self._n = math.nan, 0.0, 0
 
     def check(self, t_s: float, error: float) -> None:
-        """Raise LimitExceeded after a while of large errors that do not shrink; no error at all is a large one."""
+        """Raise LimitExceeded after a time of large errors that do not shrink; NaN counts as large."""
         if not self._n:
             self._since_s = t_s
         self._sum_of_squares += error * error if math.isfinite(error) else math.inf
@@ -55,6 +55,6 @@ class DivergenceMonitor:
             self._windows_without_progress += 1
         if self._windows_without_progress >= _WINDOWS - 1:
             raise LimitExceeded(
-                f"The loop diverges: {rms:.3g} off what is wanted, and no closer for {self._limits.seconds:g} s. "
+                f"The loop diverges: its rms error is {rms:.3g} and has not improved for {self._limits.seconds:g} s. "
                 "The current is at zero."
             )

@@ -1,12 +1,11 @@
-"""A sampled loop around the operator without delay: the input that agrees with the output it brings about.
+"""A sampled loop around the operator without delay: the input that is consistent with the output that it causes.
 
     u = command(y(u)),   y(u) = Γ at T + (1 − e^{−dt/τ})(u − T)
 
-The command does not increase with the output (a controller's gain, which is what feedback means) and the output
-does not decrease with the input (Assumption 2.1), so u − command(y(u)) increases: the root is unique, and lies
-between the present temperature and the command that no motion would bring. τ = 0 is the operator alone; with
-τ > 0 the input is the temperature the wire would settle at. Refuses operators that jump: they need not have a
-root. Knows no controller.
+The command does not increase with the output (negative feedback) and the output does not decrease with the input
+(Assumption 2.1), so u − command(y(u)) increases. The root is unique and lies between the present temperature and the
+command at the present output. τ = 0 is the operator alone; with τ > 0 the input is the steady temperature of the wire.
+Operators with jumps are refused, because a root need not exist.
 """
 
 import math
@@ -15,13 +14,13 @@ from collections.abc import Callable
 from smarig.core import DataError, UsageError
 from smarig.preisach import Everett, Initial, Preisach, bracketed_root
 
-_RESIDUAL_TOLERANCE = 1e-9  # of the input range
+_RESIDUAL_TOLERANCE = 1e-9  # relative to the input range
 
 
 class LaggedOperator:
-    """The operator behind a heating lag τ = ``lag_s`` (0: none), moved tick by tick of ``dt_s``.
+    """The operator behind a heating lag τ = ``lag_s`` (0: none), moved in ticks of ``dt_s``.
 
-    Inputs are clipped to the operator's range, as a current would be by its limits.
+    Inputs are clipped to the operator's range, as current limits would do.
     """
 
     def __init__(self, hysteresis: Everett, initial: Initial, dt_s: float, lag_s: float = 0.0) -> None:
@@ -30,7 +29,7 @@ class LaggedOperator:
         if len(getattr(hysteresis, "steps", ())):
             raise UsageError(
                 "A measure of relays jumps at its thresholds, so a loop around it need not have a solution "
-                "(Thm 8.2 asks for μ ∈ M_PC): give a surface or a table."
+                "(Thm 8.2 requires μ ∈ M_PC). Give a surface or a table."
             )
         self.operator = Preisach(hysteresis, initial)
         self.lower, self.upper = hysteresis.lower, hysteresis.upper
@@ -43,15 +42,15 @@ class LaggedOperator:
 
     @property
     def temperature(self) -> float:
-        """What the operator feels."""
+        """The input of the operator."""
         return self.operator.u
 
     def output_at(self, u: float) -> float:
-        """Output after a tick at input u; nothing moves."""
+        """Output after a tick at input u, without changing the state."""
         return self.operator.peek(self._input_after_tick(u))
 
     def step(self, u: float) -> float:
-        """A tick at input u; returns the output."""
+        """Make a tick at input u and return the output."""
         return self.operator.step(self._input_after_tick(u))
 
     def _input_after_tick(self, u: float) -> float:
@@ -59,10 +58,10 @@ class LaggedOperator:
         return present + self._lag_fraction * (min(max(u, self.lower), self.upper) - present)
 
     def solve(self, command: Callable[[float], float], *, jumps: bool = False) -> float:
-        """u = command(y(u)); DataError where the output goes against the input and no root was found.
+        """u = command(y(u)). Raises DataError if the output runs against the input and no root was found.
 
-        Where a command ``jumps`` down with the output there may be no root but a sign change: the input that
-        keeps the output at the jump, between the commands on either side (sliding, Filippov).
+        A command that ``jumps`` down with the output may have a sign change instead of a root: the input that keeps
+        the output at the jump, between the commands on both sides (sliding, Filippov).
         """
         present = self.temperature
         command_at_rest = command(self.y)
@@ -76,6 +75,6 @@ class LaggedOperator:
             self.upper - self.lower + abs(command_at_rest)
         ):
             raise DataError(
-                f"The loop has no solution between {near:g} and {far:g}: the output goes against the input there."
+                f"The loop has no solution between {near:g} and {far:g}, where the output runs against the input."
             )
         return u

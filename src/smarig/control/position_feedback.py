@@ -1,13 +1,14 @@
-"""Position feedback around the operator (and its heating lag): what a storage function can and cannot certify.
+"""Position feedback around the operator and its heating lag: what a storage function certifies.
 
     u_k = φ(e_k),  e_k = r − y_k,      V = S(B) + Φ(e),   Φ(e) = ∫₀^e φ
 
-For a gain that is switched by the error itself (its sign, its size: Grant & Hayward's kind) φ(e) = k(e) e is one
-function of e, and Φ is its potential. With constant r, Σ u_k Δy_k = −Σ φ(e_k) Δe_k; S rises by at most u_k Δy_k
-(``velocity.loop``, with or without a lag) and, φ increasing, Φ by at most −u_k Δy_k (a convex function lies above
-its tangents, jumps of φ included). So V never rises. That needs a gain that is a function of e alone, and no delay:
-schedules by time or with a memory add (k' − k) e²/2 to V when they switch, and a tick's delay breaks the sum.
-V bounds motion; it does not say that y arrives at r (docs/explanation/control_findings.md).
+For a gain that is switched by the error itself (its sign or size, as by Grant & Hayward) φ(e) = k(e) e is a function of
+e, and Φ is its potential. With constant r, Σ u_k Δy_k = −Σ φ(e_k) Δe_k. S increases by at most u_k Δy_k
+(``velocity.loop``, with or without a lag). If φ increases, Φ increases by at most −u_k Δy_k, because a convex function
+lies above its tangents, jumps of φ included. So V does not increase. This needs a gain that is a function of e alone
+and no delay: schedules by time or with a memory add (k' − k) e²/2 to V when they switch, and a tick of delay
+invalidates the sum. V bounds the motion; it does not prove that y converges to r
+(docs/explanation/control_findings.md).
 """
 
 from collections.abc import Callable
@@ -45,14 +46,14 @@ class SwitchedGain:
             positive(name, getattr(self, name))
 
     def __call__(self, sample: int, error: float) -> float:
-        """φ(e), whatever the sample."""
+        """φ(e), independent of the sample."""
         del sample
         gain = self.inner if abs(error) <= self.width else self.outer
         return gain * error * (self.below if error < 0 else 1.0)
 
     @property
     def increasing(self) -> bool:
-        """Whether φ never falls, so that Φ is convex and V cannot rise from sample to sample."""
+        """Whether φ never decreases, so that Φ is convex and V cannot increase from sample to sample."""
         return self.outer >= self.inner
 
     def potential(self, error: float) -> float:
@@ -77,7 +78,7 @@ class PositionLoop:
         return self.stored + np.array([potential(e) for e in self.error.tolist()])
 
     def late_travel(self) -> float:
-        """Σ|Δy| over the second half: what a loop at rest would not have."""
+        """Σ|Δy| over the second half; 0 for a loop at rest."""
         return float(np.abs(np.diff(self.y[self.y.size // 2 :])).sum())
 
 
@@ -91,15 +92,15 @@ def position_loop(
     lag_s: float = 0.0,
     delayed: bool = False,
 ) -> PositionLoop:
-    """Close u_k = law(k, e_k) for references (n,); ``delayed`` takes the error of the sample before, as a rig must.
+    """Close u_k = law(k, e_k) for references (n,); ``delayed`` uses the error of the previous sample, as on a rig.
 
-    DataError for references that are empty or not finite.
+    Raises DataError for references that are empty or not finite.
     """
     references = np.asarray(reference, dtype=float)
     if references.ndim != 1 or not references.size or not np.isfinite(references).all():
-        raise DataError("A position loop needs a row of finite references.")
+        raise DataError("A position loop needs finite references of shape (n,).")
     if not callable(law):
-        raise UsageError("A position loop needs a law: (sample, error) → input.")
+        raise UsageError("A position loop needs a function law: (sample, error) → input.")
     plant = LaggedOperator(hysteresis, initial, dt_s, lag_s)
     signals = np.empty((4, references.size))
     for k, r in enumerate(references.tolist()):

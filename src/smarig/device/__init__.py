@@ -1,4 +1,4 @@
-"""Instruments: what bytes mean, what moves them, one driver per instrument."""
+"""Instruments: framings and register maps (``wire``), links, and one driver per instrument."""
 
 from typing import TYPE_CHECKING
 

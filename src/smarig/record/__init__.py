@@ -1,4 +1,4 @@
-"""A run is one SQLite file: written as it happens, readable at any time, everything else derived."""
+"""The record of a run: one SQLite file, written during the run and readable at any time."""
 
 from typing import TYPE_CHECKING
 

@@ -1,17 +1,17 @@
-"""Has the host slept, or has somebody set its clock? Wall clock against steady clock, and against the device's.
+"""Detects that the host was suspended or its clock set, by comparing three clocks.
 
-The steady clock of a host stands still while the host is suspended and knows nothing of clocks that are set; the
-device's ticks go on. Knows clocks only; refuses to know what is recorded.
+The steady clock of a host stops while the host is suspended, and does not change when the wall clock is set. The
+device's ticks continue.
 """
 
 import time
 from collections.abc import Callable
 
-MIN_JUMP_S = 2.0  # a smaller jump is a clock that is being disciplined
+MIN_JUMP_S = 2.0  # smaller jumps come from clock synchronisation
 
 
 class ClockWatch:
-    """Asked now and then; ``real_time``: the device's seconds are ours, so its ticks can be compared, too."""
+    """Compares clocks when called. ``real_time``: device seconds equal host seconds, so ticks are compared too."""
 
     def __init__(
         self,
@@ -25,19 +25,19 @@ class ClockWatch:
         self._device_offset_s: float | None = None
 
     def jump(self, device_s: float) -> str:
-        """A sentence when the clocks have parted since the last time, else ""; each jump is told once."""
+        """A sentence if the clocks have diverged since the last call, else ""; each jump is reported once."""
         wall, steady = self._wall(), self._steady()
         jumped_s, self._wall_offset_s = wall - steady - self._wall_offset_s, wall - steady
         previous_s, self._device_offset_s = self._device_offset_s, device_s - steady
         if abs(jumped_s) > MIN_JUMP_S:
             return (
-                f"The host's clock went {jumped_s:+.1f} s against its own steady clock: the host was suspended, or its "
-                "clock was set. Times of day before and after do not agree."
+                f"The host's clock jumped by {jumped_s:+.1f} s against its steady clock: the host was suspended, or "
+                "its clock was set. Times of day before and after do not agree."
             )
         drift_s = 0.0 if previous_s is None or not self._real_time else device_s - steady - previous_s
         if abs(drift_s) > MIN_JUMP_S:
             return (
-                f"The device's clock went {drift_s:+.1f} s against the host's: one of the two stood still, "
+                f"The device's clock jumped by {drift_s:+.1f} s against the host's: one of the two stopped, "
                 "or samples were read late."
             )
         return ""

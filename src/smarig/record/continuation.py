@@ -1,6 +1,6 @@
-"""Opens a run that was interrupted, to write on: what was interrupted gets its row, what is void is marked, at once.
+"""Reopens an interrupted run for writing: adds rows for interrupted steps and marks void steps.
 
-Nothing that was measured is changed or taken away. Knows the tables; refuses to know why anything is void.
+Measured samples are neither changed nor removed.
 """
 
 import json
@@ -15,17 +15,17 @@ from smarig.record import schema
 
 @dataclass(frozen=True)
 class Continuation:
-    """Rows of steps that were interrupted (STEP_COLUMNS), and whether all steps until now are void."""
+    """Rows of interrupted steps (STEP_COLUMNS), and whether all earlier steps are void."""
 
     interrupted: tuple[tuple, ...] = ()
     void_all: bool = False
 
 
 def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> sqlite3.Connection:
-    """The run's database with its end taken back, all or nothing.
+    """The run's database with its end removed, in one transaction.
 
-    Whoever calls holds the wire: that nobody else is writing is not asked here (the recorder's process number may
-    belong to a stranger after a reboot).
+    The caller holds the lock of the wire, so no other process writes. The recorder's process number is not checked,
+    because another process may have it after a reboot.
     """
     db = None
     try:
@@ -42,5 +42,5 @@ def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> s
     except sqlite3.Error as error:
         if db is not None:
             db.close()
-        raise StorageError(f"Run file {path} cannot be written on: {error}.") from None
+        raise StorageError(f"Run file {path} cannot be continued: {error}.") from None
     return db

@@ -1,7 +1,7 @@
-"""What a run file says of itself, read with care: JSON that is what smarig writes, of the kinds it writes.
+"""Reads and checks the description in a run file: JSON values of the expected types.
 
-Everything that shows, exports or goes on with a run relies on these kinds, so they are checked once, here. Keys that
-are not known are let through: a newer smarig, or another program, may have written them. Refuses to know rows.
+Everything that shows, exports or continues a run relies on these types, so they are checked here once. Unknown keys
+are accepted: a newer smarig or another program may have written them.
 """
 
 import json
@@ -9,13 +9,13 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-MAX_NAME_LENGTH = 2000  # of what may be a path
-MAX_DEPTH = 40  # levels of tables and lists in each other; ours have four
+MAX_NAME_LENGTH = 2000  # of a value that may be a path
+MAX_DEPTH = 40  # nested tables and lists; smarig writes four levels
 _TIMESTAMP_RANGE_S = (-62_135_596_800.0, 253_402_300_799.0)  # the years 1 to 9999, as seconds since 1970
 
 
 def decode_json(text: Any) -> Any:
-    """What a cell of JSON holds; ValueError or TypeError where it is none, or nothing that could be written again.
+    """The value of a JSON cell. Raises ValueError or TypeError if it is invalid or cannot be written again.
 
     >>> decode_json('{"unit": "mm"}')
     {'unit': 'mm'}
@@ -38,13 +38,13 @@ def _check_writable(value: Any, depth: int) -> None:
         try:
             value.encode("utf-8")
         except UnicodeEncodeError:
-            raise ValueError("it holds half a character (a lone surrogate)") from None
+            raise ValueError("it contains half a character (a lone surrogate)") from None
     if isinstance(value, dict | list):
         for inner in (*value, *value.values()) if isinstance(value, dict) else value:
             _check_writable(inner, depth + 1)
 
 
-# --- kinds: each answers whether a value is one --------------------------------------------------------------
+# --- types: each function checks whether a value is of one type ----------------------------------------------
 
 
 def is_text(value: Any) -> bool:
@@ -70,7 +70,7 @@ def _list(value: Any) -> bool:
 
 
 def is_integer(value: Any) -> bool:
-    """Whether a value is a whole number that the file can hold."""
+    """Whether a value is an integer that the file can store."""
     return isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63
 
 
@@ -83,19 +83,19 @@ def _duration(value: Any) -> bool:
 
 
 def is_timestamp(value: Any) -> bool:
-    """Whether a value can be a date: seconds since 1970, of the years 1 to 9999."""
+    """Whether a value is a date: seconds since 1970, within the years 1 to 9999."""
     return _number(value) and _TIMESTAMP_RANGE_S[0] <= value <= _TIMESTAMP_RANGE_S[1]
 
 
 _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
     is_text: "a text",
-    _name: "a name or a path that a system could have",
+    _name: "a valid name or path",
     is_table: "a table",
     _list: "a list",
     is_integer: "a whole number",
     _number: "a finite number",
     _duration: "a time in seconds, 1e-6 to 1e9",
-    is_timestamp: "a moment (seconds since 1970)",
+    is_timestamp: "a date (seconds since 1970)",
 }
 _TEXTS = (
     *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config"),
@@ -128,11 +128,11 @@ _NOT_NULL = (
     "end",
     "unit",
     "cause",
-)  # where they stand at all; others may be null: "not known"
+)  # if present; other keys may be null, which means "not known"
 
 
 def check_metadata(meta: Mapping[str, Any]) -> None:
-    """TypeError where a key of a run's description is of another kind than it is written."""
+    """Raise TypeError if a key of a run's description has a wrong type."""
     for key, kind in KEY_TYPES.items():
         _check_key(meta, key, kind, "")
     for key, inner in _INNER_KEY_TYPES.items():
@@ -140,7 +140,7 @@ def check_metadata(meta: Mapping[str, Any]) -> None:
             _check_key(meta.get(key) or {}, name, kind, f" in '{key}'")
     for key in ("effects", "warnings"):
         if not all(map(is_text, meta.get(key) or ())):
-            raise TypeError(f"its key '{key}' holds something that is not a text")
+            raise TypeError(f"its key '{key}' contains a value that is not a text")
 
 
 def _check_key(table: Mapping[str, Any], key: str, kind: Callable[[Any], bool], where: str) -> None:

@@ -1,7 +1,7 @@
-"""Writes a run as it happens: appended in the tick, committed by a thread at least once a second.
+"""Writes a run while it is made: samples are appended in the tick, and a thread commits them at least every second.
 
-A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). Knows the schema;
-refuses to know what is measured. A listener: ``sample``, ``step``, ``event`` are called by the runner.
+A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). The recorder is a listener: the
+runner calls ``sample``, ``step`` and ``event``.
 """
 
 import contextlib
@@ -21,11 +21,11 @@ from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, reopened
 
 COMMIT_INTERVAL_S = 0.5
-RESERVE_BYTES = 8_000_000  # stop while there is still room to close the run
+RESERVE_BYTES = 8_000_000  # stop while there is still space to close the run
 
 
 class Recorder:
-    """One run file being written. ``close(cause)`` makes it one finished file; idempotent."""
+    """A run file that is being written. ``close(cause)`` finishes it; idempotent."""
 
     def __init__(
         self,
@@ -53,7 +53,7 @@ class Recorder:
     # --- called in the tick ----------------------------------------------------------------------
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """One sample; a few microseconds. Raises StorageError once writing has failed."""
+        """Record a sample, within a few microseconds. Raises StorageError after writing has failed."""
         if self._failure is not None:
             self._loss_text = None
             raise StorageError(self._failure)
@@ -70,7 +70,7 @@ class Recorder:
         attempt: int = 0,
         void: bool = False,
     ) -> None:
-        """One finished step; committed at once."""
+        """Record a finished step; committed at once."""
         row = (
             result.index,
             attempt,
@@ -87,7 +87,7 @@ class Recorder:
         self._wake.set()
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """Something worth a line in the record."""
+        """Record an event."""
         self._execute(schema.INSERT_EVENT, (t_s, level, kind, text, json.dumps(data)))
 
     def describe(self, key: str, value: Any) -> None:
@@ -95,7 +95,7 @@ class Recorder:
         self._execute(schema.UPSERT_KEY, (key, json.dumps(value)))
 
     def shift(self, ticks: tuple[int, int], first_step: int, counts: int, per_count: float) -> None:
-        """These samples, and steps from one on, were counted from another zero: add what lies between the two."""
+        """Add the difference of two zeros to these samples and to the steps from ``first_step`` on."""
         self._execute(schema.SHIFT_SAMPLES, (counts, counts * per_count, *ticks))
         self._execute(schema.SHIFT_STEPS, (counts * per_count, first_step))
 
@@ -112,15 +112,15 @@ class Recorder:
             try:
                 self._commit()
                 self._check_space()
-            except StorageError as error:  # samples are lost: told at the end, if not before
+            except StorageError as error:  # samples are lost: reported at the next sample or at the end
                 self._failure = self._loss_text = f"{error} The current is at zero."
                 return
-            except Exception as error:  # whatever it is, the tick must hear of it
+            except Exception as error:  # any failure must reach the tick
                 self._failure = f"Run {self.path} cannot be written: {error}. The current is at zero."
                 return
 
     def _commit(self) -> None:
-        with self._lock:  # statements first: a step that is in the file has all its samples there
+        with self._lock:  # statements first: a step in the file then has all its samples
             statements, self._statements = self._statements, []
         rows = [self._rows.popleft() for _ in range(len(self._rows))]
         jump = self._clock.jump(rows[-1][1]) if rows else ""
@@ -130,20 +130,19 @@ class Recorder:
             return
         try:
             rejected = self._write_batch(rows, statements)
-        except Exception:  # rolled back: keep them, so that closing can try once more
+        except Exception:  # rolled back: keep the rows, so that closing can retry
             self._rows.extendleft(reversed(rows))
             with self._lock:
                 self._statements[:0] = statements
             raise
         if rejected:
             raise StorageError(
-                f"Run {self.path}: {len(rejected)} samples were not kept, the first of tick {rejected[0][0]}: that "
-                "tick "
-                "is there already, or is none. All others are."
+                f"Run {self.path}: {len(rejected)} samples were not recorded, the first of tick {rejected[0][0]}: this "
+                "tick is duplicate or invalid. All other samples are recorded."
             )
 
     def _write_batch(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:
-        """All in one transaction; returns the samples that no file can keep, lest the good ones be lost with them."""
+        """Write all in one transaction. Returns the samples that cannot be stored, so that the others are kept."""
         rejected: list[tuple] = []
         with self._db:
             self._db.execute("SAVEPOINT batch")
@@ -171,9 +170,9 @@ class Recorder:
     # --- the end ---------------------------------------------------------------------------------
 
     def close(self, cause: str = "done", *, t_s: float = 0.0) -> None:
-        """Write what is left, note the cause, and leave one file (its -wal goes with the last reader).
+        """Write the rest, record the cause, and leave one file (its -wal is removed with the last reader).
 
-        StorageError if what was left could not be written; what had been committed stays readable.
+        Raises StorageError if the rest could not be written; committed samples stay readable.
         """
         if self._closing:
             return
@@ -196,8 +195,8 @@ class Recorder:
 
 
 def _leave_one_file(db: sqlite3.Connection) -> None:
-    """Fold the write-ahead log into the file; what is committed is safe in it where that cannot be done."""
-    with contextlib.suppress(sqlite3.Error):  # somebody is reading, or the disk is full
+    """Merge the write-ahead log into the file; otherwise committed data stay safe in the log."""
+    with contextlib.suppress(sqlite3.Error):  # another process reads, or the disk is full
         db.execute("PRAGMA busy_timeout=200")
         db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         db.execute("PRAGMA journal_mode=DELETE")
@@ -205,7 +204,7 @@ def _leave_one_file(db: sqlite3.Connection) -> None:
 
 def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
     if path.exists() and not force:
-        raise UsageError(f"{path} exists; give another name or --force to replace it.")
+        raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
     check_replaceable(path, RUN)
     _refuse_if_recording(path)
     try:
@@ -219,14 +218,14 @@ def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection
         with db:
             db.executescript(schema.CREATE)
             db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
-        db.execute("PRAGMA wal_checkpoint(PASSIVE)")  # the file alone is a run, but for its last minute
+        db.execute("PRAGMA wal_checkpoint(PASSIVE)")  # the file alone then lacks only the last minute
     except (OSError, sqlite3.Error) as error:
         raise StorageError(f"Run file {path} cannot be created: {error}.") from None
     return db
 
 
 def _refuse_if_recording(path: Path) -> None:
-    """UsageError if another living process is still writing that run."""
+    """Raise UsageError if another running process still writes that run."""
     if not path.is_file() or os.name == "nt":
         return
     try:
@@ -237,21 +236,21 @@ def _refuse_if_recording(path: Path) -> None:
             return
         os.kill(writer, 0)
     except (sqlite3.Error, OSError, ValueError):
-        return  # no run, or its recorder is gone
-    raise UsageError(f"{path} is being recorded by process {writer}; stop that run, or give another name.")
+        return  # not a run, or its recorder has ended
+    raise UsageError(f"Process {writer} is recording {path}. Stop that run, or give another name.")
 
 
 def write_run(
     path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: list[tuple], *, force: bool
 ) -> None:
-    """Write a whole run at once (imports, simulations): all of it or nothing.
+    """Write a complete run at once (imports, simulations), or nothing.
 
     ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
     ``steps`` are rows in STEP_COLUMNS order.
     """
     part_path = path.with_name(path.name + ".part")
     if path.exists() and not force:
-        raise UsageError(f"{path} exists; give another name or --force to replace it.")
+        raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
     check_replaceable(path, RUN)
     _refuse_if_recording(path)
     try:

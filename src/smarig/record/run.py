@@ -1,7 +1,4 @@
-"""A run as data: columns with units, steps, events, and what was measured where.
-
-Knows how to read a run file, finished or not. Refuses to know rigs, models and plots.
-"""
+"""A run as data: columns with units, steps and events, read from a finished or unfinished run file."""
 
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -19,16 +16,16 @@ from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
 
-CONTINUED = "continued"  # ``initial`` of a run that goes on where the one before it ended
-FORC_PROTOCOL = "first_order_reversal_curves"  # of runs imported from FORC files
+CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
+FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from FORC files
 _NO_ROWS = slice(0, 0)
-_LARGEST_STEP = 2**53  # numbers above are no longer whole in a column of floats
-_SAME_TIME_S = 1e-6  # a clock's rounding
+_LARGEST_STEP = 2**53  # larger integers are not exact in a column of floats
+_SAME_TIME_S = 1e-6  # rounding of a clock
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One settled (or not) step: ``position`` is the mean over its window of n samples."""
+    """One step; ``position`` is the mean over its settle window of n samples."""
 
     index: int
     attempt: int
@@ -43,18 +40,18 @@ class Step:
 
     @property
     def end_s(self) -> float:
-        """Time of its end; of its start where no end was recorded."""
+        """Time of its end, or of its start if no end was recorded."""
         return self.t_start_s if self.t_end_s is None else self.t_end_s
 
     @property
     def duration_s(self) -> float:
-        """Time from start to end; 0 where no end was recorded."""
+        """Time from start to end; 0 if no end was recorded."""
         return self.end_s - self.t_start_s
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened: level (info, warning, error), kind, one sentence."""
+    """An event: level (info, warning, error), kind, one sentence."""
 
     t_s: float
     level: str
@@ -65,11 +62,11 @@ class Event:
 
 @dataclass(frozen=True)
 class Run(NotebookDisplay):
-    """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.info`` its description.
+    """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.info`` is its description.
 
     Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,
-    position, ambient_degC, quality. ``input``/``position`` have the quantities and units named in ``info``.
-    ``meta`` is the description as stored, for what copies or lists all of it.
+    position, ambient_degC, quality. ``info`` names the quantities and units of ``input`` and ``position``.
+    ``meta`` is the description as stored, for code that copies or lists all of it.
     """
 
     path: Path
@@ -80,7 +77,7 @@ class Run(NotebookDisplay):
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         if name not in self.columns:
-            raise UsageError(f"A run has no column '{name}'; there are: {', '.join(SAMPLE_COLUMNS)}.")
+            raise UsageError(f"A run has no column '{name}'. Its columns are: {', '.join(SAMPLE_COLUMNS)}.")
         return self.columns[name]
 
     def __len__(self) -> int:
@@ -93,18 +90,18 @@ class Run(NotebookDisplay):
 
     @property
     def complete(self) -> bool:
-        """Whether the run was closed at all (kill -9 and power cuts leave it open)."""
+        """Whether the run was closed (kill -9 and power cuts leave it open)."""
         return self.info.has("end")
 
     @property
     def cause(self) -> str:
-        """Why the run ended: 'done', or what interrupted it, or that nobody closed it."""
+        """Why the run ended: 'done', what interrupted it, or that it was never closed."""
         end = self.info.end
         return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
 
     @property
     def twin(self) -> bool:
-        """True when no hardware was involved."""
+        """Whether the run was made on a twin."""
         return self.info.source == "twin"
 
     @property
@@ -123,7 +120,7 @@ class Run(NotebookDisplay):
         return tuple(s for s in self.steps if not s.void and s.target is not None and s.position is not None)
 
     def points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Settled inputs and outputs, each (k,); every sample's where there are no steps."""
+        """Settled inputs and outputs, each (k,); those of every sample if there are no steps."""
         if self.settled:
             return (
                 np.array([s.target for s in self.settled], dtype=float),
@@ -134,7 +131,7 @@ class Run(NotebookDisplay):
 
     @cached_property
     def step_rows(self) -> dict[int, slice]:
-        """Rows of the samples of each step number, the last segment where a number stands in several."""
+        """Rows of the samples of each step number; the last segment if a number occurs in several."""
         number = self["step"]
         if not number.size:
             return {}
@@ -147,22 +144,22 @@ class Run(NotebookDisplay):
         }
 
     def rows(self, step: Step) -> slice:
-        """Rows of a step's samples; empty where none bears its number."""
+        """Rows of a step's samples; empty if no sample has its number."""
         return self.step_rows.get(step.index, _NO_ROWS)
 
     def window(self, step: Step) -> slice:
-        """Rows of the samples that a step's position is the mean of: its last n, or all where it has fewer."""
+        """Rows of the settle window of a step: its last n samples, or all if it has fewer."""
         rows = self.rows(step)
         return slice(max(rows.stop - max(step.n, 0), rows.start), rows.stop)
 
     def rows_by_clock(self, steps: Sequence[Step]) -> list[slice]:
-        """Rows of the samples after each step's start, up to its end: for records without step numbers too."""
+        """Rows of the samples after each step's start, up to its end; works without step numbers too."""
         starts_s, ends_s = [s.t_start_s for s in steps], [s.end_s for s in steps]
         begin, end = (np.searchsorted(self["t_s"], np.add(t_s, _SAME_TIME_S)) for t_s in (starts_s, ends_s))
         return [slice(int(a), int(b)) for a, b in zip(begin, end)]
 
     def has(self, name: str) -> bool:
-        """Whether a channel was measured at all."""
+        """Whether a channel was measured."""
         return bool(np.isfinite(self[name]).any())
 
     def __repr__(self) -> str:
@@ -175,7 +172,7 @@ class Run(NotebookDisplay):
 
 
 def load_run(path: str | Path) -> Run:
-    """Read a run file, finished, running or interrupted; DataError if it is not one."""
+    """Read a run file, finished, running or interrupted. Raises DataError if it is not one."""
     file = Path(path)
     if not file.is_file():
         raise UsageError(f"There is no run file {file}.")
@@ -216,7 +213,7 @@ def _meta_value(key: Any, value: Any) -> Any:
 def _event(t_s, level, kind, text, data) -> Event:
     decoded_data = decode_json(data or "{}")
     if not isinstance(decoded_data, dict):
-        raise TypeError("the figures of an event are not a table")
+        raise TypeError("the data of an event are not a table")
     return Event(float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), decoded_data)
 
 

@@ -1,4 +1,4 @@
-"""The description of a run, typed: what the ``run`` table of its file holds, key by key."""
+"""The description of a run with types: the keys of the ``run`` table of its file."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -7,7 +7,7 @@ from typing import Any, Self, final
 
 from smarig.record.metadata import KEY_TYPES, QUANTITY_KEYS, is_integer, is_table, is_text, is_timestamp
 
-_ATTRIBUTES = {"begun_with": "launch_args", "from": "from_"}  # of keys that are named differently here
+_ATTRIBUTES = {"begun_with": "launch_args", "from": "from_"}  # attributes of keys with another name here
 Types = Mapping[str, Callable[[Any], bool]]
 
 
@@ -15,8 +15,8 @@ Types = Mapping[str, Callable[[Any], bool]]
 class StoredTable(ABC):
     """A table of JSON values with an attribute for each known key.
 
-    ``keys`` are all that stand in it, in their order. ``extra`` holds, by key, what the attributes cannot: unknown
-    keys, nulls and values of another type than the key's. An attribute without a value has its default.
+    ``keys`` are all keys of the table in their order. ``extra`` holds, by key, what has no attribute: unknown keys,
+    nulls and values of a wrong type. An attribute without a value has its default.
     """
 
     keys: tuple[str, ...] = ()
@@ -25,14 +25,14 @@ class StoredTable(ABC):
     @classmethod
     @abstractmethod
     def of(cls, table: Mapping[str, Any], /) -> Self:
-        """From the stored table, whatever it holds."""
+        """Read a stored table with any content."""
 
     def has(self, key: str) -> bool:
-        """Whether a key stands in the table, be it null."""
+        """Whether the table has a key, even with the value null."""
         return key in self.keys
 
     def text_of(self, key: str, absent: str) -> str:
-        """The value of a key as text, "None" where it is null; ``absent`` where the key does not stand there."""
+        """The value of a key as text, "None" for null; ``absent`` if the table does not have the key."""
         return str(self._value(key)) if self.has(key) else absent
 
     def to_json(self) -> dict[str, Any]:
@@ -51,7 +51,7 @@ class StoredTable(ABC):
 @final
 @dataclass(frozen=True, kw_only=True)
 class SignalInfo(StoredTable):
-    """What a signal is: quantity and unit, ``from_`` what it was computed, ``per_count`` the unit per encoder count."""
+    """A signal: quantity, unit, ``from_`` the source of its computation, ``per_count`` the unit per encoder count."""
 
     quantity: str | None = None
     unit: str = ""
@@ -60,26 +60,26 @@ class SignalInfo(StoredTable):
 
     @classmethod
     def of(cls, table: Mapping[str, Any], /) -> Self:
-        """From the stored table."""
+        """Read a stored table."""
         return cls(**_by_attribute(table, QUANTITY_KEYS))
 
     @property
     def resolution(self) -> float:
-        """One encoder count in ``unit``; 0 where there is none or it is not known."""
+        """One encoder count in ``unit``; 0 if there is none or it is not known."""
         return float(self.per_count or 0.0)
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class EndInfo(StoredTable):
-    """Why and when (seconds since 1970) a run ended."""
+    """Cause and time (seconds since 1970) of the end of a run."""
 
     cause: str | None = None
     epoch: float | None = None
 
     @classmethod
     def of(cls, table: Mapping[str, Any], /) -> Self:
-        """From the stored table."""
+        """Read a stored table."""
         return cls(**_by_attribute(table, {"cause": is_text, "epoch": is_timestamp}))
 
 
@@ -95,14 +95,14 @@ class ImportInfo(StoredTable):
 
     @classmethod
     def of(cls, table: Mapping[str, Any], /) -> Self:
-        """From the stored table."""
+        """Read a stored table."""
         return cls(**_by_attribute(table, dict.fromkeys(("file", "format", "mapping", "sha256"), is_text)))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class RunInfo(StoredTable):
-    """What a run file says of its run; None or empty where it does not say.
+    """The description of a run; None or empty if not recorded.
 
     Experiment: ``protocol`` with its ``settings``, ``seed`` and injected ``effects`` of a twin; ``source`` is "bench",
     "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, text of the rig file
@@ -152,7 +152,7 @@ class RunInfo(StoredTable):
 
     @classmethod
     def of(cls, meta: Mapping[str, Any], /) -> Self:
-        """From the stored keys and values, whatever they are."""
+        """Read stored keys with any values."""
         found = _by_attribute(meta, _TYPES)
         for key, table in _TABLES.items():
             if key in found:

@@ -1,30 +1,30 @@
-"""The tables of a run file (design contract): names, order, types. Knows no data.
+"""The tables of a run file: names, order, types.
 
-``run`` holds key → value as JSON text; ``sample`` one row a tick, NULL where a channel is absent.
+``run`` holds key → value as JSON text; ``sample`` has one row per tick, NULL for an absent channel.
 """
 
 VERSION = 1
 
 SAMPLE_COLUMNS = (
-    "tick",  # the device's integer: this is time
+    "tick",  # the device's integer counter, which defines time
     "t_s",  # tick × period
-    "step",  # index of the step it belongs to
-    "current_command_A",  # what was asked for
-    "current_A",  # what was measured
+    "step",  # index of its step
+    "current_command_A",  # commanded current
+    "current_A",  # measured current
     "voltage_V",  # at the clamps
-    "temperature_degC",  # of the wire, where there is a sensor
-    "input",  # what drives the hysteresis: temperature above ambient, a field, …
-    "counts",  # raw, of the encoder, since the last zero
-    "position",  # the same in the rig's unit
-    "ambient_degC",  # of the room
+    "temperature_degC",  # of the wire, if there is a sensor
+    "input",  # hysteresis input: temperature above ambient, a field, …
+    "counts",  # encoder counts since the last zero
+    "position",  # counts in the rig's unit
+    "ambient_degC",  # ambient temperature
     "quality",  # marks: 0 is good
 )
 STEP_COLUMNS = (
     "index",  # in the order of the protocol
-    "attempt",  # 0, and one more each time it was made again
-    "void",  # 1: it was made again and does not count
-    "branch",  # what the protocol calls this part
-    "target",  # input asked for; NULL for a step that asks for none
+    "attempt",  # 0; one more for each repetition
+    "void",  # 1: the step was repeated and does not count
+    "branch",  # name of this part in the protocol
+    "target",  # target input; NULL for a step without one
     "t_start_s",  # of its first sample
     "t_end_s",  # of its last sample
     "verdict",  # settled, timed_out, elapsed, interrupted
@@ -32,11 +32,11 @@ STEP_COLUMNS = (
     "n",  # samples in that window
 )
 EVENT_COLUMNS = (
-    "t_s",  # when
+    "t_s",  # time
     "level",  # info, warning, error
-    "kind",  # a word
-    "text",  # a sentence
-    "data",  # figures behind it, JSON
+    "kind",  # one word
+    "text",  # one sentence
+    "data",  # its data, JSON
 )
 
 CREATE = """
@@ -52,7 +52,7 @@ CREATE TABLE step (
 CREATE TABLE event (t_s REAL, level TEXT, kind TEXT, text TEXT, data TEXT);
 """
 
-WAL_PAGES = 100  # of the write-ahead log, until they go into the file: some tens of seconds at 10 Hz
+WAL_PAGES = 100  # of the write-ahead log before they move into the file: some tens of seconds at 10 Hz
 
 INSERT_SAMPLE = f"INSERT INTO sample VALUES ({','.join('?' * len(SAMPLE_COLUMNS))})"
 INSERT_STEP = f"INSERT OR REPLACE INTO step VALUES ({','.join('?' * len(STEP_COLUMNS))})"

@@ -1,11 +1,11 @@
-"""What a wire has been through, over all its runs: one small file per wire, written whole at each run's end.
+"""The history of a wire over all its runs: one small file per wire, rewritten at the end of each run.
 
-    cycles       times the predicted input rose past half of the rig's range, having been below a quarter of it since
+    cycles       times the predicted input rose above half of the rig's range after it was below a quarter
     hours hot    time with the input above half of the range
     thermal dose ∫ input dt over that time, in kelvin above ambient times hours
 
-For two wires the input is |T₁ − T₂|: what heats either wears the pair. All from the heating model, none measured.
-Twins have histories too, in files of their own. Knows samples; refuses to know rigs and what the figures mean.
+For two wires the input is |T₁ − T₂|: heating either wire wears the pair. All figures come from the heating model, none
+is measured. Twins have histories of their own.
 """
 
 import json
@@ -23,14 +23,14 @@ _HOT, _COLD = 0.5, 0.25  # shares of the range
 
 
 def history_folder() -> Path:
-    """Where histories live: $SMARIG_HISTORY_DIR, or the user's data folder."""
+    """The folder of the histories: $SMARIG_HISTORY_DIR, or the user's data folder."""
     override = os.environ.get("SMARIG_HISTORY_DIR")
     data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
     return Path(override) if override else Path(data) / "smarig" / "wires"
 
 
 class Wear:
-    """A listener that adds up what a run does to its wire."""
+    """A listener that adds up the wear of a run."""
 
     def __init__(self, range_K: float, period_s: float) -> None:
         self._hot_K, self._cold_K, self._tick_h = _HOT * range_K, _COLD * range_K, period_s / 3600
@@ -39,7 +39,7 @@ class Wear:
         self.last_tick = 0
 
     def add(self, tick: int, input_K: float) -> None:
-        """A tick at a predicted input."""
+        """Add a tick at a predicted input."""
         u = math.fabs(input_K)
         self.last_tick = tick
         if u > self.largest_input_K:
@@ -55,7 +55,7 @@ class Wear:
 
 @dataclass(frozen=True)
 class WireHistory:
-    """Figures of a wire; ``first_use`` and ``last_use`` are UTC, "" for a wire that was never run."""
+    """Figures of a wire. ``first_use`` and ``last_use`` are UTC, "" for a wire without runs."""
 
     wire: str
     twin: bool = False
@@ -68,7 +68,7 @@ class WireHistory:
     last_use: str = ""
 
     def after(self, wear: Wear, *, new_run: bool, now: Callable[[], datetime] | None = None) -> "WireHistory":
-        """The history with what a run, or the rest of one, did."""
+        """The history after a run, or after the rest of a continued run."""
         now_text = (now() if now else datetime.now(UTC)).strftime("%Y-%m-%dT%H:%M:%SZ")
         return replace(
             self,
@@ -82,7 +82,7 @@ class WireHistory:
         )
 
     def sentence(self) -> str:
-        """One line for a person.
+        """The history in one line.
 
         >>> WireHistory("a", runs=2, cycles=20, hours_hot=1.25, dose_K_h=160.0, largest_input_K=174.0).sentence()
         '2 runs, 20 cycles, 1.25 h hot (160 K h), at most 174.0 K above ambient'
@@ -92,19 +92,19 @@ class WireHistory:
         return f"{runs}, {hot}, at most {self.largest_input_K:.1f} K above ambient"
 
     def save(self) -> None:
-        """Write it whole; StorageError where that cannot be done."""
+        """Write the file as a whole. Raises StorageError if it cannot be written."""
         with atomic_file(_path(self.wire, self.twin), force=True) as part:
             part.write_text(json.dumps(asdict(self), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def load_wire_history(wire: str, *, twin: bool) -> WireHistory:
-    """A wire's history, empty for a wire that has none; DataError when its file is damaged."""
+    """The history of a wire, empty if it has none. Raises DataError if its file is damaged."""
     path = _path(wire, twin)
     return _read(path) if path.is_file() else WireHistory(wire, twin)
 
 
 def wire_histories() -> list[WireHistory]:
-    """All wires', by name."""
+    """The histories of all wires, by name."""
     found: Iterable[Path] = history_folder().glob("*.json")
     return sorted(map(_read, found), key=lambda h: (h.wire, h.twin))
 
@@ -124,7 +124,7 @@ def _read(path: Path) -> WireHistory:
         return WireHistory(**data)
     except (OSError, ValueError, TypeError, AttributeError) as error:
         raise DataError(
-            f"Wire history {path} cannot be read: {error}. Repair it, or remove it to begin anew."
+            f"Wire history {path} cannot be read: {error}. Repair it, or remove it to start a new history."
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""Driving a model along a record: the timeline of runs, what a model predicts along it, its memory, the model file."""
+"""Models along records: the timeline of runs, predictions along it, the memory, and the model file."""
 
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,7 @@
-"""The extension of a model (thesis §3.5) as plain values in its file, and the operator they describe.
+"""The extension of a model (thesis §3.5) as plain values in its file, and the operator that it defines.
 
-Adding a kind is one line of ``_OPERATORS``. ``hysteresis`` is the model's own, the classical one; the moving model has
-another, in terms of u + k y.
+A new kind is one line of ``_OPERATORS``. ``hysteresis`` is the classical one of the model; the moving model has another
+one, as a function of u + k y.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class Operator(Protocol):
-    """What predicts: the classical operator or an extended one. ``reset`` and ``step`` return the output."""
+    """The predicting operator, classical or extended. ``reset`` and ``step`` return the output."""
 
     def reset(self, initial: Initial = "negative") -> float: ...
     def step(self, u: float) -> float: ...
@@ -35,7 +35,7 @@ class Operator(Protocol):
 
 
 def extended_operator(extension: dict[str, Any], hysteresis: Everett, initial: Initial = "negative") -> Any:
-    """The operator that ``extension`` = {"kind", values …} makes of a hysteresis; DataError says what is wrong."""
+    """The operator that ``extension`` = {"kind", values …} makes of a hysteresis. Raises DataError if invalid."""
     kind = extension.get("kind")
     if kind not in _OPERATORS:
         raise DataError(f"unknown extension '{kind}'; expected one of {', '.join(_OPERATORS)}")
@@ -60,7 +60,7 @@ def _excess(x: dict[str, Any]) -> SecondOrderExcess:
 def _number(value: Any) -> float:
     number = float(value)
     if not np.isfinite(number):
-        raise ValueError(f"{number} is no number of an extension")
+        raise ValueError(f"{number} is not finite")
     return number
 
 

@@ -1,6 +1,6 @@
-"""A hysteresis as plain JSON values and back.
+"""A hysteresis as plain JSON values, and back.
 
-A kind is one function that dumps it and one line of ``_LOADERS``.
+Each kind is one function that dumps it and one line of ``_LOADERS``.
 """
 
 from collections.abc import Callable
@@ -12,19 +12,19 @@ import numpy as np
 from smarig.core import DataError, UsageError
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_form
 
-LARGEST = 1e12  # squares of it can still be computed with
+LARGEST = 1e12  # its square does not overflow
 
 
 @singledispatch
 def dump_hysteresis(hysteresis: Everett) -> dict[str, Any]:
-    """Plain values with a ``kind``; UsageError for a hysteresis that has none."""
+    """Plain values with a ``kind``. Raises UsageError for a hysteresis without one."""
     raise UsageError(
-        f"A {type(hysteresis).__name__} cannot be kept in a model file; kinds: {', '.join(_LOADERS)}."
+        f"A {type(hysteresis).__name__} cannot be stored in a model file. Possible kinds: {', '.join(_LOADERS)}."
     )
 
 
 def load_hysteresis(data: Any) -> Everett:
-    """The hysteresis of ``dump_hysteresis``, bit for bit; DataError says what is wrong."""
+    """The hysteresis of ``dump_hysteresis``, bit for bit. Raises DataError for invalid values."""
     if not isinstance(data, dict) or data.get("kind") not in _LOADERS:
         kind_found = data.get("kind") if isinstance(data, dict) else data
         raise DataError(f"unknown kind of hysteresis '{kind_found}'; expected one of {', '.join(_LOADERS)}")
@@ -32,7 +32,7 @@ def load_hysteresis(data: Any) -> Everett:
     rest = {key: value for key, value in data.items() if key != "kind"}
     try:
         return _LOADERS[data["kind"]](rest)
-    except UsageError as error:  # a surface that cannot be: here the file is to blame
+    except UsageError as error:  # an impossible surface: the file is wrong
         raise DataError(str(error)) from None
     except KeyError as error:
         raise DataError(f"hysteresis key {error} is missing or unknown") from None
@@ -52,13 +52,13 @@ def _load_surface(data: dict[str, Any]) -> FodSurface:
     names = surface_form(data["form"]).parameters
     x = data.pop("x")
     if set(x) != set(names):
-        raise DataError(f"a {data['form']} surface has parameters {', '.join(names)}")
+        raise DataError(f"a {data['form']} surface requires the parameters {', '.join(names)}")
     numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
     surface = FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
     with np.errstate(all="ignore"):
         height = surface.shape(surface.upper, surface.upper)
         if height == 0 or not np.isfinite(surface.amplitude):
-            raise DataError("the surface's parameters give no output range")
+            raise DataError("the parameters of the surface give no output range")
     return surface
 
 
@@ -69,7 +69,7 @@ def _finite(value: Any, key: str) -> float:
 
 
 def _bounded(data: dict[str, Any]) -> None:
-    """DataError for a number beyond any wire's, however deep: in parameters, nodes, rows and curves alike."""
+    """Raise DataError for a number that is too large, at any depth: in parameters, nodes, rows and curves."""
     left = list(data.items())
     while left:
         key, value = left.pop()
@@ -79,7 +79,7 @@ def _bounded(data: dict[str, Any]) -> None:
             left += ((key, item) for item in value)
         elif isinstance(value, int | float) and abs(value) > LARGEST:
             shown = f"{value:g}" if isinstance(value, float) else "a number of many digits"
-            raise DataError(f"hysteresis key {key} is {shown}, beyond any wire's")
+            raise DataError(f"hysteresis key {key} is {shown}; the largest number is {LARGEST:g}")
 
 
 @dump_hysteresis.register
@@ -93,7 +93,7 @@ def _load_table(data: dict[str, Any]) -> FodTable:
     nodes, rows = np.array(data["nodes"], dtype=float), data["rows"]
     values = np.full((nodes.size, nodes.size), np.nan)
     if len(rows) != nodes.size or any(len(row) != k + 1 for k, row in enumerate(rows)):
-        raise DataError(f"a table of {nodes.size} nodes has rows of 1 to {nodes.size} values")
+        raise DataError(f"a table of {nodes.size} nodes requires rows of 1 to {nodes.size} values")
     for k, row in enumerate(rows):
         values[k, : k + 1] = row
     return FodTable(nodes, values, str(data["unit"]))

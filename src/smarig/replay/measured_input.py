@@ -1,8 +1,8 @@
-"""Runs whose input itself was measured, on one clock: samples are the path, and a thinned set of them is read.
+"""Timelines of runs with a measured input: the samples are the input path, and a selection of them is used as readings.
 
-For others' data without current and without settled steps: temperature → strain, field → polarisation. Between
-its reversals the input is taken as monotone (isotonic least squares), because a hysteresis takes a sensor's noise
-for reversals; reversals smaller than five times that noise are noise. Runs without a clock count samples instead.
+This is for data of others without current and without settled steps, for example temperature → strain or field →
+polarisation. Between reversals the input is made monotone (isotonic least squares), because a hysteresis takes sensor
+noise for reversals. Reversals smaller than five times that noise count as noise. Runs without a clock count samples.
 """
 
 from collections.abc import Sequence
@@ -21,22 +21,20 @@ from smarig.replay.timeline import DriveProfile, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-MAX_READINGS = 240  # readings of a timeline
+MAX_READINGS = 240  # of a timeline
 MIN_BRANCH_READINGS = 4  # of a branch
-REVERSAL_THRESHOLD = 5.0  # noises of the input
-CLOSURE_TOLERANCE = (
-    0.05  # of the input's range: a record that ends so close to its beginning is a steady loop
-)
+REVERSAL_THRESHOLD = 5.0  # times the noise of the input
+CLOSURE_TOLERANCE = 0.05  # of the input range: a record whose end is this close to its start is a steady loop
 PAUSE_SAMPLES = 1.0  # samples between two runs
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class MeasuredInput(DriveProfile):
-    """Inputs (m,) in their unit, each reached at ``end_s`` (m,): nothing happens in between.
+    """Inputs (m,) in their unit, each reached at ``end_s`` (m,), with no change in between.
 
-    At each reading (k,): ``speed`` is the |du/dt| of its branch, ``scatter`` that of the input about the branch,
-    ``last_reversal`` the input at which the branch began. ``clock``: whether times are seconds, not samples.
+    At each reading (k,): ``speed`` is the |du/dt| of its branch, ``scatter`` the scatter of the input about the branch,
+    ``last_reversal`` the input at the start of the branch. ``clock``: whether times are seconds or samples.
     """
 
     clock: bool = True
@@ -46,24 +44,24 @@ class MeasuredInput(DriveProfile):
 
     @property
     def has_clock(self) -> bool:
-        """Whether every run has one."""
+        """Whether every run has a clock."""
         return self.clock
 
     def ticks(self, at_s: Array) -> tuple[Array, Array]:  # noqa: ARG002
-        """The path's own points: whatever is read is one of them."""
+        """The points of the path, which include all readings."""
         return self.end_s, self.value
 
     def unrecorded_gap_s(self, sessions: Sequence[Sequence[Run]]) -> float:  # noqa: ARG002
-        """None: runs are joined as they are given, and time between them is of no effect."""
+        """Always 0: runs are joined in the given order, and time between them has no effect."""
         return 0.0
 
     def can_show(self, effect_type: EffectType, hysteresis: Everett) -> bool:
-        """Only what acts after the input was measured; without a clock no effect of time."""
+        """Whether an effect acts after the measured input; without a clock, effects of time cannot show."""
         return is_testable(effect_type, hysteresis, clock=self.clock)
 
 
 def driven_by_input(runs: Sequence[Run]) -> bool:
-    """Whether these runs have an input and no current that heated anything, nor settled steps."""
+    """Whether these runs have an input but neither a heating current nor settled steps."""
     return all(
         run.has("input")
         and run.has("position")
@@ -74,12 +72,11 @@ def driven_by_input(runs: Sequence[Run]) -> bool:
 
 
 def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None = MAX_READINGS) -> Timeline:
-    """Runs in the order given, one after another, on one clock.
+    """Runs in the given order on one clock.
 
-    A run that ends where it began, half way on a branch, is a steady loop measured by itself: it is simulated once
-    before, unread, and its output has a zero of its own.
-    Any other run of unknown beginning is read from its first reversal on. ``max_readings`` readings, None: every
-    sample. Raises DataError when nothing is left.
+    A run that ends where it started, half way on a branch, is a steady loop of its own: it is simulated once before,
+    without readings, and its output has its own zero. Any other run with an unknown start is read from its first
+    reversal on. ``max_readings``: number of readings, None for every sample. Raises DataError if no readings remain.
     """
     parts = [_MeasuredInputRun(run) for run in runs]
     branches = sum(len(p.turns) - 1 for p in parts)
@@ -87,7 +84,7 @@ def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None 
     read = [p.read(per_branch) for p in parts]
     if not any(rows.size for rows in read):
         raise DataError(
-            "The runs hold no branch of known beginning: a diagnosis needs a reversal of the input."
+            "The runs have no branch with a known start. A diagnosis needs a reversal of the input."
         )
     clock = all(p.run.has("t_s") for p in parts)
     placed_runs, at, block = [], 0.0, 0
@@ -100,7 +97,7 @@ def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None 
 
 @dataclass(frozen=True, eq=False)
 class _PlacedRun:
-    """One run on the timeline's clock: its path, and rows of it that are read."""
+    """One run on the clock of the timeline: its path, and the rows used as readings."""
 
     end_s: Array
     input: Array
@@ -116,7 +113,7 @@ class _PlacedRun:
 
 
 class _MeasuredInputRun:
-    """One run: its known samples, its input made monotone between reversals."""
+    """One run: its known samples, with the input made monotone between reversals."""
 
     def __init__(self, run: Run) -> None:
         known = np.isfinite(run["input"]) & np.isfinite(run["position"])
@@ -132,7 +129,7 @@ class _MeasuredInputRun:
 
     def _monotone_branches(self) -> Array:
         """The input, isotonic between its reversals."""
-        from scipy.optimize import isotonic_regression  # here: half a second that only measured inputs need
+        from scipy.optimize import isotonic_regression  # imported here: takes half a second
 
         u = self.raw.copy()
         for a, b in pairwise(self.turns):
@@ -143,9 +140,7 @@ class _MeasuredInputRun:
         return u
 
     def read(self, per_branch: int | None) -> Integers:
-        """Rows to be read: ``per_branch`` of a branch (None: all), half by time and half by how much the output
-        moves.
-        """
+        """Rows used as readings: ``per_branch`` of each branch (None: all), half spaced by time and half by output."""
         first = 0 if self.steady or self.run.info.initial else 1
         rows = [
             _reading_rows(self.y, a, b, per_branch) if per_branch else np.arange(a + 1, b + 1)
@@ -161,7 +156,7 @@ class _MeasuredInputRun:
     def place_on_clock(
         self, rows: Integers, at: float, clock: bool, number: int, block: int
     ) -> tuple[float, _PlacedRun]:
-        """(end, this run placed on the clock), begun at time ``at``."""
+        """(end, this run placed on the clock), started at time ``at``."""
         own = self.t - self.t[0] if clock else np.arange(float(self.t.size))
         pause = PAUSE_SAMPLES * float(np.median(np.diff(own)))
         path = np.unique(np.concatenate([rows, self.turns]))
@@ -190,9 +185,9 @@ class _MeasuredInputRun:
 
 
 def input_noise_sd(u: Array) -> float:
-    """Sd of an input's noise from second differences; of the noisiest tenth, because noise comes in stretches.
+    """Standard deviation of an input's noise from second differences, of the noisiest tenth (noise is intermittent).
 
-    Never quite none: 1e-9 of the range.
+    At least 1e-9 of the range.
 
     >>> float(round(input_noise_sd(np.linspace(0, 1, 50)), 12))
     1e-09
@@ -202,7 +197,7 @@ def input_noise_sd(u: Array) -> float:
 
 
 def _reading_rows(y: Array, a: int, b: int, per_branch: int) -> Integers:
-    """Up to ``per_branch`` rows of (a, b], the last among them."""
+    """Up to ``per_branch`` rows of (a, b], including the last."""
     moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[a : b + 1])))])
     even = np.linspace(0, 1, b - a + 1)
     place = 0.5 * even + 0.5 * (moved / moved[-1] if moved[-1] else even)

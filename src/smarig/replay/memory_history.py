@@ -1,7 +1,7 @@
-"""What a Preisach memory holds at each point of a record: the remembered extrema, and nothing else.
+"""The memory of a Preisach operator at each point of a record: its remembered extrema.
 
-The bookkeeping is the operator's own (wiping-out, §3.3.1), run on a hysteresis without output. Reversals between
-settled points count as well: a waveform or a closed loop leaves its extrema like any step.
+The operator's own wiping-out (§3.3.1) is run on a hysteresis without output. Reversals between settled points count
+too: a waveform or a closed loop leaves its extrema like any step.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,10 +18,8 @@ from smarig.record import CONTINUED, Run
 Array = NDArray[np.float64]
 Start = Literal["negative", "positive", "anhysteretic"]
 STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
-INPUT_TOLERANCE = 1e-6  # inputs closer than this part of the range are one input
-SATURATION_TOLERANCE = (
-    1e-3  # an estimated input this close to saturation, as a part of the range, is in saturation
-)
+INPUT_TOLERANCE = 1e-6  # of the range: inputs that are closer count as equal
+SATURATION_TOLERANCE = 1e-3  # of the range: an estimated input this close to saturation counts as saturated
 LONGEST_GAP_S = 2.0
 MIN_REVERSAL = 0.01  # of the range of settled inputs: smaller reversals are noise of the current
 _MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
@@ -32,7 +30,7 @@ def memory_states(
 ) -> list[State | None]:
     """The memory after each input, None while it is unknown.
 
-    An unknown start becomes known at the first input that saturates: at ``lower`` or ``upper``.
+    An unknown start becomes known at the first input that saturates, at ``lower`` or ``upper``.
     """
     operator = Preisach(RelayMeasure.zero(lower, upper), start or "anhysteretic")
     known = start is not None
@@ -46,10 +44,10 @@ def memory_states(
 
 @dataclass(frozen=True)
 class MemoryHistory:
-    """Inputs and outputs (k,) of one run's settled points, the memory at its start, at each point and at its end.
+    """Inputs and outputs (k,) of one run's settled points, with the memory at its start, at each point and at its end.
 
-    None where the memory is unknown; ``turns`` are inputs between the points where it turned, too; ``continued``: the
-    run goes on where the one before it ended.
+    A memory is None while it is unknown. ``turns`` are turning points of the input between the settled points.
+    ``continued``: the run starts in the final state of the run before it.
     """
 
     inputs: Array
@@ -64,10 +62,10 @@ class MemoryHistory:
 def memory_histories(
     runs: Sequence[Run], *, mirrored: bool = False
 ) -> tuple[float, float, list[MemoryHistory]]:
-    """Range (u₋, u₊) of the runs together, and the history of each; signs turned when ``mirrored``.
+    """Range (u₋, u₊) of all runs together, and the history of each; with inverted signs if ``mirrored``.
 
-    A run begins in the state its record names, in the state the run before it left when it continues
-    that one without a gap, or in saturation when its first sample is there; else its start is unknown.
+    A run starts in its recorded state, in the final state of the run before it if it continues that run without a gap,
+    or in saturation if its first sample is there. Otherwise its start is unknown.
     """
     sign = -1.0 if mirrored else 1.0
     records = [run.points() for run in runs]
@@ -87,7 +85,9 @@ def memory_histories(
         at += y.size
         first = Preisach(RelayMeasure.zero(lower, upper), start).state if start is not None else None
         traversed, where = input_path(run)
-        path = np.clip(sign * traversed, lower, upper)  # a turn beyond all relays saturates them, and no more
+        path = np.clip(
+            sign * traversed, lower, upper
+        )  # a turning point beyond all relays only saturates them
         path[where] = u
         states, final_state = _states_at_points(path, where, sign * run["input"][-1:], (lower, upper), first)
         found.append(
@@ -105,7 +105,7 @@ def memory_histories(
 
 
 def continues_run(before: Run, run: Run) -> bool:
-    """Whether a run goes on where the one before it ended: same session, no gap in its clock."""
+    """Whether a run starts in the final state of the one before: same session, no gap in its clock."""
     if run.info.initial != CONTINUED or not run.info.has("start_epoch"):
         return False
     if run.info.start_epoch != before.info.start_epoch or not (len(run) and len(before)):
@@ -116,13 +116,13 @@ def continues_run(before: Run, run: Run) -> bool:
 def _states_at_points(
     path: Array, where: NDArray[np.intp], end: Array, ends: tuple[float, float], start: State | None
 ) -> tuple[tuple[State | None, ...], State | None]:
-    """The memory at the settled points of a path, and the one that was left at its last input (1,)."""
+    """The memory at the settled points of a path, and at its last input (1,)."""
     states = memory_states([*path, *end[np.isfinite(end)]], *ends, start)
     return tuple(states[k] for k in where), states[-1] if states else start
 
 
 def recorded_start(run: Run, *, mirrored: bool = False) -> Start | None:
-    """The state a run's record says it began in, None when it records none."""
+    """The recorded initial state of a run, None if not recorded."""
     for start in STARTS:
         if run.info.initial == start:
             return _MIRROR[start] if mirrored else start
@@ -130,7 +130,7 @@ def recorded_start(run: Run, *, mirrored: bool = False) -> Start | None:
 
 
 def _saturated_start(run: Run, sign: float, lower: float, upper: float) -> Start | None:
-    """A run whose first sample lies in saturation begins there, whatever came before (wiping-out)."""
+    """The saturation that the first sample of a run is in; wiping-out makes earlier inputs irrelevant."""
     first = sign * run["input"][:1]
     tolerance = SATURATION_TOLERANCE * (upper - lower)
     if first.size and first[0] <= lower + tolerance:
@@ -141,9 +141,9 @@ def _saturated_start(run: Run, sign: float, lower: float, upper: float) -> Start
 
 
 def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]:
-    """Range of relays: that of the inputs, with the rest at zero input, or a symmetric one around B*."""
+    """Range of the relays: that of the inputs, including zero for a run from rest, symmetric around B*."""
     if inputs.size == 0:
-        raise DataError("The runs hold no settled points; nothing can be learnt from them.")
+        raise DataError("The runs contain no settled points. A model needs settled points.")
     lower, upper = float(inputs.min()), float(inputs.max())
     if "negative" in starts:  # a cold wire rests at zero input
         lower = min(lower, 0.0)
@@ -157,7 +157,7 @@ def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]
 
 
 def merged_inputs(inputs: Array) -> Array:
-    """Inputs that differ by rounding only (``INPUT_TOLERANCE`` of the range) made equal.
+    """Inputs that differ only by rounding (``INPUT_TOLERANCE`` of the range), made equal.
 
     >>> merged_inputs(np.array([0.0, 100.0, 1e-9, 50.0])).tolist()
     [0.0, 100.0, 0.0, 50.0]
@@ -170,10 +170,10 @@ def merged_inputs(inputs: Array) -> Array:
 
 
 def input_path(run: Run) -> tuple[Array, NDArray[np.intp]]:
-    """Inputs (m,) in the order of time, turning points between settled points included, and where these are (k,).
+    """Inputs (m,) in time order, with the turning points between settled points, and the rows of settled points (k,).
 
-    A reversal within ``MIN_REVERSAL`` of a settled level is taken for a visit to it: a predicted input only nears
-    its target.
+    A reversal within ``MIN_REVERSAL`` of a settled level counts as that level, because a predicted input only
+    approaches its target.
     """
     points = run.points()[0]
     if not run.settled:
@@ -201,7 +201,7 @@ def _snapped_to_levels(found: list[float], levels: Array, min_reversal: float) -
 def reversals_between(
     traversed: Array, before: float | None, after: float | None, min_reversal: float
 ) -> list[float]:
-    """Where a record (n,) between two inputs turns by more than ``min_reversal``, its ends left out.
+    """The turning points of a record (n,) between two inputs, larger than ``min_reversal``, without its ends.
 
     >>> reversals_between(np.array([0.0, 5.0, 80.0, 41.0, 20.0, 40.0]), 0.0, 43.0, 1.0)
     [80.0, 20.0]
@@ -226,13 +226,13 @@ def reversals_between(
 
 
 def _is_monotone(u: Array, min_reversal: float) -> bool:
-    """Whether it never goes back by more than ``min_reversal``: true of most steps, and quickly found."""
+    """Whether u never reverses by more than ``min_reversal``; true for most steps, and quick to check."""
     back = (np.maximum.accumulate(u) - u).max() if u[-1] >= u[0] else (u - np.minimum.accumulate(u)).max()
     return bool(back <= min_reversal)
 
 
 def _inputs_before_points(run: Run) -> list[Array]:
-    """Predicted inputs since the settled point before, up to the end of each."""
+    """Predicted inputs before each settled point, since the previous one."""
     t, inputs = run["t_s"], run["input"]
     ends = np.searchsorted(t, [s.t_end_s if s.t_end_s is not None else np.nan for s in run.settled], "left")
     return np.split(inputs, ends)[:-1]

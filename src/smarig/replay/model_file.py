@@ -1,4 +1,4 @@
-"""A model as a value and as a file: ``*.model.json``, readable by eye, versioned, checked on load."""
+"""A model as a value and as a file: ``*.model.json``, human-readable, versioned, checked on load."""
 
 import json
 import re
@@ -26,9 +26,9 @@ class _FrozenSchema(BaseModel):
 
 
 class SignalDescription(_FrozenSchema):
-    """What passes: quantity and unit."""
+    """Quantity and unit of a signal."""
 
-    quantity: str  # what it is, in words
+    quantity: str  # in words
     unit: str  # of its values
 
 
@@ -40,50 +40,50 @@ class ActuatorRecord(_FrozenSchema):
 
 
 class NoiseRecord(_FrozenSchema):
-    """Standard deviation of a settled output (None: nothing was repeated) and where that comes from."""
+    """Standard deviation of a settled output (None without repetitions) and its source."""
 
     value: float | None  # standard deviation of a settled output
-    unit: str  # of that
-    source: str  # where it comes from
+    unit: str  # of the value
+    source: str  # of the value
 
 
 class Provenance(_FrozenSchema):
-    """One run the model was made from; ``start_epoch`` and ``encoder_zero`` tell runs of one sitting."""
+    """One run that the model was made from; ``start_epoch`` and ``encoder_zero`` identify its session."""
 
     run: str  # its file
     sha256: str  # of that file
-    protocol: str  # what was run
+    protocol: str  # of the run
     source: str  # bench, twin or import
-    rows: int  # samples in it
-    start_epoch: float | None = None  # tells sittings apart
-    encoder_zero: str | None = None  # tells sittings apart
+    rows: int  # number of samples
+    start_epoch: float | None = None  # identifies the session
+    encoder_zero: str | None = None  # identifies the session
     wire: str = ""  # identity of the wire
 
 
 class _ModelFileSchema(_FrozenSchema):
-    format: Literal["smarig model"]  # says that it is one
+    format: Literal["smarig model"]  # identifies a model file
     schema_version: int  # of these keys
     name: str  # of the model
-    created: str  # when
-    twin: bool  # whether the data are a twin's
-    rig: str  # that was measured on
+    created: str  # date and time
+    twin: bool  # whether the data are from a twin
+    rig: str  # of the measurements
     actuator: ActuatorRecord  # the wire
     arrangement: str  # one_wire or two_wire
     input: SignalDescription  # of the hysteresis
     output: SignalDescription  # of the hysteresis
-    mirrored: bool  # it is the mirror image of what was fitted
+    mirrored: bool  # whether it is the mirror image of the fitted hysteresis
     hysteresis: dict[str, Any]  # kind and values
     effects: list[dict[str, Any]]  # name and parameters of each, after a diagnosis
     extension: dict[
         str, Any
-    ] = {}  # kind and values of an extended model (§3.5); left out where there is none
+    ] = {}  # kind and values of an extended model (§3.5); left out for a classical model
     parameters: list[str]  # names of the covariance's rows
     covariance: list[list[float | None]]  # of the parameters
     intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
-    fit: dict[str, Any]  # figures of the fit, as identify --json has them
-    noise_floor: NoiseRecord  # what no model can go below
+    fit: dict[str, Any]  # figures of the fit, as in identify --json
+    noise_floor: NoiseRecord  # lower limit of the error of any model
     provenance: list[Provenance]  # the runs it was made from
-    warnings: list[str]  # what must be known before it is used
+    warnings: list[str]  # limitations of the model
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +91,9 @@ class Model(NotebookDisplay):
     """A hysteresis with its wire, units, uncertainty and origin.
 
     ``parameters`` (p,) names the rows of ``covariance`` (p, p); ``intervals`` are 95 %; both are empty for
-    tables. ``mirrored`` means the hysteresis is the mirror image of what was fitted. ``effects`` are plain
-    values {name, parameters}: none for the pure hysteresis. ``extension``: kind and values of an extended
-    model (§3.5), empty for the classical one; ``hysteresis`` is the classical one either way.
+    tables. ``mirrored``: the hysteresis is the mirror image of the fitted one. ``effects`` are plain values
+    {name, parameters}, empty for the pure hysteresis. ``extension``: kind and values of an extended model (§3.5),
+    empty for a classical one; ``hysteresis`` is the classical one in both cases.
     """
 
     name: str
@@ -126,17 +126,17 @@ class Model(NotebookDisplay):
         return Preisach(self.hysteresis, initial)
 
     def operator(self, initial: Initial = "negative") -> Operator:
-        """What predicts: the extended operator where the model has an extension, else the classical one."""
+        """The predicting operator: the extended one if the model has an extension, else the classical one."""
         if not self.extension:
             return self.preisach(initial)
         return extended_operator(self.extension, self.hysteresis, initial)
 
     def check_classical(self, purpose: str) -> None:
-        """UsageError where the model is an extended one, which ``purpose`` does not take."""
+        """Raise UsageError if the model is extended and ``purpose`` requires a classical one."""
         if self.extension:
             raise UsageError(
-                f"{purpose} takes classical models; '{self.name}' has the extension '{self.extension['kind']}' "
-                "(§3.5), which only verify and predictions along runs take: identify it with --extension none."
+                f"{purpose} requires a classical model. '{self.name}' has the extension '{self.extension['kind']}' "
+                "(§3.5), which only verify and predictions along runs support. Identify it with --extension none."
             )
 
     def predict(self, u: ArrayLike, initial: Initial = "negative") -> NDArray[np.float64]:
@@ -144,7 +144,7 @@ class Model(NotebookDisplay):
         return self.operator().simulate(u, initial)
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
-        """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
+        """Write the file as a whole. Raises UsageError if it exists and ``force`` is not given."""
         target = Path(path)
         with atomic_file(target, force=force) as part:
             data = _to_file(self).model_dump(mode="json")
@@ -166,18 +166,18 @@ class Model(NotebookDisplay):
 
 
 def load_model(path: str | Path) -> Model:
-    """Read and check a model file; UsageError when there is none, DataError when it is something else."""
+    """Read and check a model file. Raises UsageError if there is none, DataError for another kind of file."""
     file = Path(path)
     if not file.is_file():
         raise UsageError(f"There is no model file {file}.")
     if file.stat().st_size > LARGEST_BYTES:
-        raise DataError(f"{file} is larger than {LARGEST_BYTES // 10**6} MB: that is no model file.")
+        raise DataError(f"{file} is larger than {LARGEST_BYTES // 10**6} MB, too large for a model file.")
     try:
         raw = json.loads(file.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
         raise DataError(f"{file} is not a model file: it is not JSON ({error}).") from None
     if not isinstance(raw, dict) or raw.get("format") != FORMAT:
-        raise DataError(f'{file} is not a model file: it does not say "format": "{FORMAT}".')
+        raise DataError(f'{file} is not a model file: it lacks "format": "{FORMAT}".')
     if raw.get("schema_version") != VERSION:
         raise DataError(
             f"{file} has model schema version {raw.get('schema_version')}; this smarig reads {VERSION}."
@@ -192,7 +192,7 @@ def load_model(path: str | Path) -> Model:
     except (DataError, UsageError) as error:
         raise DataError(f"{file}: {str(error).rstrip('.')}.") from None
     except (TypeError, ValueError, ArithmeticError, KeyError) as error:
-        raise DataError(f"{file} holds no usable hysteresis: {error}.") from None
+        raise DataError(f"{file} contains no usable hysteresis: {error}.") from None
 
 
 def _to_file(model: Model) -> _ModelFileSchema:
@@ -225,7 +225,7 @@ def _from_file(file: _ModelFileSchema) -> Model:
     size = len(file.parameters)
     if len(file.covariance) != size or any(len(row) != size for row in file.covariance):
         raise DataError(f"'covariance' is not {size} × {size}, one row for each of 'parameters'")
-    effects_from_json(file.effects)  # raises where they are none
+    effects_from_json(file.effects)  # raises if invalid
     covariance = np.array(file.covariance, dtype=float).reshape(size, size)
     rest |= {
         "hysteresis": load_hysteresis(file.hysteresis),
@@ -234,7 +234,7 @@ def _from_file(file: _ModelFileSchema) -> Model:
         **{name: tuple(rest[name]) for name in ("parameters", "provenance", "warnings", "effects")},
     }
     if file.extension:
-        extended_operator(file.extension, rest["hysteresis"])  # raises where it is none
+        extended_operator(file.extension, rest["hysteresis"])  # raises if invalid
     return Model(**rest)
 
 

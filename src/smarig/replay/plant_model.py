@@ -14,9 +14,9 @@ from smarig.replay.model_file import Model
 
 @dataclass(frozen=True, eq=False)
 class PlantModel:
-    """Constants, hysteresis, the state a timeline starts in, known effects; output units per count, 0 where unknown.
+    """Constants, hysteresis, initial state of a timeline, known effects, and output units per count (0 if unknown).
 
-    ``signed``: whether its density may be negative somewhere, as surfaces of Table 5.1 are (Prop. 4.6).
+    ``signed``: whether its density may be negative somewhere, as for surfaces of Table 5.1 (Prop. 4.6).
     """
 
     actuator: Actuator
@@ -28,7 +28,7 @@ class PlantModel:
 
     @property
     def catalogue_effects(self) -> tuple[Effect, ...]:
-        """Its effects that are in the catalogue."""
+        """Its effects from the catalogue."""
         return tuple(e for e in self.effects if isinstance(e, Effect))
 
     @property
@@ -40,7 +40,7 @@ class PlantModel:
 
 def plant_model_of(model: Model, first: Run) -> PlantModel:
     """The plant that a model describes, in the state that the first run records."""
-    model.check_classical("A simulation in time, by effects and heating,")
+    model.check_classical("A simulation in time with effects and heating")
     actuator = actuator_for_run(model, first)
     start = recorded_start(first) or ("anhysteretic" if actuator.two_wire else "negative")
     return PlantModel(
@@ -49,12 +49,12 @@ def plant_model_of(model: Model, first: Run) -> PlantModel:
 
 
 def actuator_of(model: Model) -> Actuator:
-    """The wire's constants as the model file holds them; DataError when it holds none."""
+    """The wire's constants in the model file. Raises DataError if there are none."""
     record = model.actuator
     if not record.parameters:
         raise DataError(
-            f"Model '{model.name}' does not know its wire's constants: effects act through heating, so identify "
-            "from runs that name their actuator."
+            f"Model '{model.name}' does not contain its wire's constants. Effects act through heating, so identify the "
+            "model from runs that name their actuator."
         )
     return Actuator(
         check_table(
@@ -72,5 +72,5 @@ def actuator_of(model: Model) -> Actuator:
 
 
 def actuator_for_run(model: Model, run: Run) -> Actuator:
-    """What drives a model's hysteresis along a run: the wire, or the input as it was measured."""
+    """The actuator that drives a model's hysteresis along a run: the wire, or the measured input."""
     return PassThroughActuator() if driven_by_input([run]) else actuator_of(model)

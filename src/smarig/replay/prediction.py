@@ -1,8 +1,8 @@
-"""What a model predicts for the readings of a timeline, with and without effects.
+"""Predictions of a model for the readings of a timeline, with and without effects.
 
-Every effect acts in the very plant the twin runs, so there is one place where an effect is written. The ticks are
-fine after each change of the current and coarse later (``CurrentProfile``); ``numerics`` gives the error of that.
-Predictions come from the drive alone, so measured positions cannot explain themselves.
+Effects act in the same plant as in the twin. Ticks are fine after each change of the current and coarse later
+(``CurrentProfile``); ``numerics`` gives the resulting error. Predictions depend on the drive alone, not on measured
+positions.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,17 +23,17 @@ OUTPUT_DEPENDENT_KINDS = (
     "settled",
     "moving",
     "resistance",
-)  # kinds of readings that follow the operator's output
+)  # kinds of readings that depend on the operator's output
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) the input of the
-    hysteresis at every tick.
+    """Predictions by kind of reading, (n,) each; ``t_s`` and ``hysteresis_input_K`` (m,) are the time and the input of
+    the hysteresis at every tick.
 
     ``states``, ``output`` and ``tick_index`` (n,) are the operator's memory, its output and the tick at each reading
-    that depends on them (settled and moving positions, resistances); position minus output is what effects after
-    the operator have added. ``output_slope`` (n,) is the reading's slope to the output: 1, or ∂R/∂y.
+    that depends on them (settled and moving positions, resistances). Position minus output is the contribution of
+    effects after the operator. ``output_slope`` (n,) is the reading's slope to the output: 1, or ∂R/∂y.
     """
 
     values: dict[str, Array]
@@ -47,7 +47,7 @@ class Prediction:
 
     @property
     def session(self) -> NDArray[np.int64]:
-        """Which session each coupled reading (n,) is of."""
+        """The session of each coupled reading (n,)."""
         return np.searchsorted(self.session_starts, self.tick_index, side="right") - 1
 
     def outputs_along(
@@ -55,7 +55,7 @@ class Prediction:
     ) -> Array:
         """Outputs (m,) of a hysteresis along inputs (m,), from the initial state in every session.
 
-        ``repetitions``: how many such paths will be simulated.
+        ``repetitions``: number of such paths that will be simulated.
         """
         operator = Preisach(hysteresis, initial, samples=repetitions * hysteresis_input_K.size)
         return np.concatenate(
@@ -67,7 +67,7 @@ class Prediction:
 
     @property
     def positions_only(self) -> "Prediction":
-        """The same with nothing but positions read; they stand first."""
+        """The same with position readings only, which come first."""
         values = {kind: self.values[kind] for kind in ("settled", "moving") if kind in self.values}
         n = sum(v.size for v in values.values())
         return replace(
@@ -80,7 +80,7 @@ class Prediction:
         )
 
     def of(self, kind: str) -> slice:
-        """Where the coupled readings of one kind stand."""
+        """Rows of the coupled readings of one kind."""
         before = [
             self.values[k].size
             for k in OUTPUT_DEPENDENT_KINDS[: OUTPUT_DEPENDENT_KINDS.index(kind)]
@@ -94,7 +94,7 @@ class Prediction:
 
 
 def predict(timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks] = ()) -> Prediction:
-    """What a plant with further effects predicts for the readings of a timeline, session by session."""
+    """The prediction of a plant with further effects for the readings of a timeline, session by session."""
     if not timeline.sessions:
         return _predict_session(timeline, plant_model, effects)
     return _join_predictions(
@@ -133,7 +133,7 @@ def _predict_session(
 
 
 def _resistance_ohm(trajectory: Trajectory, plant_model: PlantModel, *, by_command: bool) -> Array:
-    """Resistance (n,) of the wire that carries the current; over the commanded current, where none was measured."""
+    """Resistance (n,) of the wire that carries the current; over the commanded current if none was measured."""
     wire, h, command = plant_model.actuator, plant_model.hysteresis, trajectory["command_A"]
     austenite = (trajectory["output"] - h.y_lower) / plant_model.stroke
     austenite = np.where((command < 0) & wire.two_wire, 1 - austenite, austenite)
@@ -145,7 +145,7 @@ def _resistance_ohm(trajectory: Trajectory, plant_model: PlantModel, *, by_comma
 
 
 def _output_slope(kind: str, command_A: Array, plant_model: PlantModel) -> Array:
-    """∂(reading)/∂(output), (n,): a resistance follows the austenite of the wire that carries the current."""
+    """∂(reading)/∂(output), (n,): a resistance depends on the austenite of the wire that carries the current."""
     if kind != "resistance":
         return np.ones(command_A.size)
     wire = plant_model.actuator
@@ -166,7 +166,7 @@ def predict_positions(drive: DriveProfile, plant_model: PlantModel, at_s: Array)
 
 
 def _join_predictions(timeline: Timeline, parts: Sequence[Prediction]) -> Prediction:
-    """Predictions of all sessions as one, in the order of the joined timeline's readings."""
+    """The predictions of all sessions as one, in the order of the joined timeline's readings."""
     ticks = np.cumsum([0, *[part.t_s.size for part in parts]])
     coupled = [
         (k, part.of(kind))
@@ -196,7 +196,7 @@ def _join_predictions(timeline: Timeline, parts: Sequence[Prediction]) -> Predic
 
 
 def with_hysteresis(prediction: Prediction, plant_model: PlantModel, centre: Everett) -> Prediction:
-    """The same inputs, with the outputs of another hysteresis along them."""
+    """The prediction with the same inputs and the outputs of another hysteresis along them."""
     if centre is plant_model.hysteresis:
         return prediction
     output = prediction.outputs_along(centre, plant_model.initial, prediction.hysteresis_input_K)[
@@ -212,7 +212,7 @@ def with_hysteresis(prediction: Prediction, plant_model: PlantModel, centre: Eve
 
 
 def numerics(timeline: Timeline, plant_model: PlantModel) -> float:
-    """Largest difference of settled positions between the timeline's ticks and ones a quarter as long, output units."""
+    """Largest difference of settled positions between these ticks and ticks a quarter as long, in output units."""
     if timeline.sessions:
         return max(numerics(session, plant_model) for session in timeline.sessions)
     coarse = predict(timeline, plant_model).values["settled"]

@@ -1,4 +1,4 @@
-"""Where a model comes from: what the runs record of their rig, wire and units, and which files they are."""
+"""The provenance of a model: what the runs record of rig, wire and units, and the identity of their files."""
 
 import hashlib
 from collections.abc import Sequence
@@ -49,7 +49,7 @@ def model_metadata(runs: Sequence[Run]) -> dict[str, Any]:
 
 
 def _actuator(name: str) -> tuple[dict[str, Any], str]:
-    """Parameter set of a known actuator; nothing is made up for an unknown one."""
+    """Parameter set of a known actuator; empty for an unknown one."""
     if not name:
         return {}, ""
     try:
@@ -65,23 +65,23 @@ def _channel(signal: SignalInfo, fallback: str) -> SignalDescription:
 
 
 def earlier_runs(model: Model, runs: Sequence[Run]) -> list[Run]:
-    """Other runs of the same session that the model was made from, where their files are still found."""
+    """Other runs of the same session that the model was made from, if their files still exist unchanged."""
     found = [(p, load_run(p.run)) for p in _same_session_provenance(model, runs) if Path(p.run).is_file()]
     return [run for p, run in found if file_hash(run) == p.sha256]
 
 
 def missing_earlier_runs(model: Model, runs: Sequence[Run]) -> list[str]:
-    """What came earlier in the sessions of runs, but is neither among them nor found where it was."""
+    """Earlier runs of the sessions of ``runs`` that are neither given nor found."""
     known = [*runs, *earlier_runs(model, runs)]
     missing = [p.run for p in _same_session_provenance(model, known)]
     first = min(known, key=lambda run: float(run["t_s"][0]) if run.has("t_s") else 0.0)
     if not missing and first.info.initial == CONTINUED:
-        missing = [f"what was run before {first.path.name}"]
+        missing = [f"the run before {first.path.name}"]
     return missing
 
 
 def _same_session_provenance(model: Model, runs: Sequence[Run]) -> list[Provenance]:
-    """What the model was made from in the sessions of runs, apart from those runs."""
+    """The provenance of the model within the sessions of runs, without those runs."""
     sessions = {(p.start_epoch, p.encoder_zero) for p in map(provenance, runs)}
     given_hashes = {file_hash(run) for run in runs}
     return [

@@ -1,7 +1,7 @@
-"""What a model predicts along the samples of a run, one at a time, in the zero of the encoder.
+"""Predictions of a model along the samples of a run, one at a time, in the encoder's zero.
 
-A predictor that missed a part of the history returns NaN until saturation has wiped out what it missed. The zero is
-the model's mean distance from the data over the first samples after the encoder was zeroed, for lack of a better one.
+A predictor that missed part of the history returns NaN until saturation has wiped out the missed part. The zero is the
+mean difference between model and data over the first samples after the encoder was zeroed.
 """
 
 import math
@@ -18,23 +18,23 @@ from smarig.preisach import Everett, Initial, Preisach, State
 
 Array = NDArray[np.float64]
 NAN = float("nan")
-OFFSET_SAMPLES = 50  # samples
+OFFSET_SAMPLES = 50
 
 
 class SamplePredictor(Protocol):
     """Predicts the output after each sample of a run."""
 
     def after(self, s: Sample, input_value: float) -> float:
-        """Output after a sample, in a zero of its own; NaN where it cannot be known."""
+        """Output after a sample, in its own zero; NaN if unknown."""
         ...
 
     def invalidate(self) -> None:
-        """Samples were missed."""
+        """Called after missed samples."""
         ...
 
 
 class HysteresisPredictor:
-    """The hysteresis alone, along the input; ``initial`` None: its memory is not known yet."""
+    """The hysteresis alone, along the input; with ``initial`` None its memory is unknown at first."""
 
     def __init__(self, hysteresis: Everett, initial: Initial | None) -> None:
         self.operator = Preisach(hysteresis, initial or "negative")
@@ -52,7 +52,7 @@ class HysteresisPredictor:
         return y if self._known else NAN
 
     def invalidate(self) -> None:
-        """NaN until saturation."""
+        """Return NaN until saturation."""
         self._known = False
 
     @property
@@ -62,7 +62,7 @@ class HysteresisPredictor:
 
 
 class PlantPredictor:
-    """A whole plant with effects, along the measured current."""
+    """A complete plant with effects, along the measured current."""
 
     def __init__(
         self,
@@ -82,18 +82,18 @@ class PlantPredictor:
         return NAN if self._invalid else y
 
     def invalidate(self) -> None:
-        """NaN from now on: the thermal state after a gap cannot be known."""
+        """Return NaN from now on, because the thermal state after a gap is unknown."""
         self._invalid = True
 
 
 class PrecomputedPredictor:
-    """Outputs that were computed before, one for each sample in turn."""
+    """Outputs that were computed before, one per sample."""
 
     def __init__(self, outputs: Array) -> None:
         self._outputs = iter(outputs.tolist())
 
     def after(self, s: Sample, input_value: float) -> float:
-        """The next of them."""
+        """The next output."""
         del s, input_value
         return next(self._outputs, NAN)
 
@@ -117,7 +117,7 @@ class ZeroedPredictor:
         self.zeroed()
 
     def zeroed(self) -> None:
-        """The encoder was zeroed: start the mean distance anew."""
+        """The encoder was zeroed: restart the mean difference."""
         self._sum, self._n, self._offset = 0.0, 0, NAN
 
     def after(self, s: Sample, input_value: float) -> float:
@@ -130,5 +130,5 @@ class ZeroedPredictor:
         return y - self._offset
 
     def invalidate(self) -> None:
-        """Samples were missed."""
+        """Called after missed samples."""
         self._predictor.invalidate()

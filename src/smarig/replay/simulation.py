@@ -1,8 +1,8 @@
-"""A model along measured runs: its outputs at their settled points, or at every sample.
+"""Outputs of a model along measured runs, at their settled points or at every sample.
 
-The whole history counts, reversals between settled points as well: simulation starts in the state a run names, or goes
-on from the run before it; where neither is known, in saturation when the run gets there. A model with effects is
-simulated as a plant along the commands, in the order of the clocks.
+The whole history counts, including reversals between settled points. The simulation starts in the recorded state of a
+run, or continues from the run before it; if neither is known, it starts when the run reaches saturation. A model with
+effects is simulated as a plant along the commands, in the order of the clocks.
 """
 
 from collections.abc import Sequence
@@ -37,10 +37,10 @@ def simulate(model: Model, run: Run) -> Array:
 
 
 def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
-    """Outputs of the model at the settled points of runs that may follow one another, (k,) each.
+    """Outputs of the model at the settled points of consecutive runs, (k,) each.
 
-    NaN before the memory is known. Raises UsageError when the inputs are of another unit. A model with effects
-    is simulated along the runs in the order of their clocks.
+    NaN while the memory is unknown. Raises UsageError if the inputs have another unit. A model with effects is
+    simulated along the runs in the order of their clocks.
     """
     if model.effects:
         for run in runs:
@@ -59,7 +59,7 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
         inputs, settled = input_path(run)
         y, known = _simulate_inputs(operator, h, _snapped_to_saturation(h, inputs), known)
         outputs.append(y[settled])
-        end = run["input"][-1:]  # the memory goes on from the last input, not from the last settled one
+        end = run["input"][-1:]  # the memory continues from the last input, not from the last settled one
         if end.size and np.isfinite(end[0]):
             operator.step(float(end[0]))
     return outputs
@@ -68,7 +68,7 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
 def simulate_samples(model: Model, run: Run) -> Array:
     """Outputs (n,) at every sample along the run's ``input`` column, in the model's zero.
 
-    NaN before the memory is known; an unknown input holds the last one. With effects, along its currents.
+    NaN while the memory is unknown; an unknown input holds the last one. With effects: along the currents.
     """
     check_input(model, run)
     if model.effects:
@@ -85,31 +85,31 @@ def simulate_samples(model: Model, run: Run) -> Array:
 
 
 def out_of_range(model: Model, inputs: Array) -> NDArray[np.bool_]:
-    """Which inputs (k,) lie beyond the model's saturation."""
+    """Whether inputs (k,) are beyond the model's saturation."""
     h = model.hysteresis
     tolerance = SATURATION_TOLERANCE * (h.upper - h.lower)
     return (inputs < h.lower - tolerance) | (inputs > h.upper + tolerance)
 
 
 def check_output(model: Model, run: Run) -> None:
-    """DataError when a run measures in another unit than the model's output."""
+    """Raise DataError if the output unit of a run differs from that of the model."""
     if run.unit != model.unit:
         raise DataError(
-            f"{run.path} measures in '{run.unit}', the model in '{model.unit}': they cannot be compared."
+            f"{run.path} measures in '{run.unit}', the model in '{model.unit}'. They cannot be compared."
         )
 
 
 def check_input(model: Model, run: Run) -> None:
-    """UsageError when a run's input is of another unit than the model's."""
+    """Raise UsageError if the input unit of a run differs from that of the model."""
     if model.input.unit and run.input_unit and model.input.unit != run.input_unit:
         raise UsageError(
-            f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}': "
-            "import the run with the model's input."
+            f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}'. "
+            "Import the run with the model's input."
         )
 
 
 def _set_initial_state(operator: Operator, h: Everett, run: Run) -> bool:
-    """Put the operator into the run's initial state; False when that is unknown."""
+    """Set the operator to the run's initial state; False if that state is unknown."""
     start = recorded_start(run)
     first = run["input"][:1]
     tolerance = SATURATION_TOLERANCE * (h.upper - h.lower)
@@ -122,7 +122,7 @@ def _set_initial_state(operator: Operator, h: Everett, run: Run) -> bool:
 
 
 def _simulate_inputs(operator: Operator, h: Everett, inputs: Array, known: bool) -> tuple[Array, bool]:
-    """Outputs along inputs, NaN until the memory is known; and whether it is in the end."""
+    """Outputs along inputs, NaN until the memory is known, and whether it is known at the end."""
     step = operator.step
     y = np.fromiter((step(u) for u in inputs.tolist()), dtype=float, count=inputs.size)
     if not known:
@@ -133,14 +133,14 @@ def _simulate_inputs(operator: Operator, h: Everett, inputs: Array, known: bool)
 
 
 def _snapped_to_saturation(h: Everett, inputs: Array) -> Array:
-    """Inputs at saturation but for rounding, made to saturate."""
+    """Inputs within rounding of saturation, set to saturation."""
     near = INPUT_TOLERANCE * (h.upper - h.lower)
     inputs = np.where(np.abs(inputs - h.upper) <= near, h.upper, inputs)
     return np.where(np.abs(inputs - h.lower) <= near, h.lower, inputs)
 
 
 def _reversal_curves(operator: Operator, run: Run) -> Array:
-    """Each curve by itself, from positive saturation down to its lowest input; calibration points apart."""
+    """Each curve separately, from positive saturation down to its lowest input; without calibration points."""
     u, y, step = run["input"], run["position"], run["step"]
     predicted = np.full(u.size, np.nan)
     known = np.isfinite(u) & np.isfinite(y)
@@ -156,7 +156,7 @@ def _reversal_curves(operator: Operator, run: Run) -> Array:
 def _simulate_runs_with_effects(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs at the settled points of runs of one session, (k,) each, in the model's zero.
 
-    Earlier runs of that session that the model was made from are simulated first, where their files are still found.
+    Earlier runs of that session that the model was made from are simulated first, if their files still exist.
     """
     if driven_by_input(runs):
         return _simulate_measured_input(model, runs)
@@ -168,7 +168,7 @@ def _simulate_runs_with_effects(model: Model, runs: Sequence[Run]) -> list[Array
 
 
 def _simulate_measured_input(model: Model, runs: Sequence[Run]) -> list[Array]:
-    """Outputs at every sample of runs whose input was measured, NaN before the memory is known."""
+    """Outputs at every sample of runs with a measured input, NaN while the memory is unknown."""
     timeline = build_measured_input_timeline([*earlier_runs(model, runs), *runs], None)
     values = predict(timeline, plant_model_of(model, timeline.runs[0])).values["settled"]
     outputs = []
@@ -180,7 +180,7 @@ def _simulate_measured_input(model: Model, runs: Sequence[Run]) -> list[Array]:
 
 
 def _simulate_samples_with_effects(model: Model, run: Run) -> Array:
-    """Outputs (n,) at every sample of a run, in the model's zero; the run is simulated by itself."""
+    """Outputs (n,) at every sample of a run, in the model's zero; the run is simulated alone."""
     if driven_by_input([run]):
         known = np.isfinite(run["input"]) & np.isfinite(run["position"])
         y = np.full(len(run), np.nan)

@@ -1,4 +1,4 @@
-"""What was done to one wire and what was read from it: runs on one clock, with the time between them."""
+"""The timeline: drive and readings of one wire, with all runs on one clock and the time between them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -21,16 +21,16 @@ FIRST_STEP_S, STEP_GROWTH, LONGEST_STEP_S = 0.1, 1.3, 8.0  # time steps after a 
 FINE_STEPS = (
     (4.0, 0.15),
     (9.0, 0.4),
-)  # time constants: until when the wire moves, and the longest step until then
-OTHER_KINDS = ("moving", "resistance", "current", "room")  # kinds of other readings, in their order
-SESSION_SPACING_S = 36000.0  # between sessions on the common clock: no ambient fluctuation lasts that long
+)  # time constants: end of each phase of motion, and the longest step within it
+OTHER_KINDS = ("moving", "resistance", "current", "room")  # other kinds of readings, in order
+SESSION_SPACING_S = 36000.0  # between sessions on the common clock: longer than any ambient fluctuation
 
 
 @dataclass(frozen=True, eq=False)
 class ReadingSeries:
-    """Observations of one kind: values (n,), the time of each on the timeline's clock, and its settled step.
+    """Readings of one kind: values (n,), the time of each on the timeline's clock, and its settled step.
 
-    ``step`` (n,) counts the settled points of the timeline; ``noise`` is the sd of one reading, None if unknown.
+    ``step`` (n,) is the number of the settled point; ``noise`` the standard deviation of one reading, None if unknown.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class ReadingSeries:
         return self.value.size
 
     def where(self, keep: NDArray[np.bool_]) -> "ReadingSeries":
-        """Some of them."""
+        """The readings selected by a mask."""
         return ReadingSeries(
             self.kind, self.value[keep], self.t_s[keep], self.step[keep], self.unit, self.noise
         )
@@ -52,9 +52,9 @@ class ReadingSeries:
 
 @dataclass(frozen=True, eq=False)
 class DriveProfile(ABC):
-    """What drives the wire: ``value`` (m,), a current in A or an input in its unit, up to ``end_s`` (m,), from 0 s.
+    """The drive of the wire: ``value`` (m,), a current in A or an input in its unit, up to ``end_s`` (m,), from 0 s.
 
-    The kind of drive decides what can be read from the time and from the input of a timeline.
+    The kind of drive decides what the times and inputs of a timeline mean.
     """
 
     end_s: Array
@@ -67,7 +67,7 @@ class DriveProfile(ABC):
 
     @abstractmethod
     def ticks(self, at_s: Array) -> tuple[Array, Array]:
-        """Times (k,) and values (k,) up to each, every ``at_s`` among the times."""
+        """Times (k,) that include every ``at_s``, and the value (k,) up to each."""
 
     @abstractmethod
     def unrecorded_gap_s(self, sessions: Sequence[Sequence[Run]]) -> float:
@@ -75,7 +75,7 @@ class DriveProfile(ABC):
 
     @abstractmethod
     def can_show(self, effect_type: EffectType, hysteresis: Everett) -> bool:
-        """Whether an effect could show in readings made under this drive."""
+        """Whether an effect can appear in readings under this drive."""
 
 
 @final
@@ -87,11 +87,11 @@ class CurrentProfile(DriveProfile):
 
     @property
     def has_clock(self) -> bool:
-        """Always: heating takes time."""
+        """Always true: heating needs a clock."""
         return True
 
     def ticks(self, at_s: Array) -> tuple[Array, Array]:
-        """Times (k,) and currents (k,): fine after each change, coarse later, every ``at_s`` among them."""
+        """Times (k,) and currents (k,): fine after each change, coarse later, including every ``at_s``."""
         begin = np.concatenate([[0.0], self.end_s[:-1]])
         grid = [np.concatenate([_growing_steps(a, b, self.tau_s), [b]]) for a, b in zip(begin, self.end_s)]
         wanted = at_s[(at_s > 0) & (at_s <= self.end_s[-1])]
@@ -109,17 +109,17 @@ class CurrentProfile(DriveProfile):
         return sum(gaps, 0.0)
 
     def can_show(self, effect_type: EffectType, hysteresis: Everett) -> bool:  # noqa: ARG002
-        """Any effect could: current, heating and position are all part of the record."""
+        """Always true: current, heating and position are all part of the record."""
         return True
 
 
 def period_s(run: Run) -> float:
-    """Length of a run's ticks; a tenth of a second where it does not say."""
+    """Length of a run's ticks; 0.1 s if not recorded."""
     return float(run.info.period_s or 0.1)
 
 
 def _growing_steps(begin: float, end: float, tau_s: float) -> Array:
-    """Times after ``begin`` at growing distances, up to ``end``."""
+    """Times between ``begin`` and ``end`` at growing distances."""
     t, step = [0.0], FIRST_STEP_S
     while t[-1] < end - begin - 0.5 * FIRST_STEP_S:
         longest = next((part * tau_s for until, part in FINE_STEPS if t[-1] < until * tau_s), LONGEST_STEP_S)
@@ -130,11 +130,11 @@ def _growing_steps(begin: float, end: float, tau_s: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Timeline:
-    """Everything that was done to the wire and read from it, in time order.
+    """Drive and readings of a wire, in time order.
 
     ``settled`` are positions of finished steps; ``target_K`` (k,), ``hold_s`` (k,), ``run`` (k,) describe those
-    steps; ``block`` (k,) numbers the excursions that are held out together. ``zero`` (k,) numbers outputs that share
-    a zero, where not all do. ``sessions``: the timeline of each session, where there were several;
+    steps; ``block`` (k,) numbers the excursions that are held out together. ``zero`` (k,) numbers groups of outputs
+    with a common zero, if there are several. ``sessions``: the timeline of each session, if there are several.
     ``resistance_from_command``: no current was measured, so a resistance is the voltage over the commanded current.
     """
 
@@ -162,7 +162,7 @@ class Timeline:
 
     @property
     def unrecorded_gap_s(self) -> float:
-        """Seconds between runs of one session that no run records; 0 where the input itself was measured."""
+        """Seconds between runs of one session that no run records; 0 for a measured input."""
         return self.drive.unrecorded_gap_s([session.runs for session in self.sessions or (self,)])
 
     @property
@@ -177,7 +177,7 @@ class Timeline:
 
     @cached_property
     def positions_only(self) -> "Timeline":
-        """The same with positions alone read; always the same object, by which input trajectories are cached."""
+        """The same with position readings only; always the same object, which is a key of the input cache."""
         other_readings = tuple(r for r in self.other_readings if r.kind == "moving")
         if other_readings == self.other_readings:
             return self
@@ -187,7 +187,7 @@ class Timeline:
 
     @cached_property
     def ticks(self) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Times (m,) at which a model is simulated, the drive up to each, and whether something was read then."""
+        """Times (m,) of the simulation, the drive up to each, and whether there is a reading at each."""
         read = np.unique(np.round(np.concatenate([r.t_s for r in self.all_readings]), 6))
         t, current = self.drive.ticks(read)
         return t, current, np.isin(t, read, assume_unique=True)
@@ -196,14 +196,14 @@ class Timeline:
 def join_sessions(timelines: Sequence[Timeline], tau_s: float) -> Timeline:
     """Timelines of several sessions as one: each starts at rest, with its own clock and its own zero.
 
-    A session whose first run is missing (it is ``continued``) is assumed to start like the others. DataError when they
-    start in different states.
+    A session whose first run is missing (it is ``continued``) is assumed to start like the others. Raises DataError if
+    they start in different states.
     """
     starts = {str(timeline.runs[0].info.initial) for timeline in timelines} - {CONTINUED}
     if len(starts) > 1:
         raise DataError(
-            f"The sessions begin in different states ({', '.join(sorted(starts))}): diagnose those that begin in the "
-            "same state."
+            f"The sessions start in different states ({', '.join(sorted(starts))}). Diagnose sessions with the "
+            "same initial state."
         )
     first, second = timelines[0], timelines[1:]
     clock = session_offsets_s(timelines)
@@ -228,12 +228,12 @@ def join_sessions(timelines: Sequence[Timeline], tau_s: float) -> Timeline:
 
 
 def session_offsets_s(timelines: Sequence[Timeline]) -> Array:
-    """When each session begins on the common clock, s."""
+    """Start of each session on the common clock, s."""
     return _cumulative_before([float(s.drive.end_s[-1]) + SESSION_SPACING_S for s in timelines])
 
 
 def _cumulative_before(sizes: Sequence[float]) -> Array:
-    """Sum of all earlier ones, for each."""
+    """The sum of all earlier sizes, for each."""
     return np.concatenate([[0.0], np.cumsum(sizes)[:-1]])
 
 
@@ -242,7 +242,7 @@ def _renumbered(numbers: Sequence[Integers], sizes: Sequence[int]) -> Integers:
 
 
 def _joined_drive(timelines: Sequence[Timeline], clock: Array, tau_s: float) -> CurrentProfile:
-    """All currents, none between the sessions."""
+    """All currents, with zero between the sessions."""
     ends, currents = [], []
     for timeline, begin in zip(timelines, clock.tolist()):
         ends += [[begin], timeline.drive.end_s + begin] if begin else [timeline.drive.end_s]

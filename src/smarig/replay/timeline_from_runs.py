@@ -1,4 +1,4 @@
-"""Timelines from the runs of one wire: commands become constant currents, samples become readings of a few kinds."""
+"""Makes timelines from the runs of one wire: commands become constant currents, samples become readings."""
 
 from collections.abc import Iterator, Sequence
 
@@ -18,27 +18,27 @@ from smarig.replay.timeline import (
     period_s,
 )
 
-MOVING_DELAYS = (0.4, 1.2, 3.0)  # time constants after a step, where a moving position is read
-MAX_OTHER_READINGS = 220  # readings of one other kind
-MIN_HOLD_SAMPLES = 12  # samples in a hold that make it a transient
-MIN_CURRENT_A = 0.15  # a resistance cannot be read from a smaller current
+MOVING_DELAYS = (0.4, 1.2, 3.0)  # time constants after a step at which a moving position is read
+MAX_OTHER_READINGS = 220  # of each other kind
+MIN_HOLD_SAMPLES = 12  # in a hold from which moving positions are read
+MIN_CURRENT_A = 0.15  # a smaller current does not determine a resistance
 
 
 def build_timeline(runs: Sequence[Run], tau_s: float) -> Timeline:
-    """Runs of one wire on one clock, in the order of time. DataError when they hold no settled steps.
+    """Runs of one wire on one clock, in time order. Raises DataError if they contain no settled steps.
 
-    ``tau_s``: the wire's time constant, which says when a position is moving and worth reading. Each session (one
-    clock, one zero of the encoder) starts at rest. Runs of which only the input was measured are driven by it, in
-    the order given (``MeasuredInput``).
+    ``tau_s``: the wire's time constant, which determines when a moving position is read. Each session (one clock, one
+    encoder zero) starts at rest. Runs with only a measured input are driven by it, in the given order
+    (``MeasuredInput``).
     """
     if driven_by_input(runs):
         return build_measured_input_timeline(runs)
     if not any(run.settled for run in runs):
-        raise DataError("The runs hold no settled steps; a diagnosis needs some.")
+        raise DataError("The runs contain no settled steps. A diagnosis needs settled steps.")
     for run in runs:
         if not (run.has("t_s") and (run.has("current_command_A") or run.has("current_A"))):
             raise DataError(
-                f"{run.path} has no clock or no current: a diagnosis of such runs needs its input as the drive."
+                f"{run.path} has no clock or no current. A diagnosis of such runs needs a measured input as the drive."
             )
     timelines = [_session_timeline(some, tau_s) for some in _runs_by_session(runs)]
     timelines = [timeline for timeline in timelines if len(timeline.settled)]
@@ -46,7 +46,7 @@ def build_timeline(runs: Sequence[Run], tau_s: float) -> Timeline:
 
 
 def _runs_by_session(runs: Sequence[Run]) -> list[list[Run]]:
-    """Runs of each session, in the order of their clocks; sessions in the order in which they began."""
+    """Runs of each session, in the order of their clocks; sessions in the order of their start."""
     found: dict[tuple[float, str], list[Run]] = {}
     for run in runs:
         epoch, zero = run.info.start_epoch, run.info.encoder_zero
@@ -79,18 +79,18 @@ def _session_timeline(ordered_runs: Sequence[Run], tau_s: float) -> Timeline:
 
 
 def _check_clock(runs: Sequence[Run]) -> None:
-    """DataError where runs of one session overlap."""
+    """Raise DataError if runs of one session overlap."""
     for before, run in zip(runs, runs[1:]):
         if run["t_s"][0] <= before["t_s"][-1]:
             raise DataError(
-                f"{before.path.name} and {run.path.name} are of one session by their records, but their clocks "
+                f"{before.path.name} and {run.path.name} belong to one session by their records, but their clocks "
                 "overlap. "
-                "Imported runs share one clock: say where on it each begins, 'smarig import --t0 SECONDS'."
+                "Imported runs share one clock. Give the start of each run on it with 'smarig import --t0 SECONDS'."
             )
 
 
 def _blocks(target: Array, run: Integers) -> Integers:
-    """Excursions out and back, numbered through all runs: a block ends where the direction turns upwards."""
+    """Excursions out and back, numbered over all runs: a block ends where the direction turns upwards."""
     number = np.zeros(target.size, dtype=np.int64)
     count, falling = 0, False
     for k in range(1, target.size):
@@ -119,13 +119,13 @@ class _TimelineRun:
     def drive(self) -> CurrentProfile:
         changes = np.flatnonzero(np.diff(self.command)) if self.t.size else np.empty(0, dtype=np.int64)
         last = np.append(changes, self.t.size - 1)
-        begin = self.t[:1] - period_s(self.run)  # until then the current was off
+        begin = self.t[:1] - period_s(self.run)  # the current is off until then
         return CurrentProfile(
             np.append(begin, self.t[last]), np.append(np.zeros(begin.size), self.command[last])
         )
 
     def _window(self, step: Step, rows: slice) -> slice:
-        """The rows over which a settled position is the mean."""
+        """The rows over which a settled position is averaged."""
         dense = rows.stop - rows.start >= step.n > 1
         return (
             slice(rows.stop - step.n, rows.stop)
@@ -142,12 +142,12 @@ class _TimelineRun:
         return np.maximum(end - half, begin + period) - self.start_s
 
     def settled(self, first: int) -> ReadingSeries:
-        """Positions of the steps."""
+        """Settled positions of the steps."""
         value = np.array([s.position for s in self.steps], dtype=float)
         return ReadingSeries("settled", value, self.reading_s, np.arange(value.size) + first, self.run.unit)
 
     def moving(self, first: int) -> Iterator[tuple[float, float, int]]:
-        """(position, time, step) a few time constants after each step, where samples are dense."""
+        """(position, time, step) a few time constants after each step, if samples are dense."""
         y = self.run["position"]
         for k, rows in enumerate(self.rows):
             if rows.stop - rows.start < MIN_HOLD_SAMPLES:
@@ -168,7 +168,7 @@ class _TimelineRun:
 
     @property
     def resistance(self) -> Array:
-        """V/I of each sample, NaN where the current is too small."""
+        """V/I of each sample, NaN if the current is too small."""
         run = self.run
         current = run["current_A"] if run.has("current_A") else self.command
         enough = np.abs(current) > MIN_CURRENT_A

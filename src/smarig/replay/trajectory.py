@@ -1,8 +1,8 @@
 """A model simulated along a timeline: its state at each time of a reading.
 
-Where the input of the hysteresis follows without its output, it is computed once for all densities
-(``hysteresis_input``) and the outputs follow along it; else the whole plant is simulated tick by tick. Either gives
-the same numbers.
+If the input of the hysteresis does not depend on its output, it is computed once for all densities
+(``hysteresis_input``), and the outputs are computed along it. Otherwise the whole plant is simulated tick by tick. Both
+give the same numbers.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,7 +35,7 @@ from smarig.replay.timeline import Timeline
 
 Array = NDArray[np.float64]
 Values = tuple[tuple[EffectType, tuple[tuple[str, float], ...]], ...]
-CACHE_SIZE = 24  # trajectories kept
+CACHE_SIZE = 24  # number of cached trajectories
 INPUT_COLUMNS = (
     "t_s",
     "dt_s",
@@ -54,10 +54,10 @@ _row = attrgetter(*INPUT_COLUMNS)
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """At each time of a reading (n,): ``columns`` (6, n) as in ``TRAJECTORY_COLUMNS`` and the memory.
+    """Values at each time of a reading (n,): ``columns`` (6, n) as in ``TRAJECTORY_COLUMNS``, and the memory.
 
-    ``hysteresis_input_K`` (ticks,) is the input of the hysteresis at every tick.
-    ``resistance`` is a factor of the wire's own at its austenite.
+    ``hysteresis_input_K`` (ticks,) is the input of the hysteresis at every tick. ``resistance`` is a factor on the
+    wire's resistance at its austenite.
     """
 
     columns: Array
@@ -72,7 +72,7 @@ class Trajectory:
 class InputTrajectory:
     """Thermal states at the ends of parts of ticks, ``columns`` (9, m) as in ``INPUT_COLUMNS``.
 
-    ``ends`` (ticks,) is the last part of each tick.
+    ``ends`` (ticks,) is the index of the last part of each tick.
     """
 
     columns: Array
@@ -103,7 +103,7 @@ def _by_ticks(timeline: Timeline, plant_model: PlantModel, effects: Sequence[Sup
         plant.advance(i, now - before)
         before = now
         hysteresis_input_K[k] = plant.hysteresis_input_K
-        counts = plant.sensed(plant.position / per_count)  # at every tick: a sensor may have a memory
+        counts = plant.sensed(plant.position / per_count)  # at every tick, because a sensor may have a memory
         if mark:
             at = plant.now
             rows.append((counts, plant.operator.y, at.resistance, i, plant.current(i), at.ambient_K))
@@ -115,7 +115,7 @@ def _by_parts(
     timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks], inputs: InputTrajectory
 ) -> Trajectory:
     h = plant_model.hysteresis
-    at = inputs.ends[timeline.ticks[2]]  # the parts at whose ends something was read
+    at = inputs.ends[timeline.ticks[2]]  # the parts that end at a reading
     output, states = _outputs_and_states(plant_model, inputs["hysteresis_input_K"], at)
     context = EffectContext(plant_model.actuator, h, plant_model.initial)
     late = hook_chains(effects, context)
@@ -135,7 +135,7 @@ def _by_parts(
 def _outputs_and_states(
     plant_model: PlantModel, hysteresis_input_K: Array, at: NDArray[np.int64]
 ) -> tuple[Array, tuple[State, ...]]:
-    """Outputs (n,) and memories at parts ``at`` (n,): only where a path turns is it remembered."""
+    """Outputs (n,) and memories at parts ``at`` (n,); only the turning points of a path are simulated."""
     operator = Preisach(plant_model.hysteresis, plant_model.initial, compiled=False)
     move = np.diff(hysteresis_input_K, prepend=hysteresis_input_K[0], append=hysteresis_input_K[-1])
     turns = move[:-1] * move[1:] <= 0
@@ -153,7 +153,7 @@ def _outputs_and_states(
 
 
 def _late_effects_memoryless(effects: Sequence[SupportsHooks], context: EffectContext) -> bool:
-    """Whether nothing that acts after the hysteresis has a memory of its own."""
+    """Whether no effect after the hysteresis has a memory."""
     remembering = [e for e in effects if not (isinstance(e, Effect) and e.kind.memoryless)]
     return not any(stage in AFTER_HYSTERESIS for e in remembering for stage in e.hooks(context))
 
@@ -164,7 +164,7 @@ def _sensor_counts(
     inputs: InputTrajectory,
     requested: NDArray[np.int64],
 ) -> Array:
-    """Sensor counts at the ends of parts (m,), 0 where none is requested or the part ends within a tick."""
+    """Sensor counts at the ends of parts (m,), 0 if not requested or if the part ends within a tick."""
     per_count, maps, added, sensor = (
         plant_model.per_count or 1.0,
         *(late[stage] for stage in AFTER_HYSTERESIS),
@@ -187,7 +187,7 @@ def _plant_states(
     span, began, y = h.everett(h.upper, h.lower), operator.y, operator.follow(inputs["hysteresis_input_K"])
     per_span = 1.0 / span if span else 0.0
     now = PlantState(output=began, austenite=(began - h.y_lower) * per_span)
-    apply_hooks(maps, began, now)  # where it rests
+    apply_hooks(maps, began, now)  # initial state
     travel = np.cumsum(np.abs(np.diff(y, prepend=began)) * per_span)
     whole = np.zeros(y.size)
     whole[inputs.ends] = np.diff(inputs["t_s"][inputs.ends], prepend=0.0)
@@ -214,7 +214,7 @@ def _plant_states(
 
 @dataclass(frozen=True)
 class _HysteresisRange:
-    """All that an effect ahead of the hysteresis may depend on."""
+    """The range of the hysteresis, which is all that an effect before it may depend on."""
 
     lower: float
     upper: float
@@ -223,10 +223,10 @@ class _HysteresisRange:
 def hysteresis_input(
     timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
 ) -> InputTrajectory | None:
-    """The input of the hysteresis along a timeline, or None where an effect makes it depend on the output.
+    """The input of the hysteresis along a timeline, or None if an effect makes it depend on the output.
 
-    An effect says that it does not (``EffectType.output_independent``); any other that acts ahead of the hysteresis
-    is taken to depend on it.
+    ``EffectType.output_independent`` marks effects that do not; any other effect before the hysteresis counts as
+    dependent on the output.
     """
     h, initial = plant_model.hysteresis, plant_model.initial
     context, early = EffectContext(plant_model.actuator, h, initial), []

@@ -1,4 +1,4 @@
-"""What carries commands out: the Rig seam, its limits, and the software twin behind it."""
+"""Rigs that execute commands: the twin, the bench, their limits and their bring-up checks."""
 
 from typing import TYPE_CHECKING
 

@@ -1,9 +1,8 @@
 """The bench: a current source and an encoder on separate lines, joined by their ticks into samples.
 
-    source tick of encoder tick k = k + offset        offset: read when both were opened, then followed
+    source tick of encoder tick k = k + offset        offset: read when both are opened, then followed
 
-In lock-step (simulated devices) asking is what lets time pass; on hardware the bench waits for the next tick. Knows the
-roles of instruments and no registers; limits are the guard's and the devices' business.
+In lock-step (simulated devices) a request lets time pass; on hardware the bench waits for the next tick.
 """
 
 import time
@@ -16,17 +15,17 @@ from smarig.device import CurrentReading, CurrentSource, Garbled, PositionReadin
 from smarig.plant import Actuator
 from smarig.rig.rig import Alarm
 
-CLOCK_CHECK_TICKS = 300  # ticks between two looks at both clocks
-MAX_BLOCK_TICKS = 16  # samples that are fetched at once
-MAX_TICK_GAP = 1_000_000  # ticks that no host slept through
-COMMAND_HISTORY = 256  # currents that were set lately
-SENSOR_TIMEOUT_S = 2.0  # without a sample, before the sensor counts as dead
+CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
+MAX_BLOCK_TICKS = 16  # largest number of samples of one request
+MAX_TICK_GAP = 1_000_000  # a larger gap means wrong ticks, not a late host
+COMMAND_HISTORY = 256  # number of past currents that are kept
+SENSOR_TIMEOUT_S = 2.0  # without a sample; after that the sensor counts as lost
 
 
 class Bench:
-    """A rig behind instruments.
+    """A rig made of instruments.
 
-    ``speed``: device seconds per second of the clock, 0 where devices wait for us (lock-step).
+    ``speed``: device seconds per second of the clock; 0 if the devices wait for the host (lock-step).
     """
 
     def __init__(
@@ -46,7 +45,7 @@ class Bench:
         self.lock_step = speed == 0
         self._tick_s = 0.0 if self.lock_step else rig.period_s / speed
         lease = round(rig.lease_s / rig.period_s)
-        self._block = max(1, min(MAX_BLOCK_TICKS, lease - 1))  # ticks that may pass while nothing is said
+        self._block = max(1, min(MAX_BLOCK_TICKS, lease - 1))  # ticks that may pass without a command
         self._clock, self._sleep = clock, sleep
         self.tick = sensor.tick()
         self._offset = source.tick() - self.tick
@@ -55,12 +54,12 @@ class Bench:
         self._command_A = 0.0
         self._past_commands: deque[tuple[int, float]] = deque(
             maxlen=COMMAND_HISTORY
-        )  # last tick of a current, by the source, and the current
+        )  # last source tick of a current, and that current
         self._last: CurrentReading | None = None
         self._alarms: list[Alarm] = []
-        self._pending_readings: list[PositionReading] = []  # read before a zero, and still to be told
+        self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
         self._tripped = ""
-        self.shutdown_unconfirmed = ""  # why the source may not know that it is to be off
+        self.shutdown_unconfirmed = ""  # why the source may still be on
 
     @property
     def period_s(self) -> float:
@@ -69,11 +68,11 @@ class Bench:
 
     @property
     def has_lease(self) -> bool:
-        """Whether the source switches itself off when we fall silent."""
+        """Whether the source switches itself off when the host stops communicating."""
         return self.source.has_lease
 
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
-        """Apply a current from the next tick on; the samples since the last call, at least one."""
+        """Apply a current from the next tick on. Returns the samples since the last call, at least one."""
         if self._tripped:
             raise LeaseExpired(self._tripped)
         if current_A != self._command_A:
@@ -84,13 +83,15 @@ class Bench:
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
         samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
-        over = samples[-1].quality & (Quality.TRIPPED | Quality.STALE)  # what came before it has been told
+        over = samples[-1].quality & (
+            Quality.TRIPPED | Quality.STALE
+        )  # all samples before the trip are returned
         if self.source.tripped and over:
             self._tripped = self.source.tripped
         return samples
 
     def _set(self, current_A: float) -> None:
-        """Send it, and keep which current was set before: samples that are still to be read are from then."""
+        """Send a current and keep the one before: samples that are still to be read belong to it."""
         last = self.source.set(current_A)
         if last is not None:
             self._past_commands.append((last, self._command_A))
@@ -106,7 +107,7 @@ class Bench:
         return current_A
 
     def _read_positions(self, at_most: int) -> list[PositionReading]:
-        """What the encoder read since; waits for its next tick where time passes by itself."""
+        """Readings of the encoder since the last call; on hardware, waits for its next tick."""
         if self._pending_readings:
             found, self._pending_readings = self._pending_readings, []
             return found
@@ -121,22 +122,28 @@ class Bench:
             if found:
                 break
             if self._clock() > give_up_s:
-                raise Silent(f"The encoder gives no new sample in {SENSOR_TIMEOUT_S:g} s. {Silent.remedy}")
-            self._due_s = self._clock() + self._tick_s / 8  # it is a little behind our clock: fall in with it
+                raise Silent(
+                    f"The encoder returned no new sample within {SENSOR_TIMEOUT_S:g} s. {Silent.remedy}"
+                )
+            self._due_s = self._clock() + self._tick_s / 8  # its clock is slightly late: adjust to it
             self._sleep(self._tick_s / 8)
         lost = found[0].tick - self.tick - 1
         if lost > MAX_TICK_GAP:
-            raise Garbled(f"The encoder's ticks leapt by {lost}: it cannot be trusted. {Garbled.remedy}")
+            raise Garbled(
+                f"The encoder's tick jumped by {lost}. Its ticks are not reliable. {Garbled.remedy}"
+            )
         if lost:
             self._alarms.append(
                 Alarm(
-                    "warning", "lost", f"{lost} samples were lost: the encoder's ring was not read in time."
+                    "warning",
+                    "lost",
+                    f"{lost} samples were lost because the encoder's ring was not read in time.",
                 )
             )
         return found
 
     def _read_currents(self, positions: list[PositionReading]) -> list[CurrentReading]:
-        """What the source measured in the same ticks; where it has none, the last, marked as stale."""
+        """Readings of the source at the same ticks. A missing reading repeats the last one, marked as stale."""
         first = positions[0].tick + self._offset
         by_tick: dict[int, CurrentReading] = {}
         for attempt in range(3):
@@ -151,13 +158,13 @@ class Bench:
             if reading is None:
                 last = self._last or CurrentReading(0, float("nan"), float("nan"), float("nan"), Quality.GOOD)
                 reading = last._replace(quality=last.quality | Quality.STALE)
-                self._offset = min(self.source.tick() - p.tick, self._offset)  # its clock is slower
+                self._offset = min(self.source.tick() - p.tick, self._offset)  # the source's clock is slower
             self._last = reading
             found.append(reading)
         return found
 
     def _update_offset(self) -> None:
-        """Two clocks differ a little: now and then, see by how many ticks; one is where they happened to be read."""
+        """Adjust the offset when the clocks drift; one tick of difference comes from the two reads."""
         self._next_clock_check = self.tick + CLOCK_CHECK_TICKS
         ahead = self.source.tick() - self.sensor.tick() - self._offset
         if abs(ahead) > 1:
@@ -178,18 +185,18 @@ class Bench:
         )
 
     def alarms(self) -> list[Alarm]:
-        """What happened since the last call."""
+        """Alarms since the last call."""
         alarms, self._alarms = self._alarms, []
         return alarms
 
     def zero(self) -> None:
-        """Zero the encoder where it stands: what it made before and is still to be told counts from there as well."""
+        """Zero the encoder at its present position; readings not yet returned are converted to the new zero."""
         pending = [] if self.lock_step else self._read_positions(self._block)
         self.sensor.zero()
         self._pending_readings = [p._replace(counts=p.counts - pending[-1].counts) for p in pending]
 
     def idle(self, seconds: float) -> None:
-        """Say nothing to the source for so long: the lease must end what flows. Later steps tell what was read then."""
+        """Send the source no command for this time, so that its lease expires. Later steps return the samples."""
         if self.lock_step:
             self._let_pass(round(seconds / self.period_s))
         else:
@@ -197,17 +204,17 @@ class Bench:
         self._due_s = self._clock()
 
     def _let_pass(self, ticks: int) -> None:
-        """Lock-step: a tick passes when the encoder is asked for what is not there yet; its ring keeps it."""
+        """In lock-step, let ticks pass by requesting samples; the encoder's ring keeps them."""
         last = self.tick
         end = max(last, self.sensor.tick()) + ticks
         while last < end:
             found = self.sensor.since(last + 1, min(MAX_BLOCK_TICKS, end - last))
             if not found:
-                raise Silent(f"The encoder gives no new sample. {Silent.remedy}")
+                raise Silent(f"The encoder returned no new sample. {Silent.remedy}")
             last = found[-1].tick
 
     def identity(self) -> list[str]:
-        """Who answers, a line for each device."""
+        """One line for each device."""
         return [self.source.identity, self.sensor.identity]
 
     def arm(self) -> None:
@@ -216,11 +223,11 @@ class Bench:
         self._command_A, self._tripped = 0.0, ""
 
     def safe(self) -> None:
-        """Current to zero. Never raises; the lease does it where no line does."""
+        """Set the current to zero. Never raises; without a connection the lease does it."""
         self._command_A = 0.0
         self.shutdown_unconfirmed = self.source.off()
 
     def close(self) -> None:
-        """Let go of both lines."""
+        """Close both lines."""
         self.source.close()
         self.sensor.close()

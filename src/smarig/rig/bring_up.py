@@ -1,7 +1,6 @@
-"""Bring-up: is a rig fit to run? Each check is done on the rig itself and says what was seen.
+"""Bring-up: checks on the rig itself whether it is fit to run.
 
-Moves the wire gently, in small steps of current, and ends at zero with the lease tried out. Knows the Rig seam
-and the rig file; refuses to know devices, and who reads the list.
+The checks move the wire gently in small steps of current, test the lease and end at zero current.
 """
 
 import contextlib
@@ -20,19 +19,19 @@ from smarig.rig.guard import Guard
 from smarig.rig.plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE, RESISTANCE_FACTORS
 from smarig.rig.rig import Rig
 
-MIN_MOTION_COUNTS = 5  # counts: more than noise
-CURRENT_STEPS = 20  # of current, up to the limit
-STEP_TAUS = 1.5  # time constants on each
+MIN_MOTION_COUNTS = 5  # more than noise
+CURRENT_STEPS = 20  # from zero to the current limit
+STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
-LEASE_TEST_SHARE = 0.1  # of the largest current: flows while the lease is tried
+LEASE_TEST_SHARE = 0.1  # of the largest current, during the test of the lease
 LEASE_MARGIN_S = 1.5
-MOTION_MARGIN = 10  # times as many: no wire is that far from its model
+MOTION_MARGIN = 10  # times the detected motion: no wire deviates that far from its model
 ProgressCallback = Callable[[str], None]
-BACKLOG_S = 10.0  # of samples that show the trip still
+BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
 
 
 class Check(NamedTuple):
-    """One line of the list."""
+    """The result of one check."""
 
     name: str
     passed: bool
@@ -44,24 +43,24 @@ class Check(NamedTuple):
 
 
 class SupportsIdle(Rig, Protocol):
-    """A rig that can be left alone on purpose."""
+    """A rig that can be left without commands on purpose."""
 
     def idle(self, seconds: float) -> None:
-        """Say nothing for so long."""
+        """Send no command for this time."""
         ...
 
     def identity(self) -> list[str]:
-        """Who answers, a line for each device."""
+        """One line for each device."""
         ...
 
     @property
     def has_lease(self) -> bool:
-        """Whether it switches itself off when we fall silent."""
+        """Whether it switches itself off when the host stops communicating."""
         ...
 
 
 def bring_up(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback = lambda _: None) -> list[Check]:
-    """All checks in order; what cannot be gone on with ends the list."""
+    """All checks in order. A fault that prevents further checks ends the list."""
     found: list[Check] = []
     try:
         for check in _checks(rig, file, on_progress):
@@ -75,7 +74,7 @@ def bring_up(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback = l
 
 
 def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> Iterator[Check]:
-    """What does not obey, or does not move as it is heated, is not heated further."""
+    """A rig that does not follow its command, or does not move when heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
     guard = Guard(rig, file.limits, actuator)
@@ -89,20 +88,22 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     if rig.has_lease:
         yield from _check_lease(rig, file)
     else:
-        yield Check("lease", True, "this source has none: if the host dies, only the cut-out ends what flows")
+        yield Check(
+            "lease", True, "this source has no lease: if the host fails, only the cut-out stops the current"
+        )
 
 
 def _at_rest(guard: Guard, file: RigFile) -> Check:
-    """Nothing flows when nothing is asked for."""
+    """No current flows at a command of zero."""
     sample = _last_sample(guard, 0.0, 10)
-    observed = f"{sample.current_A:.4f} A flow at 0 A; ambient {sample.ambient_degC:.1f} °C"
+    observed = f"{sample.current_A:.4f} A measured at 0 A; ambient {sample.ambient_degC:.1f} °C"
     return Check("at rest", _follows_command(sample, 0.0, file), observed)
 
 
 def _heating_checks(
     guard: Guard, file: RigFile, actuator: Actuator, sign: int, on_progress: ProgressCallback
 ) -> Iterator[Check]:
-    """Up in stairs until the wire moves, or must have by its model; then what was seen, and cooling."""
+    """Raise the current in steps until the wire moves or must have moved by its model; then report and cool."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
     certain_motion_K = _input_of_certain_motion_K(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
@@ -112,26 +113,26 @@ def _heating_checks(
         command_A = largest_A * k / CURRENT_STEPS
         sample = _last_sample(guard, command_A, round(STEP_TAUS * tau_ticks))
         moved = sample.counts - begin
-        on_progress(f"    {command_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K by the model")
+        on_progress(f"    {command_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K (heating model)")
         if (
             abs(moved) >= MIN_MOTION_COUNTS
             or not _follows_command(sample, command_A, file)
             or abs(guard.input_K) >= certain_motion_K
         ):
             break
-    how = "was the last reading, none came" if sample.quality & Quality.STALE else "measured"
+    how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
     wire = ", wire 2" if sign < 0 else ""
     comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
     yield Check(f"read-back{wire}", _follows_command(sample, command_A, file), comparison)
     yield _resistance(sample, actuator)._replace(name=f"resistance{wire}")
-    where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K by the model"
-    rule = f"heating must count {'downwards' if sign < 0 else 'upwards'}"
+    where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
+    rule = f"heating must {'decrease' if sign < 0 else 'increase'} the counts"
     yield Check(f"encoder direction{wire}", sign * moved >= MIN_MOTION_COUNTS, f"{where}; {rule}")
     _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
 
 
 def _input_of_certain_motion_K(actuator: Actuator, file: RigFile, sign: int) -> float:
-    """The input, from rest, at which the model has moved several times what is looked for."""
+    """The input, from rest, at which the model has moved by several times the detected motion."""
     of_wire = actuator.file.hysteresis
     h = thesis_surface(of_wire.surface)
     inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
@@ -139,12 +140,12 @@ def _input_of_certain_motion_K(actuator: Actuator, file: RigFile, sign: int) -> 
     moved = np.abs(y - y[0]) / actuator.position_per_count(file.encoder.counts_per_rev)
     enough = min(
         MOTION_MARGIN * MIN_MOTION_COUNTS, float(moved.max())
-    )  # a coarse encoder never counts so far
+    )  # a coarse encoder never reaches the first
     return float(abs(inputs[np.argmax(moved >= enough)]))
 
 
 def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:
-    """Whether what was asked for is what flows, as far as is measured."""
+    """Whether the measured current is the commanded one within the tolerance."""
     near = abs(sample.current_A - command_A) <= READ_BACK_TOLERANCE * file.limits.current_max_A
     return near and not sample.quality & Quality.STALE
 
@@ -154,13 +155,13 @@ def _resistance(sample: Sample, actuator: Actuator) -> Check:
     low = RESISTANCE_FACTORS[0] * heating.resistance_austenite.value
     high = RESISTANCE_FACTORS[1] * heating.resistance_martensite.value
     if abs(sample.current_A) < MIN_CURRENT_A:
-        return Check("resistance", False, "too little current flowed to tell")
+        return Check("resistance", False, "the current was too small to measure it")
     ohm = sample.voltage_V / sample.current_A
     return Check("resistance", low <= ohm <= high, f"{ohm:.2f} ohm, expected {low:.2f} to {high:.2f}")
 
 
 def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
-    """With a little current flowing, say nothing: when does the device switch off by itself?"""
+    """At a small current, send no command and measure when the device switches off by itself."""
     last_command_tick = rig.step(LEASE_TEST_SHARE * file.limits.current_max_A)[-1].tick
     rig.idle(file.lease_s + LEASE_MARGIN_S)
     first = _first_tripped(rig, last_command_tick)
@@ -170,18 +171,18 @@ def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
     took_s = (first - last_command_tick) * rig.period_s if first else math.nan
     in_time = abs(took_s - file.lease_s) <= max(2 * rig.period_s, 0.1 * file.lease_s)
     flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)
-    observed = f"the output went off {took_s:.2f} s after the last word; lease {file.lease_s:g} s"
+    observed = f"the output switched off {took_s:.2f} s after the last command; lease {file.lease_s:g} s"
     if flows_A > READ_BACK_TOLERANCE * file.limits.current_max_A:
         observed, in_time = (
-            f"tripped {took_s:.2f} s after the last word, but {flows_A:.4f} A flowed then",
+            f"tripped {took_s:.2f} s after the last command, but {flows_A:.4f} A flowed after the trip",
             False,
         )
     yield Check("lease", in_time, observed)
-    yield Check("re-arm", len(later) < backlog, "the trip is over once it is armed again")
+    yield Check("re-arm", len(later) < backlog, "re-arming clears the trip")
 
 
 def _first_tripped(rig: Rig, last_command_tick: int) -> int:
-    """The tick in which the device was first tripped; 0 if it never was."""
+    """The first tick at which the device was tripped; 0 if it never was."""
     with contextlib.suppress(RigFault):
         for _ in range(1000):
             for sample in rig.step(0.0):
@@ -197,7 +198,7 @@ def _tripped(sample: Sample) -> bool:
 
 
 def _last_sample(guard: Guard, current_A: float, ticks: int) -> Sample:
-    """The last sample of so many ticks at a current."""
+    """The last sample after a number of ticks at a current."""
     sample: Sample | None = None
     left = max(1, ticks)
     while left > 0:

@@ -1,7 +1,4 @@
-"""Does a bench's rig file make sense before anything is opened? Its parts against each other and against the devices.
-
-Knows files and register maps; opens nothing.
-"""
+"""Checks a bench's rig file before any device is opened: its parts against each other and against the devices."""
 
 from collections.abc import Iterator
 
@@ -11,11 +8,11 @@ from smarig.device import load_register_map
 from smarig.plant import Actuator
 
 DRIVERS = "smarig.device.drivers"
-OVER_CURRENT = 1.05  # of the largest: the amplifier trips by itself
+OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
 
 
 def inconsistencies(file: RigFile) -> list[str]:
-    """What is wrong, a sentence each; nothing for a twin."""
+    """The inconsistencies, one sentence each; none for a twin."""
     if file.links is None or file.protection is None:
         return []
     return [*_links(file, file.links), *_protection(file, file.protection)]
@@ -32,12 +29,12 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         if driver not in catalogue_names(DRIVERS):
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, catalogue_names(DRIVERS))}."
         if not link.url and not simulated:
-            yield f"links.{device}.url: say where it is."
+            yield f"links.{device}.url is missing. Give the port or address of the device."
     if links.amplifier.driver == "smarig_amplifier":
         lease = load_register_map("amplifier")["lease"]
         low, high = (lease.value.decode(raw) for raw in lease.limits)
         if not low <= file.lease_s <= high:
-            yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, which the amplifier allows."
+            yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, the range of the amplifier."
 
 
 def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
@@ -46,18 +43,18 @@ def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
     if p.slew_max_A_per_s < limits.current_rate_A_per_s:
         yield (
             f"protection.slew_max_A_per_s = {p.slew_max_A_per_s:g} is below limits.current_rate_A_per_s = "
-            f"{limits.current_rate_A_per_s:g}: what the host may do, the amplifier trips at."
+            f"{limits.current_rate_A_per_s:g}: the amplifier would trip at rates that the host may command."
         )
     heating = Actuator.named(file.actuator).file.heating
     low, high = sorted((heating.resistance_austenite.value, heating.resistance_martensite.value))
     if not p.resistance_min_ohm < low <= high < p.resistance_max_ohm:
         yield (
             f"protection.resistance_min_ohm … max_ohm = {p.resistance_min_ohm:g} … {p.resistance_max_ohm:g} do not "
-            f"hold the wire's {low:g} … {high:g} ohm."
+            f"contain the wire's {low:g} … {high:g} ohm."
         )
     steady = largest_A**2 * p.heat_settle_s
     if not steady < p.heat_max_A2s < OVER_CURRENT**2 * steady:
         yield (
-            f"protection.heat_max_A2s = {p.heat_max_A2s:g} should lie between {steady:g} (a steady {largest_A:g} A) "
-            f"and {OVER_CURRENT**2 * steady:.4g} (where over-current trips first): below it trips in use, above never."
+            f"protection.heat_max_A2s = {p.heat_max_A2s:g} should be between {steady:g} (a steady {largest_A:g} A) "
+            f"and {OVER_CURRENT**2 * steady:.4g} (over-current trips first): lower trips in use, higher never trips."
         )

@@ -1,8 +1,8 @@
-"""Host-side limits, checked on every tick, around any rig: current, its rate, predicted temperature.
+"""Limits on the host around any rig, checked at every tick: current, its rate, predicted temperature.
 
-The prediction is the heating model (5.1) driven by the measured current; it is also what the record
-calls ``input``. The device's own limits come first; these are the second layer. Never reshapes a
-command: what is not allowed is refused, and the rig made safe.
+The prediction is the heating model (5.1) driven by the measured current; the record calls it ``input``. These limits
+are the second layer after the device's own. The guard never changes a command: it refuses a forbidden command and
+makes the rig safe.
 """
 
 import math
@@ -14,11 +14,11 @@ from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Alarm, Rig
 
 _ROUNDING = 1e-9
-_STALE = int(Quality.STALE)  # a plain integer: an enum's & costs a µs a tick
+_STALE = int(Quality.STALE)  # a plain integer: the & of an enum costs 1 µs per tick
 
 
 class Guard:
-    """A rig that refuses what its limits forbid; ``input_K`` is the predicted hysteresis input."""
+    """A rig that refuses forbidden commands. ``input_K`` is the predicted hysteresis input."""
 
     def __init__(
         self, rig: Rig, limits: LimitsFile, actuator: Actuator, plausibility: Plausibility | None = None
@@ -38,18 +38,18 @@ class Guard:
 
     @property
     def input_K(self) -> float:
-        """Predicted hysteresis input now: kelvin above ambient, T₁ − T₂ for two wires."""
+        """The present predicted hysteresis input: kelvin above ambient, T₁ − T₂ for two wires."""
         return self.heating.input_K
 
     def steady_input_K(self, current_A: float) -> float:
-        """Where the heating model comes to rest at a current, kelvin."""
+        """The steady state of the heating model at a current, in kelvin."""
         return self.heating.source(current_A)
 
     def step(self, current_A: float, at_most: int = 1) -> list[tuple[Sample, float]]:
-        """Check, apply, and pair each sample with the predicted input at its tick.
+        """Check the command, apply it, and pair each sample with the predicted input at its tick.
 
-        A temperature trip makes the rig safe at once and is left in ``tripped``, so that the samples that
-        show it are still recorded; every later step is refused.
+        A temperature trip makes the rig safe at once and sets ``tripped``, so that the samples that show it are
+        still recorded. Every later step is refused.
         """
         self.raise_if_tripped()
         self._check_command(current_A)
@@ -58,12 +58,14 @@ class Guard:
         answer = []
         for sample in self.rig.step(current_A, at_most):
             heating_A = self._heating_current_A(sample)
-            for _ in range(self._last_tick + 1, sample.tick):  # lost ones: the wire was heated all the same
+            for _ in range(
+                self._last_tick + 1, sample.tick
+            ):  # lost samples: the wire was heated nevertheless
                 heat.step(heating_A)
             self._last_tick = sample.tick
             answer.append((sample, heat.step(heating_A)))
             self._check_plausibility(sample)
-            if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # NaN is no temperature to rely on
+            if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # also trips on NaN
                 self.tripped = (
                     f"Predicted wire temperature {max(heat.wire_K):.1f} K above ambient exceeds the limit "
                     f"temperature_max_K = {limit:g}. The current is at zero."
@@ -74,13 +76,13 @@ class Guard:
         return answer
 
     def _heating_current_A(self, sample: Sample) -> float:
-        """The measured current; where there is none, what was set or measured last, whichever heats more."""
+        """The measured current. If it is stale, the larger of the commanded and the last measured current."""
         if not sample.quality & _STALE:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 
     def _check_plausibility(self, sample: Sample) -> None:
-        """Trip on readings that cannot be."""
+        """Trip on implausible readings."""
         for alarm in self._plausibility.check(sample, self.heating.input_K) if self._plausibility else ():
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
@@ -88,12 +90,12 @@ class Guard:
                 self.safe()
 
     def alarms(self) -> list[Alarm]:
-        """The rig's, and what its readings gave away."""
+        """Alarms of the rig and of the plausibility checks since the last call."""
         own, self._alarms = self._alarms, []
         return [*self.rig.alarms(), *own]
 
     def raise_if_tripped(self) -> None:
-        """LimitExceeded if a limit has tripped."""
+        """Raise LimitExceeded if a limit has tripped."""
         if self.tripped:
             raise LimitExceeded(self.tripped)
 
@@ -107,7 +109,7 @@ class Guard:
         if math.fabs(current_A - self._last_A) > self._step_A:
             rate = abs(current_A - self._last_A) / self.period_s
             raise LimitExceeded(
-                f"A step from {self._last_A:g} A to {current_A:g} A is {rate:.3g} A/s, above the limit "
+                f"A step from {self._last_A:g} A to {current_A:g} A is {rate:.3g} A/s. The limit is "
                 f"current_rate_A_per_s = {limits.current_rate_A_per_s:g}."
             )
 
@@ -118,12 +120,12 @@ class Guard:
             self._plausibility.zeroed()
 
     def safe(self) -> None:
-        """Current to zero, whatever it was."""
+        """Set the current to zero."""
         self.rig.safe()
         self._last_A = 0.0
 
     def arm(self) -> None:
-        """Clear a latched trip, the device's and our own; the current stays at zero until the next step."""
+        """Clear a latched trip of the device and of the guard; the current stays at zero until the next step."""
         self.rig.arm()
         self.tripped = ""
         self._last_A = 0.0

@@ -1,6 +1,6 @@
-"""From a rig file to a rig: the twin in process, or a bench on the instruments that its links name.
+"""Opens the rig of a rig file: the twin in process, or a bench on the instruments of its links.
 
-A ``[simulator]`` table makes this start the simulated devices, in a process of their own that ends with ours.
+With a ``[simulator]`` table it starts the simulated devices in a process of their own, which ends with this one.
 """
 
 import contextlib
@@ -34,15 +34,11 @@ from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
 from smarig.rig.twin import Twin, TwinSettings
 
-AT_ZERO_TEXT = " The current is at zero."  # what a trip says, unless it is not so
+AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
 START_TIMEOUT_S = 60.0  # for simulated devices to start
-STOP_TIMEOUT_S = 10.0  # to end
-LOCK_STEP_S = (
-    5.0  # that devices of our own may take for a reply, where none is lost: a busy machine keeps them waiting
-)
-HOST_TIMEOUT_S = (
-    60.0  # that they wait for us, who may be kept waiting too; that we have ended they notice at once
-)
+STOP_TIMEOUT_S = 10.0  # for simulated devices to end
+LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
+HOST_TIMEOUT_S = 60.0  # time that they wait for a delayed host; they detect its end at once
 
 
 @contextmanager
@@ -55,12 +51,12 @@ def open_rig(
     speed: float | None = None,
     while_waiting: Callable[[], None] = lambda: None,
 ) -> Iterator[Rig]:
-    """A rig that is safe and closed afterwards. ``settings`` are a twin's, in process or behind a simulator's bytes.
+    """A rig that is safe and closed afterwards. ``settings`` are those of a twin or of simulated devices.
 
-    With a model's hysteresis among them it is a twin in process, whatever the rig.
+    If ``settings`` contain the hysteresis of a model, the rig is a twin in process.
     """
     with contextlib.ExitStack() as open_:
-        if file.kind == "twin" or settings.hysteresis is not None:  # a model moves no hardware
+        if file.kind == "twin" or settings.hysteresis is not None:  # a model replaces the hardware
             twin = Twin(file, actuator, settings)
             found: Rig = PacedRig(twin, speed, while_waiting=while_waiting) if speed else twin
         else:
@@ -77,7 +73,7 @@ def open_rig(
 
 @contextmanager
 def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
-    """Current to zero on every way out; that the device could not be told is part of what the person reads."""
+    """Set the current to zero at every exit. An unconfirmed shutdown becomes part of the error message."""
     try:
         yield
     except BaseException as error:
@@ -85,18 +81,18 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
         if not rig.shutdown_unconfirmed:
             raise
         if isinstance(error, Interrupted):
-            raise RigFault(f"Run {error}: it is closed. {rig.shutdown_unconfirmed}") from None
+            raise RigFault(f"Run {error}. Its file is closed. {rig.shutdown_unconfirmed}") from None
         if isinstance(error, SmarigError):
             error.args = (f"{str(error).removesuffix(AT_ZERO_TEXT)} {rig.shutdown_unconfirmed}",)
         raise
     rig.safe()
     if rig.shutdown_unconfirmed:
-        raise RigFault(f"{rig.shutdown_unconfirmed} What was recorded until then is whole.")
+        raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
 
 
 def _required_links(file: RigFile) -> LinksFile:
     if file.links is None:
-        raise UsageError(f"Rig '{file.name}' has no [links].")
+        raise UsageError(f"Rig '{file.name}' has no table [links]. Its devices require it.")
     return file.links
 
 
@@ -111,11 +107,13 @@ def _open_bench(
 
 
 def _open_instrument(link: LinkFile, file: RigFile, role: type, role_text: str) -> Any:
-    """An instrument by its driver, which may be the rig file's own; it can all that a bench will ask."""
+    """An instrument made by its driver, which may be an own file. Raises ConfigError if members are missing."""
     instrument = catalogue_entry(DRIVERS, resolve_name(DRIVERS, link.driver))(link, file)
     lacking = missing_members(instrument, role)
     if lacking:
-        raise ConfigError(f"Driver {link.driver}: it gives no {', '.join(lacking)}, which {role_text} needs.")
+        raise ConfigError(
+            f"Driver {link.driver}: the returned object lacks {', '.join(lacking)}, which {role_text} requires."
+        )
     return instrument
 
 
@@ -123,18 +121,18 @@ def _open_instrument(link: LinkFile, file: RigFile, role: type, role_text: str) 
 def _started_simulator(
     rig: str, how: SimulatorFile, links: LinksFile, settings: TwinSettings, speed: float
 ) -> Iterator[LinksFile]:
-    """The devices' links, while they live; they notice by their input's end that we are gone."""
+    """The links of the devices while they run. They detect the end of this process at the end of their input."""
     if settings.initial is not None or not settings.noise:
         raise UsageError(
-            "Simulated devices follow the rig file; another state or no noise is for the twin in process."
+            "Simulated devices follow the rig file. Use a twin in process for another initial state or no noise."
         )
     with_type = [effect for effect in settings.effects if isinstance(effect, Effect)]
     if len(with_type) < len(settings.effects) or any(
         e.kind.name not in catalogue_names(EFFECTS) for e in with_type
     ):
-        raise UsageError("Simulated devices know effects of the catalogue only.")
+        raise UsageError("Simulated devices accept only effects of the catalogue.")
     if links.amplifier.framing != links.encoder_daq.framing:
-        raise UsageError("Simulated devices speak one framing; give both links the same.")
+        raise UsageError("Simulated devices use one framing. Give both links the same framing.")
     pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
     min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
     effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
@@ -149,7 +147,7 @@ def _started_simulator(
         stdout=subprocess.PIPE,
         text=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, search))},
-        start_new_session=os.name != "nt",  # Ctrl-C is ours to handle
+        start_new_session=os.name != "nt",  # Ctrl-C is handled by this process
     )
     try:
         urls = _ready(process)
@@ -167,8 +165,8 @@ def _with_url(link: LinkFile, url: str, min_timeout_s: float) -> LinkFile:
 
 
 def _ready(process: subprocess.Popen) -> dict:
-    """The line in which the devices say where they are."""
-    assert process.stdout is not None  # noqa: S101 - it was asked for
+    """The line in which the devices report their URLs."""
+    assert process.stdout is not None  # noqa: S101 - a pipe was requested
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
         line = process.stdout.readline() if selector.select(START_TIMEOUT_S) else ""
@@ -176,13 +174,13 @@ def _ready(process: subprocess.Popen) -> dict:
         with contextlib.suppress(subprocess.TimeoutExpired):
             status = process.wait(1)
             kind = ConfigError if status == ConfigError.exit_status else RigFault
-            raise kind(f"The simulated devices ended at once (status {status}): see what they say above.")
+            raise kind(f"The simulated devices ended at once (status {status}). Their messages are above.")
         raise RigFault(f"The simulated devices did not start within {START_TIMEOUT_S:g} s.")
     return json.loads(line)
 
 
 def _stop_process(process: subprocess.Popen, *, keep_until_lease: bool) -> None:
-    """Their input ends; who keeps a trace is left to show how the lease ends what flows."""
+    """Close their input. Devices that keep a trace keep running until the lease has switched off the current."""
     if not keep_until_lease:
         with contextlib.suppress(OSError):
             process.terminate()

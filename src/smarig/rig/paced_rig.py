@@ -1,4 +1,4 @@
-"""A rig held to real time × speed, for watching and for demonstrations; otherwise twins run free."""
+"""A rig that runs at a given speed relative to real time, for watching and demonstrations."""
 
 import time
 from collections.abc import Callable
@@ -10,7 +10,7 @@ _SLOWEST, _FASTEST = 1e-3, 1e6
 
 
 class PacedRig:
-    """A rig whose ticks come no faster than period/speed on a clock that is injected."""
+    """A rig whose ticks come no faster than period/speed on an injected clock."""
 
     def __init__(
         self,
@@ -21,9 +21,11 @@ class PacedRig:
         while_waiting: Callable[[], None] = lambda: None,
     ) -> None:
         if not _SLOWEST <= speed <= _FASTEST:
-            raise UsageError(f"Speed {speed:g} is outside {_SLOWEST:g}…{_FASTEST:g} × real time.")
+            raise UsageError(
+                f"Speed {speed:g} is outside the range {_SLOWEST:g}…{_FASTEST:g} (1 is real time)."
+            )
         self.rig, self._clock, self._sleep = rig, clock, sleep
-        self._while_waiting = while_waiting  # may raise: a stop must not wait for a slow tick
+        self._while_waiting = while_waiting  # may raise, so that a stop does not wait for a slow tick
         self._tick_s = rig.period_s / speed
         self._next_s = clock()
 
@@ -33,7 +35,7 @@ class PacedRig:
         return self.rig.period_s
 
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
-        """Wait for the tick, then step; a late caller is not made to catch up."""
+        """Wait for the tick, then step. A late caller does not catch up."""
         now = self._clock()
         self._next_s = max(self._next_s + self._tick_s, now)
         while self._next_s > now:
@@ -54,11 +56,11 @@ class PacedRig:
 
     @property
     def shutdown_unconfirmed(self) -> str:
-        """Whether the rig knows that it is to be off."""
+        """Why a device may still be on; "" if it is off."""
         return self.rig.shutdown_unconfirmed
 
     def alarms(self) -> list[Alarm]:
-        """The rig's."""
+        """Alarms of the rig since the last call."""
         return self.rig.alarms()
 
     def close(self) -> None:
@@ -70,7 +72,7 @@ class PacedRig:
         self.rig.zero()
 
     def safe(self) -> None:
-        """Current to zero."""
+        """Set the current to zero."""
         self.rig.safe()
 
     def arm(self) -> None:

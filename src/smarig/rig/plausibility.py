@@ -1,7 +1,6 @@
-"""Do the readings of a rig agree with each other? Trips and warnings from derived quantities, once a tick.
+"""Plausibility of readings: trips and warnings from derived quantities, computed once per tick.
 
-Measured against the wire's own constants and the travel of its hysteresis, as rough as a wire is allowed to differ from
-them. Knows samples; refuses to know devices, and what to do about it: that is the guard's.
+The tolerances refer to the wire's own constants and to the travel of its hysteresis.
 """
 
 import math
@@ -12,26 +11,29 @@ from smarig.plant import Actuator
 from smarig.preisach import thesis_surface
 from smarig.rig.rig import Alarm
 
-REST_TAUS = 12.0  # until a wire is at rest, whatever it was before, and whatever its sensors lag behind
-IN_A_ROW = 3  # samples: one may be wrong by itself
-MIN_CURRENT_A = 0.05  # less says nothing of a resistance
+REST_TAUS = 12.0  # until the wire is at rest, from any state and including sensor lags
+IN_A_ROW = 3  # consecutive samples: a single one may be wrong
+MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
 READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
-RESISTANCE_FACTORS = (0.5, 2.0)  # times the least and the largest of the wire: beyond is told
-MAX_JUMP = 0.25  # of the travel within one tick: no wire is so fast,
-MAX_JUMP_TAUS = 3.0  # unless the tick is long: times the share of its way that a temperature goes in it
-MIN_TRAVEL = 0.03  # of the travel: no motion
-SLIP_LIMIT = 0.25  # of the travel, while the input stays
+RESISTANCE_FACTORS = (0.5, 2.0)  # times the smallest and the largest resistance of the wire
+MAX_JUMP = 0.25  # of the travel within one tick: no wire is faster,
+MAX_JUMP_TAUS = 3.0  # unless the tick is long: factor on the relative change of temperature in one tick
+MIN_TRAVEL = 0.03  # of the travel: less is no motion
+SLIP_LIMIT = 0.25  # of the travel, at constant input
 STEADY_INPUT_BAND = 0.05  # of the range
-COLD, HOT = 0.2, 0.8  # of the range: heated through
+COLD, HOT = 0.2, 0.8  # of the range: fully cooled, fully heated
 
-MAX_STALE_SAMPLES = 20  # samples without a current of their own: more than a late host ever sees
+MAX_STALE_SAMPLES = 20  # samples without a current reading: more than a late host causes
 
-_STALE, _SATURATED = int(Quality.STALE), int(Quality.SATURATED)  # plain integers, as in every tick's way
+_STALE, _SATURATED = (
+    int(Quality.STALE),
+    int(Quality.SATURATED),
+)  # plain integers, because they are used every tick
 _UNRELIABLE = _STALE | int(Quality.TRIPPED)
 
 
 class Plausibility:
-    """``looked(sample, input_K)``: what is wrong with a sample, worst first; errors are reasons to trip."""
+    """``check(sample, input_K)`` returns alarms, the worst first; errors are reasons to trip."""
 
     def __init__(self, rig: RigFile, actuator: Actuator) -> None:
         limits, heating = rig.limits, actuator.file.heating
@@ -48,24 +50,24 @@ class Plausibility:
         self._last: int | None = None
         self._ticks_in_a_row = {"read_back": 0, "resistance": 0, "blind": 0}
         self._max_stale = max(MAX_STALE_SAMPLES, round(rig.lease_s / rig.period_s))
-        self._last_end = ""  # where the wire was last: cold or hot; and the extent of its position since
+        self._last_end = ""  # last end reached, cold or hot; below: extent of the position since then
         self._extent = (0, 0)
-        self._rest_point = (0.0, 0)  # input and counts where the input came to rest
+        self._rest_point = (0.0, 0)  # input and counts at the start of rest
         self._settle_ticks = self._settling_ticks = round(REST_TAUS * actuator.tau_s / rig.period_s)  # ticks
 
     def zeroed(self) -> None:
-        """The encoder counts from here on: what was before says nothing."""
+        """The encoder was zeroed: discard earlier counts."""
         self._last, self._last_end = None, ""
 
     def rearmed(self) -> None:
-        """A trip was cleared: what is still wrong must be able to trip again."""
+        """A trip was cleared: a fault that persists must trip again."""
         self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
         self.zeroed()
 
     def check(self, sample: Sample, input_K: float) -> list[Alarm]:
         """Errors and warnings that this sample is the first to show."""
         if self._persists("blind", bool(sample.quality & _STALE), self._max_stale):
-            text = f"The amplifier gave no reading of the current for {self._max_stale} samples: look at its converter."
+            text = f"The amplifier returned no current reading for {self._max_stale} samples. Check its converter."
             return [Alarm("error", "blind", text)]
         if sample.quality & _UNRELIABLE or math.isnan(sample.current_A):
             self._last = sample.counts
@@ -83,29 +85,31 @@ class Plausibility:
         ohm = s.voltage_V / s.current_A if abs(s.current_A) >= MIN_CURRENT_A else math.nan
         found = []
         if self._persists("read_back", off):
-            text = f"{s.current_A:.3g} A flow where {command_A:.3g} A are set: check amplifier and shunt."
+            text = f"{s.current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
             found.append(Alarm("error", "read_back", text))
         if self._persists("resistance", not (math.isnan(ohm) or self._ohm[0] <= ohm <= self._ohm[1])):
             low, high = self._ohm
-            text = f"The wire has {ohm:.3g} ohm, outside {low:.3g}…{high:.3g}: look at clamps and wire."
+            text = (
+                f"The wire's resistance {ohm:.3g} ohm is outside {low:.3g}…{high:.3g}. Check clamps and wire."
+            )
             found.append(Alarm("error", "resistance", text))
         return found
 
     def _persists(self, name: str, wrong: bool, often: int = IN_A_ROW) -> bool:
-        """Whether it is wrong so often in a row just now."""
+        """Whether a condition has just lasted for ``often`` consecutive samples."""
         self._ticks_in_a_row[name] = self._ticks_in_a_row[name] + 1 if wrong else 0
         return self._ticks_in_a_row[name] == often
 
     def _check_motion(self, counts: int, input_K: float) -> list[Alarm]:
         if self._last is not None and abs(counts - self._last) > self._jump:
-            text = f"The encoder jumped by {counts - self._last} counts in one tick: check cable and disc."
+            text = f"The encoder jumped by {counts - self._last} counts in one tick. Check cable and disc."
             self._rest_point = (input_K, counts)
             return [Alarm("error", "jump", text)]
         found = self._check_travel(counts, (input_K - self._lower_K) / self._range_K)
         return found + self._check_slip(counts, input_K)
 
     def _check_slip(self, counts: int, input_K: float) -> list[Alarm]:
-        """Once a wire and slow sensors have had time to come to rest, they stay there while the input does."""
+        """After the settling time of wire and sensors, the position must stay while the input stays."""
         if self._last is None or abs(input_K - self._rest_point[0]) > STEADY_INPUT_BAND * self._range_K:
             self._rest_point, self._settling_ticks = (input_K, counts), self._settle_ticks
         if self._settling_ticks > 0:
@@ -115,11 +119,11 @@ class Plausibility:
         if abs(moved) <= SLIP_LIMIT * self._travel:
             return []
         self._rest_point = (input_K, counts)
-        text = f"The position moved by {moved} counts without heating: is the wire slipping?"
+        text = f"The position moved by {moved} counts without heating. Check whether the wire slips."
         return [Alarm("error", "slip", text)]
 
     def _check_travel(self, counts: int, share: float) -> list[Alarm]:
-        """From cold to hot the wire must move, and from hot to cold."""
+        """Between cold and hot the wire must move."""
         low, high = self._extent
         self._extent = low, high = min(low, counts), max(high, counts)
         end = "cold" if share < COLD else "hot" if share >= HOT else ""
@@ -130,7 +134,5 @@ class Plausibility:
         if not crossed or high - low >= MIN_TRAVEL * self._travel:
             return []
         how = "heated" if end == "hot" else "cooled"
-        text = (
-            f"The wire was {how} through and did not move: is the encoder stuck or off, or the wire broken?"
-        )
+        text = f"The wire was fully {how} and did not move. Check the encoder and the wire."
         return [Alarm("error", "still", text)]

@@ -1,7 +1,4 @@
-"""The seam between experiments and whatever carries them out: twin or bench, one shape.
-
-Refuses to know protocols and files.
-"""
+"""The interface that twin and bench share."""
 
 from typing import NamedTuple, Protocol
 
@@ -9,7 +6,7 @@ from smarig.core import Sample
 
 
 class Alarm(NamedTuple):
-    """What a rig has to say beside its samples: severity (info, warning, error), kind, one sentence."""
+    """A message of a rig besides its samples: level (info, warning, error), kind, one sentence."""
 
     level: str
     kind: str
@@ -17,12 +14,12 @@ class Alarm(NamedTuple):
 
 
 class Rig(Protocol):
-    """A rig: one verb moves it one tick, one makes it safe.
+    """A rig executes commands tick by tick.
 
-    ``step`` sends a current and returns the samples that have arrived since (one for a twin; several
-    when a bench reads its ring in a block), in tick order; no more than ``at_most`` ticks pass meanwhile,
-    unless time passes by itself. ``safe`` brings the current to zero, never raises, and may be called any
-    number of times. Silence longer than the lease does the same.
+    ``step`` sends a current and returns the samples that have arrived since, in tick order (one from a twin, several
+    if a bench reads its ring in a block). At most ``at_most`` ticks pass meanwhile, unless time passes by itself.
+    ``safe`` sets the current to zero, never raises, and may be called repeatedly. A time without commands longer than
+    the lease has the same effect.
     """
 
     @property
@@ -42,19 +39,19 @@ class Rig(Protocol):
 
     @property
     def shutdown_unconfirmed(self) -> str:
-        """Why a device may not know that it is to be off, a sentence; "" where it does."""
+        """Why a device may still be on, as a sentence; "" if it confirmed that it is off."""
         ...
 
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
-        """Apply a current from the next tick on; raises RigFault when tripped or lost."""
+        """Apply a current from the next tick on. Raises RigFault if the rig has tripped or is lost."""
         ...
 
     def zero(self) -> None:
-        """Zero the relative encoder where it stands."""
+        """Zero the incremental encoder at its present position."""
         ...
 
     def safe(self) -> None:
-        """Current to zero. Never raises; idempotent."""
+        """Set the current to zero. Never raises; idempotent."""
         ...
 
     def arm(self) -> None:
@@ -62,9 +59,9 @@ class Rig(Protocol):
         ...
 
     def alarms(self) -> list[Alarm]:
-        """What happened since this was last asked."""
+        """Alarms since the last call."""
         ...
 
     def close(self) -> None:
-        """Let go of the devices. Never raises."""
+        """Close the devices. Never raises."""
         ...

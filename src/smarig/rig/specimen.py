@@ -1,8 +1,7 @@
-"""The wire on its rig, in software: plant and instruments, one tick at a time, in the words that instruments say.
+"""The wire on its rig, in software: plant and instruments, one tick at a time, as register values.
 
-Behind the in-process twin and behind the simulated devices alike, so that both say the same. Readings are the whole
-numbers of ``firmware_protocol``: what is finer than a register is lost here already.
-Knows no commands, leases or links.
+The in-process twin and the simulated devices share it, so their readings are equal. Readings are the integers of
+``firmware_protocol``, so they have the resolution of the registers.
 """
 
 import math
@@ -26,7 +25,7 @@ _BLOCK = 4096
 
 @dataclass(frozen=True)
 class TwinSettings:
-    """What may differ between two twins of one rig file."""
+    """Settings in which two twins of one rig file may differ."""
 
     seed: int = 0
     noise: bool = True
@@ -36,7 +35,7 @@ class TwinSettings:
 
 
 class RawReading(NamedTuple):
-    """What the instruments of one tick read, as registers hold it; ``counts`` since power-up."""
+    """The readings of one tick as register values; ``counts`` since power-up."""
 
     current: int
     voltage: int
@@ -47,7 +46,7 @@ class RawReading(NamedTuple):
 
 
 class RegisterScales(NamedTuple):
-    """Words per unit of a reading."""
+    """Scales of the registers, in words per unit."""
 
     per_A: float
     per_V: float
@@ -56,7 +55,7 @@ class RegisterScales(NamedTuple):
 
 
 def register_scales() -> RegisterScales:
-    """Of the registers that readings go into."""
+    """Scales of the registers that hold readings."""
     amplifier = {f.name: f for f in load_register_map("amplifier")["ring"].field}
     ambient = next(f for f in load_register_map("encoder_daq")["ring"].field if f.name == "ambient")
     none = amplifier["temperature"].none
@@ -69,11 +68,11 @@ def register_scales() -> RegisterScales:
 
 
 class Specimen:
-    """A wire with its amplifier's output, its encoder and its thermometer; ``advance`` lets a tick pass."""
+    """A wire with amplifier output, encoder and thermometer. ``advance`` lets one tick pass."""
 
     def __init__(self, rig: RigFile, actuator: Actuator, settings: TwinSettings) -> None:
         if settings.seed < 0:
-            raise UsageError(f"Seed {settings.seed} is negative; give a whole number from 0 up.")
+            raise UsageError(f"Seed {settings.seed} is negative. Give a whole number from 0 up.")
         self.tick = 0
         self.file, self.actuator = rig, actuator
         hysteresis = actuator.file.hysteresis
@@ -99,15 +98,15 @@ class Specimen:
         )
         self._power_up_counts = math.floor(
             self._encoder_counts() + 0.5
-        )  # an incremental encoder begins at 0 where it stands
+        )  # an incremental encoder starts at 0 at its present position
         self._min_A = -rig.amplifier.saturation_A if actuator.two_wire else 0.0
 
     def limited_A(self, output_A: float) -> float:
-        """What the amplifier can drive of what is asked of it."""
+        """The commanded current, limited to the range of the amplifier."""
         return min(max(output_A, self._min_A), self.file.amplifier.saturation_A)
 
     def advance(self, output_A: float) -> RawReading:
-        """One tick with a current asked of the amplifier, and what was read in it."""
+        """Let one tick pass at a commanded current and return its readings."""
         self.tick = tick = self.tick + 1
         limited_A = self.limited_A(output_A)
         if self._sd_K:
@@ -137,7 +136,7 @@ class Specimen:
         )
 
     def counts_now(self) -> int:
-        """Where the encoder stands since power-up, without noise."""
+        """The present counts since power-up, without noise."""
         return math.floor(self._encoder_counts() + 0.5) - self._power_up_counts
 
     def _encoder_counts(self) -> float:

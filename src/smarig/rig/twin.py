@@ -1,7 +1,7 @@
-"""The software twin: a specimen in place of hardware, behind the same seam.
+"""The software twin: a specimen in place of hardware, with the interface of a rig.
 
-Time is the twin's own integer tick, advanced only when asked (lock-step), so eight hours take
-seconds. It has the lease of the real devices: left alone for longer, its output goes off and stays off.
+Time is the twin's own integer tick and advances only with a request (lock-step), so eight hours take seconds. The
+twin has the lease of the real devices: after a longer time without commands its output switches off and stays off.
 """
 
 from smarig.config import RigFile, load_rig
@@ -13,7 +13,7 @@ from smarig.rig.specimen import Specimen, TwinSettings, register_scales
 
 
 class Twin:
-    """A rig in software; ``Twin.named("one_wire_twin")``.
+    """A rig in software, for example ``Twin.named("one_wire_twin")``.
 
     >>> twin = Twin.named("one_wire_twin", seed=1)
     >>> samples = [twin.step(1.0)[0] for _ in range(600)]        # a minute at 1 A
@@ -49,26 +49,26 @@ class Twin:
 
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current for the next tick and return its sample."""
-        del at_most  # a twin is asked tick by tick: nothing is saved by blocks
+        del at_most  # a twin works tick by tick; blocks save nothing
         if self.tripped:
             raise LeaseExpired(
                 f"{self.file.name} has switched its output off: {self.tripped} Re-arm it with arm()."
             )
         if current_A != current_A:
-            raise UsageError("The twin was given NaN as its current.")
+            raise UsageError("The current of the twin is NaN. Give a number.")
         if current_A != self._command_A:
             self._command_A, self._quantised_A = current_A, self._current_register.rounded(current_A)
         self.output_A = self._quantised_A
         return (self._advance(current_A),)
 
     def idle(self, seconds: float) -> None:
-        """Let device time pass with the host silent; the lease trips when it runs out."""
+        """Let device time pass without commands; the lease trips when it expires."""
         ticks = round(seconds / self.period_s)
         lease = round(self.file.lease_s / self.period_s)
         for k in range(ticks):
             if k >= lease and not self.tripped:
                 self.output_A = 0.0
-                self.tripped = f"nothing was heard from the host for {self.file.lease_s:g} s."
+                self.tripped = f"no command from the host for {self.file.lease_s:g} s."
             self._advance(self.output_A, Quality.TRIPPED if self.tripped else Quality.GOOD)
 
     def arm(self) -> None:
@@ -76,24 +76,24 @@ class Twin:
         self.tripped = ""
 
     def zero(self) -> None:
-        """Zero the relative encoder where it stands."""
+        """Zero the incremental encoder at its present position."""
         self._zero_counts = self.specimen.counts_now()
 
     def safe(self) -> None:
-        """Output to zero."""
+        """Set the output to zero."""
         self.output_A = 0.0
 
     @property
     def shutdown_unconfirmed(self) -> str:
-        """It always knows."""
+        """Always "": the twin is in the same process."""
         return ""
 
     def alarms(self) -> list[Alarm]:
-        """It has none."""
+        """Always empty."""
         return []
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: a twin holds no resources."""
 
     def _advance(self, command_A: float, quality: Quality = Quality.GOOD) -> Sample:
         reading, s = self.specimen.advance(self.output_A), self._scales

@@ -1,4 +1,4 @@
-"""One runner interprets protocols on any rig; every ending leaves the current at zero."""
+"""The runner executes protocols on any rig; however a run ends, the current is zero."""
 
 from typing import TYPE_CHECKING
 

@@ -1,7 +1,7 @@
-"""A slow listener made harmless: a bounded queue and a thread of its own, the oldest dropped and counted.
+"""Decouples a slow listener from the tick: a bounded queue with a thread of its own, whose oldest entries are dropped.
 
-A viewer may stall or die; the tick must not notice. Events and steps are queued like samples. Whatever
-the listener raises ends its thread, is kept in ``failure``, and never reaches the runner.
+A viewer may stall or fail without effect on the tick. Samples, steps and events are queued alike. An exception of the
+listener ends its thread, is kept in ``failure``, and never reaches the runner.
 """
 
 import threading
@@ -14,7 +14,7 @@ from smarig.runner.listener import Listener
 
 
 class BoundedListener:
-    """Passes on to ``listener`` what fits; ``dropped`` counts what did not."""
+    """Passes calls on to ``listener`` through a bounded queue; ``dropped`` counts the calls that did not fit."""
 
     def __init__(self, listener: Listener, size: int = 10_000) -> None:
         self._listener = listener
@@ -40,7 +40,7 @@ class BoundedListener:
         self._put(lambda: self._listener.event(t_s, kind, text, level=level, **data))
 
     def close(self, timeout_s: float = 5.0) -> None:
-        """Let the listener finish what is queued, but wait no longer than ``timeout_s``."""
+        """Let the listener finish the queue, but wait no longer than ``timeout_s``."""
         self._open = False
         self._wake.set()
         self._thread.join(timeout_s)
@@ -55,7 +55,7 @@ class BoundedListener:
         self._wake.set()
 
     def _pop_oldest(self) -> Callable[[], None] | None:
-        """The oldest that waits; None when the other side was quicker."""
+        """The oldest queued call; None if the other thread has taken it."""
         try:
             return self._queue.popleft()
         except IndexError:

@@ -1,8 +1,8 @@
-"""Asks a protocol for its next command, and takes none that the runner or the record could choke on.
+"""Gets the next command from a protocol and rejects invalid commands.
 
-A protocol may be somebody's own file: it may yield a numpy integer where a number belongs (taken as one), or nonsense
-(refused in a sentence with file and line), may raise what ends programs, or never come back. Whatever it does, what was
-measured so far is kept and the current ends at zero. Refuses to know what commands do.
+A protocol may be a user's own file. It may yield a numpy integer as a number (accepted) or an invalid object (refused
+with file and line), raise exceptions that end programs, or never return. In each case the samples so far are kept and
+the current ends at zero.
 """
 
 import contextlib
@@ -29,13 +29,13 @@ from smarig.runner.run_control import RunControl
 
 
 class CheckedGenerator:
-    """A protocol and who may stop it; ``next(answer)`` is its next command, None at its end."""
+    """A protocol that can be stopped; ``next(answer)`` is its next command, None at its end."""
 
     def __init__(self, protocol: Protocol, control: RunControl) -> None:
         self._protocol, self._control = protocol, control
 
     def next(self, answer: Any) -> Command | None:
-        """Raises UsageError for what is no command, and for what a protocol must not raise."""
+        """The next command. Raises UsageError for an invalid command or a forbidden exception of the protocol."""
         self._control.waiting_since_s = time.monotonic()
         try:
             command = self._protocol.send(answer)
@@ -48,7 +48,7 @@ class CheckedGenerator:
                 raise
             raised = error.__cause__ if isinstance(error, RuntimeError) else error
             raise UsageError(
-                f"The protocol raised {type(raised).__name__}: a protocol ends by returning."
+                f"The protocol raised {type(raised).__name__}. A protocol must end by returning."
             ) from error
         finally:
             self._control.waiting_since_s = None
@@ -58,12 +58,12 @@ class CheckedGenerator:
             raise UsageError(f"{self._location()}: {str(error).rstrip('.')}.") from None
 
     def close(self) -> None:
-        """Let go of the protocol, whatever it thinks of that."""
+        """Close the protocol and suppress its exceptions."""
         with contextlib.suppress(Exception):
             self._protocol.close()
 
     def _location(self) -> str:
-        """File and line of the innermost generator that stands at its yield."""
+        """File and line of the innermost generator at its present yield."""
         inner: Any = self._protocol
         while getattr(inner, "gi_yieldfrom", None) is not None and hasattr(inner.gi_yieldfrom, "gi_frame"):
             inner = inner.gi_yieldfrom
@@ -72,7 +72,7 @@ class CheckedGenerator:
 
 
 def checked(command: object) -> Command:
-    """The command with plain numbers in it; UsageError, naming the field, for what is none.
+    """The command with plain numbers. Raises UsageError, with the name of the field, for invalid values.
 
     >>> import numpy as np
     >>> checked(Hold(np.float32(0.5), Elapsed(1.0), target=np.int64(40)))
@@ -83,7 +83,9 @@ def checked(command: object) -> Command:
             return command if type(current_A) is float else Drive(_number("current_A of a Drive", current_A))
         case Hold():
             if not isinstance(command.until, Elapsed | Settled):
-                raise UsageError(f"until of a Hold is Elapsed or Settled, not {_short_repr(command.until)}")
+                raise UsageError(
+                    f"until of a Hold must be Elapsed or Settled, got {_short_repr(command.until)}"
+                )
             target = None if command.target is None else _number("target of a Hold", command.target)
             current_A = _number("current_A of a Hold", command.current_A)
             return replace(
@@ -93,18 +95,18 @@ def checked(command: object) -> Command:
             currents = _numbers("currents_A of a Waveform", command.currents_A)
             period_s = _number("period_s of a Waveform", command.period_s)
             if not (period_s > 0 and currents):
-                raise UsageError("a Waveform needs at least one current, and a period_s above 0")
+                raise UsageError("a Waveform needs at least one current and a period_s above 0")
             return Waveform(currents, period_s, _text("branch", command.branch))
         case Mark(label, data):
             _text("label of a Mark", label)
             try:
                 json.dumps(data, ensure_ascii=False).encode("utf-8")
             except (TypeError, ValueError, RecursionError) as error:
-                raise UsageError(f"data of a Mark must be what JSON can hold: {error}") from None
+                raise UsageError(f"data of a Mark cannot be stored as JSON: {error}") from None
             return command
         case Zero():
             return command
-    raise UsageError(f"a protocol yields Hold, Waveform, Drive, Zero or Mark, not {_short_repr(command)}")
+    raise UsageError(f"a protocol must yield Hold, Waveform, Drive, Zero or Mark, got {_short_repr(command)}")
 
 
 def _number(what: str, value: object) -> float:
@@ -120,7 +122,7 @@ def _numbers(what: str, values: object) -> tuple[float, ...]:
     try:
         return tuple(_number(what, value) for value in values)  # type: ignore[union-attr]
     except TypeError:
-        raise UsageError(f"{what} must be numbers in a row, got {_short_repr(values)}") from None
+        raise UsageError(f"{what} must be a sequence of numbers, got {_short_repr(values)}") from None
 
 
 def _text(what: str, value: object) -> str:
@@ -132,7 +134,7 @@ def _text(what: str, value: object) -> str:
 
 
 def _short_repr(value: object) -> str:
-    """On one line, and short."""
+    """A short representation on one line."""
     try:
         return repr(value).encode("ascii", "backslashreplace").decode()[:60].replace("\n", " ")
     except Exception:

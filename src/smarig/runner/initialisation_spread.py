@@ -1,8 +1,8 @@
-"""Fig. 5.4 as numbers: how far apart are major loops that began from different histories?
+"""Fig. 5.4 as numbers: the distance of major loops that start from different histories.
 
-Encoders are relative: a major loop is recorded from wherever the wire stood when the encoder was
-zeroed. The rig's own noise-free twin is taken through three histories, initialised in three ways, and
-driven round the major loop. What it finds holds for hardware as far as the twin does.
+Encoders are incremental: a major loop is recorded relative to the position at which the encoder was zeroed. The rig's
+own noise-free twin gets three histories, is initialised in three ways, and is driven round the major loop. The result
+holds for hardware as far as the twin represents it.
 """
 
 from collections.abc import Sequence
@@ -18,12 +18,12 @@ from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
 InitialisationMethod = Literal["none", "thesis", "planned"]
-_HISTORIES = ((), (0.8,), (-0.7,))  # fresh; wire 1 heated; wire 2 heated: currents as shares of the limit
+_HISTORIES = ((), (0.8,), (-0.7,))  # fresh; wire 1 heated; wire 2 heated: currents as fractions of the limit
 
 
 @dataclass(frozen=True)
 class InitialisationSpread:
-    """Spread of the major loop's two ends over the histories, in counts, and the wire's swing (kelvin)."""
+    """Spread of both ends of the major loop over the histories, in counts, and the largest inputs (kelvin)."""
 
     method: InitialisationMethod
     offset_counts: float
@@ -31,7 +31,7 @@ class InitialisationSpread:
     min_input_K: float
 
     def sentence(self) -> str:
-        """One line for a report."""
+        """The result in one line."""
         what = {
             "none": "On this rig's noise-free twin: without initialisation",
             "thesis": "With the thesis's initialisation (0.1 Hz, 180 s)",
@@ -40,20 +40,20 @@ class InitialisationSpread:
         extremes = (
             ""
             if self.method == "none"
-            else f"; the wires swing between {self.max_input_K:+.0f} and −{-self.min_input_K:.0f} K"
+            else f"; the input varies between {self.max_input_K:+.0f} and −{-self.min_input_K:.0f} K"
         )
-        return f"{what} the major loops of three histories lie up to {self.offset_counts:.1f} counts apart{extremes}."
+        return f"{what} the major loops of three histories are up to {self.offset_counts:.1f} counts apart{extremes}."
 
 
 def initialisation_spread(rig: str, method: InitialisationMethod) -> InitialisationSpread:
-    """Spread of major loops over three histories after one way of initialising; settled, noise-free counts."""
+    """Spread of major loops over three histories after one kind of initialisation; settled, noise-free counts."""
     loops, all_extremes = [], []
     for history in _HISTORIES:
         loop, extremes = _major_loop(rig, method, history)
         loops.append(loop)
         all_extremes.append(extremes)
     spread = max(max(end) - min(end) for end in zip(*loops, strict=True))
-    # The fresh wire tells what the sinusoid alone does; the others still remember their history's warmth.
+    # The fresh wire shows the effect of the sinusoid alone; the other wires are still warm from their history.
     return InitialisationSpread(method, spread, *all_extremes[0])
 
 
@@ -94,7 +94,7 @@ def _loop(setup: Setup) -> Protocol:
 
 
 class _InputExtremes:
-    """Extreme inputs."""
+    """The extreme inputs."""
 
     def __init__(self) -> None:
         self.max_K = self.min_K = 0.0

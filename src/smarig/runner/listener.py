@@ -1,4 +1,4 @@
-"""Who may listen to a run, and a listener made of functions. Listeners must not block the tick."""
+"""The interface of listeners, and a listener made of functions. Listeners must not block the tick."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from smarig.runner.settling_detection import SettleWindow
 
 
 class Listener(Protocol):
-    """Who wants to know: the recorder, a progress line, a viewer."""
+    """Receives samples, steps and events of a run: the recorder, a progress line, a viewer."""
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
         """A sample, with its step and the predicted hysteresis input (kelvin)."""
@@ -20,21 +20,21 @@ class Listener(Protocol):
         ...
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """Something worth a line."""
+        """An event."""
         ...
 
 
 @runtime_checkable
 class StepStartListener(Protocol):
-    """What a listener may have besides: it is told what a step is to be, and its window fills before its eyes."""
+    """An optional method of a listener: it receives each step at its start, with the settle window."""
 
     def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
-        """A step begins; ``window`` is the runner's own, to look at only."""
+        """A step starts. ``window`` belongs to the runner and must not be changed."""
         ...
 
 
 def _ignore(*_: Any) -> None:
-    """Not watched."""
+    """Do nothing."""
 
 
 @dataclass(frozen=True)

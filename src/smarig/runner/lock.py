@@ -1,6 +1,6 @@
-"""One runner per wire: a lock file held by the operating system, gone when the process is.
+"""One runner per wire: a lock file held by the operating system, which releases it when the process ends.
 
-Refuses to know rigs; a wire is its name. Twins lock the wire name in their rig file like hardware does.
+The lock belongs to the name of the wire. Twins lock the wire name of their rig file, as hardware does.
 """
 
 import contextlib
@@ -16,19 +16,19 @@ from smarig.core import RigFault, UsageError
 
 
 def lock_folder() -> Path:
-    """Where locks live: $SMARIG_LOCK_DIR, or a folder of the system's temporary one."""
+    """The folder of the locks: $SMARIG_LOCK_DIR, or one in the system's temporary folder."""
     return Path(os.environ.get("SMARIG_LOCK_DIR") or Path(tempfile.gettempdir()) / "smarig-locks")
 
 
 @contextmanager
 def wire_lock(wire: str) -> Iterator[None]:
-    """Hold the lock of a wire; RigFault naming the holder if somebody else does."""
+    """Hold the lock of a wire. Raises RigFault with the holder if another process has it."""
     with _opened(wire) as file:
         if not _try_lock(file):
             file.seek(0)
             holder = file.read().strip() or "another process"
             raise RigFault(
-                f"Wire '{wire}' is in use by {holder}; wait for it, or name another wire with --wire."
+                f"Wire '{wire}' is in use by {holder}. Wait for it, or give another wire with --wire."
             )
         file.seek(0)
         file.truncate()
@@ -45,13 +45,13 @@ def _opened(wire: str) -> IO:
     try:
         if not path.parent.is_dir():
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.parent.chmod(0o1777)  # the wire is one, whoever works at it
+            path.parent.chmod(0o1777)  # all users share the lock of a wire
         file = path.open("a+")
-        with contextlib.suppress(OSError):  # somebody else's file: its mode is theirs
+        with contextlib.suppress(OSError):  # another user's file: its mode cannot be changed
             path.chmod(0o666)
     except OSError as error:
         raise UsageError(
-            f"Lock {path} cannot be made: {error.strerror}; set SMARIG_LOCK_DIR to a folder."
+            f"Lock {path} cannot be created: {error.strerror}. Set SMARIG_LOCK_DIR to a folder."
         ) from None
     return file
 

@@ -1,7 +1,7 @@
-"""The own files that a run was made with: written into its record, and asked for again before it is gone on with.
+"""The own files of a run: stored in its record, and required again to resume it.
 
-A run file comes from anywhere, and a Python file is executed when it is loaded. So nothing that a run only names is
-ever loaded from it: the person gives the same file again. Knows catalogues and records; loads nothing itself.
+A run file may come from anywhere, and a Python file is executed when it is loaded. A file that a run only names is
+therefore never loaded from there; the user gives the same file again.
 """
 
 from collections.abc import Iterable
@@ -21,7 +21,7 @@ OWN_FILES = "own_files"  # key of the run table
 def used_own_files(
     protocol: str, effects: Iterable[Any], file: RigFile, controller: str = ""
 ) -> list[dict[str, str]]:
-    """The own files of a run: kind, name, path, hash and text of each; none for what ships."""
+    """The own files of a run with kind, name, path, hash and text; files of the package are left out."""
     with_type = [e.kind.name for e in effects if isinstance(e, Effect)]
     drivers = own_drivers(file)
     used = {
@@ -45,31 +45,31 @@ def used_own_files(
 
 
 def check_own_files(run: Run) -> None:
-    """UsageError where an own protocol or effect of a run was not given again, or has changed since."""
+    """Raise UsageError if an own protocol or effect of a run was not given again, or has changed."""
     for kind, name, path, sha256 in _entries(run):
         package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
         if (
             package is None
-        ):  # drivers come with the rig file; a closed loop, whose controller it is, is not resumed
+        ):  # drivers belong to the rig file; the controller of a closed loop is not needed, as it is not resumed
             continue
         loaded = own_entries(package).get(name)
         if loaded is None:
             raise UsageError(
-                f"{run.path.name} was made with its own {kind}, {path}. It is executed if you give it again: "
+                f"{run.path.name} was made with an own {kind}, {path}. To execute this file, give it again: "
                 f"smarig resume {run.path.name} --{kind} {path}."
             )
         if loaded.sha256 != sha256:
             raise UsageError(
-                f"{loaded.path} is not what {run.path.name} was made with: its {kind} '{name}' has changed since. It "
-                "cannot be resumed; the text it was made with stands in its record, under own_files."
+                f"{loaded.path} has changed since {run.path.name} was made: its {kind} '{name}' is not the same. The "
+                "run cannot be resumed. Its record holds the original text under own_files."
             )
 
 
 def check_drivers(file: RigFile, where: str, remedy: str) -> None:
-    """UsageError where a rig that only a file has named would bring a driver of its own."""
+    """Raise UsageError if a rig that only a file names has an own driver."""
     for driver in own_drivers(file):
         raise UsageError(
-            f"{where} names rig '{file.name}', which brings a driver of its own, {driver}: {remedy}."
+            f"{where} names rig '{file.name}', whose own driver {driver} would be executed. {remedy}."
         )
 
 
@@ -79,4 +79,4 @@ def _entries(run: Run) -> list[tuple[str, str, str, str]]:
             (str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in run.info.own_files
         ]
     except (KeyError, TypeError):
-        raise DataError(f"{run.path.name}: what it says of own files is damaged.") from None
+        raise DataError(f"{run.path.name}: its own_files are damaged.") from None

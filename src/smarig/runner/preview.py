@@ -1,6 +1,6 @@
-"""What a protocol will cost, before hardware moves: it is run on a noise-free twin, without a record.
+"""Estimates the duration and range of a run: its protocol runs on a noise-free twin without a record.
 
-The cost is that of the rig's own model: a real wire settles in its own time.
+The estimate follows the rig's own model; the settling times of a real wire differ.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +16,7 @@ from smarig.runner.listener import CallbackListener
 from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
 
-MAX_SAMPLES = 5_000_000  # almost six days at 10 Hz
+MAX_SAMPLES = 5_000_000  # nearly six days at 10 Hz
 BYTES_PER_SAMPLE = 90  # measured on run files, with a margin
 
 ProtocolFactory = Callable[[Setup], Protocol]
@@ -35,7 +35,7 @@ class Preview:
     bytes: int
 
     def sentence(self) -> str:
-        """One line for a person."""
+        """The preview in one line."""
         timeout_text = f", {self.timed_out} holds would time out" if self.timed_out else ""
         return (
             f"{self.protocol}: {self.duration_s / 3600:.2f} h, {self.steps} steps, peak {self.peak_current_A:.3g} A, "
@@ -53,7 +53,9 @@ class _Peaks:
     def sample(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.samples += 1
         if self.samples > MAX_SAMPLES:
-            raise UsageError(f"It would take more than {s.t_s / 86400:.1f} days; ask for less, or split it.")
+            raise UsageError(
+                f"The run would take more than {s.t_s / 86400:.1f} days. Reduce its settings, or split it."
+            )
         self.current_A = max(self.current_A, abs(s.current_A))
         self.temperature_K = max(self.temperature_K, abs(input_K))
 
@@ -69,13 +71,13 @@ def preview(
     chooser: Chooser | None = None,
     protocol_factory: ProtocolFactory | None = None,
 ) -> Preview:
-    """Run a protocol on the rig's noise-free twin; UsageError if it would leave the limits.
+    """Run a protocol on the rig's noise-free twin. Raises UsageError if it would exceed the limits.
 
-    ``chooser`` is for protocols that take one. ``protocol_factory`` makes a protocol that stands in no catalogue,
-    a closed loop.
+    ``chooser`` is for protocols that take one. ``protocol_factory`` makes a closed loop, whose protocol is not in the
+    catalogue.
     """
     actuator = Actuator.named(rig.actuator)
-    nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not tell a secret
+    nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not reveal it
     twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
@@ -93,7 +95,7 @@ def preview(
         )
     except LimitExceeded as refused:
         raise UsageError(
-            f"Protocol '{protocol}' was not started: on the twin it would trip. {refused}"
+            f"Protocol '{protocol}' was not started, because it would trip on the twin. {refused}"
         ) from None
     return Preview(
         protocol=protocol,

@@ -1,31 +1,31 @@
-"""What a person may tell a running experiment: pause, resume, stop. Read by the runner once a tick."""
+"""Requests to a running experiment: pause, resume, stop. The runner reads them at every tick."""
 
 from smarig.core import Interrupted
 
 
 class RunControl:
-    """Flags set from a signal handler, a key, another thread; plain attributes, so setting is atomic."""
+    """Flags set by a signal handler, a key or another thread; plain attributes, so setting is atomic."""
 
     def __init__(self) -> None:
         self.paused = False
-        self.waiting_since_s: float | None = None  # monotonic, while a protocol is asked for its next command
+        self.waiting_since_s: float | None = None  # monotonic, while a protocol computes its next command
         self._stop_cause = ""
 
     def stop(self, cause: str) -> None:
-        """Ask the run to end safely; the first cause is kept."""
+        """Request a safe end of the run; the first cause is kept."""
         self._stop_cause = self._stop_cause or cause
 
     @property
     def cause(self) -> str:
-        """Why a stop was asked for; "" where none was."""
+        """The cause of a requested stop, "" if there is none."""
         return self._stop_cause
 
     @property
     def stopping(self) -> bool:
-        """Whether a stop was asked for."""
+        """Whether a stop was requested."""
         return bool(self._stop_cause)
 
     def raise_if_stopped(self) -> None:
-        """Interrupted with the cause, if a stop was asked for."""
+        """Raise Interrupted with the cause if a stop was requested."""
         if self._stop_cause:
             raise Interrupted(self._stop_cause)

@@ -1,7 +1,4 @@
-"""What a run says of itself: what was run on which rig, in which state, and all that is needed to go on with it.
-
-Knows settings and rigs' files; measures nothing and writes nothing.
-"""
+"""The description of a run for its record: protocol, rig, state, and everything needed to resume it."""
 
 import json
 import platform
@@ -16,19 +13,19 @@ from smarig.core import Interrupted, SmarigError, catalogue_names
 from smarig.plant import EFFECTS, Actuator, Effect, effects_to_pairs
 from smarig.rig import TwinSettings
 
-LAUNCH_ARGS = "begun_with"  # key of what a run needs to be gone on with
-CLOSED_LOOP = "closed_loop"  # key of runs whose protocol stands in no catalogue
+LAUNCH_ARGS = "begun_with"  # key of the arguments needed to resume a run
+CLOSED_LOOP = "closed_loop"  # key of runs whose protocol is not in the catalogue
 
 
 def twin_source(file: RigFile, twin: TwinSettings) -> str:
-    """Whose data these are: simulated devices are a twin too."""
+    """The source of the data: "bench", "twin" or "simulation"; simulated devices are a twin too."""
     if twin.hysteresis is not None:
         return "simulation"
     return "bench" if file.kind == "bench" and file.simulator is None else "twin"
 
 
 def outlives_session(file: RigFile) -> bool:
-    """Whether the rig's devices are there before and after us: hardware, or simulated ones that another started."""
+    """Whether the devices exist before and after the session: hardware, or simulated devices started elsewhere."""
     return file.kind == "bench" and (file.simulator is None or not file.simulator.start)
 
 
@@ -62,7 +59,7 @@ def experiment_metadata(
 def launch_args(
     rig: str, wire: str, speed: float | None, twin: TwinSettings, settings: Mapping[str, Any]
 ) -> dict:
-    """What `smarig resume` builds the same run from: rig file, its wire, the twin's effects, settings as given."""
+    """The arguments from which `smarig resume` rebuilds the run: rig file, its wire, effects of the twin, settings."""
     path = Path(rig)
     with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in catalogue_names(EFFECTS)]
     return {
@@ -76,7 +73,7 @@ def launch_args(
 
 
 def _to_json(value: Any) -> Any:
-    """JSON's for what Python callers may give: groups of settings, arrays."""
+    """JSON for values that Python callers may give: groups of settings, arrays."""
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
     tolist = getattr(value, "tolist", None)
@@ -84,11 +81,11 @@ def _to_json(value: Any) -> Any:
 
 
 def cause_of(error: BaseException) -> str:
-    """Why a run ended, for its record."""
+    """The cause of a run's end, for its record."""
     if isinstance(error, Interrupted):
         return str(error)
     if isinstance(error, KeyboardInterrupt):
-        return "interrupted at once (Ctrl-C twice, or a protocol that did not come back)"
+        return "interrupted at once (Ctrl-C twice, or a protocol that did not return)"
     if isinstance(error, SmarigError):
         return f"stopped: {error}"
     return f"failed: {type(error).__name__}: {error}"

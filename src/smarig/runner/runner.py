@@ -1,7 +1,6 @@
-"""Interprets a protocol's commands on a guarded rig, one tick at a time, and tells listeners.
+"""Executes a protocol's commands on a guarded rig, one tick at a time, and calls the listeners.
 
-The only place where protocols meet rigs. Refuses to know which protocol, which rig, and who listens.
-Ends safe whatever happens: the rig's ``safe()`` is called on every way out.
+Protocols meet rigs only here. The runner calls ``safe()`` of the rig however a protocol ends.
 """
 
 import math
@@ -28,11 +27,11 @@ from smarig.runner.run_control import RunControl
 from smarig.runner.settling_detection import Approach, SettleWindow
 from smarig.runner.shift import Shift
 
-BACKLOG = 2000  # samples of an earlier current that a ring may still hold
+BACKLOG = 2000  # samples of an earlier current that a ring may still contain
 
 
 class Runner:
-    """Runs protocols one after the other on one rig; step numbers and time go on between them."""
+    """Runs protocols in order on one rig; step numbers and time continue between them."""
 
     def __init__(
         self,
@@ -53,7 +52,7 @@ class Runner:
         self._was_paused = False
 
     def run(self, protocol: Protocol) -> None:
-        """Carry out a protocol to its end; the rig is safe afterwards, whatever happened."""
+        """Execute a protocol to its end. The rig is safe afterwards in every case."""
         checked_generator = CheckedGenerator(protocol, self.control)
         try:
             answer: StepResult | Sample | None = None
@@ -121,13 +120,13 @@ class Runner:
                 listener.begin(self._step, command, window)
 
     def _paused(self) -> bool:
-        """Whether somebody asked to stay at this current; told when it changes."""
+        """Whether the operator has paused the run; changes are recorded as events."""
         if self.control.paused != self._was_paused:
             self._was_paused = self.control.paused
             if self._was_paused:
-                self._notify("paused", "Paused by the operator: the current stays, sampling goes on.")
+                self._notify("paused", "Paused by the operator: the current stays and sampling continues.")
             else:
-                self._notify("unpaused", "The operator let it go on.")
+                self._notify("unpaused", "Continued by the operator.")
         return self._was_paused
 
     def _finish(
@@ -158,7 +157,7 @@ class Runner:
         approach: Approach | None = None,
         at_most: int = 1,
     ) -> int:
-        """One step of the rig; returns how many of its samples are of this current, and not of the one before."""
+        """Step the rig. Returns the number of samples at this current, without those of the previous one."""
         self.control.raise_if_stopped()
         counted = 0
         for measured, input_K in self.rig.step(current_A, at_most):

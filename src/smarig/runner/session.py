@@ -1,7 +1,7 @@
-"""A sitting at one rig: opened and locked once, protocols run and recorded one after the other.
+"""A session at one rig: opened and locked once, with protocols run and recorded in order.
 
-The wire's memory, the device's ticks and the encoder's zero go on from run to run. Every run file is
-closed with its cause, whatever that was. Knows rigs, protocols and records; refuses to know analyses.
+The wire's memory, the device's ticks and the encoder's zero continue from run to run. Every run file is closed with
+its cause.
 """
 
 import shutil
@@ -102,12 +102,11 @@ class Session:
         chooser: Chooser | None = None,
         protocol_factory: ProtocolFactory | None = None,
     ) -> Path:
-        """Run one protocol, by name or the path of an own file, into one run file; returns its path.
+        """Run one protocol, by name or by the path of an own file, into one run file. Returns its path.
 
-        Raises what ended it, after closing it.
-        ``expected``: its preview, if that has been made already. ``chooser``: for protocols that take one.
-        ``protocol_factory``
-        makes a protocol that stands in no catalogue, a closed loop; ``protocol`` is its name in the record.
+        Closes the run before it raises the error that ended it. ``expected``: its preview, if already made.
+        ``chooser``: for protocols that take one. ``protocol_factory`` makes a closed loop, whose protocol is not in
+        the catalogue; ``protocol`` is its name in the record.
         """
         out, protocol = Path(out), protocol if protocol_factory else resolve_name(PROTOCOLS, protocol)
         generator = (
@@ -130,7 +129,7 @@ class Session:
         return out
 
     def runner(self, listeners: Sequence[Listener], shift: Shift | None = None) -> Runner:
-        """Ready to go on from the device's last tick, as ``shift`` tells it."""
+        """A runner that continues after the device's last tick, shifted by ``shift``."""
         watch = CallbackListener(on_event=self._note_zero, on_sample=self._count_wear)
         runner = Runner(self.guard, self.rig.position_per_count, [*listeners, watch], self.control)
         runner.shift = shift or Shift()
@@ -138,7 +137,7 @@ class Session:
         return runner
 
     def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
-        """Run to whatever end, and close the record with its cause."""
+        """Run to the end, however it ends, and close the record with its cause."""
         cause = "done"
         try:
             runner.run(protocol)
@@ -152,11 +151,11 @@ class Session:
             recorder.close(cause, t_s=runner.t_s)
 
     def clock(self) -> ClockWatch:
-        """For recorders: hardware's seconds are ours."""
+        """The clock comparison for recorders; the seconds of hardware are host seconds."""
         return ClockWatch(real_time=self.source == "bench")
 
     def history(self) -> WireHistory | None:
-        """What the wire has been through; None for a simulation, which has no wire."""
+        """The history of the wire; None for a simulation, which has no wire."""
         if self.source == "simulation":
             return None
         return load_wire_history(self.wire, twin=self.source == "twin")
@@ -165,7 +164,7 @@ class Session:
         self.wear.add(s.tick, input_K)
 
     def _save_history(self, recorder: Recorder, t_s: float, new_run: bool) -> None:
-        """Add what was done to the wire's history; that it cannot be written is told, and ends nothing."""
+        """Add the wear of the run to the wire's history. A failure to write is recorded and ends nothing."""
         wear, self.wear = self.wear, self.new_wear()
         try:
             history = self.history()
@@ -174,17 +173,17 @@ class Session:
                 if wear.last_tick:
                     recorder.describe("history_until_tick", wear.last_tick)
         except SmarigError as error:
-            recorder.event(t_s, "history", f"The wire's history was not kept: {error}", level="warning")
+            recorder.event(t_s, "history", f"The wire's history was not written: {error}", level="warning")
 
     def count_unsaved_wear(self, run: Run) -> None:
-        """Begin with what a process that was killed did not live to add to the wire's history."""
+        """Start with the wear that a killed process did not add to the wire's history."""
         kept = run.info.history_until_tick or 0
         for tick, input_K in zip(run["tick"].tolist(), run["input"].tolist()):
             if tick > kept:
                 self.wear.add(int(tick), input_K)
 
     def new_wear(self) -> Wear:
-        """Nothing added up yet."""
+        """Wear of zero."""
         return Wear(max(self.setup.upper_K, -self.setup.lower_K), self.file.period_s)
 
     def _note_zero(self, kind: str, t_s: float) -> None:
@@ -193,19 +192,19 @@ class Session:
 
     @property
     def source(self) -> str:
-        """Whose data these are: "bench", "twin" or "simulation"."""
+        """The source of the data: "bench", "twin" or "simulation"."""
         return twin_source(self.file, self.settings)
 
     @property
     def device(self) -> str:
-        """What keeps ticks and the encoder's zero: the same text, the same device since the same boot."""
+        """Identifies the ticks and the encoder's zero: the same text means the same device since the same boot."""
         sensor = getattr(self.rig, "sensor", None)
         session_part = "" if outlives_session(self.file) else f"session of {self._epoch}"
         return " ".join(part for part in (sensor.identity if sensor else "", session_part) if part)
 
     @property
     def initial(self) -> str:
-        """The state that the wire is in now, as far as it is known."""
+        """The present state of the wire as far as it is known."""
         return self.actuator.file.hysteresis.initial if self.rig.tick == 0 else CONTINUED
 
     def _describe(self, protocol: str, settings: Mapping[str, Any], notes: str) -> dict[str, Any]:
@@ -229,20 +228,20 @@ class Session:
 
 
 def check_cycle_limit(history: WireHistory | None, limits: LimitsFile) -> None:
-    """LimitExceeded where a wire has had as many cycles as it may."""
+    """Raise LimitExceeded if a wire has reached its number of cycles."""
     most = limits.cycles_max
     if history is not None and most is not None and history.cycles >= most:
         raise LimitExceeded(
-            f"Wire '{history.wire}' has done {history.cycles} cycles, its limit is cycles_max = {most}: nothing was "
-            "started. Put in a new wire and name it, or raise the limit in the rig file."
+            f"Wire '{history.wire}' has completed {history.cycles} cycles; its limit is cycles_max = {most}. Nothing "
+            "was started. Install and name a new wire, or raise the limit in the rig file."
         )
 
 
 def check_free_space(out: Path, needed: int) -> None:
-    """StorageError where a run would not fit on the disk."""
+    """Raise StorageError if a run would not fit on the disk."""
     folder = next(p for p in (out.resolve().parent, *out.resolve().parent.parents) if p.exists())
     free = shutil.disk_usage(folder).free
-    # Twice the data (the write-ahead log holds it once more) and a margin to close the run.
+    # Twice the data, because the write-ahead log repeats them, and a margin to close the run.
     if free < 2 * needed + 16_000_000:
         raise StorageError(
             f"{folder} has {free / 1e6:.0f} MB free; this run needs about {2 * needed / 1e6 + 16:.0f} MB."
@@ -260,7 +259,7 @@ def run(
     chooser: Chooser | None = None,
     **settings: Any,
 ) -> Run:
-    """Run a protocol on a rig, record it, and return the run: a notebook's way in.
+    """Run a protocol on a rig, record it, and return the run; the entry point for notebooks.
 
     ``settings`` are the protocol's own (``smarig list protocols --settings``); ``chooser`` is for protocols
     that take one (``smarig.identification.adaptive.informed``).

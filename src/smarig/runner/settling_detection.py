@@ -1,7 +1,7 @@
-"""When does a wire stand still? The rule of §5.2.1 made robust against encoder noise.
+"""Detects that a wire has settled, by the rule of §5.2.1 made robust against encoder noise.
 
-The window is cut into 25 blocks; the wire has settled when the means of the last 25 blocks lie within
-the band, peak to peak. Knows counts and ticks only.
+The window is divided into 25 blocks. The wire has settled when the means of the last 25 blocks lie within the band,
+peak to peak.
 """
 
 from collections import deque
@@ -14,21 +14,21 @@ BLOCKS = 25
 
 
 class Approach:
-    """Whether the heating model has come near its steady state; once there, it counts as there."""
+    """Detects that the heating model has come near its steady state; it then stays detected."""
 
     def __init__(self, steady_input_K: float, near_K: float, input_K: float) -> None:
         self._steady_input_K, self._near_K = steady_input_K, near_K
         self._input_K, self._arrived = input_K, False
 
     def passed(self, input_K: float) -> bool:
-        """Whether it had arrived before a tick that ends at ``input_K``."""
+        """Whether the model had arrived before a tick that ends at ``input_K``."""
         self._arrived = self._arrived or abs(self._steady_input_K - self._input_K) < self._near_K
         self._input_K = input_K
         return self._arrived
 
 
 class SettleWindow:
-    """Watches counts during one hold; ``settled`` and the statistics of the window."""
+    """The counts of one hold: ``settled`` and the statistics of the settle window."""
 
     def __init__(self, until: Settled | Elapsed, period_s: float) -> None:
         window_s = until.window_s if isinstance(until, Settled) else min(25.0, until.seconds)
@@ -37,11 +37,11 @@ class SettleWindow:
         self._counts: deque[int] = deque(maxlen=max(1, round(window_s / period_s)))
         self._means: deque[float] = deque(maxlen=BLOCKS)
         self._sum, self._filled = 0, 0
-        self.spread_counts = 0.0  # of the blocks until now, peak to peak
+        self.spread_counts = 0.0  # of the block means so far, peak to peak
         self.settled = False
 
     def add(self, counts: int, arrived: bool = True) -> None:
-        """One sample's counts; they count towards settling once the heating model has arrived."""
+        """Add the counts of one sample; they count towards settling once the heating model has arrived."""
         self._counts.append(counts)
         if not arrived:
             return
@@ -56,13 +56,13 @@ class SettleWindow:
 
     @property
     def min_ticks_left(self) -> int:
-        """Ticks that pass at least before it can have settled."""
+        """Smallest number of ticks until it can have settled."""
         blocks = max(BLOCKS - len(self._means), 1)
         return blocks * self._block - self._filled
 
     @property
     def progress(self) -> float:
-        """Share of the window filled, 0…1, for the person who waits."""
+        """Filled part of the window, 0…1."""
         return len(self._means) / BLOCKS
 
     def statistics(self) -> tuple[float, float, int]:

@@ -1,4 +1,4 @@
-"""Ticks and counts of a device that started anew, told as those of an earlier record are. Knows samples only."""
+"""Converts ticks and counts of a restarted device to those of an earlier record."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,13 @@ from smarig.core import Sample
 
 @dataclass
 class Shift:
-    """What is added to a device's ticks and counts; 0 and 0 leave samples as they are."""
+    """Offsets added to a device's ticks and counts; 0 and 0 leave samples unchanged."""
 
     ticks: int = 0
     counts: int = 0
 
     def apply(self, s: Sample, period_s: float, per_count: float) -> Sample:
-        """The sample as the record has it."""
+        """The sample in the ticks and counts of the record."""
         if not (self.ticks or self.counts):
             return s
         tick, counts = s.tick + self.ticks, s.counts + self.counts

@@ -1,10 +1,10 @@
-"""Signals become a safe stop: SIGINT, SIGTERM and SIGHUP ask the run to end; a second SIGINT insists.
+"""Turns signals into a safe stop: SIGINT, SIGTERM and SIGHUP request the end of a run; a second SIGINT forces it.
 
-The handler only sets a flag that the runner reads on its next tick: nothing is torn in the middle. For a while after
-such a stop, and after each that insisted, further signals are not heard, lest impatience (a key held down) tears what
-is being put away; the ending is told as an interrupted run's, whichever of them it was. A protocol that computes and
-does not come back is torn out of it, for no tick will ever read the flag. A signal that was ignored when
-we came (nohup) stays ignored. Only the main thread may install handlers; elsewhere this does nothing.
+The handler only sets a flag that the runner reads at its next tick, so no operation is cut off. For a while after such
+a stop, and after each forced one, further signals are ignored, so that a key held down does not interrupt the closing.
+In each case the end is reported as an interrupted run. A protocol that computes without returning is interrupted,
+because no tick would read the flag. A signal that was ignored at the start (nohup) stays ignored. Only the main thread
+may install handlers; elsewhere this does nothing.
 """
 
 import _thread
@@ -18,9 +18,9 @@ from typing import Any
 from smarig.core import Interrupted
 from smarig.runner.run_control import RunControl
 
-INSISTS_S = 0.5  # after the first Ctrl-C: what comes sooner is the same wish
+INSISTS_S = 0.5  # after the first Ctrl-C; an earlier one counts as the same request
 SHUTDOWN_S = 3.0
-THINKING_S = 3.0  # that a protocol may go on computing after a stop was asked for
+THINKING_S = 3.0  # that a protocol may compute after a stop was requested
 _CAUSES = {
     "SIGINT": "interrupted by the keyboard (Ctrl-C)",
     "SIGTERM": "terminated (SIGTERM)",
@@ -30,7 +30,7 @@ _CAUSES = {
 
 @contextmanager
 def stop_on_signals(control: RunControl) -> Iterator[None]:
-    """Within: a signal stops the run safely, as Interrupted. Afterwards: the old handlers are back."""
+    """Stop the run safely at a signal, as Interrupted. The old handlers are restored afterwards."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -77,7 +77,7 @@ def stop_on_signals(control: RunControl) -> Iterator[None]:
 def _interrupt_stuck_protocol(
     control: RunControl, finished: threading.Event, accept_signals: Callable[[], None]
 ) -> None:
-    """Interrupt a protocol that does not come back, which is heard at once; nothing else is ever torn."""
+    """Interrupt a protocol that does not return; this signal is not ignored. Nothing else is interrupted."""
     while not finished.wait(0.2):
         since_s = control.waiting_since_s
         if since_s is not None and time.monotonic() - since_s > THINKING_S:
@@ -87,7 +87,7 @@ def _interrupt_stuck_protocol(
 
 
 def _delayed_handler(handler: Any) -> Any:
-    """A handler that hears nothing for a while, and then is the old one again."""
+    """A handler that ignores its signal for a while and then restores the old handler."""
     until = time.monotonic() + SHUTDOWN_S
 
     def wait(number: int, _frame: Any) -> None:

@@ -77,7 +77,7 @@ def _record(cell: Cell, result: FaultResult, run: Run | None) -> Iterator[str]:
         yield f"the run was not closed: {run.cause}"
     matches = sentences(result)
     if run.cause == "done":
-        if matches and not matches[0].endswith("is whole."):
+        if matches and not matches[0].endswith("are complete."):
             yield f"done, says the run, but the person reads: {matches[0]}"
     elif not matches:
         yield f"the run ended with '{run.cause}', and nobody says so"

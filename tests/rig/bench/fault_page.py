@@ -1,4 +1,4 @@
-"""Prints the fault table: ``PYTHONPATH=tests python tests/rig/bench/fault_page.py`` writes docs/reference/faults.md."""
+"""``PYTHONPATH=tests python tests/rig/bench/fault_page.py`` writes the fault table to docs/reference/faults.md."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,35 +10,39 @@ from rig.bench.fault_table import LINKS, PHASES, RELAYED, Fault, whole
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reference" / "faults.md"
 GROUPS = {"Lines": LINES, "Power": POWER, "Readings": READINGS, "Wiring": WIRING, "Host": HOST}
 CELLS = {c.name for c in whole(ROWS, REPRESENTATIVE)}
-HEAD = f"""# What goes wrong on a bench, and what happens then
+HEAD = f"""# Faults of a bench and their handling
 
 Generated from `tests/rig/bench/fault_rows.py` by `tests/rig/bench/fault_page.py`; do not edit.
-`tests/rig/bench/test_fault_table.py` tests it on simulated devices over real bytes.
+`tests/rig/bench/test_fault_table.py` tests the table on simulated devices over real bytes.
 
-A cell is one fault in one phase of a run on one link. Each must be *safe*: the wire is at 0 A within the lease and one
-tick of the fault (or, where the host keeps control, of its last sample), the run file is closed with its cause and can
-be read, nothing hangs, and the person reads one sentence and an exit status, never a traceback.
+A cell is one fault in one phase of a run on one link. Each cell must be *safe*:
+
+* The wire is at 0 A within the lease and one tick after the fault. If the host keeps control, this time counts from
+  its last sample.
+* The run file is closed with its cause and is readable.
+* Nothing hangs.
+* smarig prints one message and returns an exit status, never a traceback.
 
 Phases: {", ".join(PHASES)}.
-Links: {", ".join(LINKS)}; {" and ".join(RELAYED)}, which are pyserial's network ports, with three faults:
+Links: {", ".join(LINKS)}. The network ports of pyserial, {" and ".join(RELAYED)}, are tested with three faults:
 {"; ".join(REPRESENTATIVE)}.
 
-`tests/` tries every fault once that does not need real time, these three on each of the first links, and the first of
-them over a socket; `SMARIG_FAULTS=all` tries all {len(CELLS)} cells (`.ci/long`).
-Lease: {LEASE_S:g} s in lock-step; {REAL_LEASE_S:g} s where time passes by itself, {REAL_TIME} times as fast as by the
+The everyday tests try each fault that does not need real time once, these three on each of the first links, and the
+first of them over a socket. `SMARIG_FAULTS=all` tries all {len(CELLS)} cells (`.ci/long`).
+The lease is {LEASE_S:g} s in lock-step and {REAL_LEASE_S:g} s in real time, which runs {REAL_TIME} times as fast as the
 wall clock.
-… stands for what differs; "done" for a run that ends well.
+In messages, … stands for varying text. "done" stands for a run that ends normally.
 """
 
 
 def page() -> str:
-    """The whole page."""
+    """The text of the page."""
     parts = [HEAD, *("\n".join([f"## {name}", "", *_rows(rows)]) + "\n" for name, rows in GROUPS.items())]
     return "\n".join([*parts, "\n".join(["## By phase", "", *_phases()]) + "\n"])
 
 
 def _rows(rows: tuple[Fault, ...]) -> Iterator[str]:
-    yield "| fault | the device | the host | the person reads | status |"
+    yield "| fault | the device | the host | message | status |"
     yield "|---|---|---|---|---|"
     for f in rows:
         reads = f.outcome.reads.replace("|", " or: ") or "done"
@@ -46,8 +50,8 @@ def _rows(rows: tuple[Fault, ...]) -> Iterator[str]:
 
 
 def _phases() -> Iterator[str]:
-    yield "The exit status in each phase. *: a sentence of its own, below. –: no such cell. 0 or …: the run may be over"
-    yield "before it is noticed."
+    yield "The exit status in each phase. *: the message differs, see below the table. –: no such cell. 0 or …: the"
+    yield "run may end before the fault is detected."
     yield ""
     yield f"| fault | {' | '.join(PHASES)} |"
     yield "|---|" + "---|" * len(PHASES)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-PHASES = ("opening", "just begun", "in a hold", "step change", "zeroing", "end")
+PHASES = ("opening", "started", "in a hold", "step change", "zeroing", "end")
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
 RELAYED = ("socket", "rfc2217")  # lines again, through pyserial's network ports
 AMPLIFIER, ENCODER = "amplifier", "encoder_daq"

@@ -66,7 +66,7 @@ def _log_requests(patch: pytest.MonkeyPatch, log: list[LoggedRequest]) -> None:
 
 def _phases(log: list[LoggedRequest], run: Run, protocol: tuple[str, ...]) -> dict[str, Moment]:
     reads = [k for k, s in enumerate(log) if s.device == "encoder_daq" and s.values.get("ring_want")]
-    found = {"opening": _moment(log, 0), "just begun": _moment(log, reads[1])}
+    found = {"opening": _moment(log, 0), "started": _moment(log, reads[1])}
     if protocol[0] == "initialise":
         zero = next(k for k, s in enumerate(log) if s.device == "encoder_daq" and s.values.get("order"))
         return found | {"zeroing": _moment(log, zero)}

@@ -1,4 +1,4 @@
-"""Velocity feedback (thesis §8.2): δ and γ of controllers, the loop on the operator, and what Thm 8.2 says of it."""
+"""Velocity feedback (thesis §8.2): δ and γ of controllers, the loop on the operator, and the result of Thm 8.2."""
 
 from smarig.certify.velocity.passivity_indices import inequalities, violating_signal
 from smarig.certify.velocity.sampled_loop import VelocityLoop, velocity_loop

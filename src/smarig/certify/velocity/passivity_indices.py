@@ -1,6 +1,6 @@
-"""A controller's δ and γ put to the test on signals: both inequalities at every T, and how tight they are.
+"""Tests a controller's δ and γ on signals: both inequalities at every T, and how tight they are.
 
-Knows a controller by what it answers; refuses to read its transfer function.
+Only the response of a controller is used, not its transfer function.
 """
 
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ Array = NDArray[np.float64]
 
 
 def response(controller: VelocityController, error: ArrayLike, dt_s: float) -> Array:
-    """ũ (n,) to errors (n,), from rest; DataError for errors that are not finite."""
+    """ũ (n,) to errors (n,), from rest. Raises DataError for errors that are not finite."""
     errors = np.asarray(error, dtype=float)
     if errors.ndim != 1 or not np.isfinite(errors).all():
-        raise DataError("A controller takes a row of finite errors.")
+        raise DataError("A controller needs finite errors of shape (n,).")
     running, control = controller.start(dt_s), np.empty(errors.size)
     for k, e in enumerate(errors.tolist()):
         control[k] = running.output(e)
@@ -36,11 +36,11 @@ class Inequalities:
     control_squared: Array
 
     def strictly_passive(self, delta: float) -> bool:
-        """⟨ė, ũ⟩_T ≥ δ ‖ė‖²_T at every T, rounding apart; UsageError for what cannot be computed."""
+        """⟨ė, ũ⟩_T ≥ δ ‖ė‖²_T at every T, except for rounding. Raises UsageError if it cannot be computed."""
         return not self._violates_delta(delta).any()
 
     def finite_gain(self, gamma: float) -> bool:
-        """‖ũ‖_T ≤ γ ‖ė‖_T at every T, rounding apart; UsageError for γ < 0 and what cannot be computed."""
+        """‖ũ‖_T ≤ γ ‖ė‖_T at every T, except for rounding. Raises UsageError for γ < 0 or if it cannot be computed."""
         return not self._violates_gamma(gamma).any()
 
     def _violates_delta(self, delta: float) -> NDArray[np.bool_]:
@@ -54,14 +54,14 @@ class Inequalities:
         return self.control_squared - most > 1e-12 * (self.control_squared + most)
 
     def violated_at(self, index: Literal["delta", "gamma"], value: float) -> int | None:
-        """The first sample T at which the inequality with this δ or γ fails; None if it holds at all."""
+        """The first sample T at which the inequality with this δ or γ fails; None if it holds."""
         _check_index(index)
         broken = self._violates_delta(value) if index == "delta" else self._violates_gamma(value)
         return int(np.argmax(broken)) if broken.any() else None
 
 
 def inequalities(controller: VelocityController, error: ArrayLike, dt_s: float) -> Inequalities:
-    """Both sides of Thm 8.2's two inequalities along errors (n,), from rest; UsageError where they grow past computing.
+    """Both sides of the inequalities of Thm 8.2 along errors (n,), from rest. Raises UsageError on overflow.
 
     >>> from smarig.control import lead_lag
     >>> lead = lead_lag(2.0, zero_s=4.0, pole_s=1.0)
@@ -77,37 +77,35 @@ def inequalities(controller: VelocityController, error: ArrayLike, dt_s: float) 
 
 
 def _scaled(index: float, sums: Array) -> Array:
-    with np.errstate(all="ignore"):  # what overflows is refused
+    with np.errstate(all="ignore"):  # an overflow is refused later
         return index * sums
 
 
 def _finite_sums(sums: Array) -> Array:
-    """An infinite sum decides nothing: neither inequality may be said to hold by one."""
+    """The sums. Raises UsageError if one is infinite, because it then decides no inequality."""
     if not np.isfinite(sums).all():
-        raise UsageError(
-            "These errors, or this index, are beyond what can be computed with: give smaller ones."
-        )
+        raise UsageError("The errors or the index overflow the computation. Give smaller ones.")
     return sums
 
 
 def _check_index(index: str) -> None:
     if index not in ("delta", "gamma"):
-        raise UsageError(f"An index is delta or gamma, not '{index}'.")
+        raise UsageError(f"Unknown index '{index}'. Give delta or gamma.")
 
 
 def violating_signal(
     controller: VelocityController, dt_s: float, index: Literal["delta", "gamma"], by: float = 1.01
 ) -> Array:
-    """Errors (n,) that break ⟨ė, ũ⟩_T ≥ (by·δ) ‖ė‖²_T, or ‖ũ‖_T ≤ (γ/by) ‖ė‖_T, at their end: so tight is the index.
+    """Errors (n,) that violate ⟨ė, ũ⟩_T ≥ (by·δ) ‖ė‖²_T, or ‖ũ‖_T ≤ (γ/by) ‖ė‖_T, at their end.
 
-    UsageError when none of the controller's own probes does, or for a factor that is not above 1.
+    They show how tight the index is. Raises UsageError if none of the controller's probes violates it, or for by ≤ 1.
     """
     _check_index(index)
     if not by > 1:
-        raise UsageError(f"An index can only be broken beyond itself: give a factor above 1, got {by:g}.")
+        raise UsageError(f"The factor is {by:g}. Give a factor above 1; the index itself cannot be violated.")
     value = by * controller.delta if index == "delta" else controller.gamma / by
     for probe in controller.probes(dt_s):
         last = inequalities(controller, probe, dt_s).violated_at(index, value)
         if last is not None:
             return probe[: last + 1]
-    raise UsageError(f"No signal was found that breaks {index} by a factor {by:g}.")
+    raise UsageError(f"No signal was found that violates {index} by a factor of {by:g}.")

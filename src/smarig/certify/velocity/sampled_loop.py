@@ -2,18 +2,18 @@
 
     ė_k = ṙ_k − (y_k − y_{k−1})/dt,   ũ = H₁ė,   u_k = ũ_k + u_o,k,   y_k = Γ[u]_k         without delay (``implicit``)
 
-With ⟨a, b⟩_T = dt Σ a_k b_k the thesis's algebra is that of sums, and what it needs of the plant holds:
+With ⟨a, b⟩_T = dt Σ a_k b_k the algebra of the thesis holds for sums, and so does its requirement on the plant:
 
     Σ u_k (y_k − y_{k−1}) ≥ ∫ u dy ≥ −Q_r(B₀).
 
-Proof. Over one move, u_k Δy − ∫ u dy = ∫ (u_k − u) dy. On a rise u_k ≥ u all the way and dy ≥ 0; on a fall both
-signs turn. So dy need only follow du (Assumption 2.1), not μ ≥ 0. ∎  An input beyond saturation moves the output
-no further: u_k exceeds what the operator takes in, with the sign of Δy, which only adds to the sum: clipping at
-[u₋, u₊] keeps passivity. So does a heating lag: at a source s the wire moves towards s, (s − u) du ≥ 0, hence
-(s − u) dy ≥ 0 and ∫ s dy ≥ ∫ u dy; ``lag_s`` puts one in, and the bound stays the same.
+Proof. Over one move, u_k Δy − ∫ u dy = ∫ (u_k − u) dy. On a rise u_k ≥ u throughout and dy ≥ 0; on a fall both signs
+change. So dy need only follow du (Assumption 2.1), and μ ≥ 0 is not required. ∎  An input beyond saturation does not
+move the output further: u_k exceeds the operator's input with the sign of Δy, which only adds to the sum, so clipping
+at [u₋, u₊] keeps passivity. A heating lag keeps it too: at a source s the wire moves towards s, (s − u) du ≥ 0, hence
+(s − u) dy ≥ 0 and ∫ s dy ≥ ∫ u dy. ``lag_s`` adds a lag without changing the bound.
 
-In continuous time the loop is an equation for u̇ whose factor is H∞ ∂y/∂u: it asks for regular ṙ, or g > 0
-(theory.md §8, erratum 11). The sampled one always has its solution. Knows no current, counts or noise.
+In continuous time the loop is an equation for u̇ with the factor H∞ ∂y/∂u, which requires regular ṙ or g > 0
+(theory.md §8, erratum 11). The sampled loop always has a solution.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 class VelocityLoop:
     """Signals of a loop, (n,) each: ``rate`` ṙ, ``offset`` u_o, ``error`` ė, ``control`` ũ, ``u``, ``y``.
 
-    ``stored`` is Q_r(B₀), ``y_start`` the output it began at.
+    ``stored`` is Q_r(B₀), ``y_start`` the initial output.
     """
 
     controller: VelocityController
@@ -59,7 +59,7 @@ class VelocityLoop:
 
     @property
     def ratio(self) -> Array:
-        """‖ė‖_T / (‖ṙ‖_T + ‖u_o‖_T) up to every sample; 0 while nothing drives the loop and nothing moves."""
+        """‖ė‖_T / (‖ṙ‖_T + ‖u_o‖_T) up to every sample; 0 while nothing drives the loop."""
         driven = self.norm(self.rate) + self.norm(self.offset)
         error = self.norm(self.error)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -67,12 +67,12 @@ class VelocityLoop:
 
     @property
     def largest_ratio(self) -> float:
-        """The largest over all T, to be held against ``k_e``."""
+        """The largest ratio over all T, to be compared with ``k_e``."""
         return float(self.ratio.max())
 
     @property
     def final_ratio(self) -> float:
-        """That over the whole run."""
+        """The ratio over the whole run."""
         return float(self.ratio[-1])
 
     @property
@@ -82,12 +82,12 @@ class VelocityLoop:
 
     @property
     def sharp_bound(self) -> Array:
-        """What ‖ė‖_T cannot exceed, up to every sample, the energy stored at the start included."""
+        """The bound of ‖ė‖_T up to every sample, including the initially stored energy."""
         return sharp_bound(self.controller, self.norm(self.rate), self.norm(self.offset), self.stored)
 
     @property
     def residual(self) -> float:
-        """max |u − ũ − u_o|: how exactly the loop was closed."""
+        """max |u − ũ − u_o|: the residual of the loop equation."""
         return float(np.abs(self.u - self.control - self.offset).max())
 
     def __repr__(self) -> str:
@@ -106,8 +106,8 @@ def velocity_loop(
 ) -> VelocityLoop:
     """Close the loop for velocities ``rate`` (n,), output unit per second, with an input offset u_o (one or n).
 
-    From an initial state of the operator and a controller at rest. DataError for signals that are empty, not
-    finite or of different lengths; UsageError for a measure of relays.
+    It starts from an initial state of the operator with a controller at rest. Raises DataError for signals that are
+    empty, not finite or of different lengths, UsageError for a measure of relays.
 
     >>> from smarig.control import constant_gain
     >>> from smarig.preisach import thesis_surface
@@ -119,9 +119,11 @@ def velocity_loop(
     offsets = np.broadcast_to(np.asarray(offset, dtype=float), rates.shape) if np.ndim(offset) == 0 else None
     offsets = np.asarray(offset, dtype=float) if offsets is None else offsets
     if rates.ndim != 1 or not rates.size or offsets.shape != rates.shape:
-        raise DataError(f"A loop needs rates (n,) and offsets to match, got {rates.shape}, {offsets.shape}.")
+        raise DataError(
+            f"A loop needs rates (n,) and offsets of the same shape, got {rates.shape}, {offsets.shape}."
+        )
     if not (np.isfinite(rates).all() and np.isfinite(offsets).all()):
-        raise DataError("A loop was given a rate or an offset that is not finite.")
+        raise DataError("A rate or an offset of the loop is not finite.")
     plant = LaggedOperator(hysteresis, initial, dt_s, lag_s)
     stored, y_start = recoverable_energy(hysteresis, plant.operator.state), plant.y
     error, control, u, y = _run(plant, controller, rates.tolist(), offsets.tolist(), dt_s)

@@ -1,11 +1,11 @@
-"""Thm 8.2: the bound of the velocity error, and the hypotheses it needs, each looked at.
+"""Thm 8.2: the bound of the velocity error, and a check of each of its hypotheses.
 
     δ ‖ė‖² ≤ γ‖ṙ‖‖ė‖ + ‖u_o‖(‖ṙ‖ + ‖ė‖) + Q₀     ⇒     ‖ė‖_T ≤ [(γ + δ)‖ṙ‖_T + ‖u_o‖_T]/δ + √(Q₀/δ)
                                                         ≤ k_e (‖ṙ‖_T + ‖u_o‖_T),   k_e = max{γ + δ, 1}/δ,  Q₀ = 0
 
-Q₀ is the energy stored at the start, zero from u(0) = 0: the thesis's proof with that one term kept. The first
-bound holds in any units. k_e adds output per second to input, so its number belongs to the units chosen.
-What is proved is that the velocity error stays bounded; not that the position arrives anywhere.
+Q₀ is the energy stored at the start, zero from u(0) = 0: the thesis's proof with this term kept. The first bound holds
+in any units. k_e adds output per second to input, so its value depends on the units. The theorem proves that the
+velocity error stays bounded; it does not prove that the position converges.
 """
 
 from dataclasses import dataclass
@@ -37,20 +37,20 @@ def k_e(controller: VelocityController) -> float:
 def sharp_bound(
     controller: VelocityController, rate_norm: ArrayLike, offset_norm: ArrayLike, stored: float = 0.0
 ) -> Array:
-    """[(γ + δ)‖ṙ‖ + ‖u_o‖]/δ + √(Q₀/δ), broadcast over the norms; UsageError for what is no norm, or Q₀ undecided."""
+    """[(γ + δ)‖ṙ‖ + ‖u_o‖]/δ + √(Q₀/δ), broadcast. Raises UsageError for invalid norms or undecided Q₀."""
     delta, gamma = controller.delta, controller.gamma
     rates, offsets = np.asarray(rate_norm, dtype=float), np.asarray(offset_norm, dtype=float)
     if not (np.all(rates >= 0) and np.all(offsets >= 0)):
-        raise UsageError("A norm is a number from 0 on; a rate's or an offset's is none.")
+        raise UsageError("A norm of the rate or of the offset is negative or NaN. Give numbers from 0 on.")
     if np.isnan(stored):
-        raise UsageError("The stored energy is not decided, so there is no bound with it.")
+        raise UsageError("The stored energy is not decided, so there is no bound.")
     driven = ((gamma + delta) * rates + offsets) / delta
     return driven + np.sqrt(max(stored, 0.0) / delta)
 
 
 @dataclass(frozen=True)
 class Stability:
-    """What Thm 8.2 says of one model and one controller. ``stored`` is Q₀, inf where there is no bound."""
+    """The result of Thm 8.2 for one model and one controller. ``stored`` is Q₀, inf if there is no bound."""
 
     k_e: float
     delta: float
@@ -66,14 +66,14 @@ class Stability:
 
     @property
     def text(self) -> str:
-        """The plain statement for a report."""
+        """The result in a sentence for a report."""
         numbers = (
             f"δ = {with_unit(self.delta, self.units.gain)}, γ = {with_unit(self.gamma, self.units.gain)}"
         )
         if self.holds:
             return (
-                f"Stable (Thm 8.2): the velocity error never exceeds k_e = {self.k_e:.4g} times what drives the loop, "
-                f"‖ė‖ ≤ k_e (‖ṙ‖ + ‖u_o‖) up to every T ({numbers})."
+                f"Stable (Thm 8.2): the velocity error does not exceed k_e = {self.k_e:.4g} times the drive of the "
+                f"loop, ‖ė‖ ≤ k_e (‖ṙ‖ + ‖u_o‖) up to every T ({numbers})."
             )
         reasons = " ".join(h.text for h in failing(self.hypotheses))
         return f"Thm 8.2 does not cover this loop ({numbers}). {reasons}"
@@ -81,7 +81,7 @@ class Stability:
 
 @dataclass(frozen=True)
 class StabilityBasis:
-    """What Thm 8.2 finds in a model, whichever the controller: Q₀, and the hypotheses about it."""
+    """The part of Thm 8.2 that depends on the model only: Q₀, and the hypotheses about it."""
 
     stored: float
     hypotheses: tuple[Hypothesis, ...]
@@ -91,7 +91,7 @@ class StabilityBasis:
 def basis(
     found: HysteresisAnalysis, initial: Initial = "negative", energy: StorageBound | None = None
 ) -> StabilityBasis:
-    """Look at a model once, for any number of controllers; ``energy``: its storage, if that is known already."""
+    """Examine a model once for any number of controllers; ``energy``: its storage, if already computed."""
     start = Preisach(found.hysteresis, initial).state
     energy = energy or storage_bound(found, start)
     hypotheses = (
@@ -119,7 +119,7 @@ def stability(
 
 
 def controller_stability(found: StabilityBasis, controller: VelocityController) -> Stability:
-    """The same, of a model that has been looked at."""
+    """The hypotheses of Thm 8.2 for an examined model and one controller."""
     unit = found.units.gain
     controller_hypotheses = (_strictly_passive(controller.delta, unit), _finite_gain(controller, unit))
     return Stability(
@@ -170,7 +170,9 @@ def _starts_at_rest(u: float, stored: float, units: Units) -> Hypothesis:
     if stored == 0.0:
         return Hypothesis("u(0) = 0", True, f"the loop starts at {where}, but with no stored energy")
     energy = with_unit(stored, units.energy)
-    why = f"the loop starts at {where} with a stored energy of {energy}; the bound with √(Q₀/δ) counts it"
+    why = (
+        f"the loop starts at {where} with a stored energy of {energy}, which the bound with √(Q₀/δ) includes"
+    )
     return Hypothesis("u(0) = 0", False, why)
 
 
@@ -181,11 +183,11 @@ def _strictly_passive(delta: float, unit: str) -> Hypothesis:
 
 
 def _finite_gain(controller: VelocityController, unit: str) -> Hypothesis:
-    """γ, and with it k_e: a bound that has overflowed bounds nothing."""
+    """γ and k_e must be finite; a bound that overflows bounds nothing."""
     delta, gamma = controller.delta, controller.gamma
     if not np.isfinite(gamma):
         return Hypothesis("H₁ of finite gain", False, "γ is infinite")
     if delta > 0 and not np.isfinite(k_e(controller)):
-        why = f"k_e is beyond what can be computed with δ = {delta:.4g} and γ = {gamma:.4g}, so it bounds nothing"
+        why = f"k_e overflows with δ = {delta:.4g} and γ = {gamma:.4g}, so it bounds nothing"
         return Hypothesis("H₁ of finite gain", False, why)
     return Hypothesis("H₁ of finite gain", True, f"γ = {with_unit(gamma, unit)}")

@@ -1,6 +1,6 @@
-"""Set-point regulation (§8.3): go to the state B_ℓ whose output is wanted, then close the loop there.
+"""Set-point regulation (§8.3): approach the state B_ℓ with the wanted output, then close the loop there.
 
-``psi`` finds ℓ, ``boundary_plane`` measures the distance of a state from B_ℓ, ``approach`` plans the way there,
+``psi`` finds ℓ, ``boundary_plane`` measures the distance of a state from B_ℓ, ``approach`` plans the path to it,
 ``setpoint_pi`` is the loop that holds the output, ``regulation_protocol`` combines them.
 """
 

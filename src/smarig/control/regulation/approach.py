@@ -1,14 +1,13 @@
-"""The way to B_ℓ (§8.3, Thm 8.3), planned so that the *wire* goes it: heating lag, limits and one-sided current.
+"""Plans the approach to B_ℓ (§8.3, Thm 8.3) for the *wire*, with heating lag, limits and one-sided current.
 
     u_ℓ(t) = (1 − t/t₁) A sin(ωt) + ℓ        (8.2), with sin(ωt) for the printed sin(ω)
 
-Both limits are visited first, which wipes out all memory (a sine that decays from the start does not, theory.md
-erratum 9); so A need only be the smaller of u₊ − ℓ and ℓ − u₋, the part of B_ℓ that lies inside the range, and the
-sinusoid begins at the limit it has just left. The wire is made to follow it: the source of each tick is the one that
-brings the temperature to where it should be, within what limits and cooling allow. What the wire then does is
-simulated tick by tick; its extrema are the memory, and d(B, B_ℓ) the area between boundaries. In closed form 2N
-reversals, each A/2N nearer, miss B_ℓ by 2N triangles of that side, A²/4N; what the limits clip adds to it.
-Knows of the hysteresis its range and its output; refuses to know the rig.
+The wire first visits both limits, which wipes out all memory (a sine that decays from the start does not, theory.md
+erratum 9). A therefore need only be the smaller of u₊ − ℓ and ℓ − u₋, the part of B_ℓ inside the range, and the
+sinusoid starts at the last limit. The source of each tick brings the wire to its target temperature as far as limits
+and cooling allow. The wire's response is simulated tick by tick; its extrema are the memory, and d(B, B_ℓ) is the area
+between the boundaries. In closed form, 2N reversals, each A/2N closer, leave 2N triangles of that side, A²/4N;
+clipping by the limits adds to it.
 """
 
 import math
@@ -33,23 +32,23 @@ RELATIVE_FREQUENCIES = (
     0.6,
     0.45,
     0.3,
-)  # ωτ: a quicker sinusoid asks for √(1 + ω²τ²) times the amplitude
+)  # ωτ: a faster sinusoid needs √(1 + ω²τ²) times the amplitude
 MAX_CYCLES = 400
 MAX_APPROACH_S = 6 * 3600.0
-_MEMORY_LEFT_SHARE = 0.1  # share of what is allowed that may be left of the memory before
+_MEMORY_LEFT_SHARE = 0.1  # of the allowed distance, for earlier memory
 _GROWTH = 1.12
 
 
 @dataclass(frozen=True)
 class ApproachPlan:
-    """Currents that take the wire from any state to near B_ℓ, and how near.
+    """Currents that bring the wire from any state close to B_ℓ, and the predicted distance.
 
-    ``currents_A`` one for each ``period_s``; ``cycles`` N and ``wave_s`` are the sinusoid's. Distances are areas of the
-    Preisach plane, K²: ``predicted_distance`` of the simulated wire from B_ℓ, ``closed_form`` A²/4N of a sinusoid
-    that is followed exactly, ``memory_left`` at most what older memory can change; ``area`` = 2û² is the largest.
-    ``output_error`` is the predicted output there less ψ(ℓ), as a share of the output's range: area counts all relays
-    alike, the output those that weigh.
-    ``predicted_boundary`` is in the coordinates of ``plane``.
+    ``currents_A`` has one value per ``period_s``; ``cycles`` N and ``wave_s`` belong to the sinusoid. Distances are
+    areas of the Preisach plane, K²: ``predicted_distance`` of the simulated wire from B_ℓ, ``closed_form`` A²/4N of a
+    sinusoid that is followed exactly, ``memory_left`` the largest effect of earlier memory; ``area`` = 2û² is the
+    largest distance. ``output_error`` is the predicted output minus ψ(ℓ) as a share of the output range: the area
+    counts all relays equally, the output counts them by weight. ``predicted_boundary`` is in the coordinates of
+    ``plane``.
     """
 
     ell: float
@@ -73,7 +72,7 @@ class ApproachPlan:
 
     @property
     def duration_s(self) -> float:
-        """How long it takes, full swings included."""
+        """Duration, including the visits to the limits."""
         return len(self.currents_A) * self.period_s
 
     @property
@@ -82,15 +81,15 @@ class ApproachPlan:
         return self.predicted_distance / self.area
 
     def is_near(self, allowed: tuple[float, float]) -> bool:
-        """Whether it is near enough, in the plane and in the output (shares)."""
+        """Whether distance and output error are within the allowed shares."""
         return self.share <= allowed[0] and abs(self.output_error) <= allowed[1]
 
     def waveform(self) -> Waveform:
-        """The whole of it as one command."""
+        """The approach as one command."""
         return Waveform(self.currents_A, self.period_s, branch="approach")
 
     def text(self) -> str:
-        """One sentence for a person."""
+        """The plan in one sentence."""
         return (
             f"To B_ℓ with ℓ = {self.ell:.1f} K in {self.duration_s / 60:.0f} min: both limits, then {self.cycles} "
             f"cycles of {self.wave_s:.0f} s from ±{self.amplitude:.1f} K; predicted distance {self.share:.2%} of the "
@@ -103,10 +102,10 @@ def plan_approach(
 ) -> ApproachPlan:
     """The shortest approach found whose predicted distance is at most ``within``, a share of 2û².
 
-    ``output_within`` asks besides that the output be that near ψ(ℓ), a share of its range (1: not asked).
+    ``output_within`` also limits the output error to a share of its range (1: no limit).
 
-    For each quickness ωτ of a short list the fewest cycles are found that are near enough. UsageError when ℓ is no
-    input of the hysteresis, when the limits do not reach its saturation, or when no sinusoid is near enough.
+    For each relative frequency ωτ of a short list, the smallest sufficient number of cycles is found. Raises UsageError
+    if ℓ is not an input of the hysteresis, if the limits do not reach its saturation, or if no sinusoid suffices.
     """
     plane = BoundaryPlane.of(hysteresis)
     _check(setup, plane, ell, within)
@@ -114,8 +113,8 @@ def plan_approach(
     old_memory_area = _memory_left(plane, reach)
     if old_memory_area > within * plane.area:
         raise UsageError(
-            f"The rig's limits let the wire go from {reach[0]:.1f} to {reach[1]:.1f} K, the hysteresis reaches from "
-            f"{plane.lower:.1f} to {plane.upper:.1f} K: what it remembers beyond cannot be wiped out, and may keep the "
+            f"The rig's limits allow {reach[0]:.1f} to {reach[1]:.1f} K; the hysteresis reaches from "
+            f"{plane.lower:.1f} to {plane.upper:.1f} K. Memory beyond the limits cannot be wiped out and may keep the "
             f"wire {old_memory_area / plane.area:.1%} of the plane away from B_ℓ. Widen the limits, or allow more than "
             f"{within:.1%}."
         )
@@ -132,8 +131,8 @@ def plan_approach(
         return min(acceptable, key=lambda p: p.duration_s)
     closest = min(candidates, key=lambda p: p.share)
     raise UsageError(
-        f"No sinusoid brings the wire within {100 * within:.3g} % of B_ℓ, ℓ = {ell:.1f} K: the best of at most "
-        f"{MAX_CYCLES} cycles and {MAX_APPROACH_S / 3600:.0f} h comes to {closest.share:.2%}, its output to "
+        f"No sinusoid brings the wire within {100 * within:.3g} % of B_ℓ, ℓ = {ell:.1f} K. The best of at most "
+        f"{MAX_CYCLES} cycles and {MAX_APPROACH_S / 3600:.0f} h reaches {closest.share:.2%}, with an output error of "
         f"{closest.output_error:.2%} of the range. Allow a larger distance."
     )
 
@@ -141,11 +140,13 @@ def plan_approach(
 def _check(setup: Setup, plane: BoundaryPlane, ell: float, within: float) -> None:
     positive("The period of a tick", setup.period_s)
     if not 0 < within < 1:
-        raise UsageError(f"The distance allowed is a share of the plane between 0 and 1, got {within:g}.")
+        raise UsageError(
+            f"The allowed distance must be a share of the plane between 0 and 1, got {within:g}."
+        )
     low, high = max(plane.lower, setup.lower_K), min(plane.upper, setup.upper_K)
     if not low - 1e-9 <= ell <= high + 1e-9:
         raise UsageError(
-            f"ℓ = {ell:g} K is outside what this rig and this hysteresis have in common, {low:g}…{high:g} K."
+            f"ℓ = {ell:g} K is outside the common range of this rig and this hysteresis, {low:g}…{high:g} K."
         )
 
 
@@ -154,7 +155,7 @@ def _reach(setup: Setup, plane: BoundaryPlane) -> tuple[float, float]:
 
 
 def _memory_left(plane: BoundaryPlane, reach: tuple[float, float]) -> float:
-    """The area of P_r that going from end to end of ``reach`` does not sweep."""
+    """The area of P_r that a sweep from end to end of ``reach`` does not cover."""
     return max(plane.area - 0.5 * (reach[1] - reach[0]) ** 2, 0.0)
 
 
@@ -166,7 +167,7 @@ def _fewest_cycles(
     relative_frequency: float,
     at_most_s: float,
 ) -> ApproachPlan:
-    """The approach with the fewest cycles that is near enough, or the nearest whose sinusoid is not too long."""
+    """The approach with the fewest cycles that is close enough, or the closest within the time limit."""
     plane = BoundaryPlane.of(hysteresis)
     low, high = _reach(setup, plane)
     area = allowed[0] * plane.area
@@ -181,7 +182,7 @@ def _fewest_cycles(
             break
         more_cycles = _approach(setup, hysteresis, ell, cycles, wave_s, sweep_s)
         if more_cycles.share > 0.99 * best.share and best.share > allowed[0]:
-            break  # what is left is the limits', not the cycles'
+            break  # the rest of the distance comes from the limits, not from the cycles
         best = more_cycles
     return best
 
@@ -204,7 +205,7 @@ def _approach(
     )
     currents, wire_K = _following_currents(setup, targets_K)
     boundary = plane.boundary_after(wire_K)
-    shortfall = (high - low) * math.exp(-sweep_s / setup.tau_s)  # of each limit, whatever the wire began with
+    shortfall = (high - low) * math.exp(-sweep_s / setup.tau_s)  # at each limit, for any initial temperature
     return ApproachPlan(
         ell=ell,
         plane=plane,
@@ -223,7 +224,7 @@ def _approach(
 
 
 def _output_error(hysteresis: Everett, wire_K: Array, ell: float) -> float:
-    """r(B) − ψ(ℓ) as a share of the range, after what the wire did."""
+    """r(B) − ψ(ℓ) as a share of the range, after the response of the wire."""
     operator = Preisach(hysteresis, compiled=False)
     operator.follow(turning_points(wire_K))
     reached = operator.y
@@ -240,7 +241,7 @@ def _target_temperatures(
     wave_s: float,
     sweep_s: float,
 ) -> Array:
-    """Where the wire should be at the end of each tick: one limit, the other, and the sinusoid from there."""
+    """Target temperatures at the end of each tick: one limit, the other, and the sinusoid from there."""
     sweep = np.repeat(limits, round(sweep_s / setup.period_s))
     side = 1.0 if limits[1] > ell else -1.0
     end_s = cycles * wave_s
@@ -250,7 +251,7 @@ def _target_temperatures(
 
 
 def _following_currents(setup: Setup, targets_K: Array) -> tuple[Array, Array]:
-    """Currents whose source brings a cold wire to each goal within a tick, as far as limits let it, and the wire.
+    """Currents whose source brings a cold wire to each target within a tick, within limits, and the wire's response.
 
     T' = s + (T − s) e^(−dt/τ), solved for s; the differential rig's T₁ − T₂ obeys the same law with a signed s.
     """
@@ -270,12 +271,12 @@ def _following_currents(setup: Setup, targets_K: Array) -> tuple[Array, Array]:
         return currents, np.array(wire_temperatures_K)
     currents = _rate_limited(
         currents, rate_A
-    )  # the wire lags a little more than it was asked to: that is predicted, too
+    )  # the wire lags slightly more than planned; the prediction includes this
     return currents, temperature_along(setup.actuator, currents, setup.period_s)
 
 
 def _rate_limited(currents_A: Array, rate_A: float) -> Array:
-    """The same currents, none further than ``rate_A`` from the one before, the first from zero."""
+    """The same currents, limited to steps of ``rate_A``, starting at zero."""
     now, allowed = 0.0, []
     for wanted in currents_A.tolist():
         now = min(max(wanted, now - rate_A), now + rate_A)

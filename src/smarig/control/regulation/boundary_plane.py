@@ -1,9 +1,9 @@
-"""The triangle P_r of one hysteresis as a state space of its own: B_ℓ, states and their distance, inside [u₋, u₊].
+"""The triangle P_r of one hysteresis as its state space: B_ℓ, states and their distance inside [u₋, u₊].
 
-``preisach.state_space`` draws boundaries on |u| ≤ û. A one-wire rig lives on [0, 174.1]: on the larger triangle its
-states would differ where there is no relay and the wire cannot go. Here the input is shifted by the middle of its
-range, so û is half the range and 2û² the area of P_r itself: for one wire a quarter of 2·174.1², the stricter measure.
-Knows no output: only the curve.
+``preisach.state_space`` defines boundaries on |u| ≤ û. A one-wire rig covers [0, 174.1]: on the larger triangle its
+states would differ where there are no relays and the wire cannot go. Here the input is shifted by the middle of its
+range, so û is half the range and 2û² is the area of P_r itself: for one wire a quarter of 2·174.1², the stricter
+measure.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from smarig.theory import Boundary, boundary_of, diagonal, distance
 
 @dataclass(frozen=True)
 class BoundaryPlane:
-    """Boundaries over [``lower``, ``upper``], held with the input counted from the middle.
+    """Boundaries over [``lower``, ``upper``], with the input counted from the middle.
 
     >>> plane = BoundaryPlane(0.0, 10.0)
     >>> plane.area, plane.points(plane.target_boundary(3.0))
@@ -40,7 +40,7 @@ class BoundaryPlane:
 
     @property
     def middle(self) -> float:
-        """The input that is counted as 0."""
+        """The middle of the range, which counts as 0."""
         return 0.5 * (self.lower + self.upper)
 
     @property

@@ -2,11 +2,10 @@
 
     ψ(ℓ) = y₋ + ∫_{u₋}^{ℓ} ∂_βy(min(2ℓ − β, u₊), β) dβ,      ψʳ(y) = min{ℓ : ψ(ℓ) = y}
 
-ψ leads from y₋ to y₊ whatever the hysteresis. It is continuous for surfaces and tables; for single relays it jumps, at
-ℓ = (α + β)/2 by twice the relay's mass, and takes no value inside a jump: there ψʳ is the least ℓ that brings at least
-y, as in the operator's own inverse. Where μ < 0 it may turn back (one-wire p does), so the least ℓ is looked for among
-its turning points: seen in 256 places, then sharpened; a hump narrower than a place passes.
-Knows no time and no way to get to B_ℓ.
+ψ leads from y₋ to y₊ for every hysteresis. It is continuous for surfaces and tables. For single relays it jumps at
+ℓ = (α + β)/2 by twice the relay's mass and takes no value inside a jump; there ψʳ is the smallest ℓ with at least y,
+as in the operator's own inverse. Where μ < 0 it may turn back (one-wire p does), so the smallest ℓ is sought among its
+turning points. These are found on a grid of 256 intervals and refined; a narrower hump is not found.
 """
 
 import math
@@ -21,11 +20,11 @@ from smarig.preisach import Everett, bracketed_root
 
 Array = NDArray[np.float64]
 GRID_POINTS = 256
-ROUNDING = 1e-12  # of the output range
+ROUNDING = 1e-12  # relative to the output range
 
 
 class Psi:
-    """ψ of a hysteresis: call it with ℓ, scalar or array, in the input's unit; outputs in the output's.
+    """ψ of a hysteresis as a function of ℓ, scalar or array, in the units of input and output.
 
     >>> from smarig.preisach import thesis_surface
     >>> psi = Psi(thesis_surface("two_c"))
@@ -35,9 +34,7 @@ class Psi:
 
     def __init__(self, hysteresis: Everett) -> None:
         if not hasattr(hysteresis, "fall_from_diagonal"):
-            raise UsageError(
-                f"ψ is of a hysteresis, such as a model's, not of a {type(hysteresis).__name__}."
-            )
+            raise UsageError(f"ψ needs a hysteresis, such as a model's, not a {type(hysteresis).__name__}.")
         self.hysteresis = hysteresis
         self.lower, self.upper = hysteresis.lower, hysteresis.upper
         self.y_lower = hysteresis.y_lower
@@ -45,21 +42,21 @@ class Psi:
         self.continuous = not len(getattr(hysteresis, "steps", ()))
 
     def __call__(self, ell: ArrayLike) -> float | Array:
-        """ψ(ℓ); ℓ beyond [u₋, u₊] is refused, there is no such state."""
+        """ψ(ℓ). Raises UsageError for ℓ outside [u₋, u₊], where there is no such state."""
         centres = np.asarray(ell, dtype=float)
         outside = ~((centres >= self.lower) & (centres <= self.upper))
         if np.any(outside):
             raise UsageError(
-                f"There is no state B_ℓ for ℓ = {centres[outside].flat[0]:g}: ℓ lies in "
+                f"There is no state B_ℓ for ℓ = {centres[outside].flat[0]:g}. Give ℓ within "
                 f"[{self.lower:g}, {self.upper:g}]."
             )
         values = np.array([self._at(centre) for centre in centres.ravel().tolist()])
         return values.reshape(centres.shape) if centres.ndim else float(values[0])
 
     def right_inverse(self, y: ArrayLike) -> float | Array:
-        """ψʳ(y), the least ℓ with ψ(ℓ) = y (or, where ψ jumps past y, that brings at least y).
+        """ψʳ(y), the smallest ℓ with ψ(ℓ) = y (or, where ψ jumps past y, with at least y).
 
-        UsageError when a y lies outside [y₋, y₊]: no state of the hysteresis has that output for certain.
+        Raises UsageError for y outside [y₋, y₊], which no state is certain to have as output.
         """
         outputs = np.asarray(y, dtype=float)
         found = np.array([self._right_inverse(target) for target in outputs.ravel().tolist()])
@@ -67,12 +64,12 @@ class Psi:
 
     @property
     def monotone(self) -> bool:
-        """Whether ψ never falls, as it is for μ, g ≥ 0; then it has one inverse but for level stretches."""
+        """Whether ψ never decreases, as for μ, g ≥ 0; then its inverse is unique except on level segments."""
         return bool(np.all(np.diff(self._samples[1]) >= -self._slack))
 
     @cached_property
     def curve(self) -> tuple[Array, Array]:
-        """ℓ and ψ(ℓ), both (n,), at all places looked at: for drawing."""
+        """ℓ and ψ(ℓ), both (n,), at all computed points, for drawing."""
         return self._samples
 
     def _at(self, centre: float) -> float:
@@ -84,10 +81,10 @@ class Psi:
 
     @cached_property
     def _samples(self) -> tuple[Array, Array]:
-        """Places between which ψ is monotone (or, for relays, constant), and ψ there."""
+        """Points between which ψ is monotone (or, for relays, constant), and ψ there."""
         grid = np.linspace(self.lower, self.upper, GRID_POINTS + 1)
         centres = self._jumps()
-        if centres.size:  # a relay is up in B_ℓ only once ℓ is past its middle
+        if centres.size:  # a relay is up in B_ℓ only once ℓ is above its middle
             past = np.minimum(np.nextafter(centres, np.inf), self.upper)
             grid = np.unique(np.concatenate([grid, centres, past]))
             return grid, self(grid)  # type: ignore[return-value]
@@ -101,14 +98,14 @@ class Psi:
         return both[order], np.concatenate([values, np.asarray(self(turns))])[order]
 
     def _jumps(self) -> Array:
-        """Where single relays switch in B_ℓ as ℓ grows; empty for what has no single relays."""
+        """Where single relays switch in B_ℓ as ℓ increases; empty without single relays."""
         alpha, beta = (getattr(self.hysteresis, name, None) for name in ("alpha", "beta"))
         if self.continuous or alpha is None or beta is None:
             return np.empty(0)
         return np.unique((np.asarray(alpha) + np.asarray(beta)) / 2)
 
     def _turns(self, grid: Array, values: Array) -> Array:
-        """Where ψ turns between or at the places: each turning seen in the samples, sharpened."""
+        """Turning points of ψ: each one detected on the grid, then refined."""
         step = np.diff(values)
         step[np.abs(step) <= self._slack] = 0.0
         turning = np.flatnonzero(step[:-1] * step[1:] < 0) + 1
@@ -126,8 +123,8 @@ class Psi:
     def _right_inverse(self, y: float) -> float:
         if not self.y_lower - self._slack <= y <= self.y_upper + self._slack:
             raise UsageError(
-                f"The set-point {y:g} lies outside the outputs of this hysteresis, "
-                f"[{self.y_lower:g}, {self.y_upper:g}]; give one inside."
+                f"The set-point {y:g} is outside the outputs of this hysteresis, "
+                f"[{self.y_lower:g}, {self.y_upper:g}]. Give one inside."
             )
         grid, values = self._samples
         k = int(np.argmax(values >= min(y, float(values.max())) - self._slack))
@@ -139,7 +136,7 @@ class Psi:
         return far if self._jumps().size else self._bisected(near, far, y)
 
     def _bisected(self, near: float, far: float, y: float) -> float:
-        """The first ℓ with ψ ≥ y between two places, where it is not known at which ℓ ψ jumps."""
+        """The first ℓ with ψ ≥ y between two points, where the jumps of ψ are not known."""
         while near < (middle := 0.5 * (near + far)) < far and math.isfinite(middle):
             near, far = (near, middle) if self._at(middle) >= y - self._slack else (middle, far)
         return far

@@ -1,9 +1,9 @@
-"""Set-point regulation as a protocol (Fig. 8.4): go to a state of the wanted output, switch to the loop, hold.
+"""Set-point regulation as a protocol (Fig. 8.4): approach a state with the wanted output, close the loop, hold.
 
-The state is B_ℓ with ℓ = ψʳ(y); to compare, it may be reached on an outer branch instead, rising from negative or
-falling from positive saturation, which is how a set-point is usually reached. The encoder is relative, so negative
-saturation is visited first: what is measured there is y₋. The loop may be disturbed: a pulse on the control input, in
-kelvin of source temperature. Ends at zero. Refuses to know which rig, and what the wire really did.
+The state is B_ℓ with ℓ = ψʳ(y). For comparison it may be reached on an outer branch instead, rising from negative or
+falling from positive saturation, which is the usual way to a set-point. The encoder is incremental, so negative
+saturation is visited first: the position there is y₋. The loop may be disturbed by a pulse on the control input, in
+kelvin of source temperature. The protocol ends at zero current.
 """
 
 from collections.abc import Callable, Generator
@@ -38,9 +38,9 @@ REGULATION_PLANNED, SETPOINT_DISTURBED = "regulate", "disturbance"
 SETPOINT_LOOP_CLOSED, SETPOINT_LOOP_OPENED = "loop closed", "loop opened"
 PULSE_TAUS, QUIET_S = 4.0, 60.0
 LONGEST_S = 24 * 3600.0
-OUTPUT_WITHIN = 0.005  # of the output range: what the loop would have to correct, and spoil the state by it
+OUTPUT_WITHIN = 0.005  # of the output range: a larger error would make the loop change the state
 _COOL_TAUS = 8.0
-_PSI_POINTS = 128  # points of ψ that a record keeps, about
+_PSI_POINTS = 128  # approximate number of recorded points of ψ
 
 
 def regulate(
@@ -59,10 +59,10 @@ def regulate(
 ) -> Protocol:
     """Bring the wire to a state whose output is ``setpoint`` and hold it there in closed loop (§8.3).
 
-    ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` the distance from B_ℓ the approach may
-    leave, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
-    source for ``pulse_s`` (default 4 τ). ``loop`` takes the place of the gentle PI. What cannot be reached is refused
-    with the first command, before any current flows; LimitExceeded when the loop diverges, or sees what cannot be.
+    ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` is the allowed distance of the approach from
+    B_ℓ, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
+    source for ``pulse_s`` (default 4 τ). ``loop`` replaces the default PI. An unreachable set-point is refused at the
+    first command, before any current flows. Raises LimitExceeded if the loop diverges or readings are implausible.
     """
     settle = settle or Settled()
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
@@ -101,11 +101,13 @@ def regulate(
 def check_times(
     setup: Setup, hold_s: float, disturbance_K: float, quiet_s: float = QUIET_S, pulse_s: float | None = None
 ) -> None:
-    """UsageError for times that are negative, for a hold of no tick, and where the disturbance does not fit."""
+    """Raise UsageError for negative times, a hold shorter than a tick, or a disturbance that does not fit."""
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
     pulse_s = pulse_s if disturbance_K else 0.0
     if hold_s > LONGEST_S:
-        raise UsageError(f"A hold of more than {LONGEST_S / 3600:g} h: hold it in parts.")
+        raise UsageError(
+            f"A hold of {hold_s:g} s is longer than {LONGEST_S / 3600:g} h. Divide it into several holds."
+        )
     if not (hold_s >= 0 and quiet_s >= 0 and pulse_s >= 0):
         raise UsageError(
             f"Times must not be negative: hold {hold_s:g}, quiet {quiet_s:g}, pulse {pulse_s:g} s."
@@ -114,13 +116,13 @@ def check_times(
         raise UsageError(f"A hold of {hold_s:g} s is shorter than a tick of this rig, {setup.period_s:g} s.")
     if pulse_s and not quiet_s + pulse_s < hold_s:
         raise UsageError(
-            f"The disturbance ends {quiet_s + pulse_s:g} s after the loop is closed, the hold after {hold_s:g} s: "
-            "give a longer hold_s."
+            f"The disturbance ends {quiet_s + pulse_s:g} s after the loop is closed, the hold after {hold_s:g} s. "
+            "Give a longer hold_s."
         )
 
 
 def check_saturation(setup: Setup, hysteresis: Everett, start: StartState) -> None:
-    """UsageError where a rig's limits do not reach the saturation that a way begins in: its output would be a guess."""
+    """Raise UsageError if a rig's limits do not reach the saturation in which a path starts: its output is unknown."""
     h, span = hysteresis, abs(hysteresis.everett(hysteresis.upper, hysteresis.lower))
     low = abs(span - h.everett(h.upper, max(setup.lower_K, h.lower)))
     high = abs(span - h.everett(min(setup.upper_K, h.upper), h.lower))
@@ -130,8 +132,8 @@ def check_saturation(setup: Setup, hysteresis: Everett, start: StartState) -> No
     ):
         if output_missed > OUTPUT_WITHIN * span:
             raise UsageError(
-                f"The way to the set-point begins in {name} saturation, at {required_K:.4g} K; this rig's limits reach "
-                f"{reached_K:.4g} K, and leave {output_missed / span:.1%} of the output unknown."
+                f"The path to the set-point starts in {name} saturation, at {required_K:.4g} K. This rig's limits "
+                f"reach {reached_K:.4g} K and leave {output_missed / span:.1%} of the output unknown."
             )
 
 
@@ -143,8 +145,8 @@ def _reach(setup: Setup, hysteresis: Everett) -> tuple[float, float]:
 def _approach_to_state(
     setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: StartState, settle: Settled
 ) -> tuple[Waveform | Hold | None, State, dict[str, Any]]:
-    """What leads from negative saturation to where the last move begins, the state at rest after it, and what the
-    record keeps of it.
+    """The command from negative saturation to the start of the last move, the state at rest after that move, and the
+    facts for the record.
     """
     psi = Psi(hysteresis)
     if start == "diagonal":
@@ -153,7 +155,7 @@ def _approach_to_state(
         y = float(psi(ell))
         return found.waveform(), State((ell,), (y,), ell, y, True), _psi_facts(psi) | _planned_facts(found, y)
     if start not in ("ascending", "descending"):
-        raise UsageError(f"start is diagonal, ascending or descending, not '{start}'.")
+        raise UsageError(f"Unknown start '{start}'. Give diagonal, ascending or descending.")
     up = start == "ascending"
     outer = Preisach(hysteresis, "negative" if up else "positive")
     outer.step(outer.inverse(setpoint))
@@ -162,7 +164,7 @@ def _approach_to_state(
 
 
 def _psi_facts(psi: Psi) -> dict[str, Any]:
-    """The plane and ψ along it: what a reader of the record needs to draw them without the model."""
+    """The plane and ψ on it, so that the record can be drawn without the model."""
     ell, y = psi.curve
     thin = slice(None, None, max(1, ell.size // _PSI_POINTS))
     return {
@@ -174,7 +176,7 @@ def _psi_facts(psi: Psi) -> dict[str, Any]:
 
 
 def _planned_facts(plan_: ApproachPlan, output: float) -> dict[str, Any]:
-    """What was foretold of the way to B_ℓ; areas in K²."""
+    """The predictions for the approach to B_ℓ; areas in K²."""
     return {
         "ell_K": plan_.ell,
         "output": output,
@@ -197,7 +199,7 @@ def _closed_loop(
     hold_s: float,
     disturbance_at: Callable[[float], float],
 ) -> Generator[Command, Any, float]:
-    """The loop, one tick at a time; what is added to its source is told in the record. Returns the last current."""
+    """The loop, one tick at a time; marks record changes of the disturbance. Returns the last current."""
     sensor_plausibility, divergence_monitor = monitors
     loop.start(rest_K)
     yield Mark(SETPOINT_LOOP_CLOSED, {"wanted_position": wanted})
@@ -213,7 +215,7 @@ def _closed_loop(
         if sample is not None and not sample.quality & Quality.STALE:
             error = wanted - sample.position
             sensor_plausibility.check(source_K, sample.position, error)
-            if not pushed_K:  # what is pushed away is no loop that diverges
+            if not pushed_K:  # a disturbed loop does not diverge
                 divergence_monitor.check(sample.t_s, error)
             source_K = loop.step(error)
     yield Mark(SETPOINT_LOOP_OPENED)

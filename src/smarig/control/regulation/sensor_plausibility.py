@@ -1,8 +1,8 @@
-"""Whether what a set-point loop sees makes sense: an integral would follow a dead encoder to the end of the range.
+"""Plausibility of readings in a set-point loop: an integrator would follow a dead encoder to the end of the range.
 
-Two signs that no set-point will come of it: the source at its limit and the wire still off, and a wire that by the
-model must have moved far while its readings stood still. A room that warms or cools shifts the source as well, so only
-what no room does counts. Knows the model's hysteresis; refuses to know the loop.
+Two signs show that a set-point cannot be reached: the source stays at its limit while the wire is off target, or the
+readings stand still although the wire must have moved far by the model. Ambient changes shift the source as well, so
+the thresholds exceed their effect.
 """
 
 import math
@@ -11,23 +11,23 @@ from smarig.core import LimitExceeded
 from smarig.preisach import Everett, Preisach, State
 from smarig.protocols import Setup
 
-LIMIT_TAUS = 10.0  # at the limit, until the wire has come to rest there
-OFF_TARGET = 0.03  # of the output's range: off the set-point
-EXPECTED_MOTION = 0.3  # of the output's range: so far the model must have gone
-STANDSTILL = 0.03  # of it: what counts as standing still
+LIMIT_TAUS = 10.0  # time at the limit after which the wire is at rest there
+OFF_TARGET = 0.03  # of the output range: a larger error is off the set-point
+EXPECTED_MOTION = 0.3  # of the output range: motion of the model that readings must show
+STANDSTILL = 0.03  # of the output range: a smaller motion is a standstill
 
 
 class SensorPlausibility:
-    """``look(source_K, position, error)`` at every sample of a loop that was closed in ``state`` at rest."""
+    """``check(source_K, position, error)`` at every sample of a loop that was closed at rest in ``state``."""
 
     def __init__(self, setup: Setup, hysteresis: Everett, state: State) -> None:
         self._setup, self._operator = setup, Preisach(hysteresis, state)
         self._range = abs(hysteresis.everett(hysteresis.upper, hysteresis.lower))
         self._wire_K, self._at_limit_s = state.u, 0.0
-        self._last_motion = (state.y, math.nan)  # by the model and by the encoder, where that moved last
+        self._last_motion = (state.y, math.nan)  # of model and encoder, when the encoder last moved
 
     def check(self, source_K: float, position: float, error: float) -> None:
-        """Raise LimitExceeded when the set-point cannot be reached, or the readings cannot be true."""
+        """Raise LimitExceeded if the set-point cannot be reached or the readings are implausible."""
         self._follow(source_K)
         self._check_reach(source_K, error)
         self._check_motion(position)
@@ -44,8 +44,8 @@ class SensorPlausibility:
         self._at_limit_s = self._at_limit_s + setup.period_s if held_off_target else 0.0
         if self._at_limit_s > LIMIT_TAUS * setup.tau_s:
             raise LimitExceeded(
-                f"The set-point is out of the wire's reach: the source has been at its limit of {source_K:.3g} K for "
-                f"{self._at_limit_s:.0f} s, and the position is {abs(error):.3g} off. The current is at zero."
+                f"The set-point is unreachable: the source has been at its limit of {source_K:.3g} K for "
+                f"{self._at_limit_s:.0f} s, and the position error is {abs(error):.3g}. The current is at zero."
             )
 
     def _check_motion(self, position: float) -> None:
@@ -54,6 +54,6 @@ class SensorPlausibility:
             self._last_motion = self._operator.y, position
         elif abs(self._operator.y - output) > EXPECTED_MOTION * self._range:
             raise LimitExceeded(
-                f"The wire must have moved by {abs(self._operator.y - output):.3g}, and the encoder says "
-                f"{abs(position - read):.3g}: is the encoder stuck, or the wire broken? The current is at zero."
+                f"By the model the wire moved by {abs(self._operator.y - output):.3g}, by the encoder only by "
+                f"{abs(position - read):.3g}. Check the encoder and the wire. The current is at zero."
             )

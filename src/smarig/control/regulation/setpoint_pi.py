@@ -1,12 +1,12 @@
-"""A gentle loop that holds a set-point: PI from the position's error to the source, its zero on the wire's own lag.
+"""A gentle loop that holds a set-point: PI from position error to source, with its zero at the wire's own lag.
 
     s_k = K e_k + K (1 − e^(−dt/τ)) Σ_{j<k} e_j    ⇒    T_{k+1} − T_k = K (1 − e^(−dt/τ)) e_k
 
-The zero cancels the heating's pole, tick by tick, so the temperature is an integral of the error: as long as the error
-keeps its sign the temperature moves one way, and no branch of the hysteresis is left that need not be. K is set by
-the steepest branch, so elsewhere the loop is slower, and nowhere overshoots unless the source is cut off. An error that
-would push a source further beyond its limits is not summed (conditional integration); a source summed from its own
-clipped increments would turn noise into drift. Knows no hysteresis and no rig.
+The zero cancels the pole of the heating at every tick, so the temperature is an integral of the error. While the error
+keeps its sign the temperature moves in one direction, and the loop leaves no branch without need. The steepest branch
+determines K, so the loop is slower elsewhere and overshoots only if the source is clipped. Errors that would drive the
+source further beyond its limits are not integrated (conditional integration); a source summed from its own clipped
+increments would turn noise into drift.
 """
 
 import math
@@ -17,7 +17,7 @@ import numpy as np
 from smarig.preisach import Everett
 from smarig.protocols import Setup
 
-BANDWIDTH_FACTOR = 1.0  # the loop's time constant on the steepest branch, as a multiple of τ, is 1/GENTLE
+BANDWIDTH_FACTOR = 1.0  # τ over the loop's time constant on the steepest branch
 _GRID_POINTS = 256
 
 
@@ -25,7 +25,7 @@ class SetpointController(Protocol):
     """A controller that ``regulate`` can close: an error in, a source temperature out."""
 
     def start(self, source_K: float) -> None:
-        """Begin at rest at a source temperature."""
+        """Start at rest at a source temperature."""
         ...
 
     def step(self, error: float) -> float:
@@ -37,7 +37,7 @@ class SetpointPI:
     """PI that holds a set-point, gentle on the steepest branch of the model.
 
         gain (K/unit): kelvin of steady temperature per unit of position
-        band (unit): errors within it count as none
+        band (unit): errors within it count as zero
 
     >>> loop = SetpointPI(gain=2.0, tau_s=5.0, period_s=0.1, low_K=0.0, high_K=100.0)
     >>> loop.start(50.0)
@@ -55,12 +55,12 @@ class SetpointPI:
 
     @classmethod
     def for_model(cls, setup: Setup, hysteresis: Everett, band: float = 0.0) -> "SetpointPI":
-        """For a rig and a model: time constant τ/GENTLE on the steepest branch."""
+        """The PI for a rig and a model: time constant τ/BANDWIDTH_FACTOR on the steepest branch."""
         gain = BANDWIDTH_FACTOR / steepest(hysteresis)
         return cls(gain, setup.tau_s, setup.period_s, setup.lower_K, setup.upper_K, band)
 
     def start(self, source_K: float) -> None:
-        """Begin at rest at a source temperature."""
+        """Start at rest at a source temperature."""
         self._integral_K = self._clipped(source_K)
 
     def step(self, error: float) -> float:

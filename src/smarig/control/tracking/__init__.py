@@ -1,4 +1,4 @@
-"""Position tracking: references, controllers (one file each), the loop that drives them, and how well it went."""
+"""Position tracking: references, controllers (one file each), the loop that drives them, and its performance."""
 
 from smarig.control.tracking.controller_model import ControllerModel
 from smarig.control.tracking.reference import Reference, reference

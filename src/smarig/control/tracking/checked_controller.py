@@ -1,8 +1,7 @@
-"""Asks a controller for its next current, and takes nothing that is none.
+"""Gets the next current from a controller and rejects invalid ones.
 
-A controller may be somebody's own file: it may yield nonsense, end early, or raise what ends programs. Each is one
-sentence, with file and line where there are such; the run then ends at zero, and keeps what was measured. Refuses to
-know what a rig allows.
+A controller may be a user's own file: it may yield invalid values, end early, or raise exceptions that end programs.
+Each case gives one message with file and line if known. The run then ends at zero and keeps its record.
 """
 
 import contextlib
@@ -18,7 +17,7 @@ _EXHAUSTED = object()
 
 
 class CheckedController:
-    """A controller at work: ``first()`` is its current before any sample, ``after(sample)`` that after one, A."""
+    """A running controller: ``first()`` is its current before any sample, ``after(sample)`` that after a sample, A."""
 
     def __init__(
         self,
@@ -33,18 +32,18 @@ class CheckedController:
         with self._controller_faults():
             self._controller = make(controller_model, reference)
         if not isinstance(self._controller, Generator):
-            raise UsageError(f"{self._name} yields nothing: it must be a generator of currents, A.")
+            raise UsageError(f"{self._name} yields nothing. It must be a generator of currents in A.")
 
     def first(self) -> float:
-        """UsageError for what is no number, LimitExceeded for NaN and infinity."""
+        """The current before any sample. Raises UsageError if not a number, LimitExceeded for NaN and infinity."""
         return self._current(None)
 
     def after(self, sample: Sample) -> float:
-        """The same, once it has seen a sample."""
+        """The current after a sample, with the same errors."""
         return self._current(sample)
 
     def close(self) -> None:
-        """Let go of the controller, whatever it thinks of that."""
+        """Close the controller and suppress its exceptions."""
         with contextlib.suppress(Exception):
             self._controller.close()
 
@@ -56,22 +55,23 @@ class CheckedController:
                 yielded = _EXHAUSTED
         if yielded is _EXHAUSTED:
             raise UsageError(
-                f"{self._location()}: it ended. A controller yields until it is closed (while True)."
+                f"{self._location()}: the generator ended. A controller must yield until the loop closes it "
+                "(while True)."
             )
         current_A = _number(yielded)
         if current_A is None:
             raise UsageError(
-                f"{self._location()}: it yields currents, A, as numbers, not {_short_repr(yielded)}."
+                f"{self._location()}: it must yield currents in A as numbers, got {_short_repr(yielded)}."
             )
         if not math.isfinite(current_A):
             raise LimitExceeded(
-                f"{self._location()}: it asked for {current_A} A, the loop is broken. The current is at zero."
+                f"{self._location()}: it commanded {current_A} A, so the loop is invalid. The current is at zero."
             )
         return current_A
 
     @contextlib.contextmanager
     def _controller_faults(self) -> Iterator[None]:
-        """What would end more than a run is told as a fault of the controller; other errors are as they are."""
+        """Raise UsageError for exceptions that would end more than the run; other errors pass unchanged."""
         location = self._location()
         try:
             yield
@@ -82,11 +82,11 @@ class CheckedController:
             if isinstance(raised, Exception) and not isinstance(raised, StopIteration):
                 raise
             raise UsageError(
-                f"{location}: it raised {type(raised).__name__}, which no controller may."
+                f"{location}: it raised {type(raised).__name__}, which a controller must not raise."
             ) from error
 
     def _location(self) -> str:
-        """Its name, and the file and line at which it stands."""
+        """Its name, with file and line of its present yield."""
         frame = getattr(self._controller, "gi_frame", None)
         if frame is not None:
             self._line = f", {frame.f_code.co_filename}, line {frame.f_lineno}"
@@ -103,7 +103,7 @@ def _number(yielded: object) -> float | None:
 
 
 def _short_repr(value: object) -> str:
-    """On one line, and short."""
+    """A short representation on one line."""
     try:
         return repr(value).encode("ascii", "backslashreplace").decode()[:60].replace("\n", " ")
     except Exception:

@@ -1,9 +1,9 @@
-"""Proportional and integral action on the position error, whatever sets the gain; what PI controllers share.
+"""Proportional and integral action on the position error with any gain, shared by the PI controllers.
 
     s = ∫ k e dt/T_i + k e,        e = wanted − position, k in kelvin per unit
 
-Conditional integration: nothing is added while the source s is at an end of its range and the error would push it
-further. Knows no schedule.
+Conditional integration: the integral does not grow while the source s is at a limit and the error would drive it
+further.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ def pi_feedback(
     integral_s: float,
     lead_s: float,
 ) -> Controller:
-    """``gain(error, position)`` in K per unit; the error is taken to what is wanted ``lead_s`` from now."""
+    """``gain(error, position)`` in K per unit; the error refers to the reference ``lead_s`` ahead."""
     setup = controller_model.setup
     integral_K = 0.0
     sample = yield setup.current_for(clipped(setup, 0.0))

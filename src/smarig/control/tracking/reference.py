@@ -1,7 +1,4 @@
-"""What a position shall follow: steps, ramps, a multisine, or a file; counted from the encoder's zero.
-
-Knows positions and times; refuses to know whether a wire can follow.
-"""
+"""References of the position: steps, ramps, a multisine, or a file; positions count from the encoder's zero."""
 
 import csv
 import math
@@ -21,14 +18,14 @@ LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000
 MOST_POINTS = 400_000
 REFERENCE_SHAPES = ("steps", "ramps", "multisine")
-PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's parts at speed 1: no common multiple within an hour
+PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's components at speed 1: no common multiple within an hour
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Positions (n,) at times (n,) from 0, in the rig's unit; straight between them, or held (``held``).
+    """Positions (n,) at times (n,) from 0, in the rig's unit; linear in between, or constant (``held``).
 
-    The last time of a held reference is its end, and its last position that of no step.
+    The last time of a held reference is its end; its last position belongs to no step.
     """
 
     name: str
@@ -40,24 +37,26 @@ class Reference:
         if not (_all_numbers(self.t_s) and _all_numbers(self.position)) or len(self.t_s) != len(
             self.position
         ):
-            raise UsageError(f"Reference {self.name} needs as many positions as times, all of them numbers.")
+            raise UsageError(
+                f"Reference {self.name} needs equally many times and positions, all of them numbers."
+            )
         numbers = np.array([self.t_s, self.position], dtype=float)
         if numbers.shape[1] < 2 or not np.isfinite(numbers).all():
             raise UsageError(f"Reference {self.name} needs at least two times with finite positions.")
         if self.t_s[0] != 0 or np.any(np.diff(self.t_s) <= 0):
-            raise UsageError(f"Reference {self.name}: times must begin at 0 and increase.")
+            raise UsageError(f"Reference {self.name}: times must start at 0 and increase.")
         if self.t_s[-1] > LONGEST_S:
             raise UsageError(
-                f"Reference {self.name} takes more than {LONGEST_S / 3600:g} h; give it in parts."
+                f"Reference {self.name} takes more than {LONGEST_S / 3600:g} h. Divide it into parts."
             )
 
     @property
     def duration_s(self) -> float:
-        """Until its last point."""
+        """Time of the last point."""
         return self.t_s[-1]
 
     def at(self, t_s: float) -> float:
-        """Wanted position; before its beginning and after its end, that of its first and last point."""
+        """Reference position; before the start and after the end, that of the first and last point."""
         last = len(self.t_s) - (2 if self.held else 1)
         k = min(max(bisect_right(self.t_s, t_s) - 1, 0), last)
         if self.held or k == len(self.t_s) - 1 or t_s <= 0:
@@ -67,12 +66,12 @@ class Reference:
         return self.position[k] + share * (self.position[k + 1] - self.position[k])
 
     def as_data(self) -> dict[str, object]:
-        """For a record: all that is needed to build it again."""
+        """Plain values for a record, sufficient to rebuild the reference."""
         return {"name": self.name, "t_s": list(self.t_s), "position": list(self.position), "held": self.held}
 
     @classmethod
     def of(cls, data: Mapping) -> "Reference":
-        """From ``as_data``."""
+        """Rebuild a reference from ``as_data``."""
         return cls(
             str(data["name"]), tuple(data["t_s"]), tuple(data["position"]), bool(data.get("held", False))
         )
@@ -98,16 +97,18 @@ def reference(
     60.0
     """
     if shape not in REFERENCE_SHAPES:
-        raise UsageError(f"No reference '{shape}'{suggestion(shape, list(REFERENCE_SHAPES))}, or a CSV file.")
+        raise UsageError(
+            f"No reference '{shape}'{suggestion(shape, list(REFERENCE_SHAPES))}. Give a shape or a CSV file."
+        )
     for name, value in zip(
         ("low", "high", "seconds", "every_s", "speed"), (low, high, seconds, every_s, speed)
     ):
         finite(f"The reference's {name}", value)
     if not (isinstance(seed, Integral) and seed >= 0):
-        raise UsageError(f"The reference's seed is a whole number from 0 on (given: {seed}).")
+        raise UsageError(f"The reference's seed must be an integer from 0 on (given: {seed}).")
     if not math.isfinite(high - low):
         raise UsageError(
-            f"The reference's low and high are too far apart to be computed with: {low:g}, {high:g}."
+            f"The reference's low and high differ too much: {low:g}, {high:g}. Give smaller values."
         )
     if not (low < high and 0 < seconds <= LONGEST_S and every_s > 0 and speed > 0):
         raise UsageError(
@@ -116,7 +117,7 @@ def reference(
         )
     if seconds * speed * max(4.0, 1 / every_s) > MOST_POINTS:
         raise UsageError(
-            f"A reference of more than {MOST_POINTS} points; give less seconds, speed, or a longer every_s."
+            f"The reference has more than {MOST_POINTS} points. Give fewer seconds, a lower speed, or a longer every_s."
         )
     dice = np.random.default_rng([seed, 0x7247])
     if shape == "multisine":
@@ -137,11 +138,13 @@ def _multisine(low: float, high: float, seconds: float, speed: float, dice: np.r
 
 
 def reference_from_csv(path: Path, unit: str) -> Reference:
-    """A file with the columns ``time_s`` and ``position_mm`` or ``position_deg``, straight between its rows."""
+    """A reference from a file with columns ``time_s`` and ``position_mm`` or ``position_deg``, linear between rows."""
     if not path.is_file():
-        raise UsageError(f"No reference file {path}; give {', '.join(REFERENCE_SHAPES)}, or a CSV file.")
+        raise UsageError(
+            f"There is no reference file {path}. Give {', '.join(REFERENCE_SHAPES)}, or a CSV file."
+        )
     if path.stat().st_size > LARGEST_BYTES:
-        raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB: that is no reference.")
+        raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB, too large for a reference.")
     wanted = ("time_s", f"position_{unit}")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -157,11 +160,9 @@ def reference_from_csv(path: Path, unit: str) -> Reference:
 def _check_columns(path: Path, names: Sequence[str], wanted: tuple[str, str]) -> None:
     for name in wanted:
         if name not in names:
-            raise UsageError(f"{path} has no column '{name}'; a reference needs {' and '.join(wanted)}.")
+            raise UsageError(f"{path} has no column '{name}'. A reference needs {' and '.join(wanted)}.")
         if names.count(name) > 1:
-            raise UsageError(
-                f"{path} has {names.count(name)} columns '{name}'; leave the one that is wanted."
-            )
+            raise UsageError(f"{path} has {names.count(name)} columns '{name}'. Keep only one of them.")
 
 
 def _row(row: Mapping[str, str | None], wanted: tuple[str, str], line: int) -> tuple[int, float, float]:
@@ -169,7 +170,7 @@ def _row(row: Mapping[str, str | None], wanted: tuple[str, str], line: int) -> t
 
 
 def _cell(row: Mapping[str, str | None], column: str, line: int) -> float:
-    """A cell as a number; ValueError names line and column."""
+    """A cell as a number. Raises ValueError with line and column."""
     text = row[column]
     if text is None:
         raise ValueError(f"line {line} has no {column}")
@@ -178,12 +179,12 @@ def _cell(row: Mapping[str, str | None], column: str, line: int) -> float:
     except ValueError:
         found = math.nan
     if not math.isfinite(found):
-        raise ValueError(f"line {line}: {column} is '{text}', which is no finite number")
+        raise ValueError(f"line {line}: {column} is '{text}', which is not a finite number")
     return found
 
 
 def _check_rows(rows: Sequence[tuple[int, float, float]]) -> None:
-    """ValueError where there are none, or where time does not go on."""
+    """Raise ValueError if there are no rows or time does not increase."""
     if not rows:
         raise ValueError("it has no rows below its columns")
     for (_, before_s, _), (line, t_s, _) in pairwise(rows):

@@ -1,4 +1,4 @@
-"""How well a closed loop went: errors, settling of steps, energy, peak temperature; from columns of any origin."""
+"""Performance of a closed loop from its columns: errors, settling of steps, energy, peak temperature."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from smarig.core import UsageError
 from smarig.plant import Actuator
 
 SETTLING_BAND_COUNTS = 2.0
-SETTLED_FOR_S = 5.0  # and stays there
+SETTLED_FOR_S = 5.0  # time that the position must stay in the band
 
 Array = NDArray[np.float64]
 
@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 class TrackingPerformance:
     """Figures of one loop; positions in the rig's unit, over samples after ``skip_s``.
 
-    ``settle_s`` (k,) for each step of a held reference: until the position is within 2 counts for 5 s, NaN where it
-    never is; ``overshoot`` (k,) beyond the goal, both up to where a controller that looks ahead sees the next step.
+    ``settle_s`` (k,) for each step of a held reference: time until the position is within 2 counts for 5 s, NaN if
+    never; ``overshoot`` (k,) beyond the target. Both end where a controller with preview starts the next step.
     ``energy_J`` = ∫ i²R dt, ``peak_K`` above ambient.
     """
 
@@ -47,10 +47,10 @@ def tracking_performance(
     skip_s: float = 0.0,
     ahead_s: float = 0.0,
 ) -> TrackingPerformance:
-    """Columns (n,) of the loop, t_s from where it was closed; the controller knows what is wanted ``ahead_s`` later."""
+    """Performance from columns (n,) with t_s from the closing of the loop; the controller has a preview ``ahead_s``."""
     t, y, i, u = (np.asarray(c, dtype=float) for c in (t_s, position, current_A, input_K))
     if t.size < 2:
-        raise UsageError("A closed loop needs at least two samples to be measured.")
+        raise UsageError("The performance of a closed loop needs at least two samples.")
     error = y - np.array([reference.at(v) for v in t.tolist()])
     evaluated = error[t >= skip_s] if np.any(t >= skip_s) else error
     dt = float(np.median(np.diff(t)))
@@ -70,7 +70,7 @@ def tracking_performance(
 def _steps(
     reference: Reference, t: Array, y: Array, per_count: float, ahead_s: float
 ) -> tuple[tuple[float, float], ...]:
-    """(settling time, overshoot) of each step; the last point of a reference is its end and no step."""
+    """(settling time, overshoot) of each step; the last point of a reference is its end, not a step."""
     found = []
     last = len(reference.t_s) - 2
     for k, (start, goal) in enumerate(zip(reference.t_s[:-1], reference.position[:-1])):

@@ -1,7 +1,7 @@
-"""The closed loop as a protocol: the wire is initialised, a controller drives it along a reference, the end is 0 A.
+"""The tracking loop as a protocol: initialise the wire, let a controller follow a reference, end at 0 A.
 
-Whatever a controller asks for is clipped here, once for all: current range, current rate, and what the rig's
-temperature limit leaves. A loop that diverges ends the run with zero current. Knows commands; refuses to know rigs.
+Every command of a controller is clipped here to the current range, the current rate and the rig's temperature limit. A
+loop that diverges ends the run with zero current.
 """
 
 from smarig.control.current_limits import limited_current, ramp_to_zero
@@ -15,7 +15,7 @@ from smarig.protocols import initialise
 TRACKING_LOOP_CLOSED, TRACKING_LOOP_OPENED = (
     "closed loop",
     "loop opened",
-)  # labels of the marks that begin and end it
+)  # labels of the marks at start and end
 
 
 def track(
@@ -27,11 +27,11 @@ def track(
     prepare: bool = True,
     divergence_limits: DivergenceLimits | None = None,
 ) -> Protocol:
-    """Initialise (§5.2.2), close the loop, follow the reference to its end, and let go.
+    """Initialise (§5.2.2), close the loop, follow the reference to its end, and open the loop.
 
-    ``make(known, wanted)`` is a controller; ``name`` is written into the record. Without ``prepare`` it goes on from
-    where the wire is. Raises LimitExceeded when the loop diverges or a controller asks for NaN or infinity, UsageError
-    when it asks for what is no number, or for nothing any more.
+    ``make(known, wanted)`` makes a controller; ``name`` is recorded. Without ``prepare`` the loop starts from the
+    present state. Raises LimitExceeded if the loop diverges or a controller commands NaN or infinity, UsageError if it
+    yields something other than a number or ends.
     """
     setup = controller_model.setup
     if prepare:

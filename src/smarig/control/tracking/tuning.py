@@ -1,6 +1,7 @@
-"""Controllers tuned by one optimiser and one budget, so that a comparison compares controllers and not patience.
+"""Tunes controllers with one optimiser and one budget, so that comparisons do not depend on tuning effort.
 
-Nelder and Mead's simplex on the logarithms of the numbers that a controller lists in ``RANGES``, within these ranges.
+The method is the Nelder-Mead simplex on the logarithms of the numbers in a controller's ``RANGES``, within these
+ranges.
 """
 
 import importlib
@@ -14,22 +15,22 @@ from smarig.control.controller_settings import TRACKING_CONTROLLERS, default_num
 from smarig.control.tracking.controller_model import ControllerFactory
 from smarig.core import catalogue_entry
 
-FIRST_STEP = 0.7  # of a logarithm: a factor of two
+FIRST_STEP = 0.7  # in the logarithm: a factor of two
 
 
 def ranges(name: str) -> Mapping[str, tuple[float, float]]:
-    """What may be tuned of a controller, with least and largest values."""
+    """The tunable numbers of a controller, with smallest and largest values."""
     return importlib.import_module(f"{TRACKING_CONTROLLERS}.{name}").RANGES
 
 
 def default_settings(name: str) -> dict[str, float]:
-    """Its numbers as they are without tuning."""
+    """The default values of the tunable numbers."""
     all_numbers = default_numbers(TRACKING_CONTROLLERS, name)
     return {key: all_numbers[key] for key in ranges(name)}
 
 
 def controller_factory(name: str, values: Mapping[str, float]) -> ControllerFactory:
-    """A controller with its numbers, ready for a loop."""
+    """A factory of a controller with its numbers."""
     found = catalogue_entry(TRACKING_CONTROLLERS, name)
     return lambda controller_model, reference: found(controller_model, reference, **values)
 
@@ -40,9 +41,9 @@ def tuned_numbers(
     budget: int,
     extra_ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> dict[str, float]:
-    """The numbers of least cost found in ``budget`` evaluations, begun at the defaults.
+    """The numbers of lowest cost found in ``budget`` evaluations, starting from the defaults.
 
-    ``extra_ranges``: further numbers with their ranges, begun in the middle of these.
+    ``extra_ranges``: further numbers with their ranges, starting in the middle.
     """
     search_ranges = {**ranges(name), **(extra_ranges or {})}
     start = {key: math.sqrt(low * high) for key, (low, high) in search_ranges.items()} | default_settings(

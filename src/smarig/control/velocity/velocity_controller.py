@@ -1,10 +1,10 @@
-"""What a velocity controller is: a biproper sampled system from velocity error ė to input ũ, with its δ and γ.
+"""Velocity controllers: biproper sampled systems from velocity error ė to input ũ, with their δ and γ.
 
     ⟨ė, ũ⟩_T ≥ δ ‖ė‖²_T        ‖ũ‖_T ≤ γ ‖ė‖_T        for every T, from rest                       (Thm 8.2)
 
-Biproper, because strict passivity and smoothing exclude each other (theory.md §8, erratum 11). δ and γ are those
-of the sampled controller, the one that runs. Two kinds serve the catalogue in ``controllers``: without memory,
-and with one linear state. ũ and ė in the model's input unit and output unit per second.
+They are biproper, because strict passivity and smoothing exclude each other (theory.md §8, erratum 11). δ and γ are
+those of the sampled controller. The catalogue in ``controllers`` uses two kinds: without memory, and with one linear
+state. ũ is in the model's input unit, ė in its output unit per second.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -21,19 +21,19 @@ _SHORTEST, _LONGEST = 64, 1 << 20
 
 
 class ControllerState(Protocol):
-    """A controller at work. ``output`` may be asked any number of times before ``advance`` moves on a sample."""
+    """A running controller. ``output`` may be called repeatedly before ``advance`` moves to the next sample."""
 
     def output(self, error: float) -> float:
         """ũ for an error at the present sample; increases with the error."""
         ...
 
     def advance(self, error: float) -> None:
-        """The error was this: on to the next sample."""
+        """Move to the next sample with the error of the present one."""
         ...
 
 
 class VelocityController(Protocol):
-    """A controller by its constants; ``start`` sets one to work from rest."""
+    """A controller by its constants; ``start`` makes a running one from rest."""
 
     @property
     def delta(self) -> float:
@@ -46,19 +46,19 @@ class VelocityController(Protocol):
         ...
 
     def start(self, dt_s: float) -> ControllerState:
-        """From rest, sampled every ``dt_s``."""
+        """A running controller from rest, sampled every ``dt_s``."""
         ...
 
     def probes(self, dt_s: float) -> Iterator[Array]:
-        """Error signals (n,) that come closer and closer to δ and to γ."""
+        """Error signals (n,) that approach δ and γ increasingly closely."""
         ...
 
 
 @dataclass(frozen=True)
 class MemorylessController:
-    """ũ = law(sample, ė) with least ≤ law/ė ≤ most at every sample: δ = ``least``, γ = ``most``, whatever the law.
+    """ũ = law(sample, ė) with least ≤ law/ė ≤ most at every sample: δ = ``least``, γ = ``most`` for any law.
 
-    ``probe_signals`` gives error signals that come close to both ends.
+    ``probe_signals`` gives error signals that approach both bounds.
     """
 
     law: Callable[[int, float], float]
@@ -77,12 +77,12 @@ class MemorylessController:
         return self.most
 
     def start(self, dt_s: float) -> ControllerState:
-        """At sample 0."""
-        positive("dt_s", dt_s)  # without memory there is nothing to discretise, but signals are summed by it
+        """A running controller at sample 0."""
+        positive("dt_s", dt_s)  # not needed for the law itself, but sums over signals use it
         return _MemorylessState(self.law)
 
     def probes(self, dt_s: float) -> Iterator[Array]:
-        """As given."""
+        """The given probe signals."""
         del dt_s
         return iter(self.probe_signals())
 
@@ -101,16 +101,16 @@ class _MemorylessState:
 
 @dataclass(frozen=True)
 class FirstOrderController:
-    """H(s) = H∞ + (H₀ − H∞) a/(s + a): gain ``static_gain`` H₀ to steady errors, ``high_frequency_gain`` H∞ to
-    sudden ones.
+    """H(s) = H∞ + (H₀ − H∞) a/(s + a): ``static_gain`` H₀ for steady errors, ``high_frequency_gain`` H∞ for sudden
+    ones.
 
-    H(jω) runs along a half circle whose diameter is the real segment from H₀ to H∞, so
+    H(jω) is a half circle whose diameter is the real segment from H₀ to H∞, so
 
         δ = inf Re H = min(H₀, H∞)        γ = sup |H| = max(H₀, H∞)            (H₀, H∞ > 0)
 
-    in closed form. Sampled by the bilinear rule, s = (2/dt)(z − 1)/(z + 1), the unit circle has the values
-    H has on the imaginary axis and at ∞: the sampled controller has the very same δ and γ, for every dt.
-    Truncation does no harm: ũ up to T depends on ė up to T only, and Parseval holds for ė_T.
+    in closed form. Sampled by the bilinear rule, s = (2/dt)(z − 1)/(z + 1), H has on the unit circle its values on the
+    imaginary axis and at ∞: the sampled controller has the same δ and γ for every dt. Truncation has no effect: ũ up
+    to T depends only on ė up to T, and Parseval's theorem holds for ė_T.
     """
 
     static_gain: float
@@ -137,7 +137,7 @@ class FirstOrderController:
         return _FirstOrderState(pole, gain * (1.0 + pole), self.high_frequency_gain + gain)
 
     def probes(self, dt_s: float) -> Iterator[Array]:
-        """Steady and alternating errors under half a sine: H₀ is met at ω = 0, H∞ at the highest frequency, z = −1."""
+        """Steady and alternating errors with a half-sine window, which approach H₀ (ω = 0) and H∞ (z = −1)."""
         del dt_s
         n = _SHORTEST
         while n <= _LONGEST:

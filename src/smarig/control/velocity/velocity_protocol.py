@@ -1,10 +1,10 @@
-"""Velocity feedback on a rig (Fig. 8.2): a controller of the velocity error as a protocol, and what it measures.
+"""Velocity feedback on a rig (Fig. 8.2): a controller of the velocity error as a protocol, and its measurement.
 
     e_k = ṙ_k − v_{k−1},   ũ_k = H₁e,   u_k = ũ_k + u_o,   i_k = sgn(u_k) √(|u_k| hA/R), within the limits
 
 The current follows from u by the steady law (5.3). v is the velocity of the readings: one difference of positions per
-tick through a first-order filter. The current of a tick is decided from the samples before it, so Thm 8.2's algebra
-does not hold here; what of it is left is measured.
+tick through a first-order filter. The current of a tick depends on earlier samples only, so the algebra of Thm 8.2
+does not hold here; the protocol measures the ratio instead.
 """
 
 import math
@@ -25,22 +25,22 @@ from smarig.protocols import Setup
 from smarig.protocols import initialise as initialise_wire
 
 Array = NDArray[np.float64]
-# What is known of Thm 8.2 for this loop, for the record; of the share of clipped samples, None before it is measured.
+# Thm 8.2 for this loop, for the record, as a function of the share of clipped samples (None before it is measured).
 Assessment = Callable[[float | None], Mapping[str, Any]]
 
 VELOCITY_LOOP_STARTED, VELOCITY_LOOP_MEASURED = (
     "velocity_feedback",
     "velocity_feedback_outcome",
 )  # labels of the marks
-FILTER_TICKS = 10  # time constant of the velocity filter, unless it is given
+FILTER_TICKS = 10  # default time constant of the velocity filter
 LEAD_IN_S = 20.0  # from the encoder's zero to the first position of a reference
-ROUNDING_K = 1e-9  # between a temperature asked for and that of the current which makes it
+ROUNDING_K = 1e-9  # between a commanded temperature and that of its current
 
 
 @dataclass(frozen=True, eq=False)
 class VelocityMeasurement:
-    """What a loop on a rig did, (n,) each: ``rate`` ṙ, ``offset`` u_o, ``velocity`` as filtered, ``commanded_K`` u,
-    ``applied_K`` the temperature the current stands for, ``position``, ``current_A``.
+    """Signals of a loop on a rig, (n,) each: ``rate`` ṙ, ``offset`` u_o, filtered ``velocity``, ``commanded_K`` u,
+    ``applied_K`` the steady temperature of the current, ``position``, ``current_A``.
     """
 
     controller: VelocityController
@@ -55,17 +55,17 @@ class VelocityMeasurement:
 
     @property
     def ratio(self) -> float:
-        """‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖) over the run, v the filtered velocity; NaN when nothing drove the loop."""
+        """‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖) over the run, v the filtered velocity; NaN if nothing drove the loop."""
         return self._ratio(self.velocity)
 
     @property
     def raw_ratio(self) -> float:
-        """The same with v the plain differences of positions: encoder noise and quantum included."""
+        """The same ratio with plain differences of positions as v, including encoder noise and quantisation."""
         return self._ratio(np.diff(self.position, prepend=self.position[0]) / self.dt_s)
 
     @property
     def rest_ratio(self) -> float:
-        """What a wire that stands still would have: ‖ṙ‖/(‖ṙ‖ + ‖u_o‖), 1 without an offset."""
+        """The ratio of a wire at rest: ‖ṙ‖/(‖ṙ‖ + ‖u_o‖), 1 without an offset."""
         return self._ratio(np.zeros_like(self.velocity))
 
     @property
@@ -77,7 +77,7 @@ class VelocityMeasurement:
 
     @property
     def clipped_share(self) -> float:
-        """Share of samples at which the limits gave another input than was asked for."""
+        """Share of samples at which the limits changed the commanded input."""
         return float(np.mean(np.abs(self.commanded_K - self.applied_K) > ROUNDING_K))
 
     def _ratio(self, velocity: Array) -> float:
@@ -85,7 +85,7 @@ class VelocityMeasurement:
         return float(np.linalg.norm(self.rate - velocity) / drive_norm) if drive_norm else math.nan
 
     def data(self) -> dict[str, Any]:
-        """For a mark in the record: plain values."""
+        """Plain values for a mark in the record."""
         return {
             "ratio": _finite_or_none(self.ratio),
             "raw_ratio": _finite_or_none(self.raw_ratio),
@@ -112,7 +112,7 @@ class VelocityFilter:
         self._velocity, self._position = 0.0, math.nan
 
     def after(self, position: float) -> float:
-        """The velocity once a position was read; the first one has no difference yet."""
+        """The velocity after a position; 0 after the first one, which has no difference."""
         moved = 0.0 if math.isnan(self._position) else position - self._position
         self._velocity += self._share * (moved / self._dt_s - self._velocity)
         self._position = position
@@ -120,7 +120,7 @@ class VelocityFilter:
 
 
 def with_lead_in(reference: Reference, seconds: float = LEAD_IN_S) -> Reference:
-    """The same, led there in a straight line from zero, where the encoder is when the loop is closed.
+    """The reference after a straight line from zero, the encoder's position when the loop is closed.
 
     >>> with_lead_in(Reference("r", (0.0, 10.0), (3.0, 4.0))).t_s
     (0.0, 20.0, 30.0)
@@ -132,7 +132,7 @@ def with_lead_in(reference: Reference, seconds: float = LEAD_IN_S) -> Reference:
 
 
 def reference_rates(reference: Reference, dt_s: float) -> Array:
-    """ṙ of each tick, (n,): what the reference moves in it, over ``dt_s``."""
+    """ṙ of each tick, (n,): the change of the reference in it, over ``dt_s``."""
     ticks = max(1, round(reference.duration_s / dt_s))
     return np.diff([reference.at(k * dt_s) for k in range(ticks + 1)]) / dt_s
 
@@ -154,10 +154,10 @@ def velocity_tracking(
     filter_s: float | None = None,
     assess: Assessment | None = None,
 ) -> Protocol:
-    """Initialise (§5.2.2), feed back the velocity along a reference's, and let go.
+    """Initialise (§5.2.2), feed back the velocity along that of a reference, and open the loop.
 
-    Only the reference's velocity is followed: the position is where the wire took it. ``offset_K`` is u_o, ``name``
-    the controller's in the record; further arguments are those of ``velocity_feedback``.
+    Only the velocity of the reference is followed; the position is not fed back. ``offset_K`` is u_o, ``name`` the
+    controller's in the record; further arguments are those of ``velocity_feedback``.
     """
     yield from initialise_wire(setup)
     first: Sample = yield Drive(0.0)
@@ -182,19 +182,21 @@ def velocity_feedback(
     filter_s: float | None = None,
     assess: Assessment | None = None,
 ) -> Generator[Command, Any, VelocityMeasurement]:
-    """Drive a rig along velocities ``rate`` (one a tick, rig unit per second), and return the ``VelocityMeasurement``.
+    """Drive a rig along velocities ``rate`` (one per tick, rig unit per second); returns the ``VelocityMeasurement``.
 
-    ``offset`` u_o in kelvin (one, or one a tick) makes up for what the controller does not start from: an ambient
-    that has drifted since the identification, or a temperature other than zero at the start. ``initialise``
-    brings the wire to its initial state first (u(0) = 0, §5.2.2). ``filter_s`` is the time constant of the
-    velocity filter, by default ten ticks. What ``assess`` says stands in the marks at the beginning and at the end.
-    Yields Drive commands and wants Samples in answer. UsageError for rates and offsets that are none.
+    ``offset`` u_o in kelvin (one, or one per tick) compensates initial conditions: an ambient that has drifted since
+    the identification, or an initial temperature other than zero. ``initialise`` brings the wire to its initial state
+    first (u(0) = 0, §5.2.2). ``filter_s`` is the time constant of the velocity filter, by default ten ticks. The marks
+    at start and end contain the result of ``assess``. Yields Drive commands and receives Samples. Raises UsageError
+    for invalid rates and offsets.
     """
     rates = [float(r) for r in rate]
     constant = isinstance(offset, int | float)
     offsets = [float(offset)] * len(rates) if isinstance(offset, int | float) else [float(o) for o in offset]
     if not rates or len(rates) != len(offsets) or not np.isfinite([*rates, *offsets]).all():
-        raise UsageError("Velocity feedback needs a finite rate for every tick, and one offset or as many.")
+        raise UsageError(
+            "Velocity feedback needs a finite rate for every tick, and one offset or one per tick."
+        )
     filter_s = not_negative("filter_s", FILTER_TICKS * setup.period_s if filter_s is None else filter_s)
     if initialise != "none":
         yield from initialise_wire(setup, method=initialise)
@@ -219,7 +221,7 @@ def _drive(
     offsets: list[float],
     velocity_filter: VelocityFilter,
 ) -> Generator[Command, Any, Array]:
-    """Velocities, inputs asked for and given, positions and currents, shape (5, n)."""
+    """Velocities, commanded and applied inputs, positions and currents, shape (5, n)."""
     running, signals = controller.start(setup.period_s), np.empty((5, len(rates)))
     velocity, current_A = 0.0, 0.0
     for k, (rate, offset) in enumerate(zip(rates, offsets, strict=True)):

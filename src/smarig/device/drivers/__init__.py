@@ -1,11 +1,11 @@
-"""Drivers say to instruments what a bench wants: one file per instrument. They know registers, and no physics."""
+"""Drivers of instruments, one file each."""
 
 import inspect
 from typing import Any
 
 
 def misfit(name: str, found: Any) -> str:
-    """What keeps something from being a driver, ``NAME(where, rig)``; "" if nothing.
+    """Why an object cannot serve as a driver ``NAME(where, rig)``; "" if it can.
 
     >>> misfit("supply", lambda where: None)
     'supply must be a function supply(where, rig): a link of the rig file, and the rig file'

@@ -1,13 +1,13 @@
-"""A conversation with one device in exchanges that are proven fresh, repeated at most a few times, never done twice.
+"""Exchanges with one device: every reply is proven fresh, and a repeated request is never executed twice.
 
-A repeated exchange carries the same sequence word, and the device answers it without doing it again: so a lost reply
-costs a repetition, and a lost request nothing. A line that stays silent is opened anew once; a port that is gone is
-waited for a little. Knows maps and links; what registers mean for a rig is the drivers' business.
+A repeated exchange carries the same sequence word, and the device replies without executing it again. A lost reply
+therefore costs one repetition, and a lost request has no effect. A line without replies is reopened once. If the port
+has disappeared, the host waits briefly for it.
 
-A late reply is never taken for the answer to another request. A granted command proves itself by its echo. Refusals,
-handshakes and settings carry no sequence word: while a reply to an earlier request may still come, they are believed
-only on a line that has been resynchronised, by a read of a length that no reply under way has. Replies come in the
-order of requests, so none to an earlier request can follow it.
+A late reply is never taken for the reply to another request. The echo of its sequence word identifies the reply to a
+command. Refusals, handshakes and settings carry no sequence word: while a reply to an earlier request may still come,
+they are accepted only after the line has been resynchronised by a read whose length differs from all pending replies.
+Replies come in the order of requests, so no reply to an earlier request can follow.
 """
 
 import random
@@ -22,15 +22,15 @@ from smarig.device.wire.exchange import Exchange, Refusal
 from smarig.device.wire.link_faults import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
 from smarig.device.wire.register import RawValues, RegisterMap
 
-ATTEMPTS = 3  # on an open line, and once more on a line opened anew
-STALE_REPLIES = 4  # thrown away before a request is repeated
-FINAL = (1, 2, 3, 4)  # refusals of a request that was understood: to repeat it is of no use
-PAUSES_S = (0.1, 0.2)  # between looks for a port that is gone: less than the least lease together
-PROBED = 2  # records of the ring, at most, that a read takes in for its length alone
+ATTEMPTS = 3  # on an open line, and the same number again after it was reopened
+STALE_REPLIES = 4  # discarded before a request is repeated
+FINAL = (1, 2, 3, 4)  # refusals of a request that was received correctly: repeating it is useless
+PAUSES_S = (0.1, 0.2)  # between attempts to open a missing port: in sum less than the shortest lease
+PROBED = 2  # largest number of ring records that a read of a probing length covers
 
 
 class Status(NamedTuple):
-    """A device's answer: raw values by register, raw records of its ring, whether it took several attempts."""
+    """A device's reply: raw values by register, raw records of its ring, whether it took several attempts."""
 
     values: RawValues
     records: list[tuple[int, ...]]
@@ -38,11 +38,11 @@ class Status(NamedTuple):
 
 
 class _NoPort(Silent):
-    """There is nothing to open."""
+    """The port does not exist."""
 
 
 class Conversation:
-    """With one device. ``handshake`` first."""
+    """Exchanges with one device. Call ``handshake`` first."""
 
     def __init__(self, link: Link, map_: RegisterMap) -> None:
         self.link, self.map = link, map_
@@ -53,28 +53,28 @@ class Conversation:
         self._record = ring.record_words
         self._most = ring.count
         self._lengths = probe_lengths(map_)
-        self._late = True  # replies to earlier requests, of another process too, may still come
+        self._late = True  # replies to earlier requests, also of another process, may still come
 
     @property
     def name(self) -> str:
-        """Which device, and where."""
+        """The device and its link."""
         return f"{self.map.device.name} at {self.link.where}"
 
     @property
     def identity(self) -> str:
-        """The device, its map and how often it has started."""
+        """The device, its map and its number of starts."""
         d = self.map.device
         return f"{self.name}, map version {d.version}, hash {self.map.hash:08X}, boot {self._boots}"
 
     def handshake(self) -> RawValues:
-        """Is it the right device with the right map? Raises WrongDevice, WrongMap; returns its status."""
-        if self._boots is None:  # no length of its map before the map is known to be its own
+        """Check that this is the right device with the right map. Returns its status; raises WrongDevice, WrongMap."""
+        if self._boots is None:  # lengths are taken from the map, which is not yet verified
             self._late = False
             self._status()
             self._late = True
         values = self._status()
         self._boots = values["boot_count"]
-        self._sequence = values["echo"]  # lest the first command pass for a repetition of the last one heard
+        self._sequence = values["echo"]  # otherwise the device could take the first command for a repetition
         return values
 
     def _status(self) -> RawValues:
@@ -84,23 +84,23 @@ class Conversation:
         return values
 
     def settings(self, values: Mapping[str, int]) -> None:
-        """Write the settings block and read it back. Raises ConfigError for what no such device keeps."""
+        """Write the settings block and read it back. Raises ConfigError for values outside the register limits."""
         for name, raw in values.items():
             low, high = self.map[name].limits
             if not low <= raw <= high:
                 v = self.map[name].value
                 raise ConfigError(
                     f"{name} = {v.decode(raw):g} {v.unit} is outside {v.decode(low):g}…{v.decode(high):g} {v.unit}, "
-                    f"which the {self.map.device.name} allows: mend the rig file."
+                    f"which the {self.map.device.name} allows. Change the rig file."
                 )
         written = self.map.encode("settings", values)
         at = self.map.start("settings")
         words, _ = self._insisted(Exchange(at, len(written), at, tuple(written)))
         if words != written:
-            raise Garbled(f"The {self.name} keeps other settings than were written. {Garbled.remedy}")
+            raise Garbled(f"The settings read back from the {self.name} differ. {Garbled.remedy}")
 
     def command(self, values: Mapping[str, int], records: int = 0) -> Status:
-        """Write the command block with a new sequence word, and read the status with up to so many samples."""
+        """Write the command block with a new sequence word; read the status with at most ``records`` samples."""
         self._sequence = self._sequence % 0xFFFF + 1
         records = min(records, self._most)
         written = self.map.encode("command", {"ring_want": records, **values, "sequence": self._sequence})
@@ -111,27 +111,27 @@ class Conversation:
         if status["boot_count"] != self._boots:
             self._boots = status["boot_count"]
             raise Rebooted(
-                f"The {self.name} has started anew (boot {status['boot_count']}): look for a brown-out or a "
+                f"The {self.name} has restarted (boot {status['boot_count']}). Check for a brown-out or a "
                 "watchdog reset."
             )
         found = self.map.records(words, min(status["ring_count"], records))
         return Status(status, found, retried)
 
     def first_tick(self, status: Status, requested_tick: int) -> int:
-        """The tick of the first record: not before the one that was asked for, the last not after the device's own."""
+        """The tick of the first record, checked: at or after the requested tick, and none after the device's tick."""
         first, own = status.values["ring_first"], status.values["tick"]
         if status.records and not requested_tick <= first <= own - len(status.records) + 1:
             raise Garbled(
-                f"The {self.name} gives samples of tick {first} on where those from {requested_tick} on were asked "
-                "for, and "
-                f"has counted {own}: its ring cannot be trusted. {Garbled.remedy}"
+                f"The {self.name} returned samples from tick {first} on; samples from {requested_tick} on were "
+                "requested, "
+                f"and its tick is {own}. Its ring is inconsistent. {Garbled.remedy}"
             )
         return first
 
     def _insisted(self, e: Exchange, sequence: int | None = None) -> tuple[list[int], bool]:
         """The words of a fresh reply, and whether it took more than one attempt."""
         late, self._late = self._late, True
-        proven = sequence is not None  # by its echo; a refusal has none
+        proven = sequence is not None  # the echo proves a reply; a refusal has none
         attempt = sent = 0
         while True:
             try:
@@ -144,7 +144,7 @@ class Conversation:
                 sent += 1
                 reply = self._fresh(e, sequence)
                 if late and isinstance(reply, Refusal):
-                    proven = False  # it may be a late one: ask again on a line without
+                    proven = False  # the refusal may be a late one: resynchronise, then repeat
                     continue
                 self._late = sent > 1
                 return self._granted(reply), attempt > 0
@@ -154,25 +154,25 @@ class Conversation:
                     raise type(failed)(f"The {self.map.device.name} cannot be reached. {failed}") from None
 
     def _fresh(self, e: Exchange, sequence: int | None) -> list[int] | Refusal:
-        """The reply, without those that have another echo."""
+        """The reply; replies with another echo are skipped."""
         reply = self._send(e)
         for _ in range(STALE_REPLIES):
             if isinstance(reply, Refusal):
                 if reply.code in FINAL:
-                    return reply  # else of what was heard, not of what was meant
-                raise Garbled(f"{self.link.where}: the device answers {reply}. {Garbled.remedy}")
+                    return reply  # other codes mean that the request was not received correctly
+                raise Garbled(f"{self.link.where}: the device refused: {reply}. {Garbled.remedy}")
             if sequence is None or reply[0] == sequence:
                 return reply
             reply = self.link.more(e)
-        raise Stale(f"{self.link.where}: replies to other requests only. {Stale.remedy}")
+        raise Stale(f"{self.link.where}: only replies to other requests arrived. {Stale.remedy}")
 
     def _granted(self, reply: list[int] | Refusal) -> list[int]:
         if isinstance(reply, Refusal):
-            raise Refused(f"The {self.name} refuses: {reply}.", reply.code)
+            raise Refused(f"The {self.name} refused the request: {reply}.", reply.code)
         return reply
 
     def _resynchronise(self) -> None:
-        """Read so many words as no reply under way has; once they are there, every late reply has come."""
+        """Read with a length that no pending reply has. When that reply arrives, all late replies have arrived."""
         e = Exchange(self.map.start("status"), next(self._lengths))
         reply = self._send(e)
         for _ in range(STALE_REPLIES):
@@ -180,13 +180,13 @@ class Conversation:
                 self._check_identity(self.map.decode("status", reply[: self._head]))
                 return
             reply = self.link.more(e)
-        raise Stale(f"{self.link.where}: replies to other requests only. {Stale.remedy}")
+        raise Stale(f"{self.link.where}: only replies to other requests arrived. {Stale.remedy}")
 
     def _send(self, e: Exchange) -> list[int] | Refusal:
         return self.link.exchange(e)
 
     def _reopened(self) -> None:
-        """Opened anew, and still the right device. Who trips over a plug puts it in again: its port may come back."""
+        """Reopen the line and check the device. A port that was unplugged briefly may reappear."""
         for pause_s in (*PAUSES_S, None):
             try:
                 self.link.reopen()
@@ -203,22 +203,22 @@ class Conversation:
         device = self.map.device
         if values["kind"] != device.kind:
             raise WrongDevice(
-                f"At {self.link.where} answers a device of kind 0x{values['kind']:04X}, not the {device.name} "
-                f"(0x{device.kind:04X}): are the two lines exchanged in the rig file?"
+                f"The device at {self.link.where} is of kind 0x{values['kind']:04X}, not the {device.name} "
+                f"(0x{device.kind:04X}). Check whether the two lines are exchanged in the rig file."
             )
         if values["map_hash"] != self.map.hash:
             behind = "smarig" if values["version"] > device.version else "its firmware"
             raise WrongMap(
                 f"The {self.name} has register map version {values['version']}, hash {values['map_hash']:08X}; "
-                f"this smarig has version {device.version}, hash {self.map.hash:08X}. Bring {behind} up to date: "
+                f"this smarig has version {device.version}, hash {self.map.hash:08X}. Update {behind}; "
                 "firmware is built from firmware_protocol/."
             )
 
 
 def probe_lengths(map_: RegisterMap) -> Iterator[int]:
-    """Lengths of a read of the status block that no other exchange has, in turn and without end.
+    """Lengths of a read of the status block that no other exchange has, as an endless cycle.
 
-    The first is any of them: replies to a process that has just been killed may still come.
+    The start is random, because replies to a process that has just been killed may still come.
     """
     ring = map_["ring"]
     head = ring.address - map_.start("status")

@@ -1,4 +1,4 @@
-"""What a bench needs of instruments: something that drives a current, something that reads a position."""
+"""Interfaces of the instruments that a bench requires: a current source and a position sensor."""
 
 from typing import Any, NamedTuple, Protocol
 
@@ -6,7 +6,7 @@ from smarig.core import Quality
 
 
 class CurrentReading(NamedTuple):
-    """What a current source measured in one of its ticks."""
+    """Measured values of a current source at one of its ticks."""
 
     tick: int
     current_A: float
@@ -16,7 +16,7 @@ class CurrentReading(NamedTuple):
 
 
 class PositionReading(NamedTuple):
-    """What an encoder read in one of its ticks, counted from the last zero."""
+    """Reading of an encoder at one of its ticks, counted from the last zero."""
 
     tick: int
     counts: int
@@ -25,45 +25,45 @@ class PositionReading(NamedTuple):
 
 
 class CurrentSource(Protocol):
-    """Drives a current, and says what became of it."""
+    """Drives a current and measures it."""
 
     @property
     def has_lease(self) -> bool:
-        """Whether it switches itself off when the host falls silent."""
+        """Whether it switches itself off when the host stops communicating."""
         ...
 
     @property
     def identity(self) -> str:
-        """Which device it is, of which make or version."""
+        """The device, with its make or version."""
         ...
 
     @property
     def tripped(self) -> str:
-        """Why it has switched itself off, a sentence; "" where it has not."""
+        """Why it has tripped, as a sentence; "" if it has not."""
         ...
 
     def arm(self) -> None:
-        """Get ready at zero current; a latched trip is cleared."""
+        """Prepare it at zero current and clear a latched trip."""
         ...
 
     def set(self, current_A: float) -> int | None:
-        """A current from the next tick on; the last tick before it, None where it counts none."""
+        """Apply a current from the next tick on. Returns the last tick before it, None if the device counts none."""
         ...
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
-        """Readings from a tick on, as many as there are, in order."""
+        """Readings from a tick on, in order, at most ``at_most``."""
         ...
 
     def tick(self) -> int:
-        """The last tick it has."""
+        """The last tick of the device."""
         ...
 
     def off(self) -> str:
-        """Current to zero. Never raises; "", or a sentence where the device could not be told."""
+        """Set the current to zero. Never raises; returns "", or a sentence if the device did not confirm."""
         ...
 
     def close(self) -> None:
-        """Let go of the line. Never raises."""
+        """Close the line. Never raises."""
         ...
 
 
@@ -72,28 +72,28 @@ class PositionSensor(Protocol):
 
     @property
     def identity(self) -> str:
-        """Which device it is, of which make or version."""
+        """The device, with its make or version."""
         ...
 
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
-        """Readings from a tick on, as many as there are, in order; what it no longer has is left out."""
+        """Readings from a tick on, in order, at most ``at_most``; readings that were overwritten are left out."""
         ...
 
     def tick(self) -> int:
-        """The last tick it has."""
+        """The last tick of the device."""
         ...
 
     def zero(self) -> None:
-        """Where it stands is 0 from the next tick on."""
+        """Set the present position to 0 from the next tick on."""
         ...
 
     def close(self) -> None:
-        """Let go of the line. Never raises."""
+        """Close the line. Never raises."""
         ...
 
 
 def missing_members(instrument: Any, role: type) -> list[str]:
-    """What a bench will ask of a role, and an instrument does not have.
+    """Members of a role that an instrument lacks.
 
     >>> missing_members(object(), PositionSensor)
     ['close', 'identity', 'since', 'tick', 'zero']

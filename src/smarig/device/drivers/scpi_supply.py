@@ -1,7 +1,7 @@
-"""Example of a foreign instrument: a laboratory supply in constant-current mode, SCPI text over a serial port.
+"""Example of an instrument by another maker: a laboratory supply in constant-current mode, SCPI over a serial port.
 
-It has no lease: if the host dies, the current stays on. So it may drive a wire only behind an independent cut-out
-(docs/how_to/rig.md), and an operator at the bench. Copy this file for another instrument; its name goes into the rig
+It has no lease: if the host fails, the current stays on. It may drive a wire only with an independent cut-out
+(docs/how_to/rig.md) and an operator at the bench. Copy this file for another instrument and put its name into the rig
 file.
 """
 
@@ -12,13 +12,15 @@ from smarig.device.links.text_line import TextLine
 from smarig.device.wire.link_faults import Garbled, Silent, WrongDevice
 from smarig.plant import Actuator
 
-HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
+HEADROOM = 1.2  # factor on the voltage that the largest current needs at the largest resistance
 
 
 def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
-    """The supply of a rig file: identified, off, its voltage limited."""
+    """The supply of a rig file: identified, switched off, with its voltage limited."""
     if rig.limits.current_min_A < 0:
-        raise ConfigError(f"Rig '{rig.name}': a supply drives one way only.")
+        raise ConfigError(
+            f"Rig '{rig.name}' has current_min_A = {rig.limits.current_min_A:g} A. A supply drives one sign only."
+        )
     heating = Actuator.named(rig.actuator).file.heating
     ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
     volts = HEADROOM * rig.limits.current_max_A * ohm
@@ -26,7 +28,7 @@ def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
 
 
 class ScpiSupply:
-    """``CURR``, ``MEAS:CURR?``, ``MEAS:VOLT?``, ``OUTP``; it measures when it is asked, and counts no ticks."""
+    """Uses ``CURR``, ``MEAS:CURR?``, ``MEAS:VOLT?``, ``OUTP``. It measures on request and counts no ticks."""
 
     def __init__(self, where: LinkFile, voltage_V: float) -> None:
         self.where = where.url
@@ -34,28 +36,30 @@ class ScpiSupply:
         self.tripped = ""
         self.has_lease = False
         self._voltage_V = voltage_V
-        self._line.write("OUTP OFF")  # first of all: a host that was killed may have left it on
+        self._line.write("OUTP OFF")  # first: a killed host may have left it on
         self.identity = self._line.identify()
         if self.identity.count(",") < 2:
-            raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
+            raise WrongDevice(
+                f"The device at {self.where} identifies itself as '{self.identity}'. This is not SCPI."
+            )
         self.arm()
 
     def arm(self) -> None:
-        """Off, at zero current, its voltage limited."""
+        """Switch off at zero current and limit the voltage."""
         shutdown_unconfirmed = self.off()
         if shutdown_unconfirmed:
             raise Silent(shutdown_unconfirmed)
         self._line.write(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> None:
-        """Set and switched on; what it took is read back."""
+        """Set the current, switch on and read the setting back."""
         self._line.write(f"CURR {current_A:.6f}")
         self._line.write("OUTP ON")
         taken = self._line.number("CURR?")
         if not abs(taken - current_A) <= 2e-3:
             self.off()
             raise Garbled(
-                f"{self.where} took {taken:g} A where {current_A:g} A were asked for. {Garbled.remedy}"
+                f"{self.where} accepted {taken:g} A instead of the commanded {current_A:g} A. {Garbled.remedy}"
             )
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
@@ -65,11 +69,11 @@ class ScpiSupply:
         return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
 
     def tick(self) -> int:
-        """It counts none."""
+        """Always 0: it counts no ticks."""
         return 0
 
     def off(self) -> str:
-        """Zero, then off, and asked whether it is. Without a lease, nobody else does it."""
+        """Set zero, switch off and query the output. Without a lease, nothing else switches it off."""
         try:
             self._line.write("CURR 0")
             self._line.write("OUTP OFF")
@@ -77,8 +81,8 @@ class ScpiSupply:
                 return ""
         except (Silent, Garbled):
             pass
-        return f"The supply at {self.where} does not say that it is off, and has no lease: switch it off by hand, now."
+        return f"The supply at {self.where} did not confirm that it is off. It has no lease: switch it off by hand now."
 
     def close(self) -> None:
-        """Let go of the port."""
+        """Close the port."""
         self._line.close()

@@ -1,4 +1,4 @@
-"""The current amplifier of firmware_protocol/amplifier.toml: lease, limits and trips are its own."""
+"""The current amplifier of firmware_protocol/amplifier.toml, which has its own lease, limits and trips."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ TRIES_OFF = 3
 
 
 def smarig_amplifier(where: LinkFile, rig: RigFile) -> "SmarigAmplifier":
-    """The amplifier of a rig file, handshaken, off, its settings written."""
+    """The amplifier of a rig file, after its handshake: off, with its settings written."""
     with let_go_on_failure(opened(where, load_register_map("amplifier").device.default_address)) as link:
         return SmarigAmplifier(link, _settings(rig))
 
@@ -24,7 +24,7 @@ def _settings(rig: RigFile) -> dict[str, float]:
     """Values of the settings block, in units."""
     p = rig.protection
     if p is None:
-        raise ConfigError(f"Rig '{rig.name}' has no table [protection], which its amplifier needs.")
+        raise ConfigError(f"Rig '{rig.name}' has no table [protection]. Its amplifier requires it.")
     return {
         "period": rig.period_s,
         "lease": rig.lease_s,
@@ -39,7 +39,7 @@ def _settings(rig: RigFile) -> dict[str, float]:
 
 
 class SmarigAmplifier:
-    """Off until a current is set; ``settings``: values in units by register of the settings block."""
+    """Off until a current is set. ``settings``: values in units by register of the settings block."""
 
     def __init__(self, link: Link, settings: dict[str, float]) -> None:
         self.map = load_register_map("amplifier")
@@ -56,14 +56,14 @@ class SmarigAmplifier:
         self.arm()
 
     def arm(self) -> None:
-        """Ready for a current: the right device, off, a trip cleared, settings as they should be."""
+        """Check the device, switch off, clear a trip and write the settings."""
         self.talk.handshake()
         self._raw = 0
         self._look(self.talk.command({"order": self._orders["off"]}))
         self.talk.settings(self._settings)
 
     def set(self, current_A: float) -> int:
-        """From the next tick on; nothing where it has tripped, which ``tripped`` tells then."""
+        """Apply the current from the next tick on; nothing after a trip, whose cause is in ``tripped``."""
         if self.tripped:
             return self.tick()
         raw = self._current.encode(current_A)
@@ -75,11 +75,11 @@ class SmarigAmplifier:
 
     @property
     def identity(self) -> str:
-        """The device, its map and how often it has started."""
+        """The device, its map and its number of starts."""
         return self.talk.identity
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
-        """Feeds the lease, too."""
+        """Readings from a tick on. The exchange renews the lease."""
         status = self._command_or_trip_status({"current": self._raw, "ring_next": tick}, at_most)
         self._look(status)
         first = self.talk.first_tick(status, tick)
@@ -94,11 +94,11 @@ class SmarigAmplifier:
         return CurrentReading(tick, current, voltage, temperature, Quality(quality))
 
     def tick(self) -> int:
-        """The last tick it has."""
+        """The last tick of the device."""
         return self.talk.command({"current": self._raw}).values["tick"]
 
     def _command_or_trip_status(self, values: Mapping[str, int], records: int = 0) -> Status:
-        """A command; if it is refused because of a trip, what there is to see of that, at no current."""
+        """Send a command. If a trip is the reason for its refusal, return the status at zero current."""
         try:
             return self.talk.command(values, records)
         except Refused as refused:
@@ -108,7 +108,7 @@ class SmarigAmplifier:
             return status
 
     def _look(self, status: Status) -> None:
-        """Is it armed; has it tripped, and why? A tripped one is asked for no current any more."""
+        """Read from the status whether the amplifier is armed or has tripped. After a trip the command is 0."""
         self._armed = status.values["state"] == self._states["armed"]
         code = status.values["trip"]
         if code:
@@ -119,7 +119,7 @@ class SmarigAmplifier:
             self.tripped = ""
 
     def off(self) -> str:
-        """Output to zero and disarmed, as it says itself; else its lease does it, and a sentence says so."""
+        """Set the output to zero and disarm. Returns "" after confirmation, else a sentence that names the lease."""
         self._raw = 0
         try:
             for _ in range(TRIES_OFF):
@@ -127,14 +127,17 @@ class SmarigAmplifier:
                 self._look(status)
                 if not self._armed and not status.values["output"]:
                     return ""
-            problem = "says that it still drives the wire: without a word it is to stop"
+            problem = "reports that it still drives the wire"
         except Rebooted:  # off since it started
             return ""
         except SmarigError:
-            problem = "did not confirm switching off: without a word it does so"
+            problem = "did not confirm that it switched off"
         lease_s = self.map["lease"].value.decode(self._settings["lease"])
-        return f"The {self.talk.name} {problem} within {lease_s:g} s, its lease."
+        return (
+            f"The {self.talk.name} {problem}. Without further commands its lease switches it off within "
+            f"{lease_s:g} s."
+        )
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         self.talk.link.close()

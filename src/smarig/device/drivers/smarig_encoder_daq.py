@@ -1,4 +1,4 @@
-"""The encoder DAQ of firmware_protocol/encoder_daq.toml: it counts and keeps time by itself."""
+"""The encoder DAQ of firmware_protocol/encoder_daq.toml, which counts ticks by its own clock."""
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import Quality
@@ -10,13 +10,13 @@ from smarig.device.wire.register import load_register_map
 
 
 def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":
-    """The encoder of a rig file, handshaken, its period written."""
+    """The encoder of a rig file, after its handshake, with its period written."""
     with let_go_on_failure(opened(where, load_register_map("encoder_daq").device.default_address)) as link:
         return SmarigEncoderDaq(link, rig.period_s)
 
 
 class SmarigEncoderDaq:
-    """Opened: its period is written."""
+    """The encoder DAQ. The constructor performs the handshake and writes the period."""
 
     def __init__(self, link: Link, period_s: float) -> None:
         self.map = load_register_map("encoder_daq")
@@ -27,11 +27,11 @@ class SmarigEncoderDaq:
 
     @property
     def identity(self) -> str:
-        """The device, its map and how often it has started."""
+        """The device, its map and its number of starts."""
         return self.talk.identity
 
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
-        """Samples from its ring."""
+        """Samples of its ring, from a tick on."""
         status = self.talk.command({"ring_next": tick}, at_most)
         first = self.talk.first_tick(status, tick)
         mark = Quality.RETRIED if status.retried else Quality.GOOD
@@ -41,14 +41,14 @@ class SmarigEncoderDaq:
         ]
 
     def tick(self) -> int:
-        """The last tick it has."""
+        """The last tick of the device."""
         return self.talk.command({}).values["tick"]
 
     def zero(self) -> None:
-        """Where it stands is 0 from the next tick on."""
+        """Set the present position to 0 from the next tick on."""
         order = next(int(code) for code, name in self.map["order"].values.items() if name == "zero")
         self.talk.command({"order": order})
 
     def close(self) -> None:
-        """Let go of the line."""
+        """Close the line."""
         self.talk.link.close()

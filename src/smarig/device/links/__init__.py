@@ -1,1 +1,1 @@
-"""Links move requests and replies between host and device: one file per kind. They know bytes and no meaning."""
+"""Links between host and device that carry requests and replies, one file per kind."""

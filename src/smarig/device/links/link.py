@@ -1,4 +1,4 @@
-"""The seam between drivers and whatever carries bytes."""
+"""The interface of a link to one device."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,33 +8,33 @@ from smarig.device.wire.exchange import Exchange, Refusal
 
 
 class Link(Protocol):
-    """One device at the end of a line."""
+    """A connection to one device."""
 
     @property
     def where(self) -> str:
-        """Which line this is, for people."""
+        """The name of the line, for messages."""
         ...
 
     def exchange(self, exchange: Exchange) -> list[int] | Refusal:
-        """One request and its reply: words, or the device's no. Raises Silent, Garbled."""
+        """Send one request and return its reply: words, or the device's refusal. Raises Silent, Garbled."""
         ...
 
     def more(self, exchange: Exchange) -> list[int] | Refusal:
-        """The next reply without a request, where the last was not the one: it may be late."""
+        """The next reply without a new request, when the last one belonged to an earlier request."""
         ...
 
     def reopen(self) -> None:
-        """Close the line and open it again. Raises Silent when it is not there."""
+        """Close the line and open it again. Raises Silent if the port does not exist."""
         ...
 
     def close(self) -> None:
-        """Let go of the line; never raises, any number of times."""
+        """Close the line. Never raises and may be called repeatedly."""
         ...
 
 
 @contextmanager
 def let_go_on_failure(link: Link) -> Iterator[Link]:
-    """Within: what is built on a link. If that fails nobody else has it, and it is closed."""
+    """Close the link if the body raises, because nobody else holds it then."""
     try:
         yield link
     except BaseException:

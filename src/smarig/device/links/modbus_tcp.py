@@ -1,6 +1,6 @@
-"""Modbus TCP by pymodbus, whose minor version is pinned: its interface changes from one to the next.
+"""Modbus TCP by pymodbus. Its minor version is pinned, because its interface changes between minor versions.
 
-The only module that imports it.
+Only this module imports pymodbus.
 """
 
 import contextlib
@@ -15,22 +15,22 @@ from smarig.device.wire.exchange import Exchange, Refusal
 from smarig.device.wire.link_faults import Garbled, Silent
 from smarig.device.wire.rtu import function as _function
 
-logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it has to say is said once, by us
-UNANSWERED = "No response received"  # how its error begins when time is over
+logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # smarig reports each of its errors once
+UNANSWERED = "No response received"  # start of its message after a time-out
 
 
 class ModbusTcp:
-    """A device behind host and port, by its Modbus address; it retries nothing by itself."""
+    """A device at a host and port, selected by its Modbus address. Requests are not retried here."""
 
     def __init__(self, host: str, port: int, address: int, timeout_s: float) -> None:
         self.where = f"tcp://{host}:{port}"
         self._host, self._port, self._address = host, port, address
-        self._timeout_s = timeout_s  # of a connection and of a reply alike
+        self._timeout_s = timeout_s  # of the connection and of each reply
         self._client: ModbusTcpClient | None = None
         self.reopen()
 
     def exchange(self, exchange: Exchange) -> list[int] | Refusal:
-        """Send and wait. What comes after its timeout, whole or half, comes to a connection that is no longer there."""
+        """Send and wait. A reply after the time-out, whole or partial, finds its connection closed."""
         client = self._connected()
         try:
             reply = self._send_request(client, exchange)
@@ -38,18 +38,20 @@ class ModbusTcp:
             client.close()
             raise self._blamed(error) from None
         if reply.function_code & 0x7F != _function(exchange):
-            raise Garbled(f"{self.where}: a reply to function {reply.function_code & 0x7F}. {Garbled.remedy}")
+            raise Garbled(
+                f"{self.where}: a reply to function {reply.function_code & 0x7F} arrived. {Garbled.remedy}"
+            )
         if isinstance(reply, ExceptionResponse):
             return Refusal(reply.exception_code)
         words = list(reply.registers) if exchange.count else []
         if len(words) != exchange.count:
             raise Garbled(
-                f"{self.where}: {len(words)} words came where {exchange.count} were asked for. {Garbled.remedy}"
+                f"{self.where}: received {len(words)} words instead of {exchange.count}. {Garbled.remedy}"
             )
         return words
 
     def _connected(self) -> ModbusTcpClient:
-        """The connection, or a new one where a reply is missing on the old one."""
+        """The connection, or a new one after a missing reply."""
         client = self._client
         if client is None:
             raise Silent(f"{self.where} is not open. {Silent.remedy}")
@@ -59,11 +61,11 @@ class ModbusTcp:
 
     def _blamed(self, error: Exception) -> Silent | Garbled:
         if isinstance(error, ModbusIOException) and UNANSWERED in str(error):
-            return Silent(f"{self.where}: no answer within {self._timeout_s:g} s. {Silent.remedy}")
-        return Garbled(f"{self.where}: no whole reply, or the connection was cut. {Garbled.remedy}")
+            return Silent(f"{self.where}: no reply within {self._timeout_s:g} s. {Silent.remedy}")
+        return Garbled(f"{self.where}: the reply is incomplete or the connection was cut. {Garbled.remedy}")
 
     def _nobody(self) -> Silent:
-        return Silent(f"{self.where}: nobody listens there. {Silent.remedy}")
+        return Silent(f"{self.where}: the connection was not accepted. {Silent.remedy}")
 
     def _send_request(self, client: ModbusTcpClient, e: Exchange):
         if not e.words:
@@ -79,12 +81,12 @@ class ModbusTcp:
         )
 
     def more(self, exchange: Exchange) -> list[int] | Refusal:
-        """Replies carry the number of their request, so a late one is never taken for the next: there is no more."""
+        """Raise Silent: a reply carries the number of its request, so late replies are never confused with others."""
         del exchange
         raise Silent(f"{self.where}: no other reply. {Silent.remedy}")
 
     def reopen(self) -> None:
-        """Close and connect; Silent where nobody listens."""
+        """Close and connect. Raises Silent if nothing listens there."""
         self.close()
         client = ModbusTcpClient(self._host, port=self._port, timeout=self._timeout_s, retries=0)
         if not client.connect():
@@ -93,7 +95,7 @@ class ModbusTcp:
         self._client = client
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         client, self._client = self._client, None
         if client is not None:
             with contextlib.suppress(Exception):

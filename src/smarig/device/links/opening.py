@@ -1,4 +1,4 @@
-"""Which link a rig file asks for, opened."""
+"""Opens the link that a rig file describes."""
 
 from urllib.parse import urlsplit
 
@@ -9,15 +9,13 @@ from smarig.device.links.modbus_tcp import ModbusTcp
 from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
 
 PORT = 502
-NETWORK = ("socket", "rfc2217")  # pyserial's, with host and port
+NETWORK = ("socket", "rfc2217")  # schemes of pyserial with host and port
 
 
 def opened(where: LinkFile, default_address: int) -> Link:
-    """The line to one device. Raises Silent where there is none, ConfigError where the file does not say which."""
+    """The open line to one device. Raises Silent if it does not exist, ConfigError if the file does not name it."""
     if not where.url:
-        raise ConfigError(
-            "The rig file does not say where its devices are: give links.DEVICE.url, or [simulator]."
-        )
+        raise ConfigError("The rig file does not locate its devices. Give links.DEVICE.url or [simulator].")
     address = where.address or default_address
     match where.framing:
         case "modbus_tcp":
@@ -37,12 +35,12 @@ def _place(url: str) -> tuple[str, int]:
     except ValueError:
         parts, host, port = None, "", 0
     if parts is None or parts.scheme != "tcp" or not host or not port:
-        raise ConfigError(f"'{url}' is no address of Modbus TCP; write tcp://HOST:PORT.")
+        raise ConfigError(f"'{url}' is not an address of Modbus TCP. Write tcp://HOST:PORT.")
     return host, port
 
 
 def _line(url: str) -> str:
-    """A serial port's name, or a URL of a network port that says where it is."""
+    """The name of a serial port, or the checked URL of a serial port on the network."""
     kind, network, rest = url.partition("://")
     if not network:
         return url
@@ -52,5 +50,7 @@ def _line(url: str) -> str:
     except ValueError:
         whole = False
     if kind in NETWORK and not whole:
-        raise ConfigError(f"'{url}' is no address of a serial port on the network; write {kind}://HOST:PORT.")
+        raise ConfigError(
+            f"'{url}' is not an address of a serial port on the network. Write {kind}://HOST:PORT."
+        )
     return url

@@ -1,4 +1,4 @@
-"""A serial port, or anything pyserial takes for one (``socket://``, ``rfc2217://``), with either framing on it."""
+"""A serial port, or any URL that pyserial accepts (``socket://``, ``rfc2217://``), with either framing."""
 
 import contextlib
 import importlib
@@ -22,12 +22,12 @@ PORT_ERRORS = (
     re.error,
     *_TERMIOS,
 )  # an unplugged port raises any of these
-LONGEST = 4096  # bytes of noise that are kept
+LONGEST = 4096  # largest number of received bytes that are kept
 
 
 @dataclass(frozen=True)
 class Framing:
-    """How an exchange becomes bytes and is found in bytes again."""
+    """Encodes an exchange as bytes and finds its reply in received bytes."""
 
     request: Callable[[Exchange], bytes]
     find: Callable[[Exchange, bytes], list[int] | Refusal | None]
@@ -42,7 +42,7 @@ def rtu_framing(address: int) -> Framing:
 
 
 class SerialLine:
-    """A port that is opened for itself alone, and at once read as far as a reply goes."""
+    """A port that is opened exclusively and read until a reply is complete."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class SerialLine:
         self.reopen()
 
     def exchange(self, exchange: Exchange) -> list[int] | Refusal:
-        """Send and wait; what was heard before is thrown away."""
+        """Send and wait. Bytes received before are discarded."""
         try:
             port = self._opened()
             self._received = b""
@@ -70,7 +70,7 @@ class SerialLine:
         return self.more(exchange)
 
     def more(self, exchange: Exchange) -> list[int] | Refusal:
-        """Listen until a reply is whole or time is over."""
+        """Read until a reply is complete or the time is over."""
         end = self._clock() + self._timeout_s
         received_any = bool(self._received)
         while True:
@@ -82,8 +82,8 @@ class SerialLine:
             if not data:
                 kind = Garbled if received_any else Silent
                 raise kind(
-                    f"{self.where}: {'no whole reply' if received_any else 'no answer'} within {self._timeout_s:g} s. "
-                    f"{kind.remedy}"
+                    f"{self.where}: {'no complete reply' if received_any else 'no reply'} within "
+                    f"{self._timeout_s:g} s. {kind.remedy}"
                 )
             received_any = True
             self._received = (self._received + data)[-LONGEST:]
@@ -93,7 +93,7 @@ class SerialLine:
                 return found
 
     def _read(self, left_s: float) -> bytes:
-        """A first byte when it comes, then what is there: a reply may come in pieces."""
+        """Wait for a first byte, then take all that are available: a reply may come in pieces."""
         port = self._opened()
         port.timeout = left_s
         first = port.read(1)
@@ -103,25 +103,27 @@ class SerialLine:
         return first + (port.read(waiting) if waiting else b"")
 
     def reopen(self) -> None:
-        """Close and open; Silent where there is no such port."""
+        """Close and open. Raises Silent if there is no such port."""
         self.close()
         try:
             self._port = serial.serial_for_url(
                 self.where,
                 baudrate=self._baud,
                 timeout=0.1,
-                write_timeout=None if self.where.startswith("rfc2217:") else self._timeout_s,  # it knows none
+                write_timeout=None
+                if self.where.startswith("rfc2217:")
+                else self._timeout_s,  # rfc2217 has none
                 do_not_open=True,
             )
             with contextlib.suppress(*PORT_ERRORS):
-                self._port.exclusive = True  # sockets have no such thing
+                self._port.exclusive = True  # sockets do not support it
             self._port.open()
         except PORT_ERRORS as error:
             self.close()
             raise self._port_closed(error) from None
 
     def close(self) -> None:
-        """Let go of the port."""
+        """Close the port."""
         port, self._port = self._port, None
         if port is not None:
             with contextlib.suppress(*PORT_ERRORS):

@@ -1,9 +1,9 @@
-"""A serial line to an instrument that answers questions with lines of text, as SCPI does.
+"""A serial line to an instrument that answers queries with lines of text, such as SCPI.
 
-Such answers do not say which question they answer. So after a missing answer the line is resynchronised: the instrument
-is asked who it is, and all that comes before is thrown away. Answers come in the order of questions, so with as many
-identities heard as were asked for, no earlier answer can follow. Where one is lost, the line must have been quiet for
-QUIET timeouts first.
+An answer does not identify its query. After a missing answer the line is therefore resynchronised: the host queries the
+instrument's identity and discards everything before it. Answers come in the order of queries, so after as many
+identities as were queried no earlier answer can follow. If an identity is lost, the line must first stay quiet for
+QUIET time-outs.
 """
 
 import contextlib
@@ -14,45 +14,45 @@ import serial
 from smarig.device.links.serial_line import PORT_ERRORS
 from smarig.device.wire.link_faults import Garbled, Silent
 
-QUIET = 8  # timeouts without a word after which no answer comes any more
-TRIES = 3  # of asking who it is, where the line is alive
-LATE_LINES = 32  # thrown away at most for one question
+QUIET = 8  # time-outs without a reply after which no answer can follow
+TRIES = 3  # queries of the identity on a line that still answers
+LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
 
 
 class TextLine:
-    """``identify`` first; ``who``: the question that any such instrument answers with its name, never with a number."""
+    """Call ``identify`` first. ``who``: the query that every such instrument answers with its name, not a number."""
 
     def __init__(self, url: str, baud: int, timeout_s: float, who: str = "*IDN?") -> None:
         self.where, self.identity = url, ""
         self._who = who
-        self._late = True  # answers to earlier questions may still come
-        self._identities = 0  # that were asked for and have not come
-        self._heard = b""  # of a line that is not whole
+        self._late = True  # answers to earlier queries may still come
+        self._identities = 0  # queried and not yet received
+        self._heard = b""  # the incomplete line
         try:
             self._port = serial.serial_for_url(url, baud, timeout=timeout_s, write_timeout=timeout_s)
         except PORT_ERRORS as error:
             raise Silent(f"{url} cannot be opened: {error}. {Silent.remedy}") from None
 
     def identify(self) -> str:
-        """What it says of itself; numbers before it were asked for by another process."""
+        """The instrument's identity. Numbers before it answer queries of another process."""
         self.write(self._who)
         for _ in range(LATE_LINES):
             answer = self._answer(self._who)
             if math.isnan(_number(answer)):
                 self.identity, self._late = answer, False
                 return answer
-        raise Garbled(f"{self.where} answers numbers to {self._who}. {Garbled.remedy}")
+        raise Garbled(f"{self.where} answers {self._who} with numbers. {Garbled.remedy}")
 
     def write(self, text: str) -> None:
-        """A line that is not answered."""
+        """Send a line that has no answer."""
         try:
             self._port.write(f"{text}\n".encode())
         except PORT_ERRORS as error:
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
 
     def ask(self, question: str) -> str:
-        """The answer to this question, and to no other. Raises Silent, Garbled."""
+        """The answer to this query and to no other. Raises Silent, Garbled."""
         if self._late or self._unasked():
             self._resynchronise()
         self._late = True
@@ -62,10 +62,10 @@ class TextLine:
             if answer != self.identity:
                 self._late = False
                 return answer
-        raise Garbled(f"{self.where} answers nothing but its name to {question}. {Garbled.remedy}")
+        raise Garbled(f"{self.where} answers {question} only with its name. {Garbled.remedy}")
 
     def number(self, question: str) -> float:
-        """The same as a number; Garbled where it is none."""
+        """The answer as a number. Raises Garbled if it is not a number."""
         answer = self.ask(question)
         if math.isfinite(number := _number(answer)):
             return number
@@ -73,12 +73,12 @@ class TextLine:
         raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
 
     def close(self) -> None:
-        """Let go of the port; never raises."""
+        """Close the port. Never raises."""
         with contextlib.suppress(*PORT_ERRORS):
             self._port.close()
 
     def _resynchronise(self) -> None:
-        """Ask who it is until every such question is answered, or lost for sure."""
+        """Query the identity until every such query is answered or certainly lost."""
         self._late = True
         for _ in range(TRIES):
             self.write(self._who)
@@ -93,16 +93,16 @@ class TextLine:
             self._identities = 0
             if not heard:
                 break
-        raise Silent(f"{self.where} does not say who it is. {Silent.remedy}")
+        raise Silent(f"{self.where} does not identify itself. {Silent.remedy}")
 
     def _answer(self, question: str) -> str:
         line = self._line(1)
         if not line:
-            raise Silent(f"{self.where} gives no answer to {question}. {Silent.remedy}")
+            raise Silent(f"{self.where} does not answer {question}. {Silent.remedy}")
         return line
 
     def _line(self, timeouts: int) -> str:
-        """The next whole line that is not empty; "" where none comes in so many timeouts."""
+        """The next complete line that is not empty; "" if none arrives within this number of time-outs."""
         for _ in range(timeouts):
             try:
                 self._heard = (self._heard + self._port.read_until(b"\n", LONGEST))[-LONGEST:]
@@ -115,7 +115,7 @@ class TextLine:
         return ""
 
     def _unasked(self) -> bool:
-        """Whether something came that nobody asked for."""
+        """Whether something arrived that was not queried."""
         try:
             return bool(self._heard or self._port.in_waiting)
         except PORT_ERRORS as error:
@@ -123,7 +123,7 @@ class TextLine:
 
 
 def _number(text: str) -> float:
-    """NaN where it is none."""
+    """The number, or NaN."""
     try:
         return float(text)
     except ValueError:

@@ -1,1 +1,1 @@
-"""Bytes and what they mean: registers, framings, checksums. No input or output, no physics, no rig."""
+"""Encoding of exchanges: registers, framings and check words, without input or output."""

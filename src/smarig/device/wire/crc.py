@@ -1,4 +1,4 @@
-"""CRC-16/MODBUS: reflected polynomial 0xA001, start 0xFFFF. By a table, for every byte of every frame."""
+"""CRC-16/MODBUS by a table: reflected polynomial 0xA001, start value 0xFFFF."""
 
 
 def _entry(byte: int) -> int:
@@ -11,7 +11,7 @@ _TABLE = tuple(map(_entry, range(256)))
 
 
 def crc16(data: bytes) -> int:
-    """Check word of any bytes.
+    """The check word of bytes.
 
     >>> f"{crc16(b'123456789'):04X}"
     '4B37'

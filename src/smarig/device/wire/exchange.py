@@ -1,20 +1,20 @@
-"""One transaction with a device: write a block, then read one. The same in every framing."""
+"""One transaction with a device, the same in every framing: write a block, then read one."""
 
 from dataclasses import dataclass
 
 REFUSALS = {
-    1: "it does not know the function",
-    2: "it has no such register, or it cannot be written",
+    1: "unknown function",
+    2: "the register does not exist or cannot be written",
     3: "a value is out of its range",
-    4: "not now: not armed, tripped, or armed where it must be off",
+    4: "not possible in this state (not armed, tripped, or armed where it must be off)",
     8: "the check word is wrong",
-    9: "the line cannot be read",
+    9: "the line cannot be parsed",
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Exchange:
-    """Words written from ``write_at`` on (none: nothing is written), then ``count`` words read from ``read_at`` on."""
+    """Write ``words`` from ``write_at`` on (none: write nothing), then read ``count`` words from ``read_at`` on."""
 
     read_at: int = 0
     count: int = 0
@@ -24,7 +24,7 @@ class Exchange:
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """A device's no, by its code."""
+    """The refusal of a device, by its code."""
 
     code: int
 

@@ -1,7 +1,6 @@
-"""What others need of the register maps, as text: the C header and the reference in docs.
+"""Generates the C header and the reference page from the register maps.
 
-``python -m smarig.device.wire.generate`` writes both, ``--check`` only says whether they are up to date.
-Knows maps, and no device.
+``python -m smarig.device.wire.generate`` writes both; ``--check`` reports whether they are up to date.
 """
 
 import sys
@@ -65,9 +64,10 @@ def _number(raw: int) -> str:
 
 
 def reference() -> str:
-    """``docs/reference/registers.md``."""
+    """The text of ``docs/reference/registers.md``."""
     return (
-        f"<!-- {GENERATED_NOTE} -->\n# Registers\n\nHow they travel: firmware_protocol/README.md.\n"
+        f"<!-- {GENERATED_NOTE} -->\n# Registers\n\n"
+        "firmware_protocol/README.md describes how requests and replies carry them.\n"
         + "".join(_chapter(load_register_map(name)) for name in DEVICES)
     )
 
@@ -113,7 +113,7 @@ def _fault(f: DeviceFault) -> str:
 
 
 def outdated(write: bool) -> list[Path]:
-    """Files that are not what the maps say; written anew if asked."""
+    """Files that differ from the maps; they are rewritten if ``write``."""
     root = shipped("firmware_protocol")
     wanted = {
         root / "firmware" / "smarig_registers.h": header(),

@@ -1,4 +1,4 @@
-"""The text framing as a client writes and reads it; see firmware_protocol/README.md. Moves no bytes itself."""
+"""The text framing on the host's side (see firmware_protocol/README.md)."""
 
 import re
 
@@ -9,7 +9,7 @@ _REPLY = re.compile(rb"(?:=(?P<words>(?: [0-9A-F]{4})*)|! (?P<code>[0-9A-F]{1,2}
 
 
 def request(e: Exchange) -> bytes:
-    """The line of an exchange, with its end.
+    """The line of an exchange, with its line end.
 
     >>> request(Exchange(read_at=0, count=12))
     b'r 0000 000C *281F\\n'
@@ -24,7 +24,7 @@ def request(e: Exchange) -> bytes:
 
 
 def find(e: Exchange, data: bytes) -> list[int] | Refusal | None:
-    """The last reply to an exchange in what was heard, a whole line with a right check word; those before were late."""
+    """The last reply to an exchange in the received bytes: a whole line with a correct check word."""
     last = None
     for line in data.split(b"\n")[:-1]:
         for found in _REPLY.finditer(line):

@@ -1,32 +1,32 @@
-"""What can go wrong between host and device, by blame, each with what to do. Knows no device and no link."""
+"""Faults between host and device, by cause, each with its remedy."""
 
 from smarig.core import RigFault
 
 
 class LinkFault(RigFault):
-    """Something went wrong on a link."""
+    """A fault of a link."""
 
 
 class Silent(LinkFault):
-    """Nothing was said in time: cable, power, port, or a device that hangs."""
+    """No reply in time. Causes: cable, power, port, or a device that hangs."""
 
-    remedy = "Check its power, the cable and the port; is another program using it?"
+    remedy = "Check its power, the cable and the port, and whether another program uses it."
 
 
 class Garbled(LinkFault):
-    """Something was said, but no whole frame: noise, another baud rate, another device."""
+    """Bytes arrived, but no complete frame. Causes: noise, another baud rate, another device."""
 
-    remedy = "Check baud rate and framing in the rig file, shielding and ground."
+    remedy = "Check baud rate and framing in the rig file, the shielding and the ground."
 
 
 class Stale(LinkFault):
-    """A whole reply, but to another request than the last."""
+    """A complete reply to another request than the last."""
 
-    remedy = "Is a second program talking to the device, or a gateway that keeps replies back?"
+    remedy = "Check whether a second program uses the device or a gateway delays replies."
 
 
 class Refused(LinkFault):
-    """The device understood and said no: ``code`` as in firmware_protocol/README.md."""
+    """The device refused a request that it received correctly. ``code``: see firmware_protocol/README.md."""
 
     def __init__(self, text: str, code: int) -> None:
         super().__init__(text)
@@ -34,7 +34,7 @@ class Refused(LinkFault):
 
 
 class WrongDevice(LinkFault):
-    """Another kind of device answers at this link."""
+    """A device of another kind replies on this link."""
 
 
 class WrongMap(LinkFault):
@@ -42,4 +42,4 @@ class WrongMap(LinkFault):
 
 
 class Rebooted(LinkFault):
-    """The device started anew: brown-out, watchdog or a hand at the switch."""
+    """The device restarted: brown-out, watchdog reset, or its power switch."""

@@ -1,8 +1,6 @@
-"""A device's register map as a value: read from firmware_protocol/NAME.toml, checked, hashed.
+"""A device's register map: read from firmware_protocol/NAME.toml, checked and hashed.
 
-    value = word × lsb        in ``unit``; ``none`` is the word that means "no reading"
-
-Knows words and what they mean. Refuses to know how words travel.
+value = word × lsb        in ``unit``; ``none`` is the word that means "no reading"
 """
 
 import hashlib
@@ -22,11 +20,11 @@ VALUE_RANGES = {
     "i32": (-0x80000000, 0x7FFFFFFF),
 }
 WordType = Literal["u16", "i16", "u32", "i32"]
-NumberNames = Mapping[str, str]  # of values or flags, by number
+NumberNames = Mapping[str, str]  # names of values or flags, by number
 
 
 class Value(TomlTable):
-    """How one number stands in words."""
+    """A number and its encoding in words."""
 
     name: str
     type: WordType
@@ -43,7 +41,7 @@ class Value(TomlTable):
 
     @cached_property
     def per_unit(self) -> float:
-        """Words per unit: a quotient of whole numbers is the nearest number there is, a product with 1e-6 is not."""
+        """Words per unit. Division by a whole number rounds correctly; multiplication by 1e-6 does not."""
         return round(1 / self.lsb) if self.lsb < 1 else 1 / self.lsb
 
     @property
@@ -52,20 +50,20 @@ class Value(TomlTable):
         return VALUE_RANGES[self.type]
 
     def decode(self, raw: int) -> float:
-        """The value in ``unit``; NaN where there is no reading."""
+        """The value in ``unit``; NaN if there is no reading."""
         return NAN if raw == self.none else raw / self.per_unit
 
     def encode(self, value: float) -> int:
-        """The nearest raw value; UsageError where none is near."""
+        """The nearest raw value. Raises UsageError if the value is out of range."""
         low, high = self.span
         if not low - 0.5 <= value * self.per_unit <= high + 0.5:
             raise UsageError(
-                f"{self.name} = {value:g} {self.unit} is not between {low * self.lsb:g} and {high * self.lsb:g}."
+                f"{self.name} = {value:g} {self.unit} must be between {low * self.lsb:g} and {high * self.lsb:g}."
             )
         return min(max(round(value * self.per_unit), low), high)
 
     def rounded(self, value: float) -> float:
-        """What becomes of a value on the wire and back; NaN stays NaN."""
+        """The value after encoding and decoding; NaN stays NaN."""
         return value if value != value else self.encode(value) / self.per_unit
 
 
@@ -88,14 +86,14 @@ class Register(TomlTable):
     @model_validator(mode="after")
     def _check_record(self) -> "Register":
         if (self.type == "record") != bool(self.field):
-            raise ValueError(f"{self.name}: a record, and nothing else, has fields")
+            raise ValueError(f"{self.name}: type 'record' requires fields, and no other type may have them")
         if self.access == "rw" and self.safe is None:
-            raise ValueError(f"{self.name} is written: say which value is safe")
+            raise ValueError(f"{self.name} may be written, so 'safe' is required")
         return self
 
     @cached_property
     def value(self) -> Value:
-        """As a number; UsageError for a ring."""
+        """Its value. Raises UsageError for a ring."""
         if self.type == "record":
             raise UsageError(f"Register {self.name} is a ring of records, not a number.")
         return Value(name=self.name, type=self.type, text=self.text, lsb=self.lsb, unit=self.unit)
@@ -107,7 +105,7 @@ class Register(TomlTable):
 
     @cached_property
     def words(self) -> int:
-        """How many addresses it takes."""
+        """Number of addresses."""
         return self.count * self.record_words if self.type == "record" else self.value.words
 
     @property
@@ -119,7 +117,7 @@ class Register(TomlTable):
 
 
 class DeviceFault(TomlTable):
-    """What a device may say is wrong."""
+    """A fault that a device can report."""
 
     name: str
     code: int = Field(ge=1, le=0xFFFF)
@@ -128,7 +126,7 @@ class DeviceFault(TomlTable):
 
 
 class Device(TomlTable):
-    """Which device a map is of."""
+    """The device of a map."""
 
     name: str
     kind: int
@@ -138,7 +136,7 @@ class Device(TomlTable):
 
 
 class Block(TomlTable):
-    """Consecutive registers that travel together, by the names of the first and the last."""
+    """Consecutive registers that are transmitted together, by the names of the first and the last."""
 
     first: str
     last: str
@@ -152,10 +150,10 @@ class _RegisterMapFile(TomlTable):
 
 
 class RawValues(dict[str, int]):
-    """Raw values by register; asked for a name that is none, it says so."""
+    """Raw values by register. Raises UsageError for an unknown name."""
 
     def __missing__(self, name: str) -> int:
-        raise UsageError(f"There is no register '{name}' here{suggestion(name, list(self))}.")
+        raise UsageError(f"There is no register '{name}'{suggestion(name, list(self))}.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +172,7 @@ class RegisterMap:
 
     @cached_property
     def names(self) -> Mapping[str, Set[str]]:
-        """Names of a block's registers."""
+        """Names of the registers of each block."""
         return {block: {r.name for r in registers} for block, registers in self.blocks.items()}
 
     @cached_property
@@ -184,7 +182,7 @@ class RegisterMap:
 
     @property
     def canonical(self) -> str:
-        """What two sides must agree on: one line for the device and for each register, field and fault."""
+        """The text on which both sides must agree: one line for the device and for each register, field and fault."""
         lines = [f"device {self.device.name} {self.device.version}"]
         for r in self.registers.values():
             lines += _lines(r)
@@ -200,7 +198,7 @@ class RegisterMap:
         return last.address + last.words - self.start(block)
 
     def encode(self, block: str, values: Mapping[str, int]) -> list[int]:
-        """Raw values as the words of a whole block; what is not given is 0. UsageError for a name that is none."""
+        """Raw values as the words of a block; registers not given are 0. Raises UsageError for an unknown name."""
         words: list[int] = []
         if not values.keys() <= self.names[block]:
             unknown = min(values.keys() - self.names[block])
@@ -210,7 +208,7 @@ class RegisterMap:
         return words
 
     def decode(self, block: str, words: Sequence[int]) -> RawValues:
-        """Raw values of a block's registers but its ring, by name."""
+        """Raw values of a block's registers by name, without its ring."""
         start = self.start(block)
         return RawValues(
             (r.name, from_words(words[r.address - start : r.address - start + r.words], r.type))
@@ -219,11 +217,11 @@ class RegisterMap:
         )
 
     def fields(self, *names: str) -> tuple[Value, ...]:
-        """The fields of a sample, which must be these in this order."""
+        """The fields of a sample. Raises UsageError if they differ from ``names``."""
         found = self["ring"].field
         if tuple(f.name for f in found) != names:
             field_names = ", ".join(f.name for f in found)
-            raise UsageError(f"Samples of the {self.device.name} hold {field_names}, not {', '.join(names)}.")
+            raise UsageError(f"Samples of the {self.device.name} have {field_names}, not {', '.join(names)}.")
         return found
 
     def records(self, words: Sequence[int], count: int) -> list[tuple[int, ...]]:
@@ -251,7 +249,7 @@ def _numbered(names: NumberNames) -> str:
 
 
 def to_words(raw: int, words: int) -> list[int]:
-    """High word first.
+    """Words of a raw value, high word first.
 
     >>> to_words(-2, 2), to_words(5, 1)
     ([65535, 65534], [5])
@@ -272,7 +270,7 @@ def from_words(words: Sequence[int], kind: str) -> int:
 
 @cache
 def load_register_map(name: str) -> RegisterMap:
-    """The map of a device by name; ConfigError says what is wrong in its file.
+    """The map of a device by name. Raises ConfigError for an invalid file.
 
     >>> load_register_map("amplifier")["current"].lsb
     1e-06

@@ -1,7 +1,7 @@
-"""Modbus RTU frames as a client sends and finds them. Bytes in, words out; moves no bytes itself.
+"""Modbus RTU frames on the host's side: encodes requests and finds replies in received bytes.
 
-A reply is looked for at every offset with its one expected length and a right check word, so that noise before
-it does no harm: receivers that drop a noisy buffer whole never recover on a noisy line.
+A reply is searched at every offset by its expected length and a correct check word, so noise before it does no harm.
+Receivers that discard a noisy buffer as a whole never recover on a noisy line.
 """
 
 import struct
@@ -10,7 +10,7 @@ from smarig.device.wire.crc import crc16
 from smarig.device.wire.exchange import Exchange, Refusal
 
 READ, WRITE, BOTH = 3, 16, 23
-REFUSAL_BYTES = 5  # a refusal
+REFUSAL_BYTES = 5
 
 
 def function(e: Exchange) -> int:
@@ -33,12 +33,12 @@ def request(address: int, e: Exchange) -> bytes:
 
 
 def reply_length(e: Exchange) -> int:
-    """Bytes of the reply that grants it."""
+    """Bytes of the reply that grants an exchange."""
     return 8 if function(e) == WRITE else 5 + 2 * e.count
 
 
 def find(address: int, e: Exchange, data: bytes) -> list[int] | Refusal | None:
-    """The last reply to an exchange in what was heard; None where there is none (yet). Those before were late."""
+    """The last reply to an exchange in the received bytes; None if there is none yet. Earlier ones were late."""
     found, at = None, 0
     while at <= len(data) - REFUSAL_BYTES:
         reply, size = _reply(address, e, data[at:])
@@ -47,7 +47,7 @@ def find(address: int, e: Exchange, data: bytes) -> list[int] | Refusal | None:
 
 
 def _reply(address: int, e: Exchange, data: bytes) -> tuple[list[int] | Refusal | None, int]:
-    """The reply that begins with the first byte, and its size."""
+    """The reply that starts with the first byte, and its size."""
     length, code = reply_length(e), function(e)
     if data[0] != address:
         return None, 0

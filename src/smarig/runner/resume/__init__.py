@@ -1,1 +1,1 @@
-"""Continue an interrupted run the way hysteresis allows."""
+"""Resumes an interrupted run from a restored state of the wire."""

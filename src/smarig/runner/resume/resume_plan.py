@@ -1,8 +1,7 @@
-"""What is to be done to go on with a run that was interrupted: thought out before anything is touched.
+"""The plan for resuming an interrupted run, made before anything is changed.
 
-Hysteresis forbids replaying a step. What can be had again is the memory after the last finished one: the dominant
-extrema, settled at in order (``memory``). Where that is unknown, the protocol begins anew and what was before is void.
-Knows a run and what the rig is now; moves nothing and writes nothing.
+Hysteresis forbids replaying a step. The memory after the last finished step can be restored: the wire settles at its
+dominant extrema in order. If the memory is unknown, the protocol restarts and all earlier steps are void.
 """
 
 import math
@@ -19,19 +18,19 @@ from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
 from smarig.runner.shift import Shift
 
 RE_ESTABLISH = "re-establish"
-COLD_TAUS = 10.0  # at zero current, whatever the wire's temperature was
+COLD_TAUS = 10.0  # at zero current, for any initial temperature of the wire
 STEADY_TOLERANCE_K = 0.5  # a hold that ended further from its steady input did not settle there
-_COLD_SHARE = 1e-2  # of the range: an input this small is that of a cold wire
+_COLD_SHARE = 1e-2  # of the range: the wire is cold below this input
 
 StartState = Literal["negative", "anhysteretic"]
-SAME_INPUT = 1e-6  # parts of the range
+SAME_INPUT = 1e-6  # relative to the range
 
 
 @dataclass(frozen=True)
 class RestorePath:
-    """Inputs (K) to settle at one after the other; ``from_start``: out of the state that the run began in.
+    """Inputs (K) to settle at in order. ``from_start``: the path starts in the initial state of the run.
 
-    Otherwise the first of them saturates, so that it does not matter where the way begins.
+    Otherwise the first input saturates the wire, so the path works from any state.
     """
 
     inputs_K: tuple[float, ...]
@@ -41,10 +40,10 @@ class RestorePath:
 def find_restore_path(
     inputs_K: Sequence[float | None], lower_K: float, upper_K: float, start: StartState | None
 ) -> RestorePath | None:
-    """The way to what is remembered after settled inputs; None where it is unknown.
+    """The path to the memory after settled inputs; None if that memory is unknown.
 
-    None among the inputs is a stretch that nothing settled in (a waveform): what it left is unknown until the
-    next saturation. ``start`` is the state before the first input, None where that is unknown.
+    None among the inputs marks a segment without settling (a waveform): its memory is unknown until the next
+    saturation. ``start`` is the state before the first input, None if unknown.
 
     >>> find_restore_path([0.0, 100.0, 20.0, 60.0, 20.0], 0.0, 174.0, "negative")
     RestorePath(inputs_K=(0.0, 100.0, 20.0), from_start=False)
@@ -69,7 +68,7 @@ def find_restore_path(
     if not extrema_K or extrema_K[-1] != state.u:
         extrema_K.append(state.u)
     if len(extrema_K) > 1 and extrema_K[1] >= upper_K - tolerance:
-        extrema_K = extrema_K[1:]  # the upper saturation wipes out the lower one
+        extrema_K = extrema_K[1:]  # the upper saturation wipes out the lower extremum
     return RestorePath(tuple(extrema_K), bool(state.diagonal))
 
 
@@ -83,7 +82,7 @@ def _initial_memory(start: StartState | None, lower_K: float, upper_K: float) ->
 
 @dataclass(frozen=True)
 class RigState:
-    """What the rig is now: which device, its tick, whether it is a twin that was made anew in its first state."""
+    """The present state of the rig: its device and tick, and whether it is a new twin in its first state."""
 
     device: str
     tick: int
@@ -93,8 +92,9 @@ class RigState:
 
 @dataclass(frozen=True)
 class ResumePlan:
-    """How to go on. ``reason`` says why the protocol begins anew, "" where it goes on; ``currents_A`` is the way
-    back; ``reference`` the step whose position says where the encoder's zero was, None where it is known."""
+    """How to resume. ``reason`` is why the protocol restarts, "" if it continues. ``currents_A`` is the path back.
+    ``reference`` is the step whose position restores the encoder's zero, None if the zero is known.
+    """
 
     replayed: ReplayedProtocol
     settle: Settled
@@ -106,31 +106,33 @@ class ResumePlan:
 
     @property
     def start_over(self) -> bool:
-        """Whether the protocol begins anew."""
+        """Whether the protocol restarts."""
         return bool(self.reason)
 
     @property
     def holds(self) -> int:
-        """Steps of the way back; the first two cool the wire."""
+        """Number of holds of the path back; the first two cool the wire."""
         return 2 + len(self.currents_A[self.begins_cold :])
 
     @property
     def begins_cold(self) -> bool:
-        """Whether the first point of the way back is the cold wire itself."""
+        """Whether the first point of the path back is the cold wire."""
         return self.currents_A[:1] == (0.0,)
 
     def sentence(self) -> str:
-        """One line for the record and for people."""
+        """The plan in one line."""
         if self.start_over:
-            return f"Begun anew: {self.reason}. All steps before are void; the wire is cooled first."
+            return f"Restarted: {self.reason}. All earlier steps are void; the wire is cooled first."
         if self.replayed.pending is None:
-            return "Resumed: nothing was left to do."
+            return "Resumed: all steps were already finished."
         inputs = ", ".join(f"{u:g}" for u in self.inputs_K)
-        return f"Resumed: the wire is cooled, settled at {inputs} K in turn, and the interrupted step made again."
+        return (
+            f"Resumed: cooled the wire, settled it at {inputs} K in turn, and repeated the interrupted step."
+        )
 
 
 def plan_resume(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState) -> ResumePlan:
-    """The plan for a run on a rig; DataError where the encoder's zero cannot be met again."""
+    """The plan for a run on a rig. Raises DataError if the encoder's zero cannot be restored."""
     same_device = _same_device(run, now)
     shift = _shift(run, setup, now, same_device)
     settle = _settle_rule(replayed)
@@ -154,11 +156,11 @@ def plan_resume(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigStat
 def _restore_path_or_reason(
     run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState, same_device: bool
 ) -> tuple[str, RestorePath | None]:
-    """The way back, or why there is none."""
+    """The path back, or the reason why there is none."""
     if not replayed.exact:
-        return "a closed loop cannot be taken up again in the middle", None
+        return "a closed loop cannot be resumed in the middle", None
     if isinstance(replayed.pending, Waveform):
-        return "a waveform cannot be taken up again in the middle", None
+        return "a waveform cannot be resumed in the middle", None
     path_K = find_restore_path(
         _settled_inputs(replayed, setup),
         wipe_out_input_K(setup),
@@ -166,17 +168,17 @@ def _restore_path_or_reason(
         _start(run, replayed, setup, now),
     )
     if path_K is None:
-        return "what the wire remembered before the interruption cannot be made again by settled holds", None
+        return "settled holds cannot restore the memory of the wire before the interruption", None
     was_restarted = any(e.data.get("start_over") for e in run.events)
     if path_K.from_start and (
         same_device or not now.fresh_twin or was_restarted or run.info.initial != now.initial
     ):
-        return f"the state '{run.info.initial}' that it began in cannot be made again", None
+        return f"its initial state '{run.info.initial}' cannot be restored", None
     return "", path_K
 
 
 def wipe_out_input_K(setup: Setup) -> float:
-    """The input that wipes out a memory from below: one wire is cold at rest."""
+    """The input that wipes out a memory from below; a single wire is cold at rest."""
     return setup.lower_K if setup.two_wire else 0.0
 
 
@@ -185,7 +187,7 @@ def _settled_inputs(replayed: ReplayedProtocol, setup: Setup) -> list[float | No
 
 
 def _settled_input(done: FinishedStep, setup: Setup) -> float | None:
-    """Where a step settled, None where it did not."""
+    """The input at which a step settled, None if it did not settle."""
     if not isinstance(done.command, Hold):
         return None
     steady_K = setup.actuator.input_for(done.command.current_A)
@@ -193,7 +195,7 @@ def _settled_input(done: FinishedStep, setup: Setup) -> float | None:
 
 
 def _start(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState) -> StartState | None:
-    """The state before the first finished step, None where nobody knows."""
+    """The state before the first finished step, None if unknown."""
     if setup.two_wire:
         return "anhysteretic" if run.info.initial == "anhysteretic" and now.fresh_twin else None
     if run.info.initial == "negative" or not replayed.done:
@@ -204,7 +206,7 @@ def _start(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigState) ->
 
 
 def _currents(path_K: RestorePath, replayed: ReplayedProtocol, setup: Setup) -> tuple[float, ...]:
-    """The very currents that were held then."""
+    """The currents of the path, exactly as they were held in the run."""
     held = {
         setup.actuator.input_for(d.command.current_A): d.command.current_A
         for d in replayed.done
@@ -217,7 +219,7 @@ def _currents(path_K: RestorePath, replayed: ReplayedProtocol, setup: Setup) -> 
 
 
 def _settle_rule(replayed: ReplayedProtocol) -> Settled:
-    """As patient as the protocol itself."""
+    """The settling rule of the protocol."""
     requested_holds = [
         c for c in (replayed.pending, *(d.command for d in reversed(replayed.done))) if isinstance(c, Hold)
     ]
@@ -228,7 +230,7 @@ def _settle_rule(replayed: ReplayedProtocol) -> Settled:
 
 
 def _same_device(run: Run, now: RigState) -> bool:
-    """Whether the device has gone on since: the same one, the same boot, and later."""
+    """Whether the device has been running since: the same one, the same boot, and a later tick."""
     last = int(run["tick"][-1]) if len(run) else 0
     return run.info.device == now.device and now.tick + int(run.info.shift.get("ticks", 0)) >= last
 
@@ -248,7 +250,7 @@ def _shift(run: Run, setup: Setup, now: RigState, same_device: bool) -> Shift:
 
 
 def _idle_s(run: Run) -> float:
-    """How long ago hardware was last recorded; 0 for a twin, whose time is its own."""
+    """Time since hardware was last recorded; 0 for a twin, which has its own time."""
     started = [e for e in run.events if "epoch" in e.data]
     if run.info.source != "bench" or not started or not len(run):
         return 0.0
@@ -257,13 +259,13 @@ def _idle_s(run: Run) -> float:
 
 
 def _last_zero(run: Run) -> str:
-    """Where the encoder was zeroed last, as far as the record knows."""
+    """Where the encoder was last zeroed, according to the record."""
     zeroed = [e for e in run.events if e.kind == "zero"]
     return f"zeroed at {zeroed[-1].t_s:g} s" if zeroed else str(run.info.encoder_zero)
 
 
 def _reference(run: Run, replayed: ReplayedProtocol, path_K: RestorePath, setup: Setup) -> Step:
-    """The first step that stood where the way back begins, since the last zero."""
+    """The first step since the last zero that settled at the start of the path back."""
     zeroed_s = max((e.t_s for e in run.events if e.kind == "zero"), default=-math.inf)
     tolerance = SAME_INPUT * (setup.upper_K - setup.lower_K)
     for done, u in zip(replayed.done, _settled_inputs(replayed, setup)):
@@ -271,6 +273,6 @@ def _reference(run: Run, replayed: ReplayedProtocol, path_K: RestorePath, setup:
         if matches and done.step.t_start_s >= zeroed_s and done.step.position is not None:
             return done.step
     raise DataError(
-        f"{run.path.name}: the encoder has started anew, and the run has no settled step in the state that can be met "
-        "again first: where its zero was is lost. Run the protocol anew."
+        f"{run.path.name}: the encoder has restarted, and the run has no settled step in the first state of the path "
+        "back. The zero of the encoder is lost. Run the protocol again."
     )

@@ -1,7 +1,7 @@
-"""Goes on with a run that was interrupted: same file, same protocol, from the last state that can be had again.
+"""Resumes an interrupted run: same file, same protocol, from the last state that can be restored.
 
-Puts replay, plan, record and rig together. The wire is cooled, taken to what it remembered, and the interrupted step
-is made as a new attempt; whatever was done on the way stands in the record, void.
+The wire is cooled and its memory restored, then the interrupted step is made as a new attempt. The steps of the path
+back are recorded as void.
 """
 
 import time
@@ -29,20 +29,20 @@ from smarig.runner.session import Session, check_free_space
 def session_for(
     run: Run, *, rig: str = "", wire: str = "", speed: float | None = None, control: RunControl | None = None
 ) -> Session:
-    """A sitting at the rig of a run, not yet opened; refuses runs that are done and rigs that are others."""
+    """A session at the rig of a run, not yet opened. Refuses finished runs and other rigs."""
     launch = read_launch_args(run)
     name = rig or str(launch["rig"])
     file = load_rig(name)
     check_rig(run, file)
     if not rig:
-        check_drivers(file, run.path.name, f"to have it executed, say so with --rig {name}")
+        check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
     expected_wire = (
         run_wire if run_wire != launch["rig_wire"] else file.wire
-    )  # named when it began, or the rig file's
+    )  # the wire that was given at the start, or the rig file's
     if (wire or expected_wire) != run_wire:
         raise UsageError(
-            f"{run.path.name} is of wire '{run_wire}', not of '{wire or expected_wire}': it cannot go on there."
+            f"{run.path.name} belongs to wire '{run_wire}', not to '{wire or expected_wire}'. It cannot continue there."
         )
     with _damaged_record_as_data_error(run):
         seed, noise = int(run.info.seed or 0), bool(launch["noise"])
@@ -58,7 +58,7 @@ def resume(
     control: RunControl | None = None,
     chooser: Chooser | None = None,
 ) -> Run:
-    """Go on with a run that was interrupted, and return it: a notebook's way in."""
+    """Resume an interrupted run and return it; the entry point for notebooks."""
     run = load_run(path)
     with session_for(run, rig=rig, wire=wire, control=control) as session:
         resume_in(session, run, chooser=chooser)
@@ -73,11 +73,11 @@ def resume_in(
     expected: Preview | None = None,
     chooser: Chooser | None = None,
 ) -> ResumePlan:
-    """Go on with a run in an open session; returns how. Raises what ended it, after closing it.
+    """Resume a run in an open session and return its plan. Closes the run before it raises the error that ended it.
 
-    Nothing is moved or written before it is known that the protocol agrees with the record.
+    Nothing is moved or written before the protocol is known to agree with the record.
     """
-    run = load_run(run.path)  # now that the wire is ours: it may have ended by itself meanwhile
+    run = load_run(run.path)  # again, under the lock of the wire: it may have ended meanwhile
     launch = read_launch_args(run)
     protocol, settings = str(run.info.protocol), launch["settings"]
     fresh_twin = session.source == "twin" and session.rig.tick == 0
@@ -97,7 +97,7 @@ def resume_in(
 
 @contextmanager
 def _damaged_record_as_data_error(run: Run) -> Iterator[None]:
-    """What cannot be made sense of in a record is that record's fault."""
+    """Raise DataError for values of a record that cannot be interpreted."""
     try:
         yield
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
@@ -108,7 +108,7 @@ def _damaged_record_as_data_error(run: Run) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class _ResumeExecution:
-    """One resumption being carried out."""
+    """One resumption in execution."""
 
     session: Session
     run: Run
@@ -117,7 +117,7 @@ class _ResumeExecution:
     interrupted: list[tuple]
 
     def execute(self, rest: Protocol) -> None:
-        """Write the interruption down, clear trips, find the way back, and go on."""
+        """Record the interruption, clear trips, restore the state, and continue."""
         session, run, plan = self.session, self.run, self.plan
         session.guard.arm()
         session.count_unsaved_wear(run)
@@ -131,7 +131,7 @@ class _ResumeExecution:
         first_tick = session.rig.tick + plan.shift.ticks + 1
 
         def on_reference(result: StepResult) -> None:
-            """The wire is where the reference was: what the counts differ by is the zero that was lost."""
+            """The wire is in the reference state: the difference of counts is the lost zero."""
             if plan.reference is None or plan.reference.position is None:
                 return
             per_count = session.rig.position_per_count
@@ -142,8 +142,8 @@ class _ResumeExecution:
             recorder.describe("shift", asdict(plan.shift))
             recorder.describe("device", session.device)
             text = (
-                f"The encoder's zero was met again in the state of step {plan.reference.index}: {counts:+d} counts are "
-                "added from here on, and were to the way back until now."
+                f"The encoder's zero was restored in the state of step {plan.reference.index}: {counts:+d} counts are "
+                "added from here on, and were added to the path back."
             )
             recorder.event(result.t_end_s, "shift", text, counts=counts, found=zero_shift_counts)
 
@@ -152,8 +152,8 @@ class _ResumeExecution:
         session.carry_out(recorder, runner, full_protocol, new_run=not run.info.has("history_until_tick"))
 
     def _meta(self) -> dict[str, Any]:
-        """Keys of the run table that are others from now on."""
-        recorded_indices = self.plan.reference is None  # until its zero is met again, a device is nobody's
+        """Keys of the run table that change."""
+        recorded_indices = self.plan.reference is None  # without its zero, the device is not recorded
         device = self.session.device if recorded_indices else ""
         now: dict[str, Any] = {"device": device, "shift": asdict(self.plan.shift)}
         if self.plan.start_over:
@@ -178,7 +178,7 @@ class _ResumeExecution:
 
 
 def _restore_then(plan: ResumePlan, rest: Protocol, tau_s: float, on_reference: Any) -> Protocol:
-    """The way back, and on from there."""
+    """The path back, followed by the rest of the protocol."""
     try:
         yield Hold(0.0, Elapsed(COLD_TAUS * tau_s), branch=RE_ESTABLISH)
         result = yield Hold(0.0, plan.settle, branch=RE_ESTABLISH)
@@ -199,7 +199,7 @@ def _restore_then(plan: ResumePlan, rest: Protocol, tau_s: float, on_reference: 
 
 
 def _interrupted_rows(run: Run, plan: ResumePlan) -> list[tuple]:
-    """Rows of steps that have samples but no row: nobody was left to write it. They have no settled position."""
+    """Rows of steps that have samples but no row because the process was killed. They have no settled position."""
     recorded_indices = {s.index for s in run.steps}
     pending = plan.replayed.pending
     rows = []
@@ -223,20 +223,20 @@ def _interrupted_rows(run: Run, plan: ResumePlan) -> list[tuple]:
 
 
 def _in_restore_path(run: Run, index: int) -> bool:
-    """Whether a step belonged to an earlier way back."""
+    """Whether a step belonged to an earlier path back."""
     restores = [(int(e.data["first_step"]), int(e.data["holds"])) for e in run.events if e.kind == "resumed"]
     return any(first <= index < first + holds for first, holds in restores)
 
 
 def _next_attempt(run: Run) -> int:
-    """How often the step after the last valid one has been tried."""
+    """Number of attempts of the step after the last valid one."""
     last = max((s.index for s in run.steps if not s.void), default=-1)
     after = [s for s in run.steps if s.index > last and s.branch != RE_ESTABLISH]
     return 1 + max((s.attempt for s in after), default=-1)
 
 
 def _attempts(run: Run, plan: ResumePlan, interrupted: list[tuple]) -> dict[int, int]:
-    """By number of a step in its protocol: which attempt it will be, where not the first."""
+    """The next attempt by number of the step in its protocol, if it is not the first."""
     valid = [s for s in run.steps if not s.void]
     attempt_number = _next_attempt(run) + any(row[3] != RE_ESTABLISH for row in interrupted)
     before = {k: s.attempt + 1 for k, s in enumerate(valid)} if plan.start_over else {}
@@ -244,14 +244,14 @@ def _attempts(run: Run, plan: ResumePlan, interrupted: list[tuple]) -> dict[int,
 
 
 class _AttemptRecorder:
-    """The recorder of a run that goes on: numbers attempts, and marks the way back as void."""
+    """The recorder of a resumed run: numbers attempts and marks the path back as void."""
 
     def __init__(self, recorder: Recorder, attempts: dict[int, int]) -> None:
         self.sample, self.event = recorder.sample, recorder.event
         self._recorder, self._attempts, self._done = recorder, attempts, 0
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """A finished step."""
+        """Record a finished step."""
         if branch == RE_ESTABLISH:
             self._recorder.step(result, branch=branch, target=None, void=True)
             return
@@ -264,27 +264,29 @@ class _AttemptRecorder:
 
 
 def read_launch_args(run: Run) -> Mapping[str, Any]:
-    """What a run was begun with; a sentence where it is no run that can be gone on with."""
+    """The arguments with which a run was started. Raises UsageError or DataError if it cannot be resumed."""
     name = run.path.name
     if run.cause == "done":
-        raise UsageError(f"{name} is done: there is nothing to go on with.")
+        raise UsageError(f"{name} is finished; there is nothing to resume.")
     if run.info.closed_loop:
-        raise UsageError(f"{name} was a closed loop: it is not resumed, but closed anew on a prepared wire.")
+        raise UsageError(
+            f"{name} is a closed loop and cannot be resumed. Prepare the wire and start the loop again."
+        )
     launch = run.info.launch_args
     wanted = {"rig", "rig_wire", "speed", "effects", "noise", "settings"}
     if run.info.source == "simulation" or launch is None or not wanted <= set(launch):
         raise DataError(
-            f"{name} does not state what it was started with: only runs that this smarig records on a rig or a "
+            f"{name} does not state what it was started with. Only runs that this smarig recorded on a rig or a "
             "twin can be resumed."
         )
     if launch["effects"] is None:
-        raise DataError(f"{name} was run with effects of its own making: they are not in its record.")
+        raise DataError(f"{name} was run with effects that are not in its record, so it cannot be resumed.")
     check_own_files(run)
     return launch
 
 
 def check_rig(run: Run, file: RigFile) -> None:
-    """UsageError where a run was made on another rig."""
+    """Raise UsageError if a run was made on another rig."""
     for what, then, now in (
         ("rig", run.info.rig, file.name),
         ("actuator", run.info.actuator, Actuator.named(file.actuator).name),
@@ -292,5 +294,5 @@ def check_rig(run: Run, file: RigFile) -> None:
     ):
         if then != now:
             raise UsageError(
-                f"{run.path.name} was run on {what} '{then}', not on '{now}': it cannot go on there."
+                f"{run.path.name} was run on {what} '{then}', not on '{now}'. It cannot continue there."
             )

@@ -1,7 +1,4 @@
-"""A run of a campaign that may be there already: done, it is left; interrupted, it is gone on with; else it is run.
-
-Knows sessions and resuming; refuses to know campaigns.
-"""
+"""Runs a step of a campaign, resumes it if it was interrupted, or leaves it if it is finished."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,7 +14,7 @@ from smarig.runner.session import Session
 
 
 def check_same_experiment(run: Run, session: Session, protocol: str, settings: Mapping[str, Any]) -> None:
-    """UsageError where a run is another experiment, or of another rig or wire."""
+    """Raise UsageError if a run is another experiment or belongs to another rig or wire."""
     check_rig(run, session.file)
     requested = {key: str(value) for key, value in settings.items()}
     for what, then, now in (
@@ -26,7 +23,7 @@ def check_same_experiment(run: Run, session: Session, protocol: str, settings: M
         ("wire", run.info.wire, session.wire),
     ):
         if then != now:
-            raise UsageError(f"{run.path} is of {what} {then}, not of {now}: give another folder.")
+            raise UsageError(f"{run.path} was made with {what} {then}, not with {now}. Give another folder.")
 
 
 def run_or_resume(
@@ -41,7 +38,7 @@ def run_or_resume(
     notes: str = "",
     force: bool = False,
 ) -> str:
-    """In an open session; a sentence where it was not simply run. Raises what ended it, after closing the run."""
+    """Run, resume or skip in an open session. Returns a sentence unless it ran from the start; raises its error."""
     if force or not out.exists():
         session.run(
             protocol,
@@ -57,6 +54,6 @@ def run_or_resume(
     run = load_run(out)
     check_same_experiment(run, session, protocol, settings)
     if run.cause == "done":
-        return f"{protocol}: {out} is done."
+        return f"{protocol}: {out} is finished."
     plan = resume_in(session, run, listeners=listeners, expected=expected, chooser=chooser)
     return f"{protocol}: {out}. {plan.sentence()}"

@@ -1,9 +1,9 @@
-"""Controllers of position, one file each, found by file name: generators that yield currents and are sent samples.
+"""Position controllers, one file each, found by file name: generators that yield currents and receive samples.
 
-``NAME(known, wanted, *, …)``; ``RANGES`` in the same file gives, for every number that may be tuned, the least and the
-largest. An indented line of the docstring for each number, ``name (unit): meaning``, is what listings show; "unit" is
-the rig's, mm or deg. What a rig's limits forbid is clipped by the loop, and shows as ``current_command_A`` of the
-sample.
+Signature: ``NAME(known, wanted, *, …)``. ``RANGES`` in the same file gives the smallest and largest value of every
+tunable number. An indented docstring line for each number, ``name (unit): meaning``, appears in listings; "unit" is
+that of the rig, mm or deg. The loop clips a current beyond the rig's limits; ``current_command_A`` of the sample shows
+the result.
 """
 
 import inspect
@@ -12,10 +12,10 @@ from typing import Any
 
 
 def misfit(name: str, found: Any) -> str:
-    """What keeps something from being a controller, ``NAME(known, wanted, *, number=0.5, …)``; "" if nothing.
+    """Why an object cannot serve as a controller ``NAME(known, wanted, *, number=0.5, …)``; "" if it can.
 
     >>> misfit("push", lambda wanted: None)
-    'push must be a function push(known, wanted, *, number=0.5, …); it takes no known and wanted'
+    'push must be a function push(known, wanted, *, number=0.5, …); it lacks the parameters known and wanted'
     """
     reason = _signature_fault(found)
     shape = f"{name} must be a function {name}(known, wanted, *, number=0.5, …)"
@@ -28,17 +28,17 @@ def _signature_fault(found: Any) -> str:
     parameters = list(inspect.signature(found).parameters.values())
     positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     if len(parameters) < 2 or any(p.kind not in positional for p in parameters[:2]):
-        return "it takes no known and wanted"
+        return "it lacks the parameters known and wanted"
     return next((reason for p in parameters[2:] if (reason := _parameter_fault(p))), "")
 
 
 def _parameter_fault(p: inspect.Parameter) -> str:
     if p.kind is not p.KEYWORD_ONLY:
-        return f"'{p.name}' stands before the *"
+        return f"'{p.name}' must come after the *"
     if p.default is p.empty:
         return f"its number '{p.name}' has no default"
     if type(p.default) is int:
-        return f"its number '{p.name}' has a whole default: write {p.default}.0"
+        return f"the default of its number '{p.name}' is an integer: write {p.default}.0"
     if type(p.default) is not float or not (math.isfinite(p.default) and p.default >= 0):
-        return f"its number '{p.name}' has the default {p.default!r}: numbers are positive, or 0 and more"
+        return f"the default of its number '{p.name}' is {p.default!r}; it must be a finite number from 0 on"
     return ""

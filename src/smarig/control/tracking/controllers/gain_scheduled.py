@@ -1,4 +1,4 @@
-"""The baseline with gains by place and direction: PI whose gain is the inverse slope of the branch the wire is on."""
+"""Baseline with gains by position and direction: PI whose gain follows the inverse slope of the present branch."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ RANGES = {
     "cooling_share": (0.1, 10.0),
 }
 GRID_POINTS = 200
-LARGEST_SLOPE_RATIO = 10.0  # times the mean inverse slope: at the ends of the range branches are flat
+LARGEST_SLOPE_RATIO = 10.0  # times the mean inverse slope: branches are flat at the ends of the range
 
 
 def gain_scheduled(
@@ -24,15 +24,15 @@ def gain_scheduled(
     cooling_share: float = 1.7,
     lead_s: float = 0.0,
 ) -> Controller:
-    """PI with scheduled gains: du/dy of the model's major loop at the present position, its rising or falling branch.
+    """PI with scheduled gains: du/dy of the rising or falling branch of the model's major loop at the present position.
 
-    The thesis cites constant gains switched by the error (Grant & Hayward 1997); here the switch is the error's
-    sign, with ``cooling_share`` between the two gains, and the model's own slope on top. Integration as in ``pi``.
+    The thesis cites constant gains switched by the error (Grant & Hayward 1997). Here the error's sign switches, with
+    ``cooling_share`` between the two gains, in addition to the model's slope. Integration is as in ``pi``.
 
-        gain_share (1): gain, as a multiple of the model's inverse slope du/dy where the wire is
-        integral_s (s): integral time T_i: in it a steady error is answered once more
+        gain_share (1): gain, as a multiple of the model's inverse slope du/dy at the present position
+        integral_s (s): integral time T_i
         cooling_share (1): gain when the wire must cool, as a multiple of that when it must heat
-        lead_s (s): how far ahead what is wanted is looked at; 0 looks at now
+        lead_s (s): preview time of the reference; 0: no preview
     """
     positions, heating, cooling = _inverse_slopes(controller_model)
 

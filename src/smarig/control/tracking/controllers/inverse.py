@@ -1,4 +1,4 @@
-"""Feed-forward by the inverse of the hysteresis and of the heating lag, with the model's error tracked on the way."""
+"""Feed-forward by the inverse of hysteresis and heating lag, with an observer of the model error."""
 
 from smarig.control.tracking.controller_model import Controller, ControllerModel, ReferenceFunction
 from smarig.control.tracking.heating_lag import clipped, current_towards
@@ -12,7 +12,7 @@ RANGES = {
     "slope_walk": (0.01, 5.0),
     "rest_counts": (0.01, 1.0),
 }
-READING_COUNTS = 0.5  # noise of a reading: rounding to counts, and the encoder's own
+READING_COUNTS = 0.5  # noise of a reading: rounding to counts and encoder noise
 
 
 def inverse(
@@ -25,19 +25,19 @@ def inverse(
     slope_walk: float = 0.56,
     rest_counts: float = 0.28,
 ) -> Controller:
-    """Inverse Preisach and heating lag (§8.1's feed-forward), made robust by an observer of the model's error.
+    """Inverse Preisach operator and heating lag (feed-forward of §8.1) with an observer of the model error.
 
-    The model, effects included, follows the measured current, or the command where an effect says what becomes of
-    it; ``SlopeObserver`` says how far it is off. What is wanted ``lead_s`` from now is turned into an output of the
-    model, that into the temperature which the model's memory needs for it, and that into the current which brings
-    the wire there in ``horizon_s``, with the time constant and the heat that effects leave it. Within ``rest_counts``
-    of where it shall be, the temperature goal stays: a reversal costs the width of a hysteresis; noise is not worth it.
+    The model, effects included, follows the measured current, or the command if an effect alters the current.
+    ``SlopeObserver`` estimates the model error. The reference ``lead_s`` ahead is converted to an output of the model,
+    then to the temperature that the model's memory requires, then to the current that brings the wire there in
+    ``horizon_s``, with the time constant and heat that effects leave. Within ``rest_counts`` of the target, the target
+    temperature stays, because a reversal costs the width of the hysteresis and noise does not justify it.
 
-        lead_s (s): how far ahead what is wanted is looked at
-        horizon_s (s): time in which the current is to bring the wire to its temperature; short is forceful
-        walk (unit/√s): how fast the model's error may wander by itself
-        slope_walk (1/√unit): how fast the model's error of slope may change along the way
-        rest_counts (counts): nearer than this, the temperature goal stays
+        lead_s (s): preview time of the reference
+        horizon_s (s): time in which the current brings the wire to its target temperature
+        walk (unit/√s): random change of the model error with time
+        slope_walk (1/√unit): random change of the model's slope error with travel
+        rest_counts (counts): position error below which the target temperature stays
     """
     setup, model = controller_model.setup, controller_model.plant()
     count = setup.actuator.position_per_count(controller_model.counts_per_rev)
@@ -51,14 +51,14 @@ def inverse(
         target = observer.model_for(reference(sample.t_s + lead_s) + controller_model.origin)
         if abs(target - position) > rest_counts * count:
             goal_K = _temperature_for_output(model.operator, model.operator.y + target - position, goal_K)
-        # effects may shift what the hysteresis feels against what the wire has: asked of the wire is the same move
+        # effects may shift the hysteresis input against the wire temperature: command the same change of the wire
         move_K = goal_K - model.hysteresis_input_K
         wire_K = model.heating.input_K
         sample = yield current_towards(setup, model, clipped(setup, wire_K + move_K), horizon_s)
 
 
 def _temperature_for_output(operator, output: float, fallback_K: float) -> float:
-    """Temperature that brings the operator to an output, as far as it reaches; the goal before where none does."""
+    """Temperature at which the operator has an output, within its range; the previous target if there is none."""
     hysteresis = operator.hysteresis
     low, high = (
         hysteresis.y_lower,
@@ -70,5 +70,5 @@ def _temperature_for_output(operator, output: float, fallback_K: float) -> float
         return hysteresis.upper
     try:
         return operator.inverse(output)
-    except DataError:  # the branch turns back on the way: stay, the observer will tell more
+    except DataError:  # the branch turns back: stay until the observer has converged
         return fallback_K

@@ -1,5 +1,6 @@
-"""Velocity controllers, one file each: the file name is the name, the function of that name makes it.
+"""Velocity controllers, one file each: a file's function of the same name makes the controller.
 
-Defaults are in kelvin and the rig's output unit: gentle on both of the thesis's rigs, examples and no recommendation.
-Numbers are told by indented lines of the docstring, ``name (unit): meaning``; "unit" is the rig's, mm or deg.
+Defaults are in kelvin and the rig's output unit. They are gentle on both rigs of the thesis; they are examples, not
+recommendations. Indented docstring lines ``name (unit): meaning`` describe the numbers; "unit" is that of the rig, mm
+or deg.
 """

@@ -8,7 +8,7 @@ def lead_lag(gain: float = 100.0, zero_s: float = 4.0, pole_s: float = 1.0) -> F
 
     H₀ = k and H∞ = k zero_s/pole_s; δ is the smaller, γ the larger.
 
-        gain (K·s/unit): k, of steady velocity errors
+        gain (K·s/unit): k, for steady velocity errors
         zero_s (s): time constant of the zero
         pole_s (s): time constant of the pole
 

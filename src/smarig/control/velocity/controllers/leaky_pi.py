@@ -1,4 +1,4 @@
-"""Proportional and leaking integral."""
+"""Proportional and leaky integral action."""
 
 from smarig.control.velocity.velocity_controller import FirstOrderController, positive
 
@@ -6,13 +6,13 @@ from smarig.control.velocity.velocity_controller import FirstOrderController, po
 def leaky_pi(
     gain: float = 100.0, integral_per_s: float = 30.0, leak_per_s: float = 0.1
 ) -> FirstOrderController:
-    """H(s) = k_p + k_i/(s + a): an integral that forgets at the rate a, for without a leak there is no finite gain.
+    """H(s) = k_p + k_i/(s + a): an integral that decays at the rate a, because without a leak the gain is infinite.
 
     δ = k_p, γ = k_p + k_i/a.
 
-        gain (K·s/unit): k_p, of the velocity error itself
-        integral_per_s (K/unit): k_i, of its integral
-        leak_per_s (1/s): a, the rate at which the integral forgets
+        gain (K·s/unit): k_p, gain of the velocity error
+        integral_per_s (K/unit): k_i, gain of its integral
+        leak_per_s (1/s): a, decay rate of the integral
 
     >>> pi = leaky_pi(2.0, integral_per_s=0.6, leak_per_s=0.1)
     >>> pi.delta, round(pi.gamma, 12)

@@ -9,11 +9,11 @@ from smarig.core import UsageError
 def saturating_gain(least: float = 50.0, most: float = 200.0, width: float = 0.1) -> MemorylessController:
     """ũ = k₁ ė + (k₂ − k₁) sat(ė), sat clipping at ± ``width`` (output unit per second); sector [k₁, k₂].
 
-    k₂ is met by every |ė| ≤ width, k₁ only in the limit of large errors: δ = k₁, γ = k₂. A gain that saturated
-    altogether (k₁ = 0) would not be strictly passive.
+    Every |ė| ≤ width has the gain k₂; k₁ is the limit for large errors: δ = k₁, γ = k₂. A gain that saturated
+    completely (k₁ = 0) would not be strictly passive.
 
         least (K·s/unit): k₁, the gain of large velocity errors
-        most (K·s/unit): k₂, the gain of small ones
+        most (K·s/unit): k₂, the gain of small velocity errors
         width (unit/s): velocity error up to which the gain is k₂
 
     >>> law = saturating_gain(1.0, 5.0, width=0.1)

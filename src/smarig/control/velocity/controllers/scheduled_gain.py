@@ -1,4 +1,4 @@
-"""A gain on a schedule."""
+"""A scheduled gain."""
 
 from collections.abc import Callable, Iterator
 
@@ -12,20 +12,20 @@ _SWITCH_SAMPLES = 50
 
 
 def alternating(sample: int) -> float:
-    """The schedule where none is given: the least gain and the largest in turn, fifty samples each."""
+    """The default schedule: smallest and largest gain in turn, fifty samples each."""
     return float("inf") if sample // _SWITCH_SAMPLES % 2 else 0.0
 
 
 def scheduled_gain(
     least: float = 50.0, most: float = 200.0, schedule: Callable[[int], float] = alternating
 ) -> MemorylessController:
-    """ũ_k = k(σ_k) ė_k with k₁ ≤ k(σ) ≤ k₂, whatever σ depends on: ``schedule`` gives the gain of a sample.
+    """ũ_k = k(σ_k) ė_k with k₁ ≤ k(σ) ≤ k₂ for any σ; ``schedule`` gives the gain of a sample.
 
-    Without memory in ė, so ė ũ ≥ k₁ ė² and |ũ| ≤ k₂ |ė| at every sample: δ = k₁ and γ = k₂ for every schedule,
-    also one that looks at positions, at time or at earlier samples. Gains outside [k₁, k₂] are clipped to it.
+    The law has no memory in ė, so ė ũ ≥ k₁ ė² and |ũ| ≤ k₂ |ė| at every sample: δ = k₁ and γ = k₂ for every schedule,
+    also one that depends on positions, time or earlier samples. Gains outside [k₁, k₂] are clipped.
 
         least (K·s/unit): k₁, the smallest gain of the schedule
-        most (K·s/unit): k₂, the largest
+        most (K·s/unit): k₂, the largest gain of the schedule
 
     >>> by_turns = scheduled_gain(1.0, 4.0, lambda k: 1.0 if k % 2 else 4.0)
     >>> by_turns.delta, by_turns.gamma
