@@ -113,15 +113,15 @@ def test_a_truncated_file_is_read_and_reported(write, imported):
     cut = whole[: int(len(whole) * 0.7)].rsplit("\n", 1)[0]
     said = _warned(write, imported, cut)
     assert "was cut off" in said
-    assert "promises 80 points (NData), the file holds" in said
-    assert "promises 8 curves (NCrv), the file holds" in said
+    assert "declares 80 points (NData), but the file holds" in said
+    assert "declares 8 curves (NCrv), but the file holds" in said
 
 
 def test_contradictions_are_reported(write, imported):
     blocks = _blocks()
     blocks[5][3], blocks[5][4] = blocks[5][4], blocks[5][3]
     said = _warned(write, imported, _text(blocks, curves=9))
-    assert "promises 9 curves" in said
+    assert "declares 9 curves" in said
     assert "field does not rise within a curve in 1 place(s)" in said
     swapped = _blocks()
     swapped[5], swapped[7] = swapped[7], swapped[5]
@@ -147,7 +147,7 @@ def test_what_is_no_such_file_is_refused(write, imported, text, said):
 
 def test_a_mapping_is_refused(write, imported):
     path = write(_text(_blocks()).encode("latin-1"), "x.forc")
-    with pytest.raises(UsageError, match="leave out --rig and --map"):
+    with pytest.raises(UsageError, match="Leave out --rig and --map"):
         imported(path, format="forc", mapping="sma_cycles")
 
 

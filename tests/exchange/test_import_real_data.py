@@ -107,7 +107,7 @@ def test_isobaric_strain_is_in_mm_per_mm_whatever_the_file_has(name, mapping, lo
 @pytest.mark.parametrize("stress", ["50", "100", "200", "300", "400"])
 def test_isobaric_transformation_is_found_to_be_undersampled(stress):
     _, said = real(f"sma_isobaric/cal_sample_2/{stress} MPa.txt", "sma_isobaric_2")
-    assert "what happens in between was not sampled" in said
+    assert "the values in between were not sampled" in said
 
 
 @pytest.mark.parametrize("stress", ["100", "200", "300", "400"])
@@ -115,13 +115,13 @@ def test_the_wrong_strain_unit_is_noticed(stress):
     name = f"sma_isobaric/cal_sample_2/{stress} MPa.txt"
     if not (DATA / name).exists():
         pytest.skip(f"real data {name} are not in ../shared/data")
-    with pytest.raises(DataError, match="is the column in %"):
+    with pytest.raises(DataError, match="Is the column in %"):
         _run(name, "sma_isobaric_1")
 
 
 def test_the_wrong_strain_unit_the_other_way_round_is_doubted():
     _, said = real("sma_isobaric/cal_sample_1/50 MPa.txt", "sma_isobaric_2")
-    assert "is the unit right" in said
+    assert "Is the unit right" in said
 
 
 @pytest.mark.parametrize(("stress", "percent"), [(50, 20), (100, 8), (150, 8)])
@@ -209,7 +209,7 @@ def test_a_matlab_file_given_as_text_is_refused_with_what_to_do():
     path = DATA / "ferrite_nested" / "H_MnZn_HP_ferrite.mat"
     if not path.exists():
         pytest.skip("real data ferrite_nested are not in ../shared/data")
-    with pytest.raises(DataError, match=r"MATLAB file; import it with --format mat and a mapping \(--map\)"):
+    with pytest.raises(DataError, match=r"MATLAB file\. Import it with --format mat and a mapping \(--map\)"):
         _run("ferrite_nested/H_MnZn_HP_ferrite.mat", "sma_cycles")
 
 
@@ -232,7 +232,7 @@ def test_reversal_curves(name, curves, points, units, spread):
     assert int((step >= 0).sum()) == points
     assert (run.input_unit, run.unit) == units
     assert f"spread {spread}" in said
-    assert "promises" not in said
+    assert "declares" not in said
     assert "cut off" not in said
     first = np.flatnonzero((step >= 0) & (np.diff(step, prepend=-1) != 0))
     assert first.size == curves
@@ -263,8 +263,8 @@ def test_a_truncated_real_file_is_reported(tmp_path):
     report = import_file(cut, format="forc", out=tmp_path / "cut.run.sqlite")
     said = "\n".join(report.warnings)
     assert "cut off" in said
-    assert "promises 15644 points" in said
-    assert "promises 140 curves" in said
+    assert "declares 15644 points" in said
+    assert "declares 140 curves" in said
 
 
 def test_no_import_reports_a_finding_twice():

@@ -69,7 +69,7 @@ def test_without_header_the_names_are_given(write):
 
 def test_without_header_a_wrong_number_of_names_is_reported(write):
     path = write(_text("\t").split("\n", 1)[1])
-    with pytest.raises(DataError, match="line 1 has 3 columns; the mapping names 2"):
+    with pytest.raises(DataError, match="line 1 has 3 columns, but the mapping names 2"):
         read_table(path, TableLayout(names=("t", "a")))
 
 
@@ -92,7 +92,7 @@ def test_the_fourth_of_many_tables_is_found_with_its_own_preamble(write):
     table = read_table(path, TableLayout(header_starts="t [s]", table=4))
     assert table.columns["a"].tolist() == [4.0, 4.0]
     assert table.header["Amplitude"] == "400"
-    with pytest.raises(DataError, match=r"has 6 table\(s\).* table 9 was asked for"):
+    with pytest.raises(DataError, match=r"has 6 table\(s\).* there is no table 9"):
         read_table(path, TableLayout(header_starts="t [s]", table=9))
 
 
@@ -104,16 +104,16 @@ def test_the_fourth_of_many_tables_is_found_with_its_own_preamble(write):
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00", "binary"),
         (
             b"MATLAB 5.0 MAT-file, written by Octave\x00\x01",
-            r"MATLAB file; import it with --format mat .*--map",
+            r"MATLAB file\. Import it with --format mat .*--map",
         ),
         (
             b"MATLAB 7.3 MAT-file, Platform: PCWIN64\x00\x01",
-            r"MATLAB file; import it with --format mat .*--map",
+            r"MATLAB file\. Import it with --format mat .*--map",
         ),
-        ("t,a,b\n1,2,3\n", r"holds 1 sample\(s\); at least two"),
+        ("t,a,b\n1,2,3\n", r"holds 1 sample\(s\)\. At least two"),
         ("t,a,b\n", r"holds 0 sample\(s\)"),
         ("t,a,a\n1,2,3\n2,3,4\n", "line 1: column 'a' appears more than once"),
-        ("t,a,b\n1,2,3\n1,2,3,4\n", "line 3 has 4 cells; the header names 3"),
+        ("t,a,b\n1,2,3\n1,2,3,4\n", "line 3 has 4 cells, but the header names 3"),
         ("t,a,b\n1,2,3\n2,x7,4\n", "line 3, column 'a': 'x7' is not a number"),
         ("t,a,b\n1,2,3\n2,inf,4\n", "line 3, column 'a' is infinite"),
         ("p,q\n1,2\n3,4\n", "no header row"),

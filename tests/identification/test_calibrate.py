@@ -92,7 +92,7 @@ def test_a_known_time_constant_lies_in_its_interval(tau_s, dead_s, length_s):
         assert np.mean([covers(e, dead_s) for e in dead]) >= 0.85
     else:
         assert len(dead) <= 2
-        assert any(f.not_available.get("dead_time") == "No dead time shows in the transients." for f in found)
+        assert any(f.not_available.get("dead_time") == "The transients show no dead time." for f in found)
 
 
 def test_steps_of_several_runs_share_one_time_constant():
@@ -158,7 +158,7 @@ def test_measured_staircase():
     assert "not straight" in gain.source
     mean_ohm = (found.parameters["R_M"].value + found.parameters["R_A"].value) / 2
     assert estimate(found, "hA").value == pytest.approx(mean_ohm / gain.value, rel=0.15)
-    assert "cannot be given" in found.not_available["tau"]
+    assert "cannot be determined" in found.not_available["tau"]
 
 
 def test_the_twin_s_resistances_and_time_constant(tmp_path):
@@ -174,7 +174,7 @@ def test_the_twin_s_resistances_and_time_constant(tmp_path):
     assert all(e.ci95[1] - e.ci95[0] < 0.02 for e in without.parameters.values())
     # The ends of the travel are not the extremes of the encoder's noise (that would be 0.002 ohm off).
     assert without.parameters["R_M"].value == pytest.approx(5.0, abs=0.001)
-    assert "cannot be given from position alone without a model" in without.not_available["tau"]
+    assert "cannot be determined from position alone without a model" in without.not_available["tau"]
     tau = estimate(calibrate(runs, wire, thesis_surface("one_e")), "tau")
     assert covers(tau, wire.tau_s)
     assert tau.ci95[1] - tau.ci95[0] < 0.1

@@ -141,7 +141,7 @@ def test_one_spoilt_curve_spoils_its_own_prediction_not_the_fit_that_knows_it():
 
 
 def test_too_few_curves_are_refused_with_what_to_do():
-    with pytest.raises(DataError, match="at least 4; there are 3: name a surface"):
+    with pytest.raises(DataError, match=r"at least 4; there are 3\. Name a surface"):
         choose_surface(fod_data(fod_run("one_e", partition=[0.0, 60.0, 120.0, 174.1])))
 
 

@@ -269,7 +269,7 @@ def test_mistakes_get_one_sentence():
     y = a * b
     for options, sentence in [
         ({"smoothing": 4, "nearest": 20}, "not both"),
-        ({"window": "gauss"}, "'gauss' is unknown; there are loess, variforc"),
+        ({"window": "gauss"}, "'gauss' is unknown. Choose from loess, variforc"),
         ({"window": "variforc"}, "needs a smoothing factor"),
         ({"smoothing": -1.0}, "positive number of grid steps"),
         ({"nearest": 5}, "between 12 and the number of points 78, got 5"),

@@ -82,7 +82,7 @@ def test_table_meets_every_point_and_admits_negative_cells():
     assert np.abs(error[inside]).max() < 1e-12
     assert result.fit is None
     assert not result.density.M_P  # noise makes some cells negative …
-    assert any("noise of the readings does that too" in w for w in result.warnings)  # … which is said
+    assert any("Noise of the readings does that too" in w for w in result.warnings)  # … which is said
     assert identify(fod_run("one_c"), "table").density.M_P
 
 

@@ -254,7 +254,7 @@ def planted(share):
 
 
 def test_what_non_negativity_costs_is_said_where_it_costs():
-    asked = [w for w in identify(planted(3.0), "positive").warnings if "asks for negative mass" in w]
+    asked = [w for w in identify(planted(3.0), "positive").warnings if "favour negative mass" in w]
     assert len(asked) == 1
     fit = identify(planted(3.0), "positive").model.fit
     assert f"{fit['held_out_rms']:.3g} mm" in asked[0]
@@ -274,7 +274,7 @@ def test_too_few_curves_to_choose_the_smoothing_is_said():
 
 def test_an_output_that_falls_as_the_input_rises_is_refused_with_what_to_do():
     inputs, outputs = fod_run("one_c", seed=1).points()
-    with pytest.raises(DataError, match="turn its sign"):
+    with pytest.raises(DataError, match="Turn its sign"):
         identify(made_run(inputs, -outputs), "positive")
 
 

@@ -68,7 +68,7 @@ def test_an_unknown_zero_is_fitted_by_one_number_and_said(one):
     assert judged.offset == pytest.approx(3.0, abs=1e-4)
     assert judged.settled.rms < 1e-4
     assert any("one additive offset was fitted" in w for w in judged.warnings)
-    with pytest.raises(DataError, match="does not say"):
+    with pytest.raises(DataError, match="does not state"):
         verify(one, run, offset="known")
 
 

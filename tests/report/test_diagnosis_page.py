@@ -103,7 +103,7 @@ def test_steps_that_had_not_settled_are_reported(named):
     run = named.timeline.runs[0]
     late = [replace(step, verdict="timed_out") if k in (1, 4) else step for k, step in enumerate(run.steps)]
     late_text = replace(named.timeline, runs=(replace(run, steps=tuple(late)), *named.timeline.runs[1:]))
-    words = f"2 of {len(named.timeline.settled)} settled points had not settled when their time was over."
+    words = f"2 of {len(named.timeline.settled)} settled points had not settled by their time limit."
     assert words in replace(named, timeline=late_text).text()
     assert "had not settled" not in named.text()
 
@@ -117,16 +117,19 @@ def test_a_negative_gain_is_announced(named):
 
 def test_a_silent_diagnosis_says_so_and_shows_no_after(silent):
     page = Page(diagnosis_page(silent))
-    assert "Silent: the model explains these data as well as data in which nothing is hidden." in page.visible
+    assert (
+        "No finding: the model explains these data as well as it explains data without any effect."
+        in page.visible
+    )
     assert "no held-out run" in page.card("Gain on held-out data")
     assert not page.traces("extended model")
-    assert "Nothing asks for an experiment" in page.visible
+    assert "No experiment is needed" in page.visible
 
 
 def test_a_silent_verdict_above_the_threshold_is_a_warning(named):
     page = Page(diagnosis_page(replace(named, verdict=DiagnosisVerdict("silent"), levels=())))
-    assert "Silent, with a doubt" in page.visible
-    assert "Nothing asks for an experiment" not in page.visible
+    assert "No finding, with a doubt" in page.visible
+    assert "No experiment is needed" not in page.visible
 
 
 def test_rivals_stand_below_the_best_with_their_distance_and_probability(named):
@@ -138,9 +141,9 @@ def test_rivals_stand_below_the_best_with_their_distance_and_probability(named):
 @pytest.mark.parametrize(
     ("word", "sentence", "advice"),
     [
-        ("ambiguous", "One of a set: ambient_drift, slip", "What would settle it"),
+        ("ambiguous", "the cause is one of ambient_drift, slip", "What would decide between them"),
         ("unknown", "Unknown: something is wrong and depends on time", "Change time alone"),
-        ("not_identifiable", "These data cannot decide", "A run that can show something at all"),
+        ("not_identifiable", "These data cannot decide", "Make a run that can show an effect"),
     ],
 )
 def test_every_other_verdict_has_its_sentence_and_advice(named, word: str, sentence: str, advice: str):

@@ -53,7 +53,7 @@ def test_a_page_without_first_order_curves_says_so_plainly():
     run = driven_run("two_c", GROWING, seed=3, initial="anhysteretic", source="bench")
     found = identify(run, "positive")
     drawn = Page(characterisation_page(of(run, found)))
-    assert "hold no first-order curves" in drawn.visible
+    assert "contain no first-order curves" in drawn.visible
     assert not any("First-order descending curves and" in c for c in drawn.captions)
     assert f"{len(GROWING)} of known memory used" in drawn.card("Settled points")
     assert "no such curve was measured" in " ".join(drawn.captions)

@@ -1,8 +1,9 @@
-"""What the simulation gets wrong, why, and by how much an extended model is better: the critic.
+"""Diagnosis: what a model predicts wrongly, which effects explain it, and how much an extended model gains.
 
-In the order of the work, after ``smarig.replay``: ``candidates`` (what might be wrong), ``refit`` (everything refitted
-at once), ``nulls``, ``critique`` (is anything wrong?), ``refine`` and ``search`` (what is it?), ``verdict``, ``gain``;
-``diagnose`` puts them together. ``given`` is for measured inputs, ``thermal`` for transients of temperature alone.
+In the order of the work, after ``smarig.replay``: ``explain.candidates`` (what may be wrong), ``critique.refit``
+(fit of density and noise), ``critique.critique`` (does anything exceed the noise?), ``explain.search`` (which
+effects explain it?), ``diagnosis_verdict`` and ``held_out_gain``. ``diagnose`` runs them all. ``thermal`` diagnoses
+records of wire temperature.
 """
 
 from typing import TYPE_CHECKING
@@ -29,7 +30,11 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_files import prepare_folder as prepare_folder
     from smarig.diagnosis.diagnosis_files import write_diagnosis as write_diagnosis
     from smarig.diagnosis.diagnosis_files import write_transient as write_transient
+    from smarig.diagnosis.diagnosis_text import AT_FLOOR as AT_FLOOR
+    from smarig.diagnosis.diagnosis_text import DOUBT as DOUBT
+    from smarig.diagnosis.diagnosis_text import capitalised as capitalised
     from smarig.diagnosis.diagnosis_text import share_text as share_text
+    from smarig.diagnosis.diagnosis_text import unknown_text as unknown_text
     from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS
     from smarig.diagnosis.drive_statistics import MIN_COUNT_SD as MIN_COUNT_SD
     from smarig.diagnosis.drive_statistics import drive_statistics as drive_statistics

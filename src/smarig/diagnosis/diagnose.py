@@ -1,7 +1,4 @@
-"""The whole diagnosis: show what the simulation gets wrong, name it, extend the model, measure the gain.
-
-Puts the parts of this folder in order. Refuses to know rigs and pages.
-"""
+"""The whole diagnosis: test the residuals, find the effects, extend the model, and measure the gain."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -45,7 +42,7 @@ MIN_ALPHA = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class ErrorSummary:
-    """Rms of settled points of the training runs: noise, the model as original, refitted, and extended."""
+    """Rms errors of the training runs' settled points: given, base and extended model, and the noise floor."""
 
     unit: str
     noise_floor: float
@@ -56,12 +53,12 @@ class ErrorSummary:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis(NotebookDisplay):
-    """What was found, with the evidence it rests on.
+    """The verdict of a diagnosis, with its evidence.
 
-    ``base`` is the wire without them, its density identified anew: what the gain is counted against. ``model`` is the
-    extended model where effects were found, else the original one; ``gain`` is None without held-out runs. ``numerics``
-    is the error of the critic's own time steps at settled points; ``separating_run`` what ``smarig.app.proposal``
-    proposes, if it was asked.
+    ``base`` is the plant model without effects, with its density identified again; the gain is counted against it.
+    ``model`` is the extended model if effects were found, else the given one. ``gain`` is None without held-out
+    runs. ``numerics`` is the error of the diagnosis's own time steps at settled points. ``separating_run`` is the
+    proposal of ``smarig.app.proposal``, if it was requested.
     """
 
     verdict: DiagnosisVerdict
@@ -81,13 +78,13 @@ class Diagnosis(NotebookDisplay):
 
     @property
     def best(self) -> ParameterFit | None:
-        """The best explanation, where one is needed."""
+        """The best explanation, or None if the verdict has none."""
         has_explanation = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
         return self.levels[-1].best if self.levels and has_explanation else None
 
     @property
     def left(self) -> str | None:
-        """What the readings still depend on beside the effects that were found, None where nothing stands out."""
+        """The variable or effect on which the remaining residuals depend; None if nothing stands out."""
         last = self.levels[-1].critique if self.levels and self.extended else None
         if last is None or last.silent:
             return None
@@ -100,7 +97,7 @@ class Diagnosis(NotebookDisplay):
         return self.verdict.word in ("named", "ambiguous")
 
     def text(self) -> str:
-        """What was found, in plain sentences."""
+        """The findings as text."""
         return "\n".join(text_lines(self))
 
     def effects(self) -> list[dict[str, Any]]:
@@ -109,7 +106,7 @@ class Diagnosis(NotebookDisplay):
         return [] if best is None else [_effect_json(p, best, self.verdict) for p in best.effects]
 
     def to_json(self) -> dict[str, Any]:
-        """The CLI's JSON object."""
+        """The JSON object of the command line."""
         e, gain = self.error, self.gain
         held_out = gain and {
             "given": gain.original,
@@ -175,7 +172,9 @@ def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -
     return [max(value - half, bounds[0]), min(value + half, bounds[1])]
 
 
-@threadpool_limits.wrap(limits=1, user_api="blas")  # matrices of hundreds: threads would wait for each other
+@threadpool_limits.wrap(
+    limits=1, user_api="blas"
+)  # matrices have a few hundred rows: threads would only wait for each other
 def diagnose(
     model: Model | str | Path,
     train: Sequence[Run | str | Path] | Run | str | Path,
@@ -187,11 +186,11 @@ def diagnose(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
-    """What a model gets wrong on runs of one wire, why, and what it gains to know.
+    """Diagnose a model on runs of one wire: what it predicts wrongly, why, and what an extended model gains.
 
-    ``train`` teaches, ``held_out`` only judges the gain; ``without`` takes effects out of the catalogue.
-    ``alpha`` is the chance of any false alarm; ``nulls`` how many empty stories it is judged by. Raises DataError
-    when the runs hold no settled steps or overlap, UsageError for settings that make no sense.
+    The density is identified from ``train``; ``held_out`` runs only measure the gain. ``without`` names effects to
+    leave out of the catalogue. ``alpha`` is the probability of any false alarm, ``nulls`` the number of null data
+    sets. Raises DataError if the runs hold no settled steps or overlap, and UsageError for invalid settings.
     """
     started, report_progress = time.monotonic(), progress or (lambda _: None)
     _check(alpha, nulls, seed)
@@ -256,12 +255,12 @@ def diagnose(
 
 def _check(alpha: float, nulls: int, seed: int) -> None:
     if not MIN_ALPHA <= alpha < 0.5:
-        raise UsageError(f"The chance of a false alarm lies between 0 and 0.5, not at {alpha:g}.")
+        raise UsageError(f"The false alarm probability must lie between 0 and 0.5, but is {alpha:g}.")
     if seed < 0:
-        raise UsageError(f"Seed {seed} is negative; give a whole number from 0 up.")
+        raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
     if nulls < 1 / alpha:
         raise UsageError(
-            f"{nulls} nulls cannot tell a chance of {alpha:g}; at least {int(1 / alpha) + 1} can."
+            f"{nulls} null data sets cannot resolve a probability of {alpha:g}. Use at least {int(1 / alpha) + 1}."
         )
 
 
@@ -271,20 +270,22 @@ def _runs(original: Any) -> list[Run]:
 
 
 def _check_held_out(model: Model, train_runs: list[Run], held_out_runs: list[Run]) -> None:
-    """Raises, before anything is computed, where held-out runs cannot judge."""
+    """Raise before any computation if the held-out runs cannot measure the gain."""
     if any(_same(a, b) for a in train_runs for b in held_out_runs):
-        raise UsageError("A run cannot teach and judge: a copy of a training run is held out.")
+        raise UsageError(
+            "A held-out run is a copy of a training run. Hold out a run that is not used for training."
+        )
     build_timeline([*train_runs, *held_out_runs], actuator_for_run(model, train_runs[0]).tau_s)
 
 
 def _same(a: Run, b: Run) -> bool:
-    """Whether two runs are the same measurement, not only parts of one file."""
+    """Whether two runs are the same measurement, and not only parts of one file."""
     return file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"])
 
 
 def _timeline_and_subject(model: Model, runs: list[Run]) -> tuple[Timeline, PlantModel]:
     if not runs:
-        raise UsageError("A diagnosis needs at least one run to learn from.")
+        raise UsageError("A diagnosis needs at least one training run.")
     timeline = build_timeline(runs, actuator_for_run(model, runs[0]).tau_s)
     return timeline, plant_model_of(model, timeline.runs[0])
 
@@ -297,14 +298,14 @@ def _catalogue(plant_model: PlantModel, without: Sequence[str]) -> list[EffectTy
     names = [k.name for k in effect_types()]
     for name in without:
         if name not in names:
-            raise UsageError(f"There is no effect '{name}' to leave out.")
+            raise UsageError(f"Effect '{name}' cannot be left out: the catalogue has no such effect.")
     return [k for k in all_types if k.name not in without]
 
 
 def _visible_effect_types(
     all_types: list[EffectType], timeline: Timeline, plant_model: PlantModel
 ) -> tuple[list[EffectType], list[str]]:
-    """(effects that these data could show, names of those that act before the input was measured)."""
+    """(effects that these data could show, names of the effects that act before the input was measured)."""
     seen = [k for k in all_types if timeline.drive.can_show(k, plant_model.hysteresis)]
     return seen, [k.name for k in all_types if k not in seen]
 
@@ -314,7 +315,7 @@ def _floor(noise: np.ndarray) -> float:
 
 
 def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdict: DiagnosisVerdict) -> Model:
-    """The original model with the density identified beside the effects, and with them."""
+    """The given model with its density identified jointly with the effects, and with these effects."""
     return replace(
         original,
         name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.catalogue_effects)}",
@@ -326,6 +327,6 @@ def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdic
         provenance=tuple(provenance(run) for run in train),
         warnings=(
             *original.warnings,
-            f"Effects by diagnosis ({verdict.word}); density identified beside them.",
+            f"Effects by diagnosis ({verdict.word}); density identified jointly.",
         ),
     )

@@ -1,8 +1,6 @@
-"""What may be said: silent, a name, a set of names, "unknown, it depends on …", or that these data cannot tell.
+"""The verdict of a diagnosis: silent, named, ambiguous, unknown or not identifiable.
 
-    P(explanation) ∝ exp(−lead / T)        lead: nats behind the best;  T: a guess, to be tempered on boxes
-
-Takes decisions from what the search found, and computes nothing of physics.
+P(explanation) ∝ exp(−lead / T)        lead: nats behind the best;  T: chosen, to be tuned on sealed boxes
 """
 
 from dataclasses import dataclass
@@ -13,12 +11,12 @@ from smarig.diagnosis.critique.critique import CandidateScore, Critique
 from smarig.diagnosis.explain.search import SearchLevel
 
 VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
-LEAD_SCALE_NATS = 4.0  # nats
-SET_PROBABILITY = 0.9  # probability of the set
-GENERIC_ADVANTAGE = 1.5  # a variable that explains so much more than any name is no name's
-MIN_GENERIC_NATS = 30.0  # nats beyond chance for "it depends on"
+LEAD_SCALE_NATS = 4.0  # nats: T
+SET_PROBABILITY = 0.9  # least probability of the set
+GENERIC_ADVANTAGE = 1.5  # factor by which a variable must explain more than any effect
+MIN_GENERIC_NATS = 30.0  # nats beyond chance for the verdict "unknown"
 MIN_REMAINDER_NATS = (
-    50.0  # nats: the same for what is left beside a name, lest the critic's own time steps speak
+    50.0  # nats: the same for residuals of a named effect, where errors of the time steps count
 )
 
 
@@ -26,7 +24,7 @@ MIN_REMAINDER_NATS = (
 class DiagnosisVerdict:
     """The word; explanations (tuples of effect names) with probabilities, likeliest first; a variable if unknown.
 
-    ``names`` is the set: every effect of the explanations that together are likely enough.
+    ``names`` is the set: all effects of the explanations that together reach ``SET_PROBABILITY``.
     """
 
     word: VerdictWord
@@ -46,7 +44,7 @@ class DiagnosisVerdict:
         return tuple(found)
 
     def probability(self, name: str) -> float:
-        """Of an effect: the sum over the explanations it is part of."""
+        """The probability of an effect: the sum over the explanations that contain it."""
         return sum(p for names, p in self.explanations if name in names)
 
 
@@ -82,7 +80,7 @@ def _name(score: CandidateScore | None) -> str | None:
 
 
 def _variable(critique: Critique) -> CandidateScore | None:
-    """The variable that explains most beyond chance, if any explains enough."""
+    """The variable that explains most beyond chance, or None if none explains enough."""
     best = critique.best(1, generic=True)
     return (
         best[0]
@@ -92,7 +90,9 @@ def _variable(critique: Critique) -> CandidateScore | None:
 
 
 def _unexplained_variable(first: Critique, levels: list[SearchLevel]) -> CandidateScore | None:
-    """A plain variable that explains much more than any name does: at first, or of what is left when all are in."""
+    """A plain variable that explains much more than any effect, at first or in the residuals of the best
+    explanation.
+    """
     data, variable = first.refitted.data, _variable(first)
     if variable:
         plain = (

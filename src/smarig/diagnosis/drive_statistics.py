@@ -1,8 +1,9 @@
-"""What the kind of drive decides in a diagnosis: variables that may matter, noise, and how a density is identified.
+"""Statistics of a diagnosis that depend on the kind of drive: variables, noise, and how a density is identified.
 
-Under a commanded current, readings follow heating, holds and steps; noise is that of settled windows. Where the input
-itself was measured, readings follow the input's branches: a rate changes how high and how wide a loop is, so its traces
-are smooth functions of log |du/dt| times 1, the output, the slope ∂y/∂u, and the slope with the sign of du/dt.
+Under a commanded current, readings follow heating, holds and steps; the noise is that of settled windows. Along a
+measured input, readings follow the branches of the input. A rate then changes the height and the width of a loop.
+Its traces are smooth functions of log |du/dt| times 1, the output, the slope ∂y/∂u, and the slope with the sign of
+du/dt.
 """
 
 from abc import ABC, abstractmethod
@@ -19,26 +20,26 @@ from smarig.replay import MeasuredInput, PlantModel, Prediction, ReadingSeries, 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Bounds = tuple[float, float]
-JITTER_S = 0.02  # of a time stamp: what moves fast is known no better
+JITTER_S = 0.02  # uncertainty of a time stamp
 CORRELATIONS_S = (120.0, 30.0, 300.0)
 MAX_FLUCTUATION_K = 0.4  # of the ambient temperature
 MIN_FLUCTUATION_K = 10**-2.5
-MIN_COUNT_SD = 0.1  # counts: no encoder's marks lie better
-MAX_COUNT_SD = 0.6  # counts: no mean of settled samples is worse, unless they scatter
-MIN_RATE_RATIO = 1.5  # rates that differ less, as a factor, are one rate
+MIN_COUNT_SD = 0.1  # counts: the best that an encoder's marks allow
+MAX_COUNT_SD = 0.6  # counts: the worst mean of settled samples that do not scatter
+MIN_RATE_RATIO = 1.5  # rates that differ by a smaller factor count as one
 MIN_NOISE_SHARE, ALWAYS_ALLOWED_SHARE = (
     1e-5,
     3e-3,
-)  # of a range: sd of a noise at least, and what it may be however smooth the record is
-MIN_SD_SHARE = 0.01  # of the stroke: a density is fitted to nothing more firmly than that
-MAX_SCATTER_RATIO = 3.0  # times the scatter that a record shows: nothing larger is noise
-CORRELATION_READINGS = (0.5, 5.0, 50.0)  # readings over which input noise keeps
+)  # of a range: least sd of a noise, and the sd allowed however smooth the record is
+MIN_SD_SHARE = 0.01  # of the stroke: least sd of a reading in a fit of the density
+MAX_SCATTER_RATIO = 3.0  # times the scatter of the record: a larger deviation is not noise
+CORRELATION_READINGS = (0.5, 5.0, 50.0)  # correlation lengths of input noise, in readings
 
 
 class DriveStatistics(ABC):
     """Variables and noise of a timeline's readings, by the kind of its drive.
 
-    ``positive_measure_only``: a density is identified as a smooth positive measure alone, and so left as it is found.
+    ``positive_measure_only``: a density is identified only as a smooth positive measure, and stays as identified.
     """
 
     positive_measure_only: ClassVar[bool]
@@ -48,38 +49,39 @@ class DriveStatistics(ABC):
 
     @abstractmethod
     def correlations_s(self) -> tuple[float, ...]:
-        """Correlation times of remembered noise worth trying, on the timeline's own clock."""
+        """Correlation times to try for remembered noise, on the timeline's own clock."""
 
     @abstractmethod
     def noise_bounds(self, plant_model: PlantModel) -> tuple[Bounds, Bounds]:
-        """Least and most of s₀ (strokes) and of s_T (input units)."""
+        """Lower and upper bounds of s₀ (strokes) and of s_T (input units)."""
 
     @abstractmethod
     def input_scatter(self, plant_model: PlantModel, prediction: Prediction) -> Array:
-        """Sd (n,) in output units that the scatter of a measured input adds to each position."""
+        """Standard deviation (n,) in output units that the scatter of a measured input adds to each position."""
 
     @abstractmethod
     def timing_noise(self, plant_model: PlantModel, prediction: Prediction, output_rate: Array) -> Array:
-        """Sd (coupled,) in output units of what is uncertain in the time or the input of each coupled reading.
+        """Standard deviation (coupled,) in output units due to the uncertain time or input of each coupled reading.
 
         ``output_rate`` (coupled,) is the output per second there.
         """
 
     @abstractmethod
     def reading_weights(self, plant_model: PlantModel, prediction: Prediction) -> Array:
-        """Weights (k,) of settled readings in a fit of the density, 1/σ, the best known at 1."""
+        """Weights (k,) of settled readings in a fit of the density: 1/σ, scaled to at most 1."""
 
     @abstractmethod
     def variables(self, base: Prediction) -> dict[str, Array]:
-        """Plain variables (n,) of each position on which an error may depend, by name."""
+        """Plain variables (n,) of each position, by name. An error may depend on them."""
 
     @abstractmethod
     def rate_traces(
         self, base: Prediction, output_change: float, input_change: Array
     ) -> Iterator[tuple[str, Array]]:
-        """(name, raw traces (n, m)) of what depends on a rate beside the plain variables.
+        """(name, raw traces (n, m)) of a dependence on the rate, in addition to the plain variables.
 
-        ``output_change`` is an output, ``input_change`` (n,) what an input adds, as large as may be expected.
+        ``output_change`` is the expected size of a change of output, ``input_change`` (n,) the effect of an
+        expected change of input.
         """
 
     @abstractmethod
@@ -92,7 +94,7 @@ class DriveStatistics(ABC):
 
     @abstractmethod
     def residual_zeros(self, readings: ReadingSeries) -> Integers:
-        """Numbers (n,) of the zeros that are removed from residuals."""
+        """Indices (n,) of the zeros that are removed from residuals."""
 
 
 @final
@@ -102,11 +104,11 @@ class CurrentStatistics(DriveStatistics):
     positive_measure_only = False
 
     def correlations_s(self) -> tuple[float, ...]:
-        """Those of ambient fluctuations."""
+        """The correlation times of ambient fluctuations."""
         return CORRELATIONS_S
 
     def noise_bounds(self, plant_model: PlantModel) -> tuple[Bounds, Bounds]:
-        """No mean is better than its samples allow, and a misfit of kelvins is no ambient fluctuation."""
+        """Bounds from the number of samples of a mean and from the largest plausible ambient fluctuation."""
         timeline = self.timeline
         samples = max(float(np.median([step.n for run in timeline.runs for step in run.settled])), 1.0)
         sample_noise = raw_noise(timeline, plant_model)
@@ -117,11 +119,11 @@ class CurrentStatistics(DriveStatistics):
         return (minimised, most), (MIN_FLUCTUATION_K, MAX_FLUCTUATION_K)
 
     def input_scatter(self, plant_model: PlantModel, prediction: Prediction) -> Array:  # noqa: ARG002
-        """None: the input follows from the command."""
+        """Zero: the input follows from the command."""
         return np.zeros(prediction.output.size)
 
     def timing_noise(self, plant_model: PlantModel, prediction: Prediction, output_rate: Array) -> Array:  # noqa: ARG002
-        """Of moving positions: their time stamps are no better than ``JITTER_S``."""
+        """For moving positions, the output rate times ``JITTER_S``."""
         noise = np.zeros(output_rate.size)
         if "moving" in prediction.values:
             moving = prediction.of("moving")
@@ -129,11 +131,11 @@ class CurrentStatistics(DriveStatistics):
         return noise
 
     def reading_weights(self, plant_model: PlantModel, prediction: Prediction) -> Array:  # noqa: ARG002
-        """Equal ones."""
+        """Equal weights."""
         return np.ones(len(self.timeline.settled))
 
     def variables(self, base: Prediction) -> dict[str, Array]:
-        """At settled and moving positions: time, travel, level, step, hold, rate, history, reversals."""
+        """Time, travel, level, step, hold, rate, history and reversals at settled and moving positions."""
         timeline = self.timeline
         positions = [r for r in timeline.all_readings if r.kind in ("settled", "moving")]
         step, t = np.concatenate([r.step for r in positions]), np.concatenate([r.t_s for r in positions])
@@ -161,21 +163,25 @@ class CurrentStatistics(DriveStatistics):
         output_change: float,  # noqa: ARG002
         input_change: Array,  # noqa: ARG002
     ) -> Iterator[tuple[str, Array]]:
-        """None: the rate is a plain variable."""
+        """Nothing: the rate is a plain variable here."""
         return iter(())
 
     def rate_axis(self, readings: ReadingSeries, input_unit: str) -> tuple[Array, str, bool]:  # noqa: ARG002
-        """Time since the step began, with the sign of the step."""
+        """Time since the step started, with the sign of the step."""
         change = np.sign(self.timeline.target_K - self._target_before())[readings.step]
         begin = (self._step_start_s() - self._clock_start_s())[readings.step]
-        return (readings.t_s - begin) * change, "Time since the step began, < 0: cooling steps (s)", False
+        return (
+            (readings.t_s - begin) * change,
+            "Time since the step started (s), negative in cooling steps",
+            False,
+        )
 
     def history_axis(self, readings: ReadingSeries, input_unit: str) -> tuple[Array, str]:
-        """Target of the step before."""
-        return self._target_before()[readings.step], f"Target of the step before ({input_unit})"
+        """Target of the previous step."""
+        return self._target_before()[readings.step], f"Target of the previous step ({input_unit})"
 
     def residual_zeros(self, readings: ReadingSeries) -> Integers:
-        """One for all."""
+        """One common zero."""
         return np.zeros(len(readings), dtype=np.int64)
 
     def _target_before(self) -> Array:
@@ -183,11 +189,11 @@ class CurrentStatistics(DriveStatistics):
         return np.concatenate([target[:1], target[:-1]])
 
     def _step_start_s(self) -> Array:
-        """When each settled step began (k,), on the clock of the runs."""
+        """Start times of the settled steps (k,), on the clock of the runs."""
         return np.array([step.t_start_s for run in self.timeline.runs for step in run.settled])
 
     def _clock_start_s(self) -> float:
-        """When the timeline began, on the clock of the runs."""
+        """Start time of the timeline, on the clock of the runs."""
         first = self.timeline.runs[0]
         return float(first["t_s"][0]) - float(first.info.period_s or 0.1)
 
@@ -203,12 +209,12 @@ class MeasuredInputStatistics(DriveStatistics):
         self.drive = drive
 
     def correlations_s(self) -> tuple[float, ...]:
-        """By the usual distance of readings."""
+        """Multiples of the typical time between readings."""
         spacing_s = float(np.median(np.diff(self.timeline.settled.t_s)))
         return tuple(k * spacing_s for k in CORRELATION_READINGS)
 
     def noise_bounds(self, plant_model: PlantModel) -> tuple[Bounds, Bounds]:
-        """What the record's own scatter allows."""
+        """Bounds from the scatter of the record itself."""
         h, stroke = plant_model.hysteresis, plant_model.stroke
         span = h.upper - h.lower
         outputs = [run["position"][np.isfinite(run["position"])] for run in self.timeline.runs]
@@ -220,16 +226,16 @@ class MeasuredInputStatistics(DriveStatistics):
         )
 
     def input_scatter(self, plant_model: PlantModel, prediction: Prediction) -> Array:
-        """The input's own scatter times the local slope."""
+        """The scatter of the input times the local slope."""
         slope = [s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)]
         return np.abs(np.array(slope)) * self.drive.scatter
 
     def timing_noise(self, plant_model: PlantModel, prediction: Prediction, output_rate: Array) -> Array:  # noqa: ARG002
-        """That of the input."""
+        """The scatter of the input."""
         return self.input_scatter(plant_model, prediction)
 
     def reading_weights(self, plant_model: PlantModel, prediction: Prediction) -> Array:
-        """By the input's scatter; equal ones where outputs have different zeros."""
+        """Weights by the scatter of the input; equal weights if outputs have different zeros."""
         zero = self.timeline.zero
         if np.ptp(zero) > 0:
             return np.ones(zero.size)
@@ -237,7 +243,7 @@ class MeasuredInputStatistics(DriveStatistics):
         return sigma.min() / sigma
 
     def variables(self, base: Prediction) -> dict[str, Array]:
-        """Travel, level, last reversal, reversals; time only where there is a clock."""
+        """Travel, level, last reversal and reversals; time only if there is a clock."""
         timeline = self.timeline
         reversal_count = np.concatenate([[0], np.cumsum(np.diff(timeline.block) != 0)])
         travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
@@ -252,7 +258,7 @@ class MeasuredInputStatistics(DriveStatistics):
     def rate_traces(
         self, base: Prediction, output_change: float, input_change: Array
     ) -> Iterator[tuple[str, Array]]:
-        """("rate", raw traces (n, 8)) where runs with a clock differ in their rate, else nothing."""
+        """("rate", raw traces (n, 8)) if runs with a clock differ in their rate, else nothing."""
         z = np.log(np.maximum(self.drive.speed, 1e-12))
         if not self.drive.has_clock or np.ptp(z) < np.log(MIN_RATE_RATIO):
             return
@@ -278,12 +284,12 @@ class MeasuredInputStatistics(DriveStatistics):
         return self.drive.last_reversal, f"Input at the last reversal ({input_unit})"
 
     def residual_zeros(self, readings: ReadingSeries) -> Integers:  # noqa: ARG002
-        """Those of the runs."""
+        """The zeros of the runs."""
         return self.timeline.zero
 
 
 def drive_statistics(timeline: Timeline) -> DriveStatistics:
-    """The statistics that belong to the kind of a timeline's drive."""
+    """The statistics for the kind of a timeline's drive."""
     drive = timeline.drive
     return (
         MeasuredInputStatistics(timeline, drive)
@@ -293,13 +299,15 @@ def drive_statistics(timeline: Timeline) -> DriveStatistics:
 
 
 def raw_noise(timeline: Timeline, plant_model: PlantModel) -> float:
-    """Sd of a single position reading, from the scatter within settled windows; half a count at least."""
+    """Standard deviation of a single position reading from the scatter within settled windows; at least half a
+    count.
+    """
     return float(np.sqrt(max(_scatter(timeline), (0.5 * plant_model.per_count) ** 2, 1e-12)))
 
 
 @lru_cache(maxsize=8)
 def _scatter(timeline: Timeline) -> float:
-    """Median variance of neighbours in settled windows; kept, because every refit needs it."""
+    """Median variance of neighbouring readings in settled windows; cached for all refits."""
     spread = []
     for run in timeline.runs:
         for step in run.settled[:: max(1, len(run.settled) // 40)]:

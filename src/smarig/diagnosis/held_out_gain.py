@@ -1,10 +1,10 @@
-"""What the extended model gains, on blocks that nothing has touched: runs held out, excursion by excursion.
+"""The gain of the extended model on held-out runs, in blocks of one excursion each.
 
     R = (rms_base² − rms_extended²) / (rms_base² − floor²)        the removable share of the error's square
 
-Both models have densities identified anew from the same training runs, so R is the effects' share alone; the
-encoder's zero is met on the training runs too. A position counts by how well the training runs foretell it, 1/σ²:
-σ² is its noise and what they leave open of the density, the floor² its mean. Knows no search.
+Both models have densities identified from the same training runs, so R is the share of the effects alone. The zero
+of the encoder is estimated on the training runs too. Each position has the weight 1/σ². σ² is its noise plus the
+variance of the density that the training runs leave; floor² is the mean of σ².
 """
 
 from collections.abc import Sequence
@@ -28,10 +28,10 @@ DRAWS = 2000
 
 @dataclass(frozen=True, eq=False)
 class HeldOutGain:
-    """Errors (k,) of both models at held-out positions, blocks (k,) they come in, and the floor of any model's.
+    """Errors (k,) of both models at held-out positions, their blocks (k,), and the floor of any model's error.
 
-    ``weight`` (k,), None for equal ones: a reading counts by how well it can be foretold (1/σ²), lest what the
-    training runs tell nothing of drown the rest. ``original_error`` (k,) is that of the model as it was given.
+    ``weight`` (k,), or None for equal weights, is 1/σ² of each reading. It keeps readings that the training runs
+    cannot predict from dominating the others. ``original_error`` (k,) is the error of the given model.
     """
 
     base_error: Array
@@ -43,17 +43,17 @@ class HeldOutGain:
 
     @property
     def original(self) -> float | None:
-        """Rms of the model as it was given, where that was asked."""
+        """Rms error of the given model, or None if it was not computed."""
         return None if self.original_error is None else _rms(self.original_error, self.weight)
 
     @property
     def base(self) -> float:
-        """Rms of the base."""
+        """Rms error of the base model."""
         return _rms(self.base_error, self.weight)
 
     @property
     def extended(self) -> float:
-        """Rms of the extended model."""
+        """Rms error of the extended model."""
         return _rms(self.extended_error, self.weight)
 
     @property
@@ -63,11 +63,11 @@ class HeldOutGain:
 
     @property
     def removable_share(self) -> float | None:
-        """R; None where the base is at the noise floor already."""
+        """R, or None if the base model is at the floor already."""
         return _share(self.base, self.extended, self.floor)
 
     def interval(self, seed: int = 0) -> tuple[float, float] | None:
-        """95 % of R when the blocks are drawn again with replacement."""
+        """95 % interval of R by resampling the blocks with replacement."""
         names, rng = np.unique(self.block), np.random.default_rng([seed, 0xB10C])
         weight = np.ones(self.block.size) if self.weight is None else self.weight
         squares = np.array(
@@ -96,13 +96,13 @@ def held_out_gain(
     variances: Array | None = None,
     original: PlantModel | None = None,
 ) -> HeldOutGain:
-    """Both subjects live through all runs; positions of the held-out ones are judged, settled and on their way.
+    """The errors of both plant models at the settled and moving positions of the held-out runs.
 
-    ``variances`` (parts,) of the density about the extended subject's; None where none of it is left open; ``original``
-    is the model as it was given, for comparison.
+    Both models are simulated along all runs. ``variances`` (parts,) belong to the density about that of the
+    extended model; None if none is left. ``original`` is the given model, for comparison.
     """
     timeline = build_timeline([*train, *held_out], base.actuator.tau_s).positions_only
-    if not noise.moving:  # how well a position on its way is known, nobody knows
+    if not noise.moving:  # the uncertainty of moving positions is unknown
         timeline = replace(timeline, other_readings=())
     held_out_ids = {id(run) for run in held_out}
     step = np.concatenate([r.step for r in timeline.all_readings])
@@ -135,7 +135,9 @@ def held_out_gain(
 
 
 def _zeros(error: Array, weight: Array, is_held_out: NDArray[np.bool_], session: NDArray[np.int64]) -> Array:
-    """The encoder's zero (k,) as the training runs of each sitting have it, or its own where it has none."""
+    """The encoder's zero (k,) from the training runs of the same session, or from the held-out run if there are
+    none.
+    """
     zeros = np.empty(error.size)
     for k in np.unique(session):
         own_sd = session == k
@@ -147,7 +149,7 @@ def _zeros(error: Array, weight: Array, is_held_out: NDArray[np.bool_], session:
 def _noise(
     timeline: Timeline, extended_prediction: Prediction, plant_model: PlantModel, noise: NoiseEstimate
 ) -> Array:
-    """Covariance (k, k) of the noise at positions: its own, and what the hysteresis remembers."""
+    """Covariance (k, k) of the noise at positions: their own noise and the remembered noise."""
     J, times = memory_slopes(plant_model.hysteresis, extended_prediction)
     own_sd = [
         np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in timeline.all_readings
@@ -164,7 +166,7 @@ def _predictive_variance(
     variances: Array,
     is_held_out: NDArray[np.bool_],
 ) -> Array:
-    """Variance (k,) of judged positions when all others are known, but for whatever the density may be."""
+    """Variance (k,) of held-out positions given all others, due to the uncertain density."""
     path = extended_prediction.outputs_along(
         plant_model.hysteresis, plant_model.initial, extended_prediction.hysteresis_input_K
     )
@@ -173,7 +175,7 @@ def _predictive_variance(
     ).covariances
     C = noise + plant_model.stroke**2 * np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
     is_known = ~is_held_out
-    zero = (FREE_ZERO_SD * plant_model.stroke) ** 2  # is the same in all
+    zero = (FREE_ZERO_SD * plant_model.stroke) ** 2  # common to all positions
     factor = cholesky(C[np.ix_(is_known, is_known)] + zero, lower=True, check_finite=False)
     shared = C[np.ix_(is_known, is_held_out)] + zero
     explained = np.sum(solve_triangular(factor, shared, lower=True, check_finite=False) ** 2, axis=0)

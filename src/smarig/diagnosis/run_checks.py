@@ -1,7 +1,4 @@
-"""Whether runs may be compared with a model at all: of one wire, in one unit, with a clock and readings that can be.
-
-Raises sentences for people before anything is computed. Knows no physics.
-"""
+"""Checks that runs can be compared with a model: one wire, one unit, a valid clock and plausible readings."""
 
 from collections.abc import Sequence
 
@@ -12,12 +9,12 @@ from smarig.record import Run, Step
 from smarig.replay import Model, check_output
 
 MAX_DURATION_S = 3.2e8  # ten years
-MAX_READING = 1e9  # of a position in any unit, a current, a target
+MAX_READING = 1e9  # a position in any unit, a current, a target
 COLUMNS = ("current_command_A", "current_A", "voltage_V", "position", "input")
 
 
 def check_comparable(model: Model, runs: Sequence[Run]) -> None:
-    """DataError where they may not."""
+    """Raise DataError if the runs cannot be compared with the model."""
     for run in runs:
         check_output(model, run)
         _readings(run)
@@ -27,7 +24,7 @@ def check_comparable(model: Model, runs: Sequence[Run]) -> None:
     wires = {str(run.info.wire): run for run in runs if run.info.wire}
     if len(wires) > 1:
         listing = ", ".join(f"{run.path.name} of '{wire}'" for wire, run in wires.items())
-        raise DataError(f"A diagnosis is of one wire, but these runs are of several: {listing}.")
+        raise DataError(f"A diagnosis needs runs of one wire, but these are of several: {listing}.")
 
 
 def _readings(run: Run) -> None:
@@ -35,15 +32,17 @@ def _readings(run: Run) -> None:
         x = run[name]
         absurd = int(np.sum(np.abs(x[~np.isnan(x)]) > MAX_READING))
         if absurd:
-            raise DataError(f"{run.path}: {absurd} values of {name} are larger than any rig measures.")
+            raise DataError(f"{run.path}: {absurd} values of {name} are larger than any rig can measure.")
 
 
 def _clock(run: Run) -> None:
     t = run["t_s"]
     if not np.all(np.isfinite(t)) or np.any(np.diff(t) < 0) or (t.size > 1 and t[-1] <= t[0]):
-        raise DataError(f"{run.path}: its clock t_s does not run forward.")
+        raise DataError(f"{run.path}: the clock t_s is not increasing.")
     if t[-1] - t[0] > MAX_DURATION_S:
-        raise DataError(f"{run.path} lasts {(t[-1] - t[0]) / 3.156e7:.3g} years by its clock t_s (seconds).")
+        raise DataError(
+            f"{run.path} lasts {(t[-1] - t[0]) / 3.156e7:.3g} years by its clock t_s (seconds). Check the unit."
+        )
 
 
 def _steps(run: Run) -> None:
@@ -51,14 +50,14 @@ def _steps(run: Run) -> None:
     for step in run.settled:
         if not _within(step, first, last) or not 1 <= step.n <= MAX_READING:
             raise DataError(
-                f"{run.path}: step {step.index} is not within the clock of its samples, or is a mean of {step.n}."
+                f"{run.path}: step {step.index} lies outside the times of the samples or has {step.n} samples."
             )
         if any(x is not None and not abs(x) <= MAX_READING for x in (step.position, step.target)):
-            raise DataError(f"{run.path}: step {step.index} has a target or a position that no rig has.")
+            raise DataError(f"{run.path}: step {step.index} has an implausible target or position.")
 
 
 def _within(step: Step, first: float, last: float) -> bool:
-    """Whether a step's times lie in the run, which its first may precede by a tick."""
+    """Whether a step lies within the run; its start may precede the first sample by one tick."""
     end = last if step.t_end_s is None else step.t_end_s
     before = 0.01 * (last - first) + 10.0
     return first - before <= step.t_start_s < end <= last + before

@@ -1,7 +1,4 @@
-"""Data in and out: files of others become runs, runs become files for others.
-
-Knows formats, units and what is odd in a file. Refuses to know rigs at work, models and reports.
-"""
+"""Import of data files into runs, and export of runs to other formats."""
 
 from typing import TYPE_CHECKING
 

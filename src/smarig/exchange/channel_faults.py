@@ -1,14 +1,13 @@
-"""What is odd in one measured channel: clipping, spikes, held values, coarse steps, no life at all.
+"""Findings on one measured channel: clipping, spikes, held values, coarse steps, constant values.
 
-Knows numbers and line numbers; refuses to know what is measured. Each finding is one sentence.
-Thresholds are chosen so that an undisturbed slow signal gives no finding.
+Each finding is one sentence. The thresholds are chosen so that an undisturbed slow signal gives no finding.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-_COARSE = 0.002  # of the range: steps below this cannot be seen in a hysteresis loop
+_COARSE = 0.002  # of the range: smaller steps are invisible in a hysteresis loop
 _SPIKE = 0.3  # of the 1–99 % range
 _HELD_ROWS = 5
 _CLIPPED_ROWS = 5
@@ -17,22 +16,22 @@ _CLIPPED_ROWS = 5
 def channel_findings(
     name: str, unit: str, x: Array, line: NDArray[np.int64], *, rests: bool = False
 ) -> list[str]:
-    """Sentences about one channel ``x`` (n,); ``line`` (n,) says where each value stood.
+    """Findings on one channel ``x`` (n,); ``line`` (n,) are the lines of the values.
 
-    ``rests``: standing still is this channel's business, not a sensor's that is read too often.
+    ``rests``: the channel itself may stand still, so held values do not mean that a sensor is read too often.
     """
     finite = np.isfinite(x)
     values, where = x[finite], line[finite]
     if values.size < 10:
         return []
     if np.ptp(values) == 0:
-        return [f"{name} is {values[0]:g} {unit} in every row: nominal or not connected, not measured."]
+        return [f"{name} is {values[0]:g} {unit} in every row. It is nominal or not connected, not measured."]
     stuck = [] if rests else _clipped(name, unit, values, where)  # a wire rests at both ends of its travel
     return stuck + _spikes(name, unit, values, where) + _steps(name, unit, values, rests)
 
 
 def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:
-    """Sentences about a column that is not imported, but tells of the logger's health: dead, or spiky."""
+    """Findings on a column that is not imported but shows faults of the logger: constant or spiky."""
     values = x[np.isfinite(x)]
     if values.size < 10:
         return []
@@ -42,11 +41,11 @@ def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:
 
 
 def clipped(x: Array) -> NDArray[np.bool_]:
-    """Samples (n,) stuck at the largest or smallest value of a channel that is alive elsewhere.
+    """Mask of samples (n,) stuck at the largest or smallest value of a channel that varies elsewhere.
 
-    A run of equal extreme values counts from five rows on, if it is five times as long as any run of equal
-    values in between: a channel at rest or in coarse steps repeats itself elsewhere, too. Channels that
-    are held for more than five rows in between cannot be judged.
+    A run of equal extreme values counts from five rows on, if it is five times as long as any run of equal values
+    in between: a channel at rest or in coarse steps repeats itself elsewhere too. Channels that are held for more
+    than five rows in between are not checked.
     """
     mask = np.zeros(x.size, dtype=bool)
     if np.isfinite(x).sum() < 10 or np.nanmax(x) == np.nanmin(x):
@@ -63,7 +62,7 @@ def clipped(x: Array) -> NDArray[np.bool_]:
 
 
 def quantum(x: Array) -> float | None:
-    """Step of a quantised channel, or None: the spacing on which nearly all small differences of levels lie.
+    """Step of a quantised channel, or None: the grid on which nearly all small differences of levels lie.
 
     >>> quantum(np.round(np.linspace(0, 1, 200) ** 2 * 40) * 0.085)
     0.085
@@ -73,7 +72,7 @@ def quantum(x: Array) -> float | None:
     gaps = np.diff(frequent if frequent.size > 8 else levels)
     if gaps.size < 8:
         return None
-    gaps = gaps[gaps > 0.2 * np.median(gaps)]  # printed decimals jitter around a level
+    gaps = gaps[gaps > 0.2 * np.median(gaps)]  # rounded decimals scatter around a level
     small = np.quantile(gaps, 0.1)
     step = float(np.median(gaps[gaps < 1.3 * small]))
     near = gaps[gaps < 5.5 * step]
@@ -94,7 +93,7 @@ def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[st
     rows = line[mask]
     return [
         f"{name} is clipped at {x[mask][0]:g} {unit} in {rows.size} rows "
-        f"(from line {rows.min()} to {rows.max()}): the sensor ended there; marked as saturated."
+        f"(from line {rows.min()} to {rows.max()}): the range of the sensor ends there. Marked as saturated."
     ]
 
 
@@ -118,7 +117,7 @@ def _steps(name: str, unit: str, x: Array, rests: bool) -> list[str]:
     if rows_per_change >= _HELD_ROWS and not rests:
         out.append(
             f"{name} changes only every {rows_per_change:.0f} rows on average: "
-            f"it is held between conversions, or at rest."
+            f"it is held between conversions or at rest."
         )
     step = quantum(x)
     if step and step > _COARSE * np.ptp(x):

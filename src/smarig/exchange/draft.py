@@ -1,7 +1,4 @@
-"""What every reader hands over: columns of a run, its steps, its description, and what was odd.
-
-Knows the vocabulary of a run. Refuses to know files.
-"""
+"""The result of every reader: columns of a run, its steps, its description, and the findings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -28,7 +25,7 @@ class RunDraft:
         return next(iter(self.columns.values())).size
 
     def sql_columns(self) -> dict[str, list]:
-        """The columns as the run file stores them: a running tick, integers where integers belong."""
+        """The columns as the run file stores them: a running tick, and integers in integer columns."""
         out: dict[str, list] = {name: values.tolist() for name, values in self.columns.items()}
         for name in ("step", "counts", "quality"):
             if name in self.columns:
@@ -53,13 +50,13 @@ def step_row(
 
 
 def directions(values: Sequence[float] | Array) -> list[str]:
-    """'up' or 'down' for each value against the one before it; the first goes with the second.
+    """'up' or 'down' for each value relative to the previous one; the first is as the second.
 
     >>> directions([0.0, 0.5, 0.5, 0.2])
     ['up', 'up', 'up', 'down']
     """
     out: list[str] = []
     for before, now in pairwise(values):
-        changed = now > before or now < before  # False beside a NaN, too
+        changed = now > before or now < before  # also False next to a NaN
         out.append(("up" if now > before else "down") if changed else (out[-1] if out else ""))
     return [out[0] if out else "", *out]

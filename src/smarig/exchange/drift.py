@@ -1,8 +1,8 @@
-"""Instrument drift over a set of reversal curves, seen at its calibration points (n,) in measured order.
+"""Instrument drift over a set of reversal curves, from their calibration points (n,) in measured order.
 
-Calibration points repeat one state of the sample, so that whatever they do is drift: of gain
-(multiplicative) or of zero (additive), interpolated between successive ones. A correction is kept only
-if it predicts better: every second interior curve from its two neighbours. Knows arrays and runs only.
+Calibration points repeat one state of the sample, so every change of them is drift: of gain (multiplicative) or of
+zero (additive), interpolated between successive points. A correction is kept only if it predicts better: every
+second interior curve from its two neighbours.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ class ForcCurves:
 
 @dataclass(frozen=True)
 class DriftDecision:
-    """What was decided, and the rms held-out error of each kind in the moment's unit over ``n`` points."""
+    """The chosen correction, and the rms held-out error of each kind in the moment's unit over ``n`` points."""
 
     kind: DriftKind
     error: dict[str, float]
@@ -45,57 +45,59 @@ class DriftDecision:
         return f"Drift: held-out error {raw:.4g} {unit} as measured, {figures} (n = {self.n}): {verdict}."
 
     def record(self) -> dict[str, Any]:
-        """As plain data, for a run's description."""
+        """The decision as plain data, for the description of a run."""
         return asdict(self)
 
 
 def corrected(curves: ForcCurves, kind: DriftKind) -> ForcCurves:
-    """The curves with drift taken out: M·m̄/m(k) or M + m̄ − m(k), m(k) the calibration at sample k.
+    """The curves with drift removed: M·m̄/m(k) or M + m̄ − m(k), with the calibration m(k) at sample k.
 
-    m̄ is the mean calibration moment, m(k) linear between calibration points and constant beyond.
+    m̄ is the mean calibration moment. m(k) is linear between calibration points and constant beyond them.
     """
     positions = np.flatnonzero(curves.curve < 0)
     if kind == "none":
         return curves
     if positions.size < 2:
-        raise DataError(f"Drift needs two calibration points at least; there are {positions.size}.")
+        raise DataError(
+            f"A drift correction needs at least two calibration points; there are {positions.size}."
+        )
     calibration = curves.moment[positions]
     drift = np.interp(np.arange(curves.moment.size), positions, calibration)
     if kind == "additive":
         return ForcCurves(curves.field, curves.moment + calibration.mean() - drift, curves.curve)
     if (calibration * calibration.mean() <= 0).any():
-        raise DataError("Calibration moments change sign: they are no saturation moments.")
+        raise DataError("The calibration moments change sign, so they are not moments in saturation.")
     return ForcCurves(curves.field, curves.moment * calibration.mean() / drift, curves.curve)
 
 
 def correct_drift_if_it_helps(curves: ForcCurves) -> tuple[ForcCurves, DriftDecision]:
-    """The curves as they predict each other best, and the decision with all figures."""
+    """The curves with the correction that predicts best, and the decision with all figures."""
     kinds: tuple[DriftKind, ...] = ("none", "multiplicative", "additive")
     tried = {kind: corrected(curves, kind) for kind in kinds}
     misses = {kind: held_out_misses(c) for kind, c in tried.items()}
     error = {kind: float(np.sqrt(np.mean(m**2))) for kind, m in misses.items()}
-    best = min(kinds, key=lambda kind: error[kind])  # the first of equals: nothing is done for nothing
+    best = min(kinds, key=lambda kind: error[kind])  # the first of equals: no correction without a gain
     return tried[best], DriftDecision(best, error, misses["none"].size)
 
 
 def held_out_misses(curves: ForcCurves) -> Array:
     """Measured − predicted moment of every second interior curve, from its two neighbours.
 
-    At each field, the neighbours' moments (linear along the curve) are weighted by how near their
-    reversal fields are. Fields outside the neighbours' common range are left out.
+    At each field, the moments of the neighbours (linear along the curve) are weighted by the distance of their
+    reversal fields. Fields outside the common range of the neighbours are left out.
     """
     parts = _curves(curves)
     if len(parts) < 3:
-        raise DataError(f"Held-out prediction needs three curves at least; there are {len(parts)}.")
+        raise DataError(f"Held-out prediction needs at least three curves; there are {len(parts)}.")
     misses = [_miss(*parts[k - 1 : k + 2]) for k in range(1, len(parts) - 1, 2)]
     found = np.concatenate(misses)
     if not found.size:
-        raise DataError("Neighbouring curves share no field, so that none predicts the other.")
+        raise DataError("Neighbouring curves share no field, so none predicts another.")
     return found
 
 
 def drift_corrected(run: Run) -> tuple[Array, DriftDecision]:
-    """Moments (n,) of an imported run of reversal curves, drift corrected if that helps, and the decision."""
+    """Moments (n,) of an imported run of reversal curves, drift-corrected if that helps, and the decision."""
     if not run.has("step") or not (run["step"] < 0).any():
         raise DataError(f"{run.path} has no calibration points (step −1).")
     step = np.nan_to_num(run["step"], nan=-1.0).astype(np.int64)

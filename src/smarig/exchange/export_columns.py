@@ -1,7 +1,4 @@
-"""What an exported run is made of, in words that other programs' files can carry: columns with units and names.
-
-Knows a run; refuses to know formats.
-"""
+"""The content of an exported run, independent of the format: columns with units and descriptions."""
 
 import json
 from collections.abc import Iterable
@@ -17,43 +14,43 @@ from smarig.record import SAMPLE_COLUMNS, Event, Run, Step
 FLAGS = {int(q): str(q.name).lower() for q in Quality if q}  # bit: word
 _WHOLE = ("tick", "step", "counts", "quality")
 
-# name: (unit, what it is)
+# name: (unit, description)
 _SAMPLES = {
     "tick": ("", "the device's tick"),
     "t_s": ("s", "device time: tick times period"),
-    "step": ("", "number of the step that was on"),
-    "current_command_A": ("A", "current as commanded"),
-    "current_A": ("A", "current as measured"),
+    "step": ("", "number of the current step"),
+    "current_command_A": ("A", "commanded current"),
+    "current_A": ("A", "measured current"),
     "voltage_V": ("V", "voltage across the wire"),
-    "temperature_degC": ("degC", "temperature of the wire as measured"),
+    "temperature_degC": ("degC", "measured temperature of the wire"),
     "counts": ("count", "encoder counts since the last zero"),
-    "ambient_degC": ("degC", "temperature of the air"),
+    "ambient_degC": ("degC", "ambient temperature"),
     "quality": ("", "marks on a sample; 0 is good"),
 }
 _STEPS = {
     "index": ("", "number of the step"),
-    "attempt": ("", "how often it had been tried before"),
-    "void": ("", "whether the step does not count"),
-    "branch": ("", "stretch of the protocol"),
-    "target": ("", "hysteresis input that the step went to"),
-    "t_start_s": ("s", "its beginning, device time"),
-    "t_end_s": ("s", "its end, device time"),
-    "verdict": ("", "how it ended: settled, timed_out, elapsed, interrupted"),
-    "position": ("", "mean position over its settle window"),
-    "n": ("", "samples in that window"),
+    "attempt": ("", "number of earlier attempts"),
+    "void": ("", "1 if the step does not count"),
+    "branch": ("", "segment of the protocol"),
+    "target": ("", "target of the step, hysteresis input"),
+    "t_start_s": ("s", "start, device time"),
+    "t_end_s": ("s", "end, device time"),
+    "verdict": ("", "step verdict: settled, timed_out, elapsed, interrupted"),
+    "position": ("", "mean position over the settled window"),
+    "n": ("", "number of samples in that window"),
 }
 _EVENTS = {
     "t_s": ("s", "device time"),
     "level": ("", "info, warning or error"),
-    "kind": ("", "what kind of event"),
-    "text": ("", "what happened"),
-    "data": ("", "figures that belong to it, JSON"),
+    "kind": ("", "kind of event"),
+    "text": ("", "text of the event"),
+    "data": ("", "figures of the event, JSON"),
 }
 
 
 @dataclass(frozen=True)
 class ExportColumn:
-    """A column: ``values`` (n,), NaN or "" where unknown; ``unit`` is "" where it has none."""
+    """A column: ``values`` (n,), NaN or "" if unknown; ``unit`` is "" if it has none."""
 
     name: str
     unit: str
@@ -62,12 +59,12 @@ class ExportColumn:
     whole: bool = False
 
     def integers(self, missing: int) -> NDArray[np.int64]:
-        """The values of a whole column, ``missing`` where unknown."""
+        """The values of an integer column, ``missing`` if unknown."""
         return np.where(np.isnan(self.values), missing, np.nan_to_num(self.values)).astype(np.int64)
 
 
 def sample_columns(run: Run) -> list[ExportColumn]:
-    """The columns that were measured at all, and always tick and quality."""
+    """The columns that were measured, and always tick and quality."""
     names = _SAMPLES | {
         "input": (run.input_unit, str(run.info.input.quantity or "hysteresis input")),
         "position": (run.unit, str(run.info.output.quantity or "position")),
@@ -91,12 +88,12 @@ def event_columns(run: Run) -> list[ExportColumn]:
 
 
 def label(run: Run) -> str:
-    """Whose data these are: TWIN, BENCH, SIMULATION, IMPORT; UNKNOWN where nobody said."""
+    """The origin of the data: TWIN, BENCH, SIMULATION, IMPORT, or UNKNOWN if it is not recorded."""
     return str(run.info.source or "unknown").upper()
 
 
 def title(run: Run) -> str:
-    """One line: what was run on what, and whose data these are."""
+    """One line: what was run on which rig, and the origin of the data."""
     what, rig, wire = (x or "?" for x in (run.info.protocol, run.info.rig, run.info.wire))
     return f"{what} on {rig}, wire {wire} ({label(run)})"
 

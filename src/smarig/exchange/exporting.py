@@ -1,7 +1,4 @@
-"""A run goes out in another format: the whole file or none, and never over an old one unasked.
-
-Refuses to know any format: those are in writers/.
-"""
+"""Exports a run to another format: the whole file or none, and without replacing a file unless requested."""
 
 from pathlib import Path
 
@@ -12,8 +9,8 @@ from smarig.record import Run, load_run
 def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
     """Write ``run`` (a run or its path) in format ``to`` (csv, parquet, …) at ``out``; returns the path.
 
-    UsageError if ``out`` exists and not ``force``, StorageError if it cannot be written; what was written
-    by then is removed.
+    UsageError if ``out`` exists and not ``force``; StorageError if it cannot be written. A partly written file is
+    removed.
     """
     target = Path(out)
     write = catalogue_entry("smarig.exchange.writers", to)

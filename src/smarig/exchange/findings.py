@@ -1,4 +1,4 @@
-"""Everything odd in the data of one file, in one list: channels and columns. Knows no format."""
+"""All findings on the data of one file: channels and columns."""
 
 from collections.abc import Mapping
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 def record_findings(
     columns: Mapping[str, Array], units: Mapping[str, str], line: NDArray[np.int64]
 ) -> list[str]:
-    """Sentences on every measured channel named in ``units``, and on command against measured current."""
+    """Findings on every measured channel named in ``units``, and on command against measured current."""
     out: list[str] = []
     for name, unit in units.items():
         if name in columns and name not in ("input", "current_command_A"):
@@ -26,7 +26,7 @@ def record_findings(
 
 
 def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
-    """Sentences on columns that hold the same numbers twice, perhaps with another zero."""
+    """Findings on columns that hold the same numbers, possibly with another zero."""
     names = [n for n, x in columns.items() if np.isfinite(x).any() and np.nanmax(x) > np.nanmin(x)]
     out = []
     for k, a in enumerate(names):
@@ -36,25 +36,25 @@ def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
             if known.size < 3 or np.ptp(known) > 1e-9 * np.ptp(columns[a][np.isfinite(columns[a])]):
                 continue
             if np.abs(known).max() == 0:
-                out.append(f"Columns '{a}' and '{b}' are identical: one is a copy of the other.")
+                out.append(f"Columns '{a}' and '{b}' are identical; one is a copy of the other.")
             else:
                 out.append(f"Column '{b}' is column '{a}' {known[0]:+.4g}: the same data with another zero.")
     return out
 
 
 def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list[str]:
-    """A sentence on neighbouring rows that are equal in every column."""
+    """A finding on neighbouring rows that are equal in every column."""
     same = np.all([x[1:] == x[:-1] for x in columns.values()], axis=0)
     if not same.any():
         return []
     return [
-        f"{int(same.sum())} rows repeat the row before in every column (first: line {line[1:][same][0]}): "
-        f"written twice, or not measured anew."
+        f"{int(same.sum())} rows repeat the row before in every column (first: line {line[1:][same][0]}). "
+        f"They were written twice or not measured again."
     ]
 
 
 def saturation_marks(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:
-    """Quality marks (n,): SATURATED where one of the measured channels is clipped."""
+    """Quality marks (n,): SATURATED if one of the measured channels is clipped."""
     mask = np.zeros(next(iter(columns.values())).size, dtype=bool)
     for name in channels:
         if name in columns and name not in ("input", "current_command_A", "position"):
@@ -69,6 +69,6 @@ def _command_error(measured: Array, command: Array) -> list[str]:
     if typical <= 0.003 * span:
         return []
     return [
-        f"The measured current is off its command by {1000 * typical:.2g} mA typically, "
+        f"The measured current is off its command by {1000 * typical:.2g} mA typically and "
         f"{1000 * np.nanmax(np.abs(off)):.2g} mA at most."
     ]

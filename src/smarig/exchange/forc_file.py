@@ -1,7 +1,7 @@
-"""MicroMag-style text files of first-order reversal curves: header, curves, calibration points.
+"""Reads MicroMag-style text files of first-order reversal curves: header, curves, calibration points.
 
-Knows the text format (series 0015 ``key = value`` and 0016 ``key   value``), its units and its order.
-Refuses to correct anything: a truncated or contradictory file is read and said to be so.
+It reads series 0015 (``key = value``) and 0016 (``key value``). A truncated or contradictory file is read as it is,
+with a finding.
 """
 
 import re
@@ -20,15 +20,16 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _DATA = re.compile(rf"\s*({_NUMBER})\s*[,;\s]\s*({_NUMBER})(?:\s*[,;\s]\s*({_NUMBER}))*\s*")
 _KEY = re.compile(r"\s*(\S.*?)\s*(?:[:=]\s+|[:=]$|\s{2,})(.*\S)?\s*")
 _DATE = re.compile(r"\s*\d+[/.-]\d+[/.-]\d+")
-_NEAR = 0.05  # a calibration point lies within this share of HCal
+_NEAR = 0.05  # of HCal: distance within which a point is a calibration point
 
 
 @dataclass(frozen=True)
 class ForcFile:
     """Curves and calibration points in measured order.
 
-    ``field`` and ``moment`` (n,) in the file's units; ``curve`` (n,) counts curves from 0, −1 at
-    calibration points; ``line`` (n,); ``header`` every key; ``warnings`` one sentence each.
+    ``field`` and ``moment`` (n,) are in the file's units. ``curve`` (n,) counts curves from 0, and is −1 at
+    calibration points. ``line`` (n,) are the lines in the file, ``header`` all keys, ``warnings`` one sentence
+    each.
     """
 
     field: Array
@@ -46,12 +47,12 @@ class ForcFile:
 
     @property
     def calibration(self) -> NDArray[np.bool_]:
-        """Which samples are calibration points (n,)."""
+        """Mask (n,) of the calibration points."""
         return self.curve < 0
 
 
 def read_forc(path: Path) -> ForcFile:
-    """Read a MicroMag-style file; DataError if it is not one, holds no curve, or does not say its units."""
+    """Read a MicroMag-style file; DataError if it is not one, contains no curve, or does not state its units."""
     text, notes = read_text(path)
     lines = text.splitlines()
     header, blocks, where = _parse(path, lines)
@@ -88,10 +89,12 @@ def _parse(path: Path, lines: list[str]) -> tuple[dict[str, str], list[Array], l
         elif not where:
             _header_line(header, k, line)
         elif not _is_footer(line):
-            raise DataError(f"{path}, line {k + 1}: '{line.strip()[:40]}' is not a field and a moment.")
+            raise DataError(
+                f"{path}, line {k + 1}: '{line.strip()[:40]}' is not a field and a moment. Check the file."
+            )
     found = [np.array(block) for block in blocks if block]
     if not found:
-        raise DataError(f"{path} holds no line 'field, moment'; is it a first-order reversal curve file?")
+        raise DataError(f"{path} holds no line 'field, moment'. Is it a file of first-order reversal curves?")
     return header, found, where
 
 
@@ -112,9 +115,9 @@ def _is_footer(line: str) -> bool:
 def _units(path: Path, header: dict[str, str]) -> tuple[str, str]:
     unit_name = next((v for k, v in header.items() if k.lower().startswith("units of measure")), None)
     if unit_name is None:
-        raise DataError(f"{path}: the header has no 'Units of measure' (Hybrid SI, SI or cgs).")
+        raise DataError(f"{path}: the header has no 'Units of measure'. Expected Hybrid SI, SI or cgs.")
     if unit_name.lower() not in _UNITS:
-        raise DataError(f"{path}: units of measure '{unit_name}' are unknown; expected Hybrid SI, SI or cgs.")
+        raise DataError(f"{path}: units of measure '{unit_name}' are unknown. Expected Hybrid SI, SI or cgs.")
     return _UNITS[unit_name.lower()]
 
 
@@ -128,7 +131,9 @@ def _number(header: dict[str, str], *names: str) -> float | None:
 
 
 def _is_calibration(blocks: list[Array], k: int, h_cal: float | None) -> bool:
-    """A lone point at HCal; where the header is silent, a lone point above everything in the next block."""
+    """Whether a block is a lone point at HCal, or, without HCal in the header, a lone point above all fields of the
+    next block.
+    """
     if len(blocks[k]) != 1:
         return False
     if h_cal is not None:
@@ -137,18 +142,18 @@ def _is_calibration(blocks: list[Array], k: int, h_cal: float | None) -> bool:
 
 
 def _header_findings(forc: ForcFile, lines: list[str]) -> list[str]:
-    """Does the file hold what its header promises?"""
+    """Findings where the file contradicts its header."""
     out = []
     if not any(_is_footer(line) for line in lines[-5:]):
         out.append("The closing line is missing: the file was cut off.")
     declared_points = _number(forc.header, "NData", "Number of data")
     if declared_points is not None and declared_points != forc.field.size:
         out.append(
-            f"The header promises {declared_points:.0f} points (NData), the file holds {forc.field.size}."
+            f"The header declares {declared_points:.0f} points (NData), but the file holds {forc.field.size}."
         )
     curves = _number(forc.header, "NCrv", "Number of curves", "Number of FORCs")
     if curves is not None and curves != forc.curves:
-        out.append(f"The header promises {curves:.0f} curves (NCrv), the file holds {forc.curves}.")
+        out.append(f"The header declares {curves:.0f} curves (NCrv), but the file holds {forc.curves}.")
     return out
 
 
@@ -168,7 +173,7 @@ def _data_findings(forc: ForcFile) -> list[str]:
     limit = _number(forc.header, "Moment range")
     if limit is not None and (np.abs(forc.moment) >= limit).any():
         out.append(
-            f"{int((np.abs(forc.moment) >= limit).sum())} moments reach the instrument's range of {limit:g}."
+            f"{int((np.abs(forc.moment) >= limit).sum())} moments reach the end of the instrument's range, {limit:g}."
         )
     return out + _calibration_findings(forc)
 
@@ -176,7 +181,7 @@ def _data_findings(forc: ForcFile) -> list[str]:
 def _calibration_findings(forc: ForcFile) -> list[str]:
     at = forc.calibration
     if not at.any():
-        return ["There are no calibration points: drift cannot be judged."]
+        return ["There are no calibration points, so drift cannot be estimated."]
     out = []
     if at.sum() != forc.curves:
         out.append(f"There are {int(at.sum())} calibration points for {forc.curves} curves.")
@@ -189,11 +194,11 @@ def _calibration_findings(forc: ForcFile) -> list[str]:
     if h_cal is not None and abs(np.median(forc.field[at]) / h_cal - 1) > 5e-4:
         out.append(
             f"Calibration points lie at {np.median(forc.field[at]):.5g} {forc.units[0]}, "
-            f"the header says {h_cal:.5g}."
+            f"but the header states {h_cal:.5g}."
         )
     if h_cal is not None and h_sat is not None and h_sat > h_cal:
         out.append(
-            f"The sample was saturated at {h_sat:g} {forc.units[0]} before each calibration point; "
-            f"the file does not list it."
+            f"The sample was saturated at {h_sat:g} {forc.units[0]} before each calibration point. "
+            f"The file does not contain these points."
         )
     return out

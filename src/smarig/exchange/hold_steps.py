@@ -1,8 +1,7 @@
-"""Steps from a current that is piecewise constant: where a recording has none of its own (§5.2.1).
+"""Finds steps in a piecewise constant current, for a recording without steps of its own (§5.2.1).
 
-The position of a step is its mean over the last 25 s of the hold, or over the last quarter of a hold that
-is shorter. Settled means what it means on the rig: the means of 25 blocks of a full 25 s window stay
-within one count. Knows arrays only.
+The position of a step is its mean over the last 25 s of the hold, or over the last quarter of a shorter hold. A
+step is settled as on the rig: the means of 25 blocks of a full 25 s window stay within one count.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,12 +16,12 @@ Array = NDArray[np.float64]
 WINDOW_S = 25.0
 BLOCKS = 25
 MIN_SAMPLES = 5
-COMMAND_A = 1e-5  # a command is exact: any change beyond rounding is another step
+COMMAND_A = 1e-5  # a command is exact: any change beyond rounding starts another step
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Time (n,) s, position (n,) and its resolution (None: unknown), for the steps to be read from."""
+    """Time (n,) s, position (n,) and its resolution (None if unknown)."""
 
     t_s: Array
     position: Array
@@ -48,8 +47,8 @@ def holds(current_A: Array, tolerance_A: float) -> list[tuple[int, int]]:
 def tolerance(measured_A: Array) -> float:
     """Six times the noise of a measured current, at least 0.5 mA and one and a half of its finest steps.
 
-    The noise comes from the median of second differences, so that a ramp has none: for white noise their
-    standard deviation is √6 times as large, and the median of |x| is 0.6745 standard deviations.
+    The noise comes from the median of second differences, so that a ramp has none. For white noise their standard
+    deviation is √6 times as large, and the median of |x| is 0.6745 standard deviations.
     """
     noise = np.median(np.abs(np.diff(measured_A, 2))) / (0.6745 * np.sqrt(6)) if measured_A.size > 2 else 0.0
     change = np.abs(np.diff(measured_A))
@@ -61,7 +60,7 @@ def tolerance(measured_A: Array) -> float:
 def found_steps(
     recording: Recording, ranges: Sequence[tuple[int, int]], target: Callable[[int, int], float]
 ) -> tuple[list[tuple], Array, list[str]]:
-    """Step rows, the step column (n,), and what to say; ranges of fewer than 5 samples are no holds."""
+    """Step rows, the step column (n,), and findings; ranges of fewer than 5 samples are not holds."""
     kept = [r for r in ranges if r[1] - r[0] >= MIN_SAMPLES]
     column = np.full(recording.t_s.size, np.nan)
     targets = [target(a, b) for a, b in kept]
@@ -105,19 +104,17 @@ def _remarks(rows: list[tuple], short: int, dropped: int, resolution: float | No
         return ["No step was found: the current is never held for five samples."]
     moving = sum(row[7] != "settled" for row in rows) - short
     out = [
-        f"{len(rows)} steps were found from the current; positions are means over the last 25 s of each hold."
+        f"{len(rows)} steps were found from the current. Positions are means over the last 25 s of each hold."
     ]
     if short:
         out.append(
-            f"{short} holds are shorter than 25 s: their last quarter was averaged, "
+            f"{short} holds are shorter than 25 s. Their last quarter was averaged, "
             f"and they count as elapsed."
         )
     if moving > 0 and resolution is None:
-        out.append("The position's resolution is unknown, so no step counts as settled; give --rig.")
+        out.append("The resolution of the position is unknown, so no step counts as settled. Give --rig.")
     elif moving > 0:
-        out.append(
-            f"{moving} holds were still moving by more than one count ({resolution:.3g}) at their end."
-        )
+        out.append(f"{moving} holds still moved by more than one count ({resolution:.3g}) at their end.")
     if dropped:
-        out.append(f"{dropped} stretches of fewer than five samples at one current are no steps.")
+        out.append(f"{dropped} segments of fewer than five samples at one current do not count as steps.")
     return out

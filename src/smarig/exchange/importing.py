@@ -1,6 +1,5 @@
-"""Somebody's data file becomes a run: read, described, written whole or not at all.
-
-Knows the description every imported run carries. Refuses to know any format: those are in readers/.
+"""Imports a data file as a run: reads it, adds the description of an imported run, and writes it completely or not
+at all.
 """
 
 import hashlib
@@ -22,7 +21,7 @@ LARGEST_BYTES = 2 * 10**9
 
 @dataclass(frozen=True)
 class ImportReport:
-    """What an import did: the run, its samples and steps, and what was odd in the file."""
+    """The result of an import: the run, its samples and steps, and the findings on the file."""
 
     run: Path
     rows: int
@@ -43,17 +42,17 @@ def import_file(
 ) -> ImportReport:
     """Read ``path`` in ``format`` (csv, forc, …) and write the run ``out``.
 
-    ``rig`` and ``mapping`` are names or paths. ``t0``: where the file's time zero lies on the clock it
-    shares with other runs, seconds. ``wire``: identity of the wire. Raises UsageError, ConfigError,
-    DataError or StorageError; a file already at ``out`` is kept unless ``force``.
+    ``rig`` and ``mapping`` are names or paths. ``t0`` is the time in seconds of the file's zero on a clock shared
+    with other runs. ``wire`` is the identity of the wire. Raises UsageError, ConfigError, DataError or
+    StorageError. An existing file ``out`` is replaced only with ``force``.
     """
     source, target = Path(path), Path(out)
     if not source.is_file():
         raise UsageError(f"There is no file {source}.")
     if source.stat().st_size > LARGEST_BYTES:
-        raise DataError(f"{source} is larger than {LARGEST_BYTES // 10**9} GB; split it.")
+        raise DataError(f"{source} is larger than {LARGEST_BYTES // 10**9} GB. Split it.")
     if t0 is not None and not math.isfinite(t0):
-        raise UsageError(f"--t0 is {t0}, expected a time in seconds.")
+        raise UsageError(f"--t0 is {t0}. Give a time in seconds.")
     read = catalogue_entry("smarig.exchange.readers", format)
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
@@ -72,7 +71,7 @@ def import_file(
 
 def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:
     if "t_s" not in draft.columns or not (draft.columns["t_s"] == draft.columns["t_s"]).all():
-        raise UsageError(f"{source} has no time, so --t0 has no meaning.")
+        raise UsageError(f"{source} has no time, so --t0 has no meaning. Leave it out.")
     columns = {**draft.columns, "t_s": draft.columns["t_s"] + t0}
     steps = tuple((*s[:5], s[5] + t0, s[6] + t0, *s[7:]) for s in draft.steps)
     return RunDraft(columns, draft.meta, steps, draft.warnings)

@@ -1,6 +1,6 @@
-"""What is odd in a pair of hysteresis input and output: jumps, false reversals, wrong sense, not closed.
+"""Findings on a hysteresis input and output: jumps, false reversals, wrong direction, open loops.
 
-Knows that a hysteretic output lags its input. Refuses to know the material. One sentence a finding.
+The checks assume that a hysteretic output lags its input. Each finding is one or two sentences.
 """
 
 from dataclasses import dataclass, field
@@ -13,10 +13,10 @@ from smarig.exchange.channel_faults import quantum
 from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
-_REVERSAL = 0.2  # of the input's range: what counts as a branch of its own
+_REVERSAL = 0.2  # of the input's range: smallest branch
 _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
-_SAME = 0.05  # of the input's range: visits of one input
+_SAME = 0.05  # of the input's range: within it, visits are of one input
 _CONTRARY = 0.01  # of the input's range
 
 
@@ -32,7 +32,7 @@ class LoopRecord:
     row: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def finite(self) -> "LoopRecord":
-        """The rows in which both are known; ``row`` remembers which they were."""
+        """The rows in which both are known; ``row`` keeps their indices."""
         rows = np.flatnonzero(np.isfinite(self.u) & np.isfinite(self.y))
         return LoopRecord(
             self.u[rows], self.y[rows], self.line[rows], self.input_unit, self.output_unit, rows
@@ -40,10 +40,10 @@ class LoopRecord:
 
 
 def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
-    """All findings on an input–output record; nothing for records too short or flat to judge.
+    """All findings on an input–output record; none for records that are too short or too flat.
 
-    ``designed``: every point was asked for, so that large steps, small reversals and visits of one input
-    with another memory are the experiment, not faults; only the sense of the loop is judged.
+    ``designed``: every point was commanded. Then large steps, small reversals and repeated visits with another
+    memory belong to the experiment, and only the direction of the loop is checked.
     """
     known = loop.finite()
     if known.u.size < 10 or np.ptp(known.u) == 0 or np.ptp(known.y) == 0:
@@ -52,13 +52,13 @@ def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
     if designed:
         return _wrong_direction(known, turns)
     found = _jumps(known) + _false_reversals(known, turns) + _not_closed(known, turns)
-    # A current is followed with the heating's lag, so that its loops in time say nothing of the hysteresis.
+    # The output follows a current with the lag of the heating, so its loops in time do not show the hysteresis.
     direction = _wrong_direction(known, turns) if known.input_unit != "A" else []
     return found + direction + _centre(known)
 
 
 def branch_ends(u: Array, threshold: float) -> list[int]:
-    """``turning_points`` of ``u`` (n,), but the first branch begins with the record, small moves before it included.
+    """``turning_points`` of ``u`` (n,), but the first branch starts with the record, including its small moves.
 
     >>> branch_ends(np.array([0, -0.1, 1, 0.9, 3, 2, 0.5]), 1.0)
     [0, 4, 6]
@@ -78,7 +78,7 @@ def _jumps(loop: LoopRecord) -> list[str]:
     return [
         f"The output jumps by more than {_JUMP:.0%} of its range between neighbouring rows in "
         f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g} {loop.output_unit} from line "
-        f"{loop.line[k]} to {loop.line[k + 1]}: what happens in between was not sampled."
+        f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
     ]
 
 
@@ -93,7 +93,7 @@ def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
         return []
     return [
         f"The input moves against its branch in {int(false.sum())} rows, by up to {back.max():.3g} "
-        f"{loop.input_unit}: noise that a hysteresis model takes for reversals; smooth it or use a threshold."
+        f"{loop.input_unit}: a hysteresis model takes such noise for reversals. Smooth it or use a threshold."
     ]
 
 
@@ -131,15 +131,15 @@ def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[str]:
     if lag > -0.3 or width < _OPEN:
         return []
     return [
-        f"The output leads its input (mean loop width {width:.1%} of the range): the loop runs the wrong way "
-        f"round; branches or columns are swapped, or the input's sensor lags."
+        f"The output leads its input (mean loop width {width:.1%} of the range): the loop runs in the wrong "
+        f"direction. Branches or columns are swapped, or the sensor of the input lags."
     ]
 
 
 def _lag(loop: LoopRecord, a: int, b: int, c: int) -> tuple[float, float]:
     """Agreement in −1…1 of (falling − rising output) with the local slope, and its mean size over the range.
 
-    A lagging output is falling(u) ≈ rising(u + δ), so that the difference has the sign of the slope.
+    A lagging output is falling(u) ≈ rising(u + δ), so the difference has the sign of the slope.
     """
     first, second = slice(a, b + 1), slice(b, c + 1)
     rising, falling = (first, second) if loop.u[b] > loop.u[a] else (second, first)
@@ -161,10 +161,10 @@ def _along(loop: LoopRecord, part: slice, grid: Array) -> Array:
 def _centre(loop: LoopRecord) -> list[str]:
     low, high = loop.u.min(), loop.u.max()
     centre, half = (high + low) / 2, (high - low) / 2
-    temperature = loop.input_unit in ("degC", "K")  # whose zero is nobody's centre
+    temperature = loop.input_unit in ("degC", "K")  # a temperature has no natural centre
     if temperature or low >= -0.2 * high or high <= -0.2 * low or abs(centre) < 0.02 * half:
         return []
     return [
-        f"The input is not symmetric: {low:.4g} … {high:.4g} {loop.input_unit}, centre {centre:+.3g}; "
-        f"an offset of the source, or meant."
+        f"The input is not symmetric: {low:.4g} … {high:.4g} {loop.input_unit}, centre {centre:+.3g}. "
+        f"Check the source for an offset, unless this is intended."
     ]

@@ -1,7 +1,4 @@
-"""Somebody else's table through a mapping file: renamed, converted, unfolded, checked.
-
-Knows mapping files. Refuses unknown columns and values no wire can have; never repairs what it reports.
-"""
+"""Reads a table through a mapping file: columns are renamed, converted, unfolded and checked, but not repaired."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -26,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
-    """Read a text table as its mapping says; DataError, ConfigError or UsageError naming line and column."""
+    """Read a text table as its mapping describes; DataError, ConfigError or UsageError with line and column."""
     f = mapping.file
     known = tuple(mapping.used()) if not f.names else ()
     table = read_table(path, TableLayout(known, f.names, f.delimiter, f.decimal, f.header_starts, f.table))
@@ -35,7 +32,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
 
 
 def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
-    """A table that holds every column of its mapping, as a run; loops keep their numbers as ``step``."""
+    """The run of a table that holds every column of its mapping; loops keep their numbers as ``step``."""
     table, clock = _with_time(path, table, mapping)
     columns, line, branch, notes = _unfold_branches(path, table, mapping)
     conditions, remarks = _conditions(path, table, mapping)
@@ -51,14 +48,16 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
         *remarks,
         *duplicate_columns(_without_time(table, mapping)),
     ]
-    if mapping.time is None:  # with a clock, rows at rest are alike
+    if mapping.time is None:  # with a clock, equal rows may be rest
         warnings += repeated_rows(_without_time(table, mapping), table.line)
     warnings += _findings_by_loop(columns, units, line, table.loop)
     for name in mapping.ignore:
         if name in table.columns:
             warnings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
     if mapping.output is None:
-        warnings.append("These data have no position: good for the wire's heating, not for its hysteresis.")
+        warnings.append(
+            "These data have no position. They show the heating of the wire, but not its hysteresis."
+        )
     elif mapping.output.quantity == "strain":
         column = mapping.tables()[0][1]["position"].column
         warnings += check_strain(path, column, convert(columns["position"], mapping.output.unit, "mm/mm"))
@@ -74,7 +73,7 @@ def _findings_by_loop(
     line: NDArray[np.int64],
     number: NDArray[np.int64] | None,
 ) -> list[str]:
-    """Findings on channels and on input against output; loop by loop where they are told apart."""
+    """Findings on channels and on input against output; loop by loop if loops are numbered."""
     if number is not None:
         parts = [(f"Loop {k}: ", number == k) for k in np.unique(number).tolist()]
     else:
@@ -91,7 +90,7 @@ def _findings_by_loop(
 
 
 def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[str]]:
-    """The table with a column 't_s' (NaN without a clock), repeats treated as the mapping says."""
+    """The table with a column 't_s' (NaN without a clock); repeats are treated as the mapping states."""
     time = mapping.time
     if time is None:
         return _replace_rows(table, {**table.columns, "t_s": np.full(len(table), np.nan)}, table.line), []
@@ -111,7 +110,7 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
     messages = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
         messages.append(
-            f"The file has no clock: {time.period_s:g} s a period is what the mapping says, not measured."
+            f"The file has no clock. The period of {time.period_s:g} s comes from the mapping and is not measured."
         )
     if time.repeated != "mean":
         return _replace_rows(table, {**table.columns, "t_s": t_s}, table.line), messages
@@ -131,14 +130,14 @@ def _replace_rows(table: Table, columns: dict[str, Array], line: NDArray[np.int6
 def _unfold_branches(
     path: Path, table: Table, mapping: MappingFile
 ) -> tuple[dict[str, Array], NDArray[np.int64], list[str], list[str]]:
-    """Channels of all branches one after the other, line numbers, direction of each row, what was odd."""
+    """Channels of all branches one after the other, line numbers, direction of each row, and findings."""
     parts = [_channels(path, table, mapping, columns) for _, columns in mapping.tables()]
     notes = []
     for k, (before, after) in enumerate(pairwise(parts)):
         if all(before[c][-1] == after[c][0] for c in before if c in after and c != "t_s"):
             notes.append(
                 f"The last reading of branch {k + 1} and the first of branch {k + 2} are the same in every "
-                f"channel: one reading, listed twice; both are kept."
+                f"channel: one reading, listed twice. Both are kept."
             )
     names = [name for name in parts[0] if all(name in part for part in parts)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
@@ -153,7 +152,7 @@ def _channels(path: Path, table: Table, mapping: MappingFile, columns: dict) -> 
         values = convert(_scaled(table, column), column.unit, mapping.unit_of(channel))
         check_bounds(path, channel, column.column, values, table.line)
         if not np.isfinite(values).any():
-            raise DataError(f"{path}: column '{column.column}' holds no number at all.")
+            raise DataError(f"{path}: column '{column.column}' holds no number.")
         out[channel] = np.array(values, dtype=float)
     return out
 
@@ -163,12 +162,12 @@ def _scaled(table: Table, column: Column) -> Array:
 
 
 def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[str]]:
-    """What was meant to be constant, as mean, min, max; a sentence where it was not."""
+    """Quantities meant to be constant, as mean, min, max; a finding if they were not."""
     out, messages = {}, []
     for name, column in mapping.conditions.items():
         x = _scaled(table, column)
         if not np.isfinite(x).any():
-            raise DataError(f"{path}: column '{column.column}' holds no number at all.")
+            raise DataError(f"{path}: column '{column.column}' holds no number.")
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
         out[name] = {"unit": column.unit, "mean": mean, "min": low, "max": high}
         if low == high:
@@ -181,7 +180,7 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
 
 
 def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: dict[str, Array]) -> list[str]:
-    """Blanks channels where two sensors of one thing disagree; DataError if that is most of the file."""
+    """Blank the channels of two sensors of one quantity that disagree; DataError if they disagree in most rows."""
     messages = []
     for compare in mapping.compare:
         a, b = (table.columns[name] for name in compare.columns)
@@ -191,7 +190,7 @@ def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: di
         if bad.mean() > 0.5:
             raise DataError(
                 f"{path}: columns {pair} disagree by more than {compare.within:g} {compare.unit} in "
-                f"{int(bad.sum())} of {bad.size} rows; one of the two sensors had failed."
+                f"{int(bad.sum())} of {bad.size} rows; one of the two sensors failed."
             )
         for channel in compare.blames if bad.any() else ():
             columns[channel][bad] = np.nan
@@ -203,12 +202,14 @@ def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: di
             )
         usual = float(np.median(apart[~bad]))
         if usual > 0.2 * compare.within:
-            messages.append(f"Elsewhere columns {pair} still differ by {usual:.2g} {compare.unit} (median).")
+            messages.append(
+                f"In the other rows, columns {pair} still differ by {usual:.2g} {compare.unit} (median)."
+            )
     return messages
 
 
 def _reading_steps(columns: dict[str, Array], branch: list[str]) -> list[tuple]:
-    """One settled step a row: readings taken one by one."""
+    """One settled step per row, for readings taken one by one."""
     target, position, t_s = columns["input"], columns["position"], columns["t_s"]
     columns["step"] = np.arange(target.size, dtype=float)
     rows = []

@@ -1,7 +1,4 @@
-"""Mapping files: what the columns of somebody else's data mean (configs/imports/NAME.toml).
-
-Knows the schema and its internal consistency. Refuses to know any data, and to guess a unit.
-"""
+"""Mapping files (configs/imports/NAME.toml): the meaning of the columns of a data file. Units are never guessed."""
 
 import re
 from pathlib import Path
@@ -34,22 +31,24 @@ CHANNEL_UNITS = {
 class TextLayout(TomlTable):
     """[file]: ``names`` where there is no header row; ``header_starts`` for files of several tables."""
 
-    names: tuple[str, ...] = ()  # of the columns, where there is no header row
-    delimiter: Literal["", "comma", "semicolon", "tab", "space"] = ""  # of columns; empty: found by itself
-    decimal: Literal[".", ","] = "."  # sign before the decimals
-    header_starts: str = ""  # how the header of each table begins, in files of several
-    table: int = Field(default=1, ge=1)  # which of them, counted from 1
+    names: tuple[str, ...] = ()  # names of the columns, if there is no header row
+    delimiter: Literal["", "comma", "semicolon", "tab", "space"] = ""  # between columns; empty: detected
+    decimal: Literal[".", ","] = "."  # decimal sign
+    header_starts: str = ""  # start of the header of each table, in files of several tables
+    table: int = Field(default=1, ge=1)  # number of the table in such a file, from 1
 
 
 class MatLayout(TomlTable):
     """[mat]: variables of MATLAB files instead of columns of a text.
 
-    ``files``: names that belong together and lie side by side, '*' standing for the same text in each;
-    ``loops``: whether each column or each row of the variables' matrices is one loop, or they are vectors.
+    ``files``: names of files that belong together in one folder, with '*' for the same text in each. ``loops``:
+    whether each column or each row of the matrices is one loop; "none" for vectors.
     """
 
-    files: tuple[str, ...] = ()  # names that belong together, * standing for the same text
-    loops: Literal["none", "columns", "rows"] = "none"  # whether a column or a row of the matrices is a loop
+    files: tuple[str, ...] = ()  # names of files that belong together; * is the same text in each
+    loops: Literal["none", "columns", "rows"] = (
+        "none"  # whether each column or each row of the matrices is one loop
+    )
 
     @model_validator(mode="after")
     def _patterns(self) -> "MatLayout":
@@ -60,111 +59,115 @@ class MatLayout(TomlTable):
 
 
 class TimeAxis(TomlTable):
-    """[time]: a column, or a period (rows_per_period rows each, the column then counting within it)."""
+    """[time]: a column, or a period with ``rows_per_period`` rows, within which the column then counts."""
 
-    column: str = ""  # of the times
-    unit: str = "s"  # of the column
-    period_s: float | None = Field(default=None, gt=0)  # time of a period, where the column counts within one
-    rows_per_period: int = Field(default=1, ge=1)  # rows of a period
-    repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # what becomes of rows of one time
+    column: str = ""  # name of the column of times
+    unit: str = "s"  # unit of the column
+    period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
+    rows_per_period: int = Field(default=1, ge=1)  # rows per period
+    repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
 
     @model_validator(mode="after")
     def _has_a_clock(self) -> "TimeAxis":
         _expect(self.unit, "time", "unit")
         if not self.column and self.period_s is None:
-            raise ValueError("give 'column' or 'period_s'; data without time have no [time] table at all")
+            raise ValueError("give 'column' or 'period_s', or leave out [time] for data without time")
         return self
 
 
 class Column(TomlTable):
     """One channel: value = scale × cell + offset, in ``unit``."""
 
-    column: str  # its name in the file
-    unit: str  # of scale × cell + offset
-    scale: float = Field(default=1.0, allow_inf_nan=False)  # first multiplied
-    offset: float = Field(default=0.0, allow_inf_nan=False)  # then added
+    column: str  # name of the column in the file
+    unit: str  # unit of scale × cell + offset
+    scale: float = Field(default=1.0, allow_inf_nan=False)  # factor of the cell
+    offset: float = Field(default=0.0, allow_inf_nan=False)  # added after scaling
 
 
 class Branch(TomlTable):
-    """One branch of data that keep several branches on one row; unfolded in the order of the file."""
+    """One branch of data with several branches in one row; unfolded in the order of the file."""
 
-    direction: Literal["up", "down"]  # of the input along it
-    columns: dict[ChannelName, Column] = Field(min_length=1)  # of this branch, by channel
+    direction: Literal["up", "down"]  # direction of the input on the branch
+    columns: dict[ChannelName, Column] = Field(min_length=1)  # columns of the branch, by channel
 
 
 class MappedQuantity(TomlTable):
-    """What input or output is, and the unit it is stored in."""
+    """The quantity of input or output, and the unit in which it is stored."""
 
-    quantity: str  # what it is, in words
-    unit: str  # it is stored in
+    quantity: str  # name of the quantity
+    unit: str  # unit in which it is stored
 
 
 class InputChannel(MappedQuantity):
     """[input]: the channel that drives the hysteresis."""
 
-    channel: ChannelName  # that drives the hysteresis
+    channel: ChannelName  # channel that drives the hysteresis
 
 
 class SensorComparison(TomlTable):
-    """Two columns that should agree: rows further apart than ``within`` lose the ``blames`` channels."""
+    """Two columns that should agree: rows that differ by more than ``within`` lose the ``blames`` channels."""
 
-    columns: tuple[str, str]  # two that should agree
-    within: float = Field(gt=0)  # how far apart they may be
-    unit: str  # of that
-    blames: tuple[ChannelName, ...] = ()  # channels that are lost where they do not agree
+    columns: tuple[str, str]  # two columns that should agree
+    within: float = Field(gt=0)  # largest difference allowed
+    unit: str  # unit of this difference
+    blames: tuple[ChannelName, ...] = ()  # channels left out where the columns disagree
 
 
 class MappingFile(TomlTable):
     """configs/imports/NAME.toml"""
 
-    name: str  # of the file
+    name: str  # name of the mapping
     summary: str  # one line, for smarig list
-    source: str  # where the data come from
-    input: InputChannel  # what drives the hysteresis
-    output: MappedQuantity | None = None  # what position is
-    file: TextLayout = TextLayout()  # how the text is laid out
+    source: str  # origin of the data
+    input: InputChannel  # channel that drives the hysteresis, with quantity and unit
+    output: MappedQuantity | None = None  # quantity and unit of the position
+    file: TextLayout = TextLayout()  # layout of the text
     mat: MatLayout | None = None  # variables of MATLAB files
-    time: TimeAxis | None = None  # left out where data have none
-    columns: dict[ChannelName, Column] = Field(default_factory=dict)  # what the columns are, by channel
-    branch: tuple[Branch, ...] = ()  # in place of columns: several branches on one row
-    conditions: dict[str, Column] = Field(default_factory=dict)  # kept with the run: a load, …
+    time: TimeAxis | None = None  # time axis; leave out if the data have no time
+    columns: dict[ChannelName, Column] = Field(default_factory=dict)  # columns, by channel
+    branch: tuple[Branch, ...] = ()  # in place of columns: several branches in one row
+    conditions: dict[str, Column] = Field(
+        default_factory=dict
+    )  # quantities kept with the run, for example a load
     ignore: dict[str, str] = Field(default_factory=dict)  # columns not used, each with the reason
-    compare: tuple[SensorComparison, ...] = ()  # columns that should agree
+    compare: tuple[SensorComparison, ...] = ()  # pairs of columns that should agree
     steps: Literal["none", "rows"] = "none"  # whether every row is a settled step
-    initial: Literal["", "negative", "positive", "anhysteretic"] = ""  # where the data begin; empty: unknown
-    notes: str = ""  # a remark
+    initial: Literal["", "negative", "positive", "anhysteretic"] = (
+        ""  # state at the start of the data; empty: unknown
+    )
+    notes: str = ""  # free text
 
     @model_validator(mode="after")
     def _consistent(self) -> "MappingFile":
         if bool(self.columns) == bool(self.branch):
-            raise ValueError("give either [columns] or [[branch]], not both and not neither")
+            raise ValueError("give exactly one of [columns] and [[branch]]")
         if self.mat and ("file" in self.model_fields_set or self.branch):
-            raise ValueError("[mat] goes with [columns] alone: [file] and [[branch]] describe a text table")
+            raise ValueError("[mat] goes with [columns] alone; leave out [file] and [[branch]]")
         if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
-            raise ValueError("[mat] loops have a number instead of a time: leave out [time] and steps")
+            raise ValueError("[mat] loops have numbers instead of a time; leave out [time] and steps")
         for where, columns in self.tables():
             if self.input.channel not in columns:
                 raise ValueError(f"{where} has no '{self.input.channel}', which [input] names as its channel")
             if ("position" in columns) != (self.output is not None):
-                raise ValueError(f"[output] and {where}.position belong together: give both or neither")
+                raise ValueError(f"[output] and {where}.position belong together; give both or neither")
             for channel, column in columns.items():
                 _expect(column.unit, dimension(self.unit_of(channel)), f"{where}.{channel}.unit")
         return self
 
     def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:
-        """Column tables in the order in which they are unfolded, with their names."""
+        """Column tables with their names, in the order in which they are unfolded."""
         if self.columns:
             return [("columns", self.columns)]
         return [(f"branch.{k}.columns", b.columns) for k, b in enumerate(self.branch)]
 
     def unit_of(self, channel: str) -> str:
-        """Unit a channel is stored in."""
+        """The unit in which a channel is stored."""
         if channel == "position" and self.output:
             return self.output.unit
         return CHANNEL_UNITS.get(channel, self.input.unit)
 
     def used(self) -> dict[str, str]:
-        """Column names of the file, each with what it is used for."""
+        """Column names of the file with their uses."""
         use = {c.column: channel for _, columns in self.tables() for channel, c in columns.items()}
         use |= {c.column: name for name, c in self.conditions.items()}
         use |= {column: "comparison" for c in self.compare for column in c.columns if column not in use}
@@ -174,7 +177,7 @@ class MappingFile(TomlTable):
 
 
 def load_mapping(name: str) -> MappingFile:
-    """A mapping by shipped name or path; ``NAME:4`` picks the fourth table of a file of several."""
+    """A mapping by shipped name or path; ``NAME:4`` selects the fourth table of a file of several."""
     plain, table = name, None
     if match := re.fullmatch(r"(.+):(\d+)", name):
         plain, table = match[1], int(match[2])
@@ -183,32 +186,34 @@ def load_mapping(name: str) -> MappingFile:
     if table is None:
         return mapping
     if not mapping.file.header_starts or not table:
-        raise UsageError(f"Mapping {plain} reads files of one table; ':{table}' has no meaning there.")
+        raise UsageError(
+            f"Mapping {plain} reads files of one table; ':{table}' has no meaning there. Leave it out."
+        )
     return mapping.model_copy(update={"file": mapping.file.model_copy(update={"table": table})})
 
 
 def mapping_text(name: str) -> str:
-    """The mapping file itself, for the record."""
+    """The text of the mapping file, for the record."""
     return locate("imports", re.sub(r":\d+$", "", name)).read_text(encoding="utf-8")
 
 
 def require_columns(mapping: MappingFile, names: list[str], path: Path, noun: str = "column") -> None:
-    """Every column of the file must be used or ignored, every used column must be there; ConfigError.
+    """Check that every column of the file is used or ignored, and that every used column exists; ConfigError.
 
-    ``noun``: what the file calls a column.
+    ``noun``: the word for a column in this kind of file.
     """
     used = mapping.used()
     for column, use in used.items():
         if column not in names:
             raise ConfigError(
-                f"{path} has no {noun} '{column}', which mapping {mapping.name} uses as {use}; "
-                f"the file has: {', '.join(names)}."
+                f"{path} has no {noun} '{column}', which mapping {mapping.name} uses as {use}. "
+                f"The file has: {', '.join(names)}."
             )
     unknown = [name for name in names if name not in used and name not in mapping.ignore]
     if unknown:
         raise ConfigError(
-            f"{path}: {noun} '{unknown[0]}' is not in mapping {mapping.name}; "
-            f"map it, or list it under [ignore] with the reason."
+            f"{path}: {noun} '{unknown[0]}' is not in mapping {mapping.name}. "
+            f"Map it, or list it under [ignore] with the reason."
         )
 
 

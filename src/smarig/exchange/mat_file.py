@@ -1,9 +1,8 @@
-"""The inside of a MATLAB 5 file: which variables it holds, and the numeric ones as matrices.
+"""Reads the variables of a MATLAB 5 file, the numeric ones as matrices.
 
-Reads what ``save -v6`` and ``-v7`` write: a header of 128 bytes, then one element a variable, deflated or
-not (MathWorks, "MAT-File Format", Level 5). Every size is checked against the bytes that are there, and no
-file grows beyond ``MAX_BYTES`` in memory. Refuses other versions, texts, cells, structures, objects and
-complex numbers; knows no mapping.
+It reads the files of ``save -v6`` and ``-v7``: a header of 128 bytes, then one element per variable, deflated or
+not (MathWorks, "MAT-File Format", Level 5). Every size is checked against the available bytes, and no file expands
+beyond ``MAX_BYTES`` in memory. Other versions, texts, cells, structures, objects and complex numbers are errors.
 """
 
 import math
@@ -30,7 +29,7 @@ _NUMERIC = {6: "double", 7: "single", 8: "int8", 9: "uint8", 10: "int16", 11: "u
 _NUMERIC |= {12: "int32", 13: "uint32", 14: "int64", 15: "uint64"}
 _OTHER = {1: "cell", 2: "struct", 3: "object", 4: "char", 5: "sparse", 16: "function", 17: "opaque"}
 _COMPLEX, _LOGICAL = 0x800, 0x200
-_DAMAGE = (struct.error, zlib.error, ValueError, KeyError)  # what nonsense in the bytes leads to
+_DAMAGE = (struct.error, zlib.error, ValueError, KeyError)  # raised by damaged bytes
 
 
 Array = NDArray[np.float64]
@@ -38,7 +37,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable as it stands in the file: size, MATLAB class, and the bytes of its elements."""
+    """One variable of the file: size, MATLAB class, and the bytes of its elements."""
 
     shape: tuple[int, ...]
     kind: str
@@ -54,7 +53,7 @@ class MatFile:
     variables: dict[str, Variable]
 
     def matrix(self, name: str) -> NDArray[np.float64]:
-        """A variable (m, n) of real numbers, NaN among them; DataError if it is anything else."""
+        """A variable (m, n) of real numbers, with NaN; DataError for anything else."""
         variable = self.variables[name]
         where = f"{self.path}: variable '{name}'"
         if variable.kind not in _NUMERIC.values():
@@ -75,7 +74,7 @@ class MatFile:
 
 
 def open_mat(path: Path) -> MatFile:
-    """A file's variables; UsageError if there is no such file, DataError if it is no sound MATLAB 5 file."""
+    """The variables of a file; UsageError if it does not exist, DataError if it is not a valid MATLAB 5 file."""
     data = _bytes(path)
     variables: dict[str, Variable] = {}
     try:
@@ -83,8 +82,8 @@ def open_mat(path: Path) -> MatFile:
         for element in _inflated(path, data, order):
             name, variable = _variable(element, order)
             if name in variables:
-                raise DataError(f"{path} holds the variable '{name}' more than once; save it anew.")
-            if name:  # what has no name is MATLAB's own bookkeeping
+                raise DataError(f"{path} holds the variable '{name}' more than once. Save the file again.")
+            if name:  # variables without a name belong to MATLAB itself
                 variables[name] = variable
     except _DAMAGE:
         raise _damaged(path) from None
@@ -94,7 +93,7 @@ def open_mat(path: Path) -> MatFile:
 
 
 def size_text(shape: tuple[int, ...]) -> str:
-    """A matrix's size for a sentence.
+    """The size of a matrix as text.
 
     >>> size_text((129, 4))
     '129 × 4'
@@ -113,16 +112,16 @@ def _bytes(path: Path) -> bytes:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     if data.startswith(b"MATLAB 7.3") or b"\x89HDF\r\n\x1a\n" in data[:1024]:
         raise DataError(
-            f"{path} is a MATLAB 7.3 (HDF5) file, which smarig does not read; "
-            f"save it in MATLAB with save(…, '-v7'), in Octave with save -v7."
+            f"{path} is a MATLAB 7.3 (HDF5) file, which smarig does not read. "
+            f"Save it in MATLAB with save(…, '-v7'), in Octave with save -v7."
         )
     if not data.startswith(b"MATLAB 5.0"):
-        raise DataError(f"{path} is not a MATLAB 5 file (what save -v6 or -v7 writes).")
+        raise DataError(f"{path} is not a MATLAB 5 file (as written by save -v6 or -v7).")
     return data
 
 
 def _inflated(path: Path, data: bytes, order: str) -> Iterator[memoryview]:
-    """The variables' elements, inflated where they are deflated, each without its tag."""
+    """The elements of the variables, inflated if they are deflated, each without its tag."""
     rest, room = memoryview(data)[_HEADER_BYTES:], MAX_BYTES
     while rest:
         kind, payload, after = _element(rest, order)
@@ -147,9 +146,9 @@ def _size(view: memoryview, order: str) -> int:
 
 
 def _element(view: memoryview, order: str) -> tuple[int, memoryview, memoryview]:
-    """Kind and payload of the first element, and what comes after it; ValueError where it is cut off.
+    """Kind and payload of the first element, and the rest; ValueError if it is cut off.
 
-    An element of at most four bytes stands inside its own tag, its size above its kind.
+    An element of at most four bytes is inside its own tag, with its size above its kind.
     """
     (kind,) = struct.unpack_from(order + "I", view)
     if kind >> 16:
@@ -165,7 +164,7 @@ def _element(view: memoryview, order: str) -> tuple[int, memoryview, memoryview]
 
 
 def _variable(element: memoryview, order: str) -> tuple[str, Variable]:
-    """Name and description: flags, size and name come first; objects of newer MATLABs have no size."""
+    """Name and description of a variable: flags, size and name come first; objects of newer MATLABs have no size."""
     _, flags, rest = _element(element, order)
     (word,) = struct.unpack_from(order + "I", flags)
     code = word & 0xFF
@@ -187,25 +186,27 @@ def _variable(element: memoryview, order: str) -> tuple[str, Variable]:
 
 
 def _values(variable: Variable) -> NDArray[np.float64]:
-    """The numbers, column by column in the file; MATLAB keeps whole numbers in the least type that fits."""
+    """The numbers, column by column in the file; MATLAB stores integers in the smallest type that fits."""
     kind, payload, _ = _element(variable.elements, variable.order)
     numbers = np.frombuffer(payload, dtype=variable.order + _NUMBERS[kind])
     return numbers.astype(np.float64).reshape(variable.shape, order="F")
 
 
 def _too_large(path: Path) -> DataError:
-    return DataError(f"{path} holds more than {MAX_BYTES / 1e6:.0f} MB of numbers; cut it into pieces.")
+    return DataError(
+        f"{path} holds more than {MAX_BYTES / 1e6:.0f} MB of numbers. Split it into smaller files."
+    )
 
 
 def _damaged(path: Path) -> DataError:
-    return DataError(f"{path} is damaged or cut off: its MATLAB variables cannot be read; copy it anew.")
+    return DataError(f"{path} is damaged or cut off: its MATLAB variables cannot be read. Copy it again.")
 
 
 def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table:
-    """The variables a mapping uses, each (n,) = loops one after the other, in the order of the file.
+    """The variables of a mapping, each (n,) = loops one after the other, in the order of the file.
 
-    ``line`` is a reading's number within its loop, from 1. Raises UsageError for a missing file of a set,
-    ConfigError for a missing or unmapped variable, DataError for a file or variable that is no good.
+    ``line`` is the number of a reading within its loop, from 1. Raises UsageError for a missing file of a set,
+    ConfigError for a missing or unmapped variable, DataError for an invalid file or variable.
     """
     files = [open_mat(file) for file in file_set(path, layout.files)]
     file_of = _files_by_variable(files)
@@ -219,7 +220,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
             )
     loops, readings = next(iter(matrices.values())).shape
     if readings < 2:
-        raise DataError(f"{path} holds {readings} reading(s) a loop; at least two are needed.")
+        raise DataError(f"{path} holds {readings} reading(s) a loop. At least two are needed.")
     columns = {name: x.ravel() for name, x in matrices.items()}
     notes = [
         f"Variable '{name}': {int(np.isnan(x).sum())} of {x.size} numbers are NaN."
@@ -232,7 +233,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
 
 
 def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
-    """All files of the set ``path`` is one of, in the order of the patterns; itself without patterns.
+    """All files of the set of ``path``, in the order of the patterns; only the file itself without patterns.
 
     >>> [p.name for p in file_set(Path("H_x.mat"), ())]
     ['H_x.mat']
@@ -247,19 +248,19 @@ def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
         files = [path.with_name(p.replace("*", common)) for p in patterns]
         missing = [file for file in files if not file.is_file()]
         if missing:
-            raise UsageError(f"{path} belongs with {missing[0].name}, which is not beside it.")
+            raise UsageError(f"{path} belongs with {missing[0].name}, which is not in the same folder.")
         return files
-    raise UsageError(f"The mapping reads files named {' and '.join(patterns)}; {path} is neither.")
+    raise UsageError(f"The mapping reads files named {' and '.join(patterns)}; {path} is none of them.")
 
 
 def _files_by_variable(files: list[MatFile]) -> dict[str, MatFile]:
-    """Which file each variable is in; DataError if it is in two."""
+    """The file of each variable; DataError if a variable is in two files."""
     file_of: dict[str, MatFile] = {}
     for file in files:
         for name in file.variables:
             if name in file_of:
                 raise DataError(
-                    f"Variable '{name}' is in {file_of[name].path} and in {file.path}; which is meant?"
+                    f"Variable '{name}' is in {file_of[name].path} and in {file.path}. Keep one of them."
                 )
             file_of[name] = file
     return file_of
@@ -274,7 +275,7 @@ def _loops(file: MatFile, name: str, layout: MatLayout) -> Array:
         return matrix
     if 1 not in matrix.shape:
         raise DataError(
-            f"{file.path}: variable '{name}' is {size_text(matrix.shape)}, a vector was expected; if each column "
-            f'is one loop, the mapping should say [mat] loops = "columns" (or "rows").'
+            f"{file.path}: variable '{name}' is {size_text(matrix.shape)}, a vector was expected. If each column "
+            f'is one loop, set [mat] loops = "columns" (or "rows") in the mapping.'
         )
     return matrix.reshape(1, -1)

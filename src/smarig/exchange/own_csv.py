@@ -1,6 +1,6 @@
-"""CSV in smarig's own columns: ``time_s``, a current, one position, and a few optional ones.
+"""Reads CSV with smarig's own columns: ``time_s``, a current, one position, and optional columns.
 
-Refuses any other column, naming it. Without ``step``, steps are found from the current.
+Any other column is an error. Without the column ``step``, steps are found from the current.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ CURRENTS = ("current_command_A", "current_A")
 POSITIONS = {"position_counts": "count", "position_mm": "mm", "position_deg": "deg"}
 QUANTITIES = {"mm": "displacement", "deg": "shaft angle"}
 OPTIONAL = ("voltage_V", "ambient_degC", "temperature_degC", "step", "flags")
-EXPORTED = ("tick", "counts", "input_K", "input_A")  # beside them in smarig's own exports
+EXPORTED = ("tick", "counts", "input_K", "input_A")  # additional columns of smarig's exports
 UNITS = {
     "current_A": "A",
     "voltage_V": "V",
@@ -37,7 +37,7 @@ UNITS = {
 
 
 def read_own_csv(path: Path, rig: RigConstants | None = None) -> RunDraft:
-    """Read a CSV in smarig's columns; DataError or UsageError naming line and column."""
+    """Read a CSV file with smarig's columns; DataError or UsageError with line and column."""
     known = ("time_s", *CURRENTS, *POSITIONS, *OPTIONAL)
     table = read_table(path, TableLayout(known=(*known, *EXPORTED)))
     _check_columns(path, table, known)
@@ -76,12 +76,12 @@ def _drive(path: Path, table: Table, columns: dict[str, Array]) -> Array:
     drive = next(columns[name] for name in CURRENTS if name in columns)
     if not np.isfinite(drive).all():
         line = table.line[int(np.argmin(np.isfinite(drive)))]
-        raise DataError(f"{path}, line {line}: the current is empty or NaN; every row needs one.")
+        raise DataError(f"{path}, line {line}: the current is empty or NaN. Every row needs a current.")
     return drive
 
 
 def _loop(rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: str, unit: str) -> list[str]:
-    """Findings on the loop of the steps' ends: between them the wire is on its way."""
+    """Findings on the loop of the ends of the steps; between them the wire is moving."""
     target, position = (np.array([row[k] for row in rows], dtype=float) for k in (4, 8))
     first = np.array([line[int(np.argmax(step == row[0]))] for row in rows], dtype=np.int64)
     return loop_findings(LoopRecord(target, position, first, input_unit, unit), designed=True)
@@ -93,15 +93,15 @@ def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:
     unknown = [name for name in names if name not in allowed]
     if unknown:
         raise DataError(
-            f"{path}: column '{unknown[0]}' is not one of {', '.join(known)}; "
-            f"rename it or say what it is in a mapping file (--map)."
+            f"{path}: column '{unknown[0]}' is not one of {', '.join(known)}. "
+            f"Rename it, or describe it in a mapping file (--map)."
         )
     if "time_s" not in names:
         raise DataError(
-            f"{path} has no column 'time_s'; data without time need a mapping file (--map) that says so."
+            f"{path} has no column 'time_s'. Data without time need a mapping file (--map) without [time]."
         )
     if not set(CURRENTS) & set(names):
-        raise DataError(f"{path} has no current: a column 'current_command_A' or 'current_A' is needed.")
+        raise DataError(f"{path} has no current. A column 'current_command_A' or 'current_A' is needed.")
     positions = [name for name in POSITIONS if name in names]
     if len(positions) != 1:
         found = f"has {' and '.join(positions)}" if positions else "has no position"
@@ -114,7 +114,7 @@ def _position(
     name = next(n for n in POSITIONS if n in table.columns)
     values = table.columns[name]
     if not np.isfinite(values).any():
-        raise DataError(f"{path}: column '{name}' holds no number at all.")
+        raise DataError(f"{path}: column '{name}' holds no number.")
     if name != "position_counts":
         columns["position"] = values
         if rig and rig.actuator.unit != POSITIONS[name]:
@@ -123,7 +123,7 @@ def _position(
             columns["counts"] = table.columns["counts"]
         return POSITIONS[name], rig.per_count if rig else quantum(values)
     if rig is None:
-        raise UsageError(f"{path} gives positions in encoder counts; say with --rig what one count is.")
+        raise UsageError(f"{path} gives positions in encoder counts. Name the rig with --rig.")
     columns["counts"], columns["position"] = values, values * rig.per_count
     return rig.actuator.unit, rig.per_count
 
@@ -131,7 +131,7 @@ def _position(
 def _input(
     table: Table, rig: RigConstants | None, columns: dict[str, Array], drive: Array
 ) -> tuple[dict[str, str], Callable[[int, int], float]]:
-    """Fills in the input; returns its description and the target of a hold of samples a…b."""
+    """Fill in the input; returns its description and the target of a hold of samples a…b."""
     if rig is None:
         columns["input"] = table.columns.get("input_A", drive)
         return {"quantity": "current", "unit": "A"}, lambda a, b: float(np.mean(drive[a:b]))

@@ -1,7 +1,4 @@
-"""What an import needs to know of a rig: its wire's constants and what one encoder count means.
-
-Knows configuration files. Refuses to know the rig itself: nothing here talks to hardware.
-"""
+"""The constants of a rig that an import needs: those of its wire, and the size of one encoder count."""
 
 from dataclasses import dataclass
 
@@ -16,14 +13,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RigConstants:
-    """A rig's file and its actuator."""
+    """The file of a rig and its actuator."""
 
     file: RigFile
     actuator: Actuator
 
     @classmethod
     def named(cls, name: str) -> "RigConstants":
-        """From configs/rigs by name, or from a path."""
+        """The constants of a rig by its name in configs/rigs, or by path."""
         file = load_rig(name)
         return cls(file, Actuator.named(file.actuator))
 
@@ -33,7 +30,7 @@ class RigConstants:
         return self.actuator.position_per_count(self.file.encoder.counts_per_rev)
 
     def input_along(self, t_s: Array, current_A: Array) -> Array:
-        """Hysteresis input (n,), kelvin above ambient: (5.1) at any spacing, from a cold wire."""
+        """Hysteresis input (n,), kelvin above ambient, by (5.1) at any spacing, from a cold wire."""
         dt_s = np.diff(t_s, prepend=t_s[0] - np.median(np.diff(t_s)))
         decay = np.exp(-dt_s / self.actuator.tau_s).tolist()
         heating = JouleHeating(self.actuator, dt_s=1.0)

@@ -1,7 +1,6 @@
-"""A text table as named columns of numbers: delimiter, header, encoding, broken lines.
+"""Reads a text table as named columns of numbers: delimiter, header, encoding, broken lines.
 
-Knows text. Refuses to know what a column means, and never guesses a number: a cell is a number, empty
-(NaN), or an error naming its line and column.
+A cell is a number, empty (NaN), or an error that names its line and column.
 """
 
 import csv
@@ -25,7 +24,7 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class TableLayout:
-    """How the text is laid out: ``known`` columns mark the header row, ``names`` say there is none."""
+    """The layout of the text: ``known`` columns identify the header row; ``names`` are given if there is none."""
 
     known: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
@@ -37,9 +36,9 @@ class TableLayout:
 
 @dataclass(frozen=True)
 class Table:
-    """Columns by name, each (n,) float64; ``line`` (n,) says where each row stood; ``notes`` what was odd.
+    """Columns by name, each (n,) float64; ``line`` (n,) is the line of each row; ``notes`` are the findings.
 
-    ``loop`` (n,): number of the loop each row belongs to, where the file tells its loops apart.
+    ``loop`` (n,) is the number of the loop of each row, if the file numbers its loops.
     """
 
     columns: dict[str, NDArray[np.float64]]
@@ -53,11 +52,11 @@ class Table:
 
 
 def read_table(path: Path, layout: TableLayout) -> Table:
-    """Read a text table; UsageError if there is no such file, DataError naming the line if it is not one."""
+    """Read a text table; UsageError if the file does not exist, DataError with the line if it is not a table."""
     text, notes = read_text(path)
     lines = text.splitlines()
     start, names, delimiter = _header(path, lines, layout)
-    # The preamble of one table of many begins at the blank line before it.
+    # In a file of several tables, the preamble of a table starts after the blank line before it.
     begin = (
         max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
     )
@@ -66,7 +65,7 @@ def read_table(path: Path, layout: TableLayout) -> Table:
     if preamble and not layout.header_starts:
         notes.append(f"{len(preamble)} line(s) before the table were skipped.")
     if not text.endswith("\n") and len(split(lines[-1], delimiter)) < len(names):
-        notes.append(f"The last line ({len(lines)}) is cut short and was dropped.")
+        notes.append(f"The last line ({len(lines)}) is incomplete and was dropped.")
         lines.pop()
     cells, where = _cells(path, lines, first, names, delimiter, bool(layout.header_starts))
     columns = {
@@ -83,10 +82,10 @@ def read_table(path: Path, layout: TableLayout) -> Table:
 
 
 def read_text(path: Path) -> tuple[str, list[str]]:
-    """Text of a file and what was odd about it; DataError for empty, binary and huge files."""
+    """The text of a file and findings about it; DataError for empty, binary and huge files."""
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise DataError(f"{path} is larger than {MAX_BYTES / 1e6:.0f} MB; cut it into pieces.")
+            raise DataError(f"{path} is larger than {MAX_BYTES / 1e6:.0f} MB. Split it into smaller files.")
         data = path.read_bytes()
     except FileNotFoundError:
         raise UsageError(f"There is no file {path}.") from None
@@ -95,11 +94,11 @@ def read_text(path: Path) -> tuple[str, list[str]]:
     if not data.removeprefix(b"\xef\xbb\xbf").strip(b" \t\r\n\xff\xfe"):
         raise DataError(f"{path} is empty.")
     if data.startswith((b"MATLAB 5.0", b"MATLAB 7.3")):
-        raise DataError(f"{path} is a MATLAB file; import it with --format mat and a mapping (--map).")
+        raise DataError(f"{path} is a MATLAB file. Import it with --format mat and a mapping (--map).")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return data.decode("utf-16", errors="replace"), ["The file is UTF-16 text."]
     if any(byte < 9 for byte in set(data)):
-        raise DataError(f"{path} is a binary file; a text table was expected.")
+        raise DataError(f"{path} is a binary file, not a text table.")
     try:
         return data.decode("utf-8-sig"), []
     except UnicodeDecodeError as error:
@@ -108,7 +107,7 @@ def read_text(path: Path) -> tuple[str, list[str]]:
 
 
 def split(line: str, delimiter: str | None) -> list[str]:
-    """Cells of a line, stripped of blanks and quotes; trailing empty cells dropped."""
+    """The cells of a line, stripped of blanks and quotes, without trailing empty cells."""
     if delimiter is None:
         cells = line.split()
     elif '"' in line:
@@ -128,7 +127,7 @@ def _header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int,
         if len(found) < layout.table:
             raise DataError(
                 f"{path} has {len(found)} table(s) whose header starts with '{layout.header_starts}'; "
-                f"table {layout.table} was asked for."
+                f"there is no table {layout.table}."
             )
         start = found[layout.table - 1]
     elif layout.names:
@@ -158,7 +157,7 @@ def _best_header(path: Path, lines: Sequence[str], known: Sequence[str], choices
         shown = ", ".join(known[:6])
         raise DataError(
             f"{path} has no header row: none of the expected columns ({shown}, …) was found "
-            f"in its first {len(scores)} lines; name the file's columns with a mapping file (--map)."
+            f"in its first {len(scores)} lines. Name the file's columns with a mapping file (--map)."
         )
     return best
 
@@ -175,7 +174,7 @@ def _first_numbers(
         if numeric:
             widest = max(len(c) for c in numeric.values())
             raise DataError(
-                f"{path}, line {k + 1} has {widest} columns; the mapping names {len(layout.names)} "
+                f"{path}, line {k + 1} has {widest} columns, but the mapping names {len(layout.names)} "
                 f"({', '.join(layout.names)})."
             )
     raise DataError(f"{path} has no line of {len(layout.names)} numbers in its first {HEADER_WITHIN} lines.")
@@ -203,12 +202,12 @@ def _cells(
         missing = len(names) - len(cells)
         if missing < 0 or (delimiter is None and missing > 0):
             raise DataError(
-                f"{path}, line {k + 1} has {len(cells)} cells; the header names {len(names)} columns."
+                f"{path}, line {k + 1} has {len(cells)} cells, but the header names {len(names)} columns."
             )
         rows.append(cells + [""] * missing)
         where.append(k + 1)
     if len(rows) < 2:
-        raise DataError(f"{path} holds {len(rows)} sample(s); at least two are needed.")
+        raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
     return rows, where
 
 

@@ -1,4 +1,4 @@
-"""The time axis of a file: order, repeats, gaps. Refuses to repair time unless the mapping says how."""
+"""Checks of the time axis of a file: order, repeats and gaps. Time is repaired only as the mapping states."""
 
 from pathlib import Path
 from typing import Literal
@@ -13,35 +13,37 @@ Repeats = Literal["refuse", "mean", "keep_order"]
 
 
 def check_time(path: Path, name: str, t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> None:
-    """DataError naming the line where time is missing, runs backwards, or repeats without leave."""
+    """Raise DataError with the line if time is missing, runs backwards, or repeats without permission."""
     bad = np.flatnonzero(~np.isfinite(t_s))
     if bad.size:
-        raise DataError(f"{path}, line {line[bad[0]]}: '{name}' is empty or NaN; every row needs a time.")
+        raise DataError(f"{path}, line {line[bad[0]]}: '{name}' is empty or NaN. Every row needs a time.")
     step = np.diff(t_s)
     back = np.flatnonzero(step < 0)
     if back.size:
         k = int(back[0]) + 1
         raise DataError(
-            f"{path}, line {line[k]}: '{name}' goes back from {t_s[k - 1]:g} s to {t_s[k]:g} s; "
-            f"sort the file by time, or cut it where the clock was reset."
+            f"{path}, line {line[k]}: '{name}' goes back from {t_s[k - 1]:g} s to {t_s[k]:g} s. "
+            f"Sort the file by time, or split it where the clock was reset."
         )
     same = np.flatnonzero(step == 0)
     if same.size and repeated == "refuse":
         k = int(same[0]) + 1
         raise DataError(
-            f"{path}, line {line[k]}: '{name}' repeats {t_s[k]:g} s ({same.size} repeats in all); a mapping "
-            f'file may say [time] repeated = "mean" or "keep_order".'
+            f"{path}, line {line[k]}: '{name}' repeats {t_s[k]:g} s ({same.size} repeats in all). "
+            f'Set [time] repeated = "mean" or "keep_order" in a mapping file.'
         )
 
 
 def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> list[str]:
-    """Sentences on repeats and gaps."""
+    """Findings on repeats and gaps."""
     step = np.diff(t_s)
     out = []
     same = int((step == 0).sum())
     if same:
-        what = "each group became its mean" if repeated == "mean" else "kept in the order of the file"
-        out.append(f"{same} rows repeat the time of the row before; {what}.")
+        what = (
+            "each group was replaced by its mean" if repeated == "mean" else "the order of the file was kept"
+        )
+        out.append(f"{same} rows repeat the time of the previous row; {what}.")
     moving = step[step > 0]
     if moving.size < 3:
         return out
@@ -57,9 +59,9 @@ def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> lis
 
 
 def merge_repeats(t_s: Array, columns: dict[str, Array]) -> tuple[NDArray[np.int64], dict[str, Array]]:
-    """Rows of one time become their mean: index of each group's first row, and the columns (k,).
+    """Replace rows of one time by their mean: index of each group's first row, and the columns (k,).
 
-    A mean ignores NaN cells and is NaN where all are.
+    A mean ignores NaN cells and is NaN if all are NaN.
     """
     _, first, group = np.unique(t_s, return_index=True, return_inverse=True)
     out = {}

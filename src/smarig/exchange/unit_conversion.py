@@ -1,4 +1,4 @@
-"""Units a data file may be in, and what they become. Knows conversion only, and no file.
+"""Units of data files and their conversion.
 
 Fields are compared in vacuum: 1 Oe ↔ 1e-4 T ↔ 1e3/(4π) A/m.
 """
@@ -51,7 +51,7 @@ _UNITS: dict[str, tuple[str, float, float]] = {
 
 
 def dimension(unit: str) -> str:
-    """What a unit measures; UsageError naming the nearest unit if it is unknown.
+    """The quantity that a unit measures; UsageError with the nearest unit if it is unknown.
 
     >>> dimension("Oe")
     'magnetic field'
@@ -62,7 +62,8 @@ def dimension(unit: str) -> str:
 
 
 def convert(values: Any, unit: str, to: str) -> Any:
-    """``values`` (number or array) in ``unit`` as ``to``; UsageError if they do not measure the same.
+    """Convert ``values`` (number or array) from ``unit`` to ``to``; UsageError if they measure different
+    quantities.
 
     >>> convert(300.0, "K", "degC"), convert(1.5, "%", "mm/mm")
     (26.85..., 0.015)

@@ -1,7 +1,7 @@
-"""Somebody's currents, seen through a rig's heating model: the hysteresis input becomes a temperature.
+"""Converts the current of imported data to a temperature with the heating model of a rig.
 
-For data that a mapping describes and a rig's constants belong to. Recordings in time get the transient
-temperature (5.1) and steps from the current; settled readings get the steady one (5.3). Knows no file format.
+It applies to data that have a mapping and a rig with constants. Recordings in time get the transient temperature
+(5.1) and steps found from the current; settled readings get the steady temperature (5.3).
 """
 
 from dataclasses import replace
@@ -18,17 +18,17 @@ Array = NDArray[np.float64]
 
 
 def with_heating_model(draft: RunDraft, rig: RigConstants) -> RunDraft:
-    """The draft with input in kelvin above ambient; UsageError when it has no current, or another unit."""
+    """The draft with its input in kelvin above ambient; UsageError if it has no current or another unit."""
     input_meta, unit = draft.meta.get("input", {}), draft.meta.get("output", {}).get("unit")
     if input_meta.get("unit") != "A":
         raise UsageError(
             f"The mapping's input is {input_meta.get('quantity', 'not named')} in "
-            f"{input_meta.get('unit') or 'no unit'}; "
-            "--rig turns a current into a temperature, so leave it out."
+            f"{input_meta.get('unit') or 'no unit'}. "
+            "--rig converts a current to a temperature, so leave it out."
         )
     if unit != rig.actuator.unit:
         raise UsageError(
-            f"The mapping gives positions in {unit}, rig {rig.file.name} measures {rig.actuator.unit}."
+            f"The mapping gives positions in {unit}, but rig {rig.file.name} measures {rig.actuator.unit}."
         )
     drive, t_s = draft.columns["input"], draft.columns.get("t_s", np.full(len(draft), np.nan))
     steady = np.array([rig.actuator.input_for(i) for i in drive.tolist()])
@@ -52,7 +52,7 @@ def with_heating_model(draft: RunDraft, rig: RigConstants) -> RunDraft:
 
 
 def input_description(rig: RigConstants, source: str) -> dict[str, str]:
-    """What the input of a rig's run is: quantity, unit, and where it comes from."""
+    """The description of the input of a rig's run: quantity, unit, and source."""
     two = rig.actuator.two_wire
     quantity = "wire temperature difference T₁ − T₂" if two else "wire temperature above ambient"
     return {"quantity": quantity, "unit": "K", "from": source}

@@ -1,8 +1,8 @@
 """The density μ = ½ ∂²y/∂α∂β of a model: its extremes, its class (Ch. 4), and its reversible share.
 
-M_PC: bounded and piecewise continuous on P_r. M_P: besides, μ ≥ 0. For analytic surfaces the extremes
-are those of ``preisach.properties``. For tables μ is judged by the mass of cells, never by differentiation.
-Computed, never stored.
+M_PC: bounded and piecewise continuous on P_r. M_P: also μ ≥ 0. For analytic surfaces the extremes are those of
+``preisach.properties``. For tables they come from the masses of cells, never from differentiation. The report is
+computed on demand and not stored.
 """
 
 from dataclasses import dataclass, replace
@@ -25,9 +25,9 @@ _CELLS = 40
 class DensityReport:
     """μ over P_r: minimum and maximum (output per K²) with their places (α, β), classes, reversible part.
 
-    ``g_min`` is the least density of reversible relays on the diagonal (output per K), ``reversible_share``
-    their part of the whole output range. A ``FodTable`` is reversible on its diagonal cells, so it has a
-    ``g_min``; which part of a wire's output is, cells cannot tell, so the share is NaN for tables.
+    ``g_min`` is the least density of reversible relays on the diagonal (output per K). ``reversible_share`` is
+    their share of the whole output range. A ``FodTable`` is reversible on its diagonal cells, so it has a
+    ``g_min``; but cells cannot show the reversible share of a wire's output, so that share is NaN for tables.
     ``negative_cells`` of ``cells`` have negative mass (0 of 0 for surfaces).
     """
 
@@ -112,7 +112,7 @@ def _of_cells(table: Everett) -> DensityReport:
     mass = F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:]
     y_lower = abs(
         float(getattr(table, "y_lower", 0.0))
-    )  # a table keeps outputs: a large zero rounds its masses
+    )  # a table stores outputs: a large zero causes rounding of its masses
     rounding = 1e-12 * float(np.nanmax(np.abs(F))) + 8 * float(np.finfo(float).eps) * y_lower
     mass = np.where(np.abs(mass) <= rounding, 0.0, mass)
     off_diagonal = np.tri(n - 1, k=-1, dtype=bool)

@@ -1,9 +1,8 @@
-"""First-order descending data out of any record of settled points, by following the memory.
+"""First-order descending data from any record of settled points, by following the memory.
 
-A point (α, β, y) belongs to FOD data when the memory is negative saturation and at most one maximum:
-on the rising major branch it is (u, u), falling from a maximum α it is (α, u). First-order ascending
-data (from positive saturation, §4.2) is the same thing in the mirror (u, y) → (−u, −y), and so are the
-first-order reversal curves of magnetism. Knows no protocol (but that one), no fit and no model.
+A point (α, β, y) belongs to FOD data if the memory is negative saturation and at most one maximum: on the rising
+major branch it is (u, u), falling from a maximum α it is (α, u). First-order ascending data (from positive
+saturation, §4.2) is the same in the mirror (u, y) → (−u, −y), and so are first-order reversal curves of magnetism.
 """
 
 from collections.abc import Sequence
@@ -25,7 +24,7 @@ _FodRow = tuple[float, float, float, int, int, int]
 
 @dataclass(frozen=True, eq=False)
 class DescendingCurve:
-    """One curve by itself: number, maximum α, inputs β (n,) falling from at most α, outputs y (n,)."""
+    """One curve: number, maximum α, inputs β (n,) falling from at most α, outputs y (n,)."""
 
     curve: int
     alpha: float
@@ -37,10 +36,10 @@ class DescendingCurve:
 class FodData:
     """FOD points of one hysteresis: arrays (k,) in order of measurement.
 
-    ``alpha`` ≥ ``beta`` inputs and ``y`` outputs in ``unit`` (raw: the encoder's zero is arbitrary);
-    ``curve`` counts curves from 0; ``major`` marks the major loop (rising branch, descent from the top);
-    ``point`` is the point's index in its run and ``run`` that run's index. ``lower``/``upper`` are the
-    smallest and largest identification input. With ``mirrored`` everything is in the mirror (−u, −y).
+    ``alpha`` ≥ ``beta`` are inputs and ``y`` outputs in ``unit`` (raw: the encoder's zero is arbitrary). ``curve``
+    counts curves from 0. ``major`` marks the major loop (rising branch, descent from the top). ``point`` is the
+    index of the point in its run and ``run`` the index of that run. ``lower`` and ``upper`` are the smallest and
+    largest input. With ``mirrored``, all values are in the mirror (−u, −y).
     """
 
     alpha: Array
@@ -64,7 +63,7 @@ class FodData:
         return np.unique(self.alpha[self.alpha > self.beta]).size
 
     def descending_curves(self) -> list[DescendingCurve]:
-        """The curves that descend from a maximum, in order of measurement; repeated readings averaged."""
+        """The curves that descend from a maximum, in order of measurement; repeated readings are averaged."""
         found: list[DescendingCurve] = []
         for number in np.unique(self.curve):
             mine = self.curve == number
@@ -82,9 +81,9 @@ class FodData:
         return replace(self, **{name: getattr(self, name)[mask] for name in names})
 
     def as_table(self) -> tuple[Array, Array, Array]:
-        """Nodes of α (m,), of β (n,) and y (m, n), NaN for β > α: repeated points as their mean.
+        """Nodes of α (m,), of β (n,) and y (m, n), NaN for β > α; repeated points are averaged.
 
-        For a regular partition. Raises DataError naming the first missing (α, β).
+        This needs a regular partition. Raises DataError with the first missing (α, β).
         """
         alphas = np.unique(self.alpha)
         betas = np.unique(np.concatenate([[self.lower], self.alpha, self.beta]))
@@ -96,8 +95,8 @@ class FodData:
         if missing.size:
             i, j = missing[0]
             raise DataError(
-                f"The FOD data is no table on one partition: nothing was measured at α = {alphas[i]:g}, "
-                f"β = {betas[j]:g} ({len(missing)} such cells); measure it, or fit a surface instead."
+                f"The FOD data do not fill one partition: there is no point at α = {alphas[i]:g}, "
+                f"β = {betas[j]:g} ({len(missing)} such cells). Measure it, or fit a surface."
             )
         return alphas, betas, np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0)
 
@@ -112,7 +111,7 @@ class FodData:
 def fod_data(runs: Sequence[Run] | Run) -> FodData:
     """FOD (or mirrored FOA) points of one or several runs, whichever are more.
 
-    Raises DataError when there are no two curves, saying which inputs are needed.
+    Raises DataError with the needed inputs if there are fewer than two curves.
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
     data = first_order_points(runs)
@@ -122,8 +121,8 @@ def fod_data(runs: Sequence[Run] | Run) -> FodData:
     top = f"{data.upper:g}" if len(data) else "the largest input"
     if data.curves == 1:
         raise DataError(
-            f"{names}: only one curve falls from a maximum after saturation; a hysteresis needs several: "
-            f"from saturation ({data.lower:g}) rise to different maxima up to {top} and fall back after each."
+            f"{names}: only one curve falls from a maximum after saturation, but a hysteresis needs several. "
+            f"From saturation ({data.lower:g}), rise to different maxima up to {top} and fall back after each."
         )
     raise DataError(
         f"{names}: no first-order descending curves: the input never rises from negative saturation and "
@@ -133,31 +132,34 @@ def fod_data(runs: Sequence[Run] | Run) -> FodData:
 
 
 def first_order_points(runs: Sequence[Run]) -> FodData:
-    """Like ``fod_data``, but without asking for curves: possibly few points, or none."""
+    """``fod_data`` without a minimum number of curves: possibly few points, or none."""
     if not runs:
-        raise UsageError("No run was given; name at least one run file with FOD data.")
+        raise UsageError("No run was given. Name at least one run file with FOD data.")
     units = {run.unit for run in runs}
     if len(units) > 1:
-        raise DataError(f"The runs measure in different units ({', '.join(sorted(units))}): give them apart.")
+        raise DataError(
+            f"The runs measure in different units ({', '.join(sorted(units))}). Identify them separately."
+        )
     forc = [run.info.protocol == FORC_PROTOCOL for run in runs]
     if any(forc) and not all(forc):
-        raise DataError("Reversal curves and other runs were given together: identify them apart.")
+        raise DataError("Reversal curves and other runs were given together. Identify them separately.")
     if all(forc):
         return _reversal_curves(runs)
     plain, mirror = (_follow_memory(runs, mirrored) for mirrored in (False, True))
-    # The major loop is the same in the mirror: the points inside it tell which way the curves go.
+    # The major loop is the same in the mirror, so the points inside it determine the direction of the curves.
     return mirror if np.sum(~mirror.major) > np.sum(~plain.major) else plain
 
 
 def select(data: FodData, expression: str) -> FodData:
     """The points for which an expression on curve, alpha, beta holds, e.g. ``curve%2==0``.
 
-    In mirrored data alpha and beta are mirrored too. UsageError when it is not understood or finds nothing.
+    In mirrored data, alpha and beta are mirrored too. Raises UsageError if the expression is not understood or
+    finds no point.
     """
     chosen = matches(expression, {"curve": data.curve, "alpha": data.alpha, "beta": data.beta})
     if not chosen.any():
         raise UsageError(
-            f"Selection '{expression}' finds no point: there are curves 0 to {data.curve.max(initial=0)}, "
+            f"Selection '{expression}' finds no point. There are curves 0 to {data.curve.max(initial=0)}, "
             f"alpha and beta between {data.lower:g} and {data.upper:g}."
         )
     return data.where(chosen)
@@ -180,14 +182,14 @@ def _follow_memory(runs: Sequence[Run], mirrored: bool) -> FodData:
 
 
 def _fod_points(history: MemoryHistory, curve: int) -> list[tuple[int, float, float, int]]:
-    """(point, α, β, curve) of the FOD points of one run; a curve begins where the input rises again."""
+    """(point, α, β, curve) of the FOD points of one run; a curve starts where the input rises again."""
     places: list[tuple[int, float, float, int]] = []
     before, fell = history.start, history.continued
     for k, state in enumerate(history.states):
         place = _fod_point(before, state)
         before = state
         if place is None or state is None or place[0] <= state.extrema[0]:
-            continue  # resting in negative saturation is on no curve
+            continue  # points that rest in negative saturation are on no curve
         alpha, beta = place
         if fell and alpha == beta:
             curve, fell = curve + 1, False
@@ -197,11 +199,11 @@ def _fod_points(history: MemoryHistory, curve: int) -> list[tuple[int, float, fl
 
 
 def _fod_point(before: State | None, now: State | None) -> tuple[float, float] | None:
-    """(α, β) of a point from the memory before and at it, None when it is no FOD point."""
+    """(α, β) of a point from the memory before and at it, None if it is not a FOD point."""
     if now is None or now.diagonal:
         return None
     lower = now.extrema[0]
-    if now.u <= lower:  # back in saturation: the end of the curve that came down
+    if now.u <= lower:  # back in saturation: the end of the descending curve
         if before is None or before.diagonal:
             return lower, lower
         return (before.extrema[1] if len(before.extrema) > 1 else before.u), lower

@@ -1,4 +1,4 @@
-"""An identified model with the evidence for it."""
+"""The result of an identification: the model and its evidence."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,10 +18,10 @@ from smarig.replay import Model
 class Identification:
     """A model and the evidence for it. ``surface`` is the kind used.
 
-    ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the runs'
-    first-order curves: none where the runs of a positive measure hold none; its own points are
-    ``model.fit["points"]``. ``choice`` says how "best" was found, None when the kind was asked for by name;
-    ``extension`` what was found of the extended models of §3.5, None when none was asked for.
+    ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the first-order
+    curves of the runs. They are empty if the runs of a positive measure contain none; its own points are
+    ``model.fit["points"]``. ``choice`` describes the choice of "best", and is None if the kind was named.
+    ``extension`` is the result for the extended models of §3.5, None if none was requested.
     """
 
     model: Model
@@ -36,11 +36,11 @@ class Identification:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to know before the model is used, plain sentences."""
+        """Warnings about the model, one or two sentences each."""
         return self.model.warnings
 
     def to_json(self) -> dict[str, Any]:
-        """The CLI's JSON object; figures in ``unit``, μ in unit per squared input unit."""
+        """The JSON object of the command line; errors in ``unit``, μ in unit per squared input unit."""
         model, d, choice = self.model, self.density, self.choice
         values = dict(zip(model.parameters, self.fit.values.tolist())) if self.fit else {}
         intervals = {name: [plain(v) for v in ends] for name, ends in model.intervals.items()}

@@ -1,8 +1,8 @@
-"""Runs in, model out (§5.4, §5.6): find what the runs say of the hysteresis, fit or tabulate it, say what is known.
+"""Identification of a model from runs (§5.4, §5.6): extracts the data, fits or tabulates a hysteresis, and reports
+it.
 
-Surfaces and tables learn from first-order curves; a positive measure from every point whose memory is known,
-whatever protocol it comes from. Puts the parts of this folder together. Refuses to know rigs, and judges
-nothing on validation runs.
+Surfaces and tables use first-order curves. A positive measure uses every point with a known memory, from any
+protocol.
 """
 
 from collections.abc import Sequence
@@ -47,13 +47,13 @@ from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provena
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = (
-    0.9  # of the output's standard deviation left over by a fit: it has not followed the output
+    0.9  # of the output's standard deviation: a fit with larger residuals does not follow the output
 )
 
 
 @dataclass(frozen=True, eq=False)
 class _FittedHysteresis:
-    """One kind fitted: ``image`` is the hysteresis, or its mirror image where ``mirrored``."""
+    """One fitted kind: ``image`` is the hysteresis, or its mirror image if ``mirrored``."""
 
     image: FodSurface | FodTable | ForcTable
     mirrored: bool
@@ -74,20 +74,22 @@ def identify(
     symmetric: bool = False,
     extension: str = NONE,
 ) -> Identification:
-    """Identify a Preisach model from runs (or paths), by any protocol.
+    """Identify a Preisach model from runs (or paths) of any protocol.
 
-    ``surface``: a form of (5.5) or a "table" without a fit, from first-order curves; a "positive" measure,
-    from all points whose memory is known (of reversal curves and selections: their points); or the "best"
-    by held-out curves. ``select`` keeps the points where an expression on curve, alpha, beta holds;
-    ``anchor`` and ``weights`` as in ``fit_surface``; ``symmetric``: the positive measure is its own image
-    under (u, y) → (−u, −y), as that of a magnet. Surfaces and tables of ascending curves, and all models of
-    magnetic reversal curves, are fitted in that mirror. ``extension``: one of the extended models of §3.5 on top, or
-    the "best" of them on runs left out; the model predicts with it.
-    Raises UsageError for unknown names, DataError when the runs hold too little.
+    ``surface`` is a form of (5.5), or a "table" without a fit, both from first-order curves; a "positive" measure
+    from all points with a known memory (for reversal curves and selections: their points); or the "best" by
+    held-out curves. ``select`` keeps the points for which an expression on curve, alpha, beta holds. ``anchor`` and
+    ``weights`` are as in ``fit_surface``. ``symmetric``: the positive measure is its own image under (u, y) → (−u,
+    −y), like that of a magnet. Surfaces and tables of ascending curves, and all models of magnetic reversal curves,
+    are fitted in that mirror. ``extension`` adds one of the extended models of §3.5, or the "best" of them on runs
+    left out; the model then predicts with it. Raises UsageError for unknown names, and DataError if the runs
+    contain too little.
     """
     _check_words(surface, weights, symmetric)
     if extension not in extension_names():
-        raise UsageError(f"No extension '{extension}'{suggestion(extension, list(extension_names()))}.")
+        raise UsageError(
+            f"There is no extension '{extension}'{suggestion(extension, list(extension_names()))}."
+        )
     loaded = _loaded(runs)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
@@ -100,7 +102,7 @@ def identify(
         if kind in surface_forms() and fit is None:
             fit = fit_surface(data, kind, anchor=anchor, weights=weights)
         found = _surface(loaded, data, fit, select, weights)
-    curves = curve_report(everything)  # a selection says nothing of the range
+    curves = curve_report(everything)  # from all points: a selection does not show the range
     fit, floor = found.fit, noise_floor(loaded)
     late = _unsettled_warning(loaded, data, found)
     model = Model(
@@ -139,7 +141,7 @@ def _extended(
     weights: MajorLoopWeighting,
     symmetric: bool,
 ) -> Identification:
-    """With an extended model on top, judged on runs left out."""
+    """The result with an extended model, evaluated on runs left out."""
 
     def refit(kept: Sequence[Run]) -> Everett:
         again = identify(kept, plain.surface, anchor=anchor, weights=weights, symmetric=symmetric)
@@ -153,12 +155,12 @@ def _extended(
 def _check_words(surface: str, weights: str, symmetric: bool) -> None:
     known = [*surface_kinds(), BEST_KIND]
     if surface not in known:
-        raise UsageError(f"No surface '{surface}'{suggestion(surface, known)}.")
+        raise UsageError(f"There is no surface '{surface}'{suggestion(surface, known)}.")
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     if symmetric and surface != POSITIVE_KIND:
         raise UsageError(
-            f"Mirror symmetry can be asked of the {POSITIVE_KIND} surface only, not of '{surface}'."
+            f"Mirror symmetry is available for the {POSITIVE_KIND} surface only, not for '{surface}'."
         )
 
 
@@ -166,12 +168,12 @@ def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
     several = [runs] if isinstance(runs, Run | str | Path) else list(runs)
     loaded = [run if isinstance(run, Run) else load_run(run) for run in several]
     if len({file_hash(run) or id(run) for run in loaded}) < len(loaded):
-        raise UsageError("The same run was given twice: its points would count double; name each run once.")
+        raise UsageError("The same run was given twice, so its points would count twice. Name each run once.")
     return loaded
 
 
 def _first_order_curves(runs: Sequence[Run], surface: str) -> FodData:
-    """The runs' first-order curves; DataError where a surface needs some and there are too few."""
+    """The first-order curves of the runs; DataError if a surface needs some and there are too few."""
     data = first_order_points(runs)
     if surface == POSITIVE_KIND:
         return data
@@ -180,7 +182,7 @@ def _first_order_curves(runs: Sequence[Run], surface: str) -> FodData:
             fod_data(runs)
         except DataError as error:
             raise DataError(
-                f"{error} Without such curves only the {POSITIVE_KIND} surface can be identified: it learns from "
+                f"{error} Without such curves, only the {POSITIVE_KIND} surface can be identified: it uses "
                 "every point whose memory is known."
             ) from None
     _check_usable(data.y, data.alpha, data.unit)
@@ -188,13 +190,13 @@ def _first_order_curves(runs: Sequence[Run], surface: str) -> FodData:
 
 
 def _check_usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str) -> None:
-    """DataError where no hysteresis can be seen: nothing moves, or a number is beyond all measure."""
+    """Raise DataError if the output does not move or a value is implausible."""
     if not (
         np.isfinite(y).all() and np.abs(y).max() < _LARGEST_VALUE and np.abs(alpha).max() < _LARGEST_VALUE
     ):
-        raise DataError("The runs' points hold values that are not finite or beyond all measure.")
+        raise DataError("The runs contain values that are not finite or implausibly large.")
     if np.ptp(y) == 0:
-        raise DataError(f"The output is {y[0]:g} {unit} at every point: nothing moves, nothing to identify.")
+        raise DataError(f"The output is {y[0]:g} {unit} at every point. There is no motion to identify.")
 
 
 def _surface(
@@ -204,7 +206,7 @@ def _surface(
     select: str | None,
     weights: MajorLoopWeighting,
 ) -> _FittedHysteresis:
-    """A fitted surface, or without a fit a table."""
+    """A fitted surface, or a table without a fit."""
     image = fit.surface if fit else _tabulated(runs, data, select)
     figures = surface_figures(image.y(data.alpha, data.beta) - data.y, data, fit, weights, select)
     density = density_report(image)
@@ -214,7 +216,7 @@ def _surface(
 
 
 def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTable | ForcTable:
-    """A table of the data; whole reversal curves go in as their reader cleans them."""
+    """A table of the data; whole reversal curves are used as cleaned by their reader."""
     if select is not None or any(run.info.protocol != FORC_PROTOCOL for run in runs):
         return table(data)
     return ForcTable.from_curves([c for run in runs for c in curves_from_run(run)], unit=data.unit)
@@ -223,9 +225,9 @@ def _tabulated(runs: Sequence[Run], data: FodData, select: str | None) -> FodTab
 def _positive(
     runs: Sequence[Run], data: FodData, select: str | None, weights: MajorLoopWeighting, symmetric: bool
 ) -> _FittedHysteresis:
-    """Of points on first-order curves where they were selected, else of all points of known memory.
+    """A positive measure of the selected points on first-order curves, else of all points with a known memory.
 
-    Only the former can be in the mirror: memory is followed in the signs of the measurement.
+    Only selected points can be mirrored: the memory is followed in the signs of the measurement.
     """
     points_alone = select is not None or any(run.info.protocol == FORC_PROTOCOL for run in runs)
     if points_alone:
@@ -236,7 +238,7 @@ def _positive(
     _check_usable(observations.y, observations.alpha, data.unit)
     inputs = np.concatenate([run.points()[0] for run in runs])
     if np.ptp(inputs) == 0:
-        raise DataError(f"The input is {inputs[0]:g} at every point: nothing drives the output.")
+        raise DataError(f"The input is {inputs[0]:g} at every point. The output is not driven.")
     fit = fit_positive(observations, symmetric=symmetric)
     if not _explains_output(fit, observations):
         raise DataError(_no_fit_reason(observations, symmetric))
@@ -256,21 +258,23 @@ def _explains_output(fit: PositiveFit, observations: Observations) -> bool:
 
 
 def _no_fit_reason(observations: Observations, symmetric: bool) -> str:
-    """An output of the wrong sign, or one that has nothing to do with the input: a fit of its negative tells."""
+    """The reason why no fit follows the output: a wrong sign, or no relation to the input, shown by a fit of its
+    negative.
+    """
     negated = replace(observations, y=-observations.y)
     if _explains_output(fit_positive(negated, symmetric=symmetric), negated):
         return (
-            "No positive measure follows this output, one follows its negative: it falls while the input rises, so "
-            "turn its sign (a negative scale in the mapping of an import) and identify again."
+            "No positive measure fits this output, but one fits its negative: it falls while the input rises. Turn "
+            "its sign (a negative scale in the mapping of an import) and identify again."
         )
     return (
-        "No positive measure follows this output, nor its negative: it does not move with the input; check what "
+        "No positive measure fits this output, nor its negative: it does not move with the input. Check what "
         "was recorded as input and as output."
     )
 
 
 def _unsettled_warning(runs: Sequence[Run], data: FodData, found: _FittedHysteresis) -> list[str]:
-    """How many of the points used are from steps that did not settle."""
+    """A warning with the number of points from steps that did not settle."""
     if found.positive and not (found.mirrored or found.figures["select"]):
         late = sum(step.verdict != "settled" for run in runs for step in run.settled)
     else:

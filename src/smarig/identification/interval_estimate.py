@@ -1,8 +1,8 @@
-"""A number with its 95 % interval, from residuals that may be correlated in time.
+"""A value with its 95 % interval, from residuals that may be correlated in time.
 
-Readings of a slow wire by a coarse sensor are not independent: a quantised reading stands still, then
-jumps. Ordinary standard errors are then too small by √f, f = 1 + 2 Σ ρ_k the residuals' integrated
-autocorrelation; n readings count as n/f. Knows no physics.
+Readings of a slow wire by a coarse sensor are not independent: a quantised reading stands still, then jumps.
+Ordinary standard errors are then too small by √f, with f = 1 + 2 Σ ρ_k the integrated autocorrelation of the
+residuals. n readings count as n/f.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value with its 95 % interval and unit; ``source`` says from what, ``n`` from how many readings."""
+    """A value with its 95 % interval and unit; ``source`` states its origin, ``n`` the number of readings."""
 
     value: float
     ci95: tuple[float, float]
@@ -36,10 +36,10 @@ class Estimate:
 
 
 def variance_inflation(residuals: Sequence[Array]) -> float:
-    """f = 1 + 2 Σ ρ_k ≥ 1 over stretches (n_j,) of equally spaced residuals, pooled.
+    """f = 1 + 2 Σ ρ_k ≥ 1 over segments (n_j,) of equally spaced residuals, pooled.
 
-    Summed while pairs ρ_{2m−1} + ρ_{2m} are positive (Geyer, Statist. Sci. 7:473, 1992) and lags stay
-    below a third of the longest stretch.
+    The sum runs while pairs ρ_{2m−1} + ρ_{2m} are positive (Geyer, Statist. Sci. 7:473, 1992) and lags are below a
+    third of the longest segment.
 
     >>> variance_inflation([np.array([1.0, -1.0] * 50)])
     1.0
@@ -72,7 +72,7 @@ class LinearFit:
 
 
 def linear_fit(segments: Sequence[tuple[Array, Array]]) -> LinearFit | None:
-    """Least squares of b (n_j,) on A (n_j, p) over stretches; None where the data cannot tell p numbers."""
+    """Least squares of b (n_j,) on A (n_j, p) over segments; None if the data do not determine p numbers."""
     A = np.concatenate([a for a, _ in segments])
     b = np.concatenate([v for _, v in segments])
     n, p = A.shape

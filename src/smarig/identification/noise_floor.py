@@ -1,7 +1,7 @@
-"""The noise floor of a record: how far apart are outputs that the memory says are one and the same?
+"""The noise floor of a record: the standard deviation of outputs in the same state of the memory.
 
-Points with the same remembered extrema and the same input are repeats; their pure error needs no model.
-One home for this figure: verification and reports use it. Knows no model.
+Points with the same remembered extrema and the same input are repeats. Their pure error needs no model.
+Verification and reports use this figure.
 """
 
 from collections import defaultdict
@@ -20,11 +20,11 @@ FEWEST_ENDS = 8
 
 @dataclass(frozen=True)
 class NoiseFloor:
-    """Standard deviation ``value`` of a settled output in ``unit``, None when nothing was repeated.
+    """Standard deviation ``value`` of a settled output in ``unit``, None if nothing was repeated.
 
-    ``n_pairs`` degrees of freedom; ``source`` says which repeats: "repeats" inside the loop, "saturation"
-    when only the ends of the range were visited again, "windows" when the scatter of the samples within each
-    settling window has to do, or "none".
+    ``n_pairs`` are the degrees of freedom. ``source`` is the kind of repeats: "repeats" inside the loop,
+    "saturation" if only the ends of the range were visited again, "windows" if the scatter of samples within the
+    settling windows is used instead, or "none".
     """
 
     value: float | None
@@ -36,8 +36,8 @@ class NoiseFloor:
 def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
     """Pure-error standard deviation √(Σ(y − ȳ)²/Σ(n − 1)) over repeated memory states, within each run.
 
-    Repeats in saturation are used only when there are fewer than three others (where the range was not
-    fully exercised, they are no repeats), and eight of them at least; else the points' own windows tell.
+    Repeats in saturation are used only if there are fewer than three others and at least eight of them, because
+    they are no repeats if the range was not fully exercised. Otherwise the windows of the points are used.
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
     unit = runs[0].unit if runs else ""
@@ -51,7 +51,7 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
     if inside.freedom >= FEWEST_PAIRS:
         return NoiseFloor(inside.sd, inside.freedom, unit, "repeats")
     windows = _of_windows(runs)
-    if windows is not None and ends.freedom < FEWEST_ENDS:  # one pair says next to nothing of a deviation
+    if windows is not None and ends.freedom < FEWEST_ENDS:  # one pair hardly determines a standard deviation
         return NoiseFloor(*windows, unit, "windows")
     if ends.freedom:
         return NoiseFloor(ends.sd, ends.freedom, unit, "saturation")
@@ -59,7 +59,7 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
 
 
 def _of_windows(runs: list[Run]) -> tuple[float, int] | None:
-    """Rms uncertainty of the settled points by their own windows, and how many; None without samples."""
+    """Rms uncertainty of the settled points from their own windows, and their number; None without samples."""
     points = [settled_points(run) for run in runs if run.settled and len(run) >= 50 * len(run.settled)]
     if not points:
         return None
@@ -72,7 +72,7 @@ def _repeats(history: MemoryHistory, lower: float, upper: float) -> Iterable[tup
     visits: dict[tuple, list[float]] = defaultdict(list)
     before = None
     for state, y in zip(history.states, history.outputs.tolist()):
-        # A hold that follows the same hold is the same visit going on, not a repeat.
+        # A hold that follows the same hold continues the same visit and is not a repeat.
         if state is not None and state != before:
             visits[(state.extrema, state.u, state.diagonal)].append(y)
         before = state

@@ -1,6 +1,6 @@
-"""Choosing points with a short expression such as ``curve%2==0``: arithmetic and comparisons, no code.
+"""Selects points with a short expression such as ``curve%2==0``.
 
-Knows the three names curve, alpha and beta. Refuses everything else that Python could say.
+It accepts the names curve, alpha and beta, arithmetic and comparisons; other Python syntax is an error.
 """
 
 import ast
@@ -37,9 +37,10 @@ _OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
 
 
 def matches(expression: str, values: Mapping[str, NDArray]) -> NDArray[np.bool_]:
-    """Where the expression holds, shape (k,); ``values`` has arrays (k,) for curve, alpha and beta.
+    """The mask (k,) of points for which the expression holds; ``values`` has arrays (k,) for curve, alpha and beta.
 
-    Comparisons, and/or/not, + - * / % and numbers. Raises UsageError naming what is not understood.
+    Comparisons, and/or/not, + - * / % and numbers are allowed. Raises UsageError with the part that is not
+    understood.
 
     >>> matches("curve % 2 == 0 and alpha > 10", {"curve": np.arange(4), "alpha": np.array([5., 20, 30, 40])})
     array([False, False,  True, False])

@@ -1,8 +1,9 @@
-"""Passivity of a measured run: ∫ u dy of its readings along its predicted input, against a model's bound (Thm 8.1).
+"""Passivity of a measured run: ∫ u dy of its readings along its predicted input, against the model's bound (Thm
+8.1).
 
-Cuts the record where an input or a reading is missing, and follows the memory: a stretch whose first state is not
-known is summed, but held against no bound. After a missing input the memory is unknown until the input saturates.
-Refuses to know how energies are computed (``control.readings``).
+The record is cut where an input or a reading is missing, and the memory is followed. The integral of a segment with
+an unknown first state is computed, but not compared with a bound. After a missing input, the memory is unknown
+until the input saturates.
 """
 
 from collections.abc import Iterator
@@ -21,15 +22,16 @@ _INPUT_MISSING = "the input was missing, so the memory is not known until it sat
 
 
 def passivity_of_run(run: Run, model: Model, start: Start | None = None) -> MeasuredPassivity:
-    """Supplied energy of the readings of a run, sample by sample, with the model's beside it and its bound.
+    """Supplied energy of the readings of a run, sample by sample, with that of the model and its bound.
 
-    ``start``: the state the run began in, where its record does not say. Effects of a model are left out: the bound is
-    its hysteresis's. UsageError or DataError for a run of other units, without readings, or of reversal curves.
+    ``start`` is the state at the start of the run, if its record does not state it. The effects of a model are left
+    out, because the bound is that of its hysteresis. Raises UsageError or DataError for a run in other units,
+    without readings, or of reversal curves.
     """
     check_input(model, run)
     check_output(model, run)
     if run.info.protocol == FORC_PROTOCOL:
-        raise DataError(f"{run.path} holds reversal curves, not a run in time: there is no energy along it.")
+        raise DataError(f"{run.path} holds reversal curves, not a run in time, so it has no supplied energy.")
     u, y = run["input"], run["position"]
     present = np.isfinite(u) & np.isfinite(y)
     if not present.any():
@@ -48,7 +50,9 @@ def passivity_of_run(run: Run, model: Model, start: Start | None = None) -> Meas
 def _starts(
     operator: Preisach, u: NDArray[np.float64], present: NDArray[np.bool_], start: Start | None
 ) -> Iterator[tuple[int, State | str]]:
-    """Rows where a stretch begins (after a gap, or as the memory gets known) with its state, or why there is none."""
+    """Rows at which a segment starts (after a gap, or when the memory becomes known) with its state, or why there
+    is none.
+    """
     h, unknown = operator.hysteresis, "" if start else _UNKNOWN
     rest = SATURATION_TOLERANCE * (h.upper - h.lower)
     operator.reset(start or "negative")

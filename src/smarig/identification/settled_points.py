@@ -1,7 +1,7 @@
-"""Settled points with their own uncertainty, read from the samples of each step's window.
+"""Settled points with their uncertainties, from the samples of each step's window.
 
-The standard uncertainty of a settled mean has three parts: scatter of the window's block means, what
-the wire still moved within the window, and quantisation where noise does not dither it. Knows no model.
+The standard uncertainty of a settled mean has three parts: scatter of the window's block means, remaining motion of
+the wire within the window, and quantisation that noise does not dither.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class SettledPoints:
     unit: str
 
     def of(self, *branches: str) -> "SettledPoints":
-        """The points of some branches, in order."""
+        """The points of the named branches, in order."""
         keep = np.array([b in branches for b in self.branch], dtype=bool)
         kept = tuple(b for b in self.branch if b in branches)
         return SettledPoints(self.input[keep], self.output[keep], self.uncertainty[keep], kept, self.unit)
@@ -52,8 +52,8 @@ def _uncertainty(run: Run, step: Step, per_count: float) -> float:
         return per_count / np.sqrt(12)
     used = window[: window.size // _BLOCKS * _BLOCKS].reshape(_BLOCKS, -1).mean(axis=1)
     block = used.var(ddof=1)
-    # The end of the window against its mean: a wire that still moves shows there. Within twice what noise
-    # alone does to that difference it says nothing.
+    # The end of the window minus its mean shows a wire that still moves. Differences within twice their
+    # noise are ignored.
     moved, by_noise = (used[-5:].mean() - used.mean()) ** 2, block * (1 / 5 - 1 / _BLOCKS)
     moved = moved if moved > 4 * by_noise else 0.0
     undithered = per_count**2 / 12 if window.std() < 0.3 * per_count else 0.0

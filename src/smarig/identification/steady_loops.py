@@ -1,8 +1,8 @@
-"""Steady loops out of a run: one input swing there and back, as two branches with their tips and faults.
+"""Steady loops of a run: each is one swing of the input, with two branches, their tips and its closure error.
 
-For loops measured one by one (numbered in the column ``step``), for cycles in a row, and for one cycle that was
-begun half way. How well a loop closes is measured, not assumed. Knows runs; no memory, no model, and no
-smoothing: a branch is what was measured between its tips, small reversals of noise included.
+It accepts loops measured one by one (numbered in the column ``step``), cycles in a row, and one cycle that started
+in the middle. The closure of a loop is measured, not assumed. Branches are not smoothed: a branch is everything
+measured between its tips, including small reversals by noise.
 """
 
 from collections.abc import Iterator
@@ -18,18 +18,18 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Point = tuple[float, float]
-CLOSURE_TOLERANCE = 0.05  # of a loop's input range: a swing that ends this close to its beginning came back
+CLOSURE_TOLERANCE = 0.05  # of a loop's input range: largest distance of the end of a swing from its start
 _GRID = 201
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyLoop:
-    """One loop: input–output tips, and its branches in measured order, each with both its ends.
+    """One loop: its tips (input, output), and its branches in measured order, each with both ends.
 
-    ``number``: the run's own number of the loop, or its place in the run from 0. ``rising`` goes from the
-    lower tip to the upper one, ``falling`` back: each (n, 2), columns input and output in the run's units. A tip
-    visited twice is the mean of both visits; where the input passed it without stopping, the output there is
-    interpolated. ``closure``: output at the end of the swing minus that at its beginning.
+    ``number`` is the run's own number of the loop, or its index in the run from 0. ``rising`` goes from the lower
+    tip to the upper one, ``falling`` back: each (n, 2), columns input and output in the run's units. A tip that was
+    visited twice is the mean of both visits. If the input passed a tip without stopping, its output is
+    interpolated. ``closure`` is the output at the end of the swing minus that at its start.
     """
 
     number: int
@@ -47,14 +47,15 @@ class SteadyLoop:
 
     @property
     def centre(self) -> Point:
-        """The point half way between the tips."""
+        """The midpoint between the tips."""
         return (self.lower[0] + self.upper[0]) / 2, (self.lower[1] + self.upper[1]) / 2
 
     def symmetry_error(self, centre: Point | None = None) -> float:
-        """Rms of y_falling(u) + y_rising(2u_c − u) − 2y_c over the inputs both cover, in output units.
+        """Rms of y_falling(u) + y_rising(2u_c − u) − 2y_c over the inputs that both branches cover, in output
+        units.
 
-        Zero where the loop is its own mirror image in the point (u_c, y_c), its centre if none is given. NaN where
-        the branches and their images share no input.
+        Zero if the loop is its own mirror image in the point (u_c, y_c), by default its centre. NaN if the branches
+        and their images share no input.
         """
         u_c, y_c = self.centre if centre is None else centre
         rising, falling = _as_function_of_input(self.rising), _as_function_of_input(self.falling)
@@ -73,7 +74,7 @@ class SteadyLoop:
 
 @dataclass(frozen=True, eq=False)
 class _LoopBranches:
-    """Readings of a loop's two branches; ``seam``: the last and first of the record, where they are joined."""
+    """Readings of a loop's two branches; ``seam``: the last and first reading of the record, where they are joined."""
 
     outward: Integers
     return_: Integers
@@ -81,13 +82,13 @@ class _LoopBranches:
 
 
 def steady_loops(run: Run, *, smallest: float = 0.2) -> list[SteadyLoop]:
-    """Every swing of the input that comes back to where it began, in the order of closing; [] if there is none.
+    """Every swing of the input that returns to its start, in the order of closing; [] if there is none.
 
-    Nested loops are told apart as the memory does (wiping-out, §3.3.1): when the input passes an earlier
-    reversal again, the swing in between is a loop, and the branch it interrupted goes on. A swing that began
-    with the record must end within 5 % of its size (``CLOSURE_TOLERANCE``) of its beginning. Reversals smaller than
-    ``smallest`` × the input's range are taken as noise of their branch. Numbered parts of a run (column
-    ``step`` without a table of steps) are searched one by one.
+    Nested loops are separated by wiping-out (§3.3.1): when the input passes an earlier reversal again, the swing in
+    between is a loop, and the interrupted branch continues. A swing that started with the record must end within 5
+    % of its size (``CLOSURE_TOLERANCE``) of its start. Reversals smaller than ``smallest`` × the input's range
+    count as noise of their branch. Numbered parts of a run (column ``step`` without a table of steps) are searched
+    separately.
     """
     loops: list[SteadyLoop] = []
     for number, u, y in _numbered_parts(run):
@@ -113,9 +114,10 @@ def _numbered_parts(run: Run) -> Iterator[tuple[int | None, Array, Array]]:
 
 
 def _closed_loops(u: Array, turns: list[int]) -> list[_LoopBranches]:
-    """The swings between reversals that close, innermost first (rainflow counting, with the first swing apart).
+    """The swings between reversals that close, innermost first (rainflow counting; the first swing is treated
+    separately).
 
-    ``open_`` holds the branches that still wait for their closing, each from one remembered reversal to the next.
+    ``open_`` holds the branches that are not closed yet, each from one remembered reversal to the next.
     """
     found_loops: list[_LoopBranches] = []
     open_: list[Integers] = []
@@ -127,9 +129,7 @@ def _closed_loops(u: Array, turns: list[int]) -> list[_LoopBranches]:
             first, short = len(open_) == 2, abs(u[return_[-1]] - u[return_[0]]) < size
             if left > CLOSURE_TOLERANCE * size and short:
                 break
-            if (
-                first and left > CLOSURE_TOLERANCE * size
-            ):  # a record's beginning is no reversal to come back to
+            if first and left > CLOSURE_TOLERANCE * size:  # the start of a record is not a reversal
                 del open_[0]
                 continue
             past = np.flatnonzero((u[return_] - u[outward[0]]) * (u[outward[-1]] - u[outward[0]]) <= 0)
@@ -142,7 +142,7 @@ def _closed_loops(u: Array, turns: list[int]) -> list[_LoopBranches]:
 
 
 def _loop_from_mid_branch(u: Array, turns: list[int]) -> list[_LoopBranches]:
-    """One swing whose record begins and ends at the same input on one branch: the end goes on at the beginning."""
+    """One swing whose record starts and ends at the same input on one branch: the end is joined to the start."""
     if len(turns) != 4:
         return []
     first, a, b, last = turns
@@ -165,7 +165,7 @@ def _loop(number: int, u: Array, y: Array, branches: _LoopBranches) -> SteadyLoo
 
 
 def _trim_to_input(branch: Array, u: float) -> None:
-    """Moves the last point, if it lies beyond input ``u``, back to it on the line from the point before."""
+    """Move the last point, if it lies beyond input ``u``, back to ``u`` on the line from the previous point."""
     before, last = branch[-2], branch[-1]
     if (before[0] - u) * (last[0] - u) < 0:
         part = (u - before[0]) / (last[0] - before[0])
@@ -173,6 +173,6 @@ def _trim_to_input(branch: Array, u: float) -> None:
 
 
 def _as_function_of_input(branch: Array) -> Array:
-    """A branch as a function of its input: (m, 2), inputs rising, outputs at one input as their mean."""
+    """A branch as a function of its input: (m, 2), inputs rising, with the mean output of equal inputs."""
     u, where = np.unique(branch[:, 0], return_inverse=True)
     return np.column_stack([u, np.bincount(where, branch[:, 1]) / np.bincount(where)])

@@ -1,8 +1,8 @@
-"""How far is a model from measured runs? Settled points, simulated along the whole history of each run.
+"""Verification: errors of a model at settled points of runs, simulated along the whole history of each run.
 
-The encoder is relative, so model and run agree only up to its zero. That zero is known when the run was
-zeroed where a training run was, or at power-up in a named state; otherwise one additive offset is fitted,
-and the result says so. Knows no fit of any other kind, and no rig.
+The encoder is relative, so model and run agree only up to its zero. The zero is known if the run has the zero of a
+training run, or was zeroed at power-up in a named state. Otherwise one additive offset is fitted, and the result
+reports it.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ Offset = Literal["auto", "known", "fitted"]
 
 @dataclass(frozen=True)
 class PredictionErrors:
-    """Model minus data over n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
+    """Errors (model minus data) of n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
 
     n: int
     rms: float
@@ -49,10 +49,10 @@ class PredictionErrors:
 
 @dataclass(frozen=True, eq=False)
 class RunVerification:
-    """One run: errors, the points behind them, and how the encoder's zero was met.
+    """The verification of one run: errors, the points behind them, and the treatment of the encoder's zero.
 
-    ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN where the memory is
-    unknown); ``judged`` (k,) those that count. ``offset``, "known" or "fitted", was added to the model.
+    ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
+    ``judged`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model.
     """
 
     run: str
@@ -68,7 +68,7 @@ class RunVerification:
     warnings: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values, as the CLI prints them."""
+        """Plain values, as the command line prints them."""
         return {
             "run": self.run,
             **self.settled.to_json(),
@@ -82,7 +82,7 @@ class RunVerification:
 
 @dataclass(frozen=True, eq=False)
 class Verification:
-    """A model judged on runs."""
+    """The verification of a model on runs."""
 
     model: str
     unit: str
@@ -102,11 +102,11 @@ class Verification:
 def verify(
     model: Model, runs: Run | Sequence[Run], select: str | None = None, *, offset: Offset = "auto"
 ) -> Verification:
-    """Errors of a model on the settled points of runs, each simulated along its whole history.
+    """Compute the errors of a model at the settled points of runs, each simulated along its whole history.
 
-    ``select`` lets only FOD points count for which an expression on curve, alpha, beta holds; the history
-    is simulated whole. ``offset``: "known" refuses runs whose encoder zero is not, "fitted" always fits one.
-    Raises DataError when units differ or a run's memory is never known.
+    ``select`` counts only FOD points for which an expression on curve, alpha, beta holds; the whole history is
+    still simulated. With ``offset`` "known", a run with an unknown encoder zero is an error; "fitted" always fits
+    an offset. Raises DataError if units differ or the memory of a run is never known.
     """
     several = [runs] if isinstance(runs, Run) else list(runs)
     for run in several:
@@ -124,7 +124,7 @@ def verify(
 
 
 def _selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
-    """Which points count, per run; curves are numbered through all runs, as in ``identify``."""
+    """Masks of the points that count, per run; curves are numbered through all runs, as in ``identify``."""
     if select is None:
         return [np.ones(run.points()[0].size, dtype=bool) for run in runs]
     data = first_order_points(runs)
@@ -151,7 +151,7 @@ def _verified(
     if not counts.any():
         raise DataError(
             f"{run.path}: no point can be predicted, because the memory at its start is unknown and it never "
-            "saturates; give the run before it as well, or begin runs in saturation."
+            "saturates. Also give the run before it, or start runs in saturation."
         )
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     span = float(np.ptp(measured))
@@ -178,7 +178,7 @@ def _errors(error: Array, span: float) -> PredictionErrors:
 
 
 def _transient(model: Model, run: Run, shift: float) -> PredictionErrors | None:
-    """Every sample along the run's input column, None where that is not known apart from the points."""
+    """Errors of every sample along the run's input column, or None if the input is known at the points only."""
     if not (run.settled and run.has("input") and run.has("position")):
         return None
     error = simulate_samples(model, run) + shift - run["position"]
@@ -195,17 +195,15 @@ def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[
     if known is not None:
         return known, "known"
     if offset == "known":
-        raise DataError(
-            f"{run.path} does not say in which state its encoder was zeroed; use a fitted offset."
-        )
+        raise DataError(f"{run.path} does not state where its encoder was zeroed. Use a fitted offset.")
     return float(difference.mean()), "fitted"
 
 
 def known_offset(model: Model, run: Run) -> float | None:
-    """What to add to the model's output to meet the run's zero; None when the record does not tell.
+    """The offset from the model's output to the run's zero, or None if the record does not determine it.
 
-    0 for the runs the model was made from, runs of the same session with the same encoder zero, and
-    reversal curves (absolute); −y(initial state) for a run zeroed at power-up in a named state.
+    It is 0 for the training runs, for runs of the same session with the same encoder zero, and for reversal curves
+    (absolute). It is −y(initial state) for a run zeroed at power-up in a named state.
     """
     mine = provenance(run)
     for made_from in model.provenance:
@@ -225,15 +223,15 @@ def known_offset(model: Model, run: Run) -> float | None:
 
 
 def _validity_warnings(model: Model, run: Run) -> list[str]:
-    """Is this a fair judgement? Not on another wire, not on training data, not on half a run."""
+    """Warnings about runs of another wire, training runs and incomplete runs."""
     found = []
     wires = {p.wire for p in model.provenance if p.wire}
     wire = run.info.wire
     if wire and wires and wire not in wires:
-        found.append(f"The run is of wire '{wire}', the model of {', '.join(sorted(wires))}.")
+        found.append(f"The run is of wire '{wire}', but the model is of {', '.join(sorted(wires))}.")
     if (mine := file_hash(run)) and mine in {p.sha256 for p in model.provenance}:
         found.append(
-            "The model was fitted to this run: the figures say how well it fits, not how well it predicts."
+            "The model was fitted to this run. The errors show how well it fits, not how well it predicts."
         )
     if run.cause != "done":
         found.append(f"The run is incomplete: {run.cause.removeprefix('incomplete: ')}.")
@@ -243,18 +241,18 @@ def _validity_warnings(model: Model, run: Run) -> list[str]:
 def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequence[str]) -> tuple[str, ...]:
     found = []
     if unknown:
-        found.append(f"{unknown} points come before the memory is known and are not judged.")
+        found.append(f"{unknown} points come before the memory is known and do not count.")
     if outside:
         h = model.hysteresis
         found.append(
-            f"{outside} points lie outside the model's range [{h.lower:g}, {h.upper:g}] {model.input.unit}; "
-            "the model saturates there."
+            f"{outside} points lie outside the model's range [{h.lower:g}, {h.upper:g}] {model.input.unit}. "
+            "The model saturates there."
         )
     if missing:
         found.append(
-            f"The model's effects may depend on the clock and on cycles, so what came earlier in the session counts, "
-            f"but {', '.join(missing)} is neither given nor where it was: these figures may mean nothing. Give all."
+            f"The effects of the model depend on earlier runs of the session, but {', '.join(missing)} is neither "
+            "given nor found at its path. The errors may be meaningless. Give all runs of the session."
         )
     if kind == "fitted":
-        found.append("The encoder's zero is not known for this run: one additive offset was fitted.")
+        found.append("The encoder's zero is not known for this run, so one additive offset was fitted.")
     return tuple(found)

@@ -96,7 +96,7 @@ def test_a_classical_wire_shows_no_feedback():
 
 
 def test_a_record_without_loops_is_refused_with_what_is_missing():
-    with pytest.raises(DataError, match="measure minor loops"):
+    with pytest.raises(DataError, match="Measure minor loops"):
         identify_moving([record(FIRST, truths.classical(FIRST))])
 
 

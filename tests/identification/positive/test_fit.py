@@ -181,12 +181,12 @@ def test_the_cost_of_non_negativity_is_reported():
 
 def test_little_or_no_data_is_refused_in_a_sentence():
     observations = points(thesis_surface("one_c"), np.array(PARTITION["one"]))
-    with pytest.raises(DataError, match="three are the least"):
+    with pytest.raises(DataError, match="Give at least three"):
         fit_positive(observations.where(np.arange(len(observations)) < 2))
     still = Observations.of_points(
         observations.alpha, observations.beta, 0 * observations.y, observations.curve, (0.0, 174.1)
     )
-    with pytest.raises(DataError, match="nothing moves"):
+    with pytest.raises(DataError, match="no motion to identify"):
         fit_positive(still)
     with pytest.raises(UsageError, match="positive number"):
         fit_positive(observations, smoothing=-1.0)

@@ -1,1 +1,1 @@
-"""Is anything left beyond noise: residuals against null data."""
+"""The test whether residuals exceed noise, against null data."""

@@ -1,8 +1,8 @@
-"""What might be wrong: every effect of the catalogue, and every plain "it depends on …", as traces in this very story.
+"""The candidates: every effect of the catalogue and every dependence on a variable, as traces in the timeline.
 
-A named candidate's traces are what its effect, planted weakly, would have changed in each reading; one trace for
-each combination of its other parameters. A generic candidate is a smooth function of one variable, added to
-position or felt as temperature. All compete by the same measure. Knows no data and takes no decision.
+The traces of a named candidate are the changes of each reading by its weak effect, one trace for each combination
+of its other parameters. A generic candidate is a smooth function of one variable, added to the position or to the
+temperature. All candidates are compared by the same measure.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,19 +18,19 @@ from smarig.plant import Effect, EffectType, Parameter
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
-WEAK_SHARE = 0.25  # of the typical strength: where a trace is still in proportion
-MAX_EXTRAPOLATION = 3.0  # times a strength that was tried
-EXPECTED_SHARE = 0.01  # of output and of input range: what may depend on any variable
-DETECTION_SD = 4.0  # standard deviations that the largest strength must stand out by
+WEAK_SHARE = 0.25  # of the typical strength: here a trace is proportional to the strength
+MAX_EXTRAPOLATION = 3.0  # times a strength that was tried: limit of extrapolation
+EXPECTED_SHARE = 0.01  # of output and of input range: expected size of a dependence on a variable
+DETECTION_SD = 4.0  # standard deviations by which the largest strength must exceed the noise
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """Whitened traces (N, v) of one explanation.
 
-    ``kind`` with ``variants`` (v) for a named one: each trace by itself, ``signed`` when strength may be negative.
-    ``depends_on`` for a generic one: the traces together, an orthonormal basis. ``size`` (v,): whitened length per
-    unit of strength.
+    A named candidate has ``kind`` and ``variants`` (v), each with one trace; ``signed`` if its strength may be
+    negative. A generic candidate has ``depends_on``, and its traces together are an orthonormal basis. ``size``
+    (v,) is the whitened length per unit of strength.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Candidate:
 
     @property
     def typical(self) -> list[Array]:
-        """Raw traces as large as one would expect, those together that go together: each (N, k)."""
+        """Raw traces of expected size, in sets that belong together: each (N, k)."""
         if self.kind is None:
             return [self.traces]
         typical = abs(self.kind.primary.typical)
@@ -50,7 +50,7 @@ class Candidate:
 
     @property
     def generic(self) -> bool:
-        """Whether it names a variable instead of a cause."""
+        """Whether the candidate is a variable instead of an effect."""
         return self.kind is None
 
     @property
@@ -59,7 +59,7 @@ class Candidate:
         return self.kind is not None and self.kind.primary.lower < 0
 
     def explained_share(self, data: Array) -> Array:
-        """Share of the squares of whitened data (N,) or (N, m) that the candidate takes up, best variant, (m,)."""
+        """Share (m,) of the squares of whitened data (N,) or (N, m) that the best variant explains."""
         y = data[:, None] if data.ndim == 1 else data
         total = np.sum(y**2, axis=0)
         if not self.traces.shape[1]:
@@ -72,7 +72,7 @@ class Candidate:
         return np.max(projection**2, axis=0) / total
 
     def best(self, data: Array) -> tuple[Effect, float]:
-        """The variant that takes up most of whitened data (N,), at the strength that does."""
+        """The variant that explains most of whitened data (N,), at its best strength."""
         projection = self.traces.T @ data
         score = np.abs(projection) if self.signed else projection
         k = int(np.argmax(score))
@@ -80,7 +80,7 @@ class Candidate:
         assert kind is not None  # noqa: S101 - only named candidates have variants
         primary = kind.primary
         strength = float(np.sign(variants.strength) * projection[k] / self.size[k])
-        if primary.tries:  # not in proportion: no farther from the trace than it is true
+        if primary.tries:  # not proportional to the strength: stay where the trace is valid
             strength = float(
                 np.clip(
                     strength, variants.strength / MAX_EXTRAPOLATION, variants.strength * MAX_EXTRAPOLATION
@@ -90,14 +90,14 @@ class Candidate:
         return kind(**values), float(score[k])
 
     def gain(self, data: Array) -> Array:
-        """½ N log(1/(1 − share)): the log likelihood ratio with the noise's size refitted, (m,)."""
+        """½ N log(1/(1 − share)), (m,): the log likelihood ratio with the size of the noise refitted."""
         return -0.5 * data.shape[0] * np.log1p(-np.minimum(self.explained_share(data), 1 - 1e-12))
 
 
 def named(
     timeline: Timeline, plant_model: PlantModel, base: Prediction, kinds: Sequence[EffectType]
 ) -> Iterator[Candidate]:
-    """A candidate for each kind, with raw traces: what it would have changed, planted weakly."""
+    """A candidate for each effect type, with raw traces: the changes by its weak effect."""
     zero = base.stacked(timeline)
     for kind in kinds:
         variants = tuple(_variants(kind, timeline))
@@ -108,9 +108,9 @@ def named(
 
 
 def whitened(candidate: Candidate, refitted: Refit) -> Candidate:
-    """Traces of unit length where nothing else explains them; those that cannot be seen here are left out.
+    """The candidate with traces whitened to unit length, without those that cannot be seen in these data.
 
-    A trace is seen when the largest strength its bounds allow would stand out of the noise.
+    A trace is visible if the largest strength within its bounds would exceed the noise.
     """
     white = refitted.whitened(candidate.traces)
     if candidate.kind is None:
@@ -147,9 +147,10 @@ def _tries(parameter: Parameter, duration_h: float) -> tuple[float, ...]:
 def generic(
     timeline: Timeline, plant_model: PlantModel, base: Prediction, slope: Array
 ) -> Iterator[Candidate]:
-    """ "It depends on z", for each z the story knows: added or felt, five smooth functions each; raw traces.
+    """Generic candidates for each variable z of the timeline: five smooth functions each, added to output or input;
+    raw traces.
 
-    Other channels may depend on time and level by themselves.
+    Other channels may depend on time and level on their own.
     """
     total, h = sum(len(r) for r in timeline.all_readings), plant_model.hysteresis
     output_change, input_change = EXPECTED_SHARE * plant_model.stroke, EXPECTED_SHARE * (h.upper - h.lower)
@@ -175,7 +176,7 @@ def generic(
 
 
 def _smooth(z: Array, functions: int = 5) -> Array:
-    """Cosines over the ranks of z, (n, up to 5): smooth in z wherever its values lie."""
+    """Cosines over the ranks of z, (n, up to 5): smooth in z for any distribution of its values."""
     values, where = np.unique(np.round(z, 9), return_inverse=True)
     if values.size < 2:
         return np.empty((z.size, 0))

@@ -1,8 +1,8 @@
-"""A model judged against a story: is anything wrong at all, and which candidates gain more than noise would give?
+"""The critique of a model: does anything exceed the noise, and which candidates gain more than noise would?
 
-Every candidate's gain is measured in the spread of its own gains on nulls, (g − q50)/(q95 − q50); the largest of
-them is compared with the largest in each null (Westfall and Young's max statistic), so that the chance of any false
-alarm is α, however many candidates compete. Knows no effect by name.
+The gain of every candidate is scaled by the spread of its gains on null data, (g − q50)/(q95 − q50). The largest is
+compared with the largest of each null data set (maximum statistic of Westfall and Young). So the probability of any
+false alarm is α for any number of candidates.
 """
 
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ from smarig.replay import PlantModel, Prediction, Timeline, predict
 Array = NDArray[np.float64]
 NULL_DATA_SETS = 400
 ALPHA = 0.03
-MIN_SPREAD_NATS = 1.5  # nats, about what one free strength gains by chance: none is told by a hair
+MIN_SPREAD_NATS = 1.5  # nats: about the gain of one free strength by chance
 
 
 @dataclass(frozen=True, eq=False)
 class CandidateScore:
-    """A candidate's gain (nats), its null's median and 95 % point, and the gain in that spread."""
+    """A candidate's gain (nats), the median and 95 % point of its gains on null data, and the scaled gain."""
 
     candidate: Candidate
     gain: float
@@ -35,18 +35,18 @@ class CandidateScore:
 
     @property
     def net(self) -> float:
-        """Gain beyond what nothing gains."""
+        """Gain beyond the median on null data."""
         return self.gain - self.median
 
     @property
     def standard(self) -> float:
-        """In spreads of its own null."""
+        """Gain in units of its spread on null data."""
         return self.net / max(self.high - self.median, MIN_SPREAD_NATS)
 
 
 @dataclass(frozen=True, eq=False)
 class Critique:
-    """A subject (with the effects it already has) judged: scores, and the threshold of their largest."""
+    """The critique of a plant model with its present effects: scores, and the threshold of the largest score."""
 
     timeline: Timeline
     plant_model: PlantModel
@@ -63,11 +63,11 @@ class Critique:
 
     @property
     def largest(self) -> CandidateScore:
-        """What stands out most."""
+        """The largest score."""
         return max(self.scores, key=lambda s: s.standard)
 
     def best(self, count: int, *, generic: bool = False) -> list[CandidateScore]:
-        """The candidates, named or generic, that gain most, and after each that which stands out most."""
+        """The named or generic candidates that gain most, each followed by the one that stands out most."""
         kind = [s for s in self.scores if s.candidate.generic is generic and s.net > 0]
         by_gain = sorted(kind, key=lambda s: -s.net)
         by_standard = sorted(kind, key=lambda s: -s.standard)
@@ -87,10 +87,10 @@ def critique(
     all_nuisances: bool = False,
     noise_of: Critique | None = None,
 ) -> Critique:
-    """Judge a subject by a story against ``count`` nulls at the level α.
+    """Compare a plant model with a timeline and with ``count`` null data sets at the level α.
 
-    ``warm_start``: noise as in another, refined; ``noise_of``: noise as in another; ``all_nuisances``: as little
-    noise as there is when anything may be wrong.
+    ``warm_start``: refine the noise of another critique. ``noise_of``: use the noise of another critique.
+    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once.
     """
     prediction = predict(timeline, plant_model)
     present = {effect.kind.name for effect in plant_model.catalogue_effects}
@@ -139,7 +139,7 @@ def critique(
 def null_data(
     prediction: Prediction, plant_model: PlantModel, refitted: Refit, count: int, seed: int
 ) -> Array:
-    """Whitened stacked readings (N, count) of stories without any effect."""
+    """Whitened stacked readings (N, count) of null data."""
     rng = np.random.default_rng([seed, 0x5EED])
     noise = refitted.noise
     hysteresis_input_K, t, at = prediction.hysteresis_input_K, prediction.t_s, prediction.tick_index

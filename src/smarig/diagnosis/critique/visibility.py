@@ -1,8 +1,8 @@
-"""What these data could show at all: how large each effect must be, and which imitate which.
+"""The size that each effect must have to be visible in these data, and which effects can imitate each other.
 
-    δ = ‖L⁻¹ t‖/√N        t the effect's trace at typical strength, L Lᵀ = C: what no density and no noise explains
+    δ = ‖L⁻¹ t‖/√N        t the effect's trace at typical strength, L Lᵀ = C: covariance of density and noise
 
-Settled before a reading is looked at, but for the size of the noise. Knows no verdict.
+This depends on the readings only through the size of the noise.
 """
 
 from collections.abc import Sequence
@@ -15,14 +15,14 @@ from smarig.diagnosis.critique.candidates import DETECTION_SD, Candidate
 from smarig.diagnosis.critique.critique import Critique
 
 Array = NDArray[np.float64]
-IMITATION_THRESHOLD = 0.8  # share of one effect's evidence that another can imitate: one group
+IMITATION_THRESHOLD = 0.8  # share of an effect's evidence that another can imitate: they form one group
 
 
 @dataclass(frozen=True, eq=False)
 class VisibilityTable:
-    """For effects ``names`` (k,): δ at typical strength, the least strength found, and who imitates whom (k, k).
+    """For effects ``names`` (k,): δ at typical strength, least detectable strength, and imitation shares (k, k).
 
-    ``imitated[i, j]`` is the share of the evidence of effect i that effect j could take.
+    ``imitated[i, j]`` is the share of the evidence of effect i that effect j could explain.
     """
 
     names: tuple[str, ...]
@@ -33,7 +33,7 @@ class VisibilityTable:
 
     @property
     def invisible(self) -> tuple[str, ...]:
-        """Effects that these data cannot show, however large."""
+        """Effects that these data cannot show at any strength."""
         return tuple(n for n, d in zip(self.names, self.delta) if d == 0)
 
     def group(self, name: str) -> tuple[str, ...]:
@@ -43,7 +43,7 @@ class VisibilityTable:
 
 
 def visibility(critique: Critique, insensitive: Sequence[str] = ()) -> VisibilityTable:
-    """Of all named candidates of a critique, and of effects that were none because the data are blind to them."""
+    """The visibility of all named candidates of a critique, and of effects to which the data are insensitive."""
     found = _visibility(critique)
     k, n = len(insensitive), len(found.names)
     imitated = np.zeros((n + k, n + k))
@@ -72,14 +72,14 @@ def _visibility(critique: Critique) -> VisibilityTable:
 
 
 def _delta(candidate: Candidate, n: int) -> float:
-    """Of the variant that shows most."""
+    """δ of the most visible variant."""
     if candidate.kind is None or not candidate.size.size:
         return 0.0
     return float(candidate.size.max() * abs(candidate.kind.primary.typical) / np.sqrt(n))
 
 
 def _imitated(a: Candidate, b: Candidate) -> float:
-    """How much of a's most visible trace b's best variant explains."""
+    """The share of a's most visible trace that b's best variant explains."""
     if not a.traces.shape[1] or not b.traces.shape[1]:
         return 0.0
     return float(np.max((b.traces.T @ a.traces[:, int(np.argmax(a.size))]) ** 2))

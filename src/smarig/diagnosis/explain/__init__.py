@@ -1,1 +1,1 @@
-"""Which effects explain what is left."""
+"""The search for effects that explain the residuals."""

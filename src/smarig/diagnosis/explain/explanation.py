@@ -1,7 +1,7 @@
-"""One explanation at its best: effects and the wire's own density beside them, strengths where they are likeliest.
+"""The maximum of one explanation: its effects and the joint density, with the likeliest strengths.
 
-A density takes up part of whatever is wrong, so effects and density are found in turn, strengths go farther than each
-fit says, and in the end the evidence alone says how strong. Knows no rivals and takes no decision.
+A density absorbs part of any error. So effects and density are found in turn, strengths step farther than each fit
+indicates, and the final strengths are those of largest evidence.
 """
 
 from dataclasses import dataclass, replace
@@ -17,16 +17,16 @@ from smarig.plant import Effect
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline
 
-MAX_ROUNDS = 4  # of effects, then density
-OVERSTEP, OVERSTEP_GROWTH = 1.7, 1.4  # what a fit says, times; and that again after a step that was right
-MIN_MOVE_SD = 0.3  # standard deviations: less is no move
-SD_INFLATION = 2.5  # times: what deviations by evidence fell short of on tuning boxes; a prior is a model too
-MIN_STRENGTH_SD = 0.01  # of a strength: what a fit may at least be wrong by
+MAX_ROUNDS = 4  # rounds of effects, then density
+OVERSTEP, OVERSTEP_GROWTH = 1.7, 1.4  # factor of a fitted step; factor of growth after a successful step
+MIN_MOVE_SD = 0.3  # standard deviations: smaller steps are ignored
+SD_INFLATION = 2.5  # correction of sds by evidence, from tuning boxes: the prior is a model too
+MIN_STRENGTH_SD = 0.01  # of a strength: least sd
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """Effects with the wire's density beside them, and the readings refitted with their log likelihood."""
+    """Effects with their joint density, and the readings refitted with their log likelihood."""
 
     effects: tuple[Effect, ...]
     plant_model: PlantModel
@@ -39,16 +39,16 @@ class Explanation:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the effects, in order."""
+        """Names of the effects, in order."""
         return tuple(sorted(p.kind.name for p in self.effects))
 
 
 def doubled_strength_start(
     timeline: Timeline, plant_model: PlantModel, refitted: Refit, original: Everett, warm_start: Refit
 ) -> tuple[PlantModel, Refit]:
-    """A start at the first of once, twice, four times … the last effect's strength that is likelier than the next.
+    """A start with the last effect's strength doubled until the next doubling is less likely.
 
-    A density hides most of what a weak effect does, so a fit beside the wrong one begins too low.
+    A density absorbs most of a weak effect, so a fit with the wrong density starts too low.
     """
     while True:
         *attempts, last = plant_model.catalogue_effects
@@ -65,10 +65,10 @@ def doubled_strength_start(
 def fit_explanation(
     timeline: Timeline, plant_model: PlantModel, original: Everett, refitted: Refit, rounds: int
 ) -> Explanation:
-    """Effects and the density that belongs to them, in turn, until neither moves the other.
+    """Fit effects and their joint density in turn, until neither changes the other.
 
-    A density takes up part of every change of strength, so strengths go farther than each fit says, where that is
-    likelier than what it says.
+    A density absorbs part of every change of strength. So strengths step farther than each fit indicates if that is
+    likelier.
     """
     overstep = OVERSTEP
     for _ in range(rounds):
@@ -99,7 +99,7 @@ def fit_explanation(
 def with_strengths_maximised(
     timeline: Timeline, original: Everett, found: Explanation
 ) -> tuple[ParameterFit, Explanation]:
-    """An explanation with each strength at the top of its evidence, and its parameters with deviations that tell it."""
+    """An explanation with the strengths of largest evidence, and the standard deviations of its parameters."""
     parameter_fit = fit_parameters(
         found.effects, timeline, found.plant_model, found.refitted, found.plant_model.hysteresis
     )
@@ -116,7 +116,7 @@ def with_strengths_maximised(
         spread |= {
             name: sd * inflation for name, sd in parameter_fit.spread.items() if name[0] == effect.kind.name
         }
-    finite_sds = {name: sd for name, sd in spread.items() if np.isfinite(sd)}  # the evidence had an end
+    finite_sds = {name: sd for name, sd in spread.items() if np.isfinite(sd)}  # the evidence has a maximum
     return replace(
         parameter_fit, effects=found.effects, spread=finite_sds, plant_model=found.plant_model
     ), found
@@ -134,7 +134,7 @@ def _with_strength(
 
 
 def evidence_without_one(timeline: Timeline, best: Explanation, warm_start: Refit) -> float:
-    """The largest log likelihood that one effect less leaves, from the density of all: what fewer need explain."""
+    """The largest log likelihood with one effect less, starting from the density of all effects."""
     less = [
         replace(best.plant_model, effects=tuple(e for e in best.plant_model.effects if e is not one))
         for one in best.effects

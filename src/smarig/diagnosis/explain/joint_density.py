@@ -1,9 +1,9 @@
-"""The density identified anew beside effects: what the hysteresis is once the effects are accounted for.
+"""The joint density: the density identified together with effects.
 
-    ν ← max(ν + E[δν | all positions], 0),     δν of the prior of ``free_density`` about ν, spreads the likeliest
+    ν ← max(ν + E[δν | all positions], 0),     δν of the prior of ``density_prior`` about ν, likeliest sds
 
-turn by turn, until their likelihood rises no more: a prior in proportion to the density is only as
-good as the density. A positive measure fitted to settled positions begins it. Knows no verdict.
+is repeated until the likelihood rises no more, because a prior in proportion to the density is only as good as that
+density. The iteration starts from a positive measure fitted to settled positions.
 """
 
 from dataclasses import replace
@@ -16,18 +16,19 @@ from smarig.identification import Observations, fit_table
 from smarig.preisach import Everett, FodTable
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
-START_SMOOTHING = 1e-14  # λ of the measure that begins it
+START_SMOOTHING = 1e-14  # λ of the initial measure
 MAX_ROUNDS = 5
-MIN_ROUND_GAIN = 10.0  # nats: a turn that gains less is the last, for the next would gain a tenth of it
+MIN_ROUND_GAIN = 10.0  # nats: a round that gains less is the last; the next would gain a tenth of it
 
 
 def joint_density(
     timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None = None
 ) -> tuple[PlantModel, Refit]:
-    """The subject with a new density, and its readings refitted; ``warm_start``: begin where another refit ended.
+    """The plant model with a new density, and its readings refitted; ``warm_start``: start at the result of another
+    refit.
 
-    Positions alone make the density: what another channel says against it is the effects' business. Where the input
-    was measured it is a positive measure, as smooth as held-out excursions want it.
+    The density is identified from positions only: what other channels show is left to the effects. Along a measured
+    input it is a positive measure, with the smoothness chosen by held-out excursions.
     """
     if drive_statistics(timeline).positive_measure_only:
         plant_model = replace(
@@ -42,9 +43,10 @@ def joint_density(
 def joint_density_from_best_start(
     timeline: Timeline, plant_model: PlantModel, original: Everett, warm_start: Refit | None = None
 ) -> tuple[PlantModel, Refit]:
-    """As ``joint_density``, begun from the given model's density or from a positive measure of settled positions.
+    """``joint_density``, started from the given model's density or from a positive measure of settled positions.
 
-    Whichever is likelier: a model may be negative somewhere (Prop. 4.6), a measure knows nothing of what is wrong.
+    The likelier start is used. The given model may be negative somewhere (Prop. 4.6); the measure is not affected
+    by errors of the model.
     """
     if drive_statistics(timeline).positive_measure_only:
         return joint_density(timeline, plant_model, warm_start)
@@ -54,7 +56,7 @@ def joint_density_from_best_start(
 
 
 def with_posterior_density(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> PlantModel:
-    """The subject with the density that its refitted readings speak for, or its own where that is nearer to them."""
+    """The plant model with the posterior density of its readings, or with its own if that fits them better."""
     if drive_statistics(timeline).positive_measure_only:
         return plant_model
     both = plant_model, replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
@@ -62,7 +64,7 @@ def with_posterior_density(timeline: Timeline, plant_model: PlantModel, refitted
 
 
 def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:
-    """What a subject misses settled positions by, their zeros aside."""
+    """The rms error of a plant model at settled positions, with free zeros."""
     error = timeline.settled.value - predict(timeline, plant_model).values["settled"]
     own = [error[timeline.zero == z] for z in np.unique(timeline.zero)] if timeline.zero.size else [error]
     return float(np.std(np.concatenate([e - e.mean() for e in own])))
@@ -71,7 +73,7 @@ def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:
 def _start(
     timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None
 ) -> tuple[PlantModel, Prediction, Refit]:
-    """A subject, how it retells the story, and its positions refitted."""
+    """A plant model, its prediction of the timeline, and its positions refitted."""
     prediction = predict(timeline, plant_model)
     return (
         plant_model,
@@ -81,7 +83,7 @@ def _start(
 
 
 def _alternated(timeline: Timeline, start: tuple[PlantModel, Prediction, Refit]) -> tuple[PlantModel, Refit]:
-    """From a start, as many turns as gain something."""
+    """Rounds from a start, as long as they gain."""
     plant_model, prediction, refitted = start
     for _ in range(MAX_ROUNDS):
         next_fit = _start(
@@ -120,5 +122,5 @@ def _positive_fit(
 
 
 def _weighted(rows: Observations, weight: np.ndarray) -> Observations:
-    """Each equation times its weight."""
+    """The observations with each equation times its weight."""
     return replace(rows, y=rows.y * weight, sign=rows.sign * weight[rows.term])

@@ -1,9 +1,9 @@
-"""An explanation at its best: all parameters of its effects fitted to everything at once, by Levenberg–Marquardt.
+"""The fit of all parameters of an explanation's effects to all readings, by Levenberg–Marquardt.
 
-    minimise ‖L⁻¹ (y − f(θ))‖² over θ within its bounds;  f(θ): the story retold, density deviations are free in C
+    minimise ‖L⁻¹ (y − f(θ))‖² over θ within its bounds;  f(θ): prediction; density deviations are free in C
 
-so nothing is linear in the strength here, and the interval of θ carries what the density could do instead. Knows
-neither which effects are worth it nor what is decided.
+f(θ) is the prediction of the timeline; C contains free deviations of the density. So nothing is linearised in the
+strength, and the interval of θ includes what the density could explain instead.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,20 +19,20 @@ from smarig.replay import PlantModel, Timeline, predict, with_hysteresis
 
 Array = NDArray[np.float64]
 MAX_ITERATIONS = 10
-JUMP_MIN_TRIES = 6  # tries of a time of the record: it acts in a jump, not smoothly
+JUMP_MIN_TRIES = 6  # tries of a time in the record: the effect of the time is a jump
 _MAX_SCANS = 4
-_EDGE_SHARE = 0.04  # of the record
-_DIFFERENCE_STEP = 0.02  # of a parameter's typical size, for slopes
-_CONVERGED_NATS = 0.2  # nats
-_MAX_DAMPING = 1.0  # damping beyond which nothing helps any more
+_EDGE_SHARE = 0.04  # of the record, at its start and end
+_DIFFERENCE_STEP = 0.02  # of a parameter's typical size, for derivatives
+_CONVERGED_NATS = 0.2  # nats: gain at convergence
+_MAX_DAMPING = 1.0  # damping at which the fit stops
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterFit:
-    """Effects with their values, beside the density they were fitted with; standard deviations by (effect, parameter).
+    """Effects with their values, the density of the fit, and standard deviations by (effect, parameter).
 
-    ``conditional_spread``: the same if all others were known; ``residual`` (N,) is what is left, whitened;
-    ``moved`` how far any parameter went from its start, in standard deviations.
+    ``conditional_spread``: the standard deviations if all other parameters were known. ``residual`` (N,) is the
+    whitened residual. ``moved`` is the largest change of a parameter from its start, in standard deviations.
     """
 
     effects: tuple[Effect, ...]
@@ -44,17 +44,17 @@ class ParameterFit:
 
     @property
     def misfit(self) -> float:
-        """χ²: what is left, in units of the noise."""
+        """χ²: the residual in units of the noise."""
         return float(self.residual @ self.residual)
 
     @property
     def extended(self) -> PlantModel:
-        """The wire with these effects."""
+        """The plant model with these effects."""
         return replace(self.plant_model, effects=self.effects)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the effects, in order."""
+        """Names of the effects, in order."""
         return tuple(sorted(p.kind.name for p in self.effects))
 
     def extrapolated(self, start: Sequence[Effect], far: float) -> tuple[Effect, ...]:
@@ -77,10 +77,10 @@ def _extrapolated_effect(start: Effect, end: Effect, far: float) -> Effect:
 def fit_parameters(
     start: Sequence[Effect], timeline: Timeline, plant_model: PlantModel, refitted: Refit, centre: Everett
 ) -> ParameterFit:
-    """Effects at the parameters of least squares, from a start; bounds hold.
+    """Fit the parameters of effects by least squares, from a start and within bounds.
 
-    The subject's own density says what the wire lived through; ``centre`` is what density deviations in C are
-    deviations from, the same for all explanations that are compared.
+    The density of the plant model determines the prediction. ``centre`` is the output from which density deviations
+    in C are counted; it is the same for all explanations that are compared.
     """
     fit = _FreeParameters(tuple(start), timeline.duration_h)
     data = np.concatenate([r.value for r in timeline.all_readings])
@@ -112,7 +112,7 @@ def fit_parameters(
 def _scan_jumps(
     residual: Callable[[Array], Array], fit: "_FreeParameters", timeline: Timeline, x: Array, r: Array
 ) -> Array | None:
-    """Better values of parameters that act in jumps (a time of the record), None if there are none."""
+    """Better values of parameters that act in jumps (a time in the record), or None."""
     best, found = float(r @ r) - 2 * _CONVERGED_NATS, None
     step = timeline.duration_h / max(len(timeline.settled), 1)
     for k in np.flatnonzero(fit.jumps):
@@ -126,7 +126,7 @@ def _scan_jumps(
 
 
 class _FreeParameters:
-    """Which parameters move: strengths, and whatever the critic tries several values of."""
+    """The free parameters: strengths, and those for which several values are tried."""
 
     def __init__(self, start: tuple[Effect, ...], hours: float) -> None:
         self.start = start
@@ -138,7 +138,7 @@ class _FreeParameters:
         self.jumps = np.array(
             [q.of_record and q.unit == "h" and len(q.tries) > JUMP_MIN_TRIES for _, q in moved]
         )
-        self.low[self.jumps] = _EDGE_SHARE * hours  # a jump at the very beginning or end is none
+        self.low[self.jumps] = _EDGE_SHARE * hours  # a jump at the start or end of the record has no effect
         self.high[self.jumps] = (1 - _EDGE_SHARE) * hours
         self.size = np.array([abs(q.typical) or 0.1 * (q.upper - q.lower) for _, q in moved])
 
@@ -157,9 +157,9 @@ def _is_free(effect: Effect, parameter: Parameter) -> bool:
 def _levenberg_marquardt(
     residual: Callable[[Array], Array], fit: _FreeParameters
 ) -> tuple[Array, Array, Array]:
-    """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) where it ends.
+    """Levenberg–Marquardt with clipped steps and Broyden's updates: (x, residual, Jacobian) at the end.
 
-    What acts in jumps stays where it is: across a jump a slope says nothing, and would spoil the others.
+    Parameters that act in jumps stay fixed: the derivative across a jump is meaningless and would spoil the others.
     """
     x: Array = np.clip(fit.x, fit.low, fit.high)
     r = residual(x)

@@ -1,9 +1,9 @@
-"""Which effects, together, explain a story: forward from the best single one, rivals kept, everything refitted.
+"""The search for sets of effects that explain a timeline: forward from the best single effect, with rivals kept.
 
-An explanation is worth the log likelihood of all readings when its effects are in, the density is identified anew
-beside them, and noise and smoothness are the likeliest again: so a large effect is not judged by straight lines, and
-no rival by the misfit of another. Stops when nothing stands out any more, or nothing named is worth its name.
-Decides nothing: see ``verdict``.
+The evidence of an explanation is the log likelihood of all readings with its effects, its joint density, and the
+likeliest noise and smoothness. So a large effect is not evaluated by linearisation, and a rival not by the misfit
+of another explanation. The search stops when nothing stands out any more, or when no named effect gains enough.
+``diagnosis_verdict`` decides.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,33 +26,36 @@ from smarig.replay import PlantModel, Timeline
 
 CritiqueFunction = Callable[[PlantModel], Critique]
 EffectSet = tuple[Effect, ...]
-SINGLE_TRIED = 6  # single explanations refined
-SINGLE_TRIED_IF_SILENT = 3  # the same where nothing stands out of the noise that all might be
-FURTHER_TRIED = 3  # further effects tried beside an accepted one, of those that stand out now, and at first
+SINGLE_TRIED = 6  # single effects refined
+SINGLE_TRIED_IF_SILENT = 3  # the same if nothing stands out when all effects are allowed as noise
+FURTHER_TRIED = 3  # further effects tried with an accepted one, of those that stand out now and at first
 RIVALS_KEPT = 3  # explanations kept from size to size
-DOUBLING_TRIED = 2  # of those weighed, likeliest first, those that are tried twice as strong
-EVALUATED_MAX = 4  # explanations whose likelihood is taken
-MAX_EFFECTS = 3  # effects at once
-MIN_GAIN_NATS = 18.0  # nats: an effect that explains less is not worth its name
-MIN_GAIN_SILENT_NATS = 25.0  # nats: the same where nothing stands out of the noise that all might be
-MIN_GAIN_FURTHER_NATS = 25.0  # nats: a further effect, lest it be an echo of the first
-MIN_GAIN_FURTHER_SHARE = 0.05  # of the first one's nats, for the same reason
-MIN_GAIN_FURTHER_CAP_NATS = 60.0  # nats that are always enough
-MAX_DEFICIT_NATS = 60.0  # nats: an explanation so far behind is not weighed
-MAX_DEFICIT_SHARE = 0.25  # of the nats that the best explains: nor is one so far behind, where that is more
-LINEAR_DEFICIT_SHARE = 0.5  # of what the best explains: straight lines are no better a judge of large effects
+DOUBLING_TRIED = 2  # of the evaluated, likeliest first: those tried at double strength
+EVALUATED_MAX = 4  # explanations whose likelihood is computed
+MAX_EFFECTS = 3  # effects in one explanation
+MIN_GAIN_NATS = 18.0  # nats: least gain of a named effect
+MIN_GAIN_SILENT_NATS = 25.0  # nats: the same if nothing stands out when all effects are allowed as noise
+MIN_GAIN_FURTHER_NATS = (
+    25.0  # nats: least gain of a further effect, which could otherwise be an artefact of the first
+)
+MIN_GAIN_FURTHER_SHARE = 0.05  # of the first effect's gain, for the same reason
+MIN_GAIN_FURTHER_CAP_NATS = 60.0  # nats: a sufficient gain in any case
+MAX_DEFICIT_NATS = 60.0  # nats behind the best: explanations farther behind are not evaluated
+MAX_DEFICIT_SHARE = 0.25  # of the gain of the best: the same limit, if it is larger
+LINEAR_DEFICIT_SHARE = 0.5  # of the gain of the best: the accuracy of linearisation for large effects
 
 
 class BelowRivalEvidence(Exception):
-    """No single effect explains as much as a rival does."""
+    """No single effect explains as much as the rival."""
 
 
 @dataclass(frozen=True, eq=False)
 class SearchLevel:
-    """Explanations of one size, likeliest first; ``critique`` judges the wire with the best, ``best`` its parameters.
+    """Explanations with one number of effects, likeliest first; ``critique`` is that of the best, ``best`` its
+    parameters.
 
-    ``gain`` is the best's log likelihood over that of the best explanation with one effect less; ``linear_gain``
-    (nats) the part of it that straight lines see.
+    ``gain`` is the log likelihood of the best over that of the best explanation with one effect less.
+    ``linear_gain`` (nats) is the part of it that linearisation shows.
     """
 
     critique: Critique
@@ -62,7 +65,7 @@ class SearchLevel:
     linear_gain: float
 
     def lead(self, k: int) -> float:
-        """Nats by which the best is likelier than explanation k."""
+        """Nats by which the best explanation is likelier than explanation k."""
         return self.explanations[0].evidence - self.explanations[k].evidence
 
 
@@ -78,13 +81,14 @@ def search_explanations(
 ) -> list[SearchLevel]:
     """Levels of one, two, … effects, as long as something stands out and is explained.
 
-    ``original`` is the model's own hysteresis, ``criticise`` makes a critique of a subject, ``evidence`` is the log
-    likelihood without any effect, ``gate`` (nats) what the first must explain, ``tried`` how many are. Raises Outdone
-    when no single one comes near ``rival``, the log likelihood of something else.
+    ``original`` is the hysteresis of the given model. ``criticise`` makes the critique of a plant model.
+    ``evidence`` is the log likelihood without any effect. ``gate`` (nats) is the least gain of the first effect,
+    ``tried`` the number of effects tried. Raises BelowRivalEvidence if no single effect comes near ``rival``, the
+    log likelihood of another explanation.
     """
     if first.silent:
         return []
-    fixed_effects = first.plant_model.catalogue_effects  # is fitted again
+    fixed_effects = first.plant_model.catalogue_effects  # are fitted again
     starts: Sequence[EffectSet] = [(*fixed_effects, p) for p in _starts(first, tried)]
     levels: list[SearchLevel] = []
     current = first
@@ -110,19 +114,19 @@ def search_explanations(
 
 
 def _required_gain_nats(levels: Sequence[SearchLevel]) -> float:
-    """Nats that one effect more must explain."""
+    """Least gain (nats) of one more effect."""
     return max(MIN_GAIN_FURTHER_NATS, min(MIN_GAIN_FURTHER_SHARE * levels[0].gain, MIN_GAIN_FURTHER_CAP_NATS))
 
 
 def _starts(critique: Critique, count: int) -> list[Effect]:
-    """Named candidates that gain most, each at its best."""
+    """The named candidates that gain most, at their best strengths."""
     return [s.candidate.best(critique.refitted.data)[0] for s in critique.best(count)]
 
 
 def _extended_starts(level: SearchLevel, first: Critique) -> list[EffectSet]:
-    """One more effect beside the best explanation, and the most promising one beside its rivals.
+    """The best explanation with one more effect, and its rivals with the most promising one.
 
-    What was worth trying alone is worth trying beside: a first effect may have hidden it.
+    Effects that were promising alone are tried again, because the first effect may have hidden them.
     """
     starts: dict[tuple[str, ...], EffectSet] = {}
     further = _starts(level.critique, FURTHER_TRIED) + _starts(first, FURTHER_TRIED)
@@ -138,7 +142,7 @@ def _extended_starts(level: SearchLevel, first: Critique) -> list[EffectSet]:
 def _with_strengths_maximised(
     timeline: Timeline, original: Everett, found: Sequence[Explanation]
 ) -> tuple[ParameterFit, tuple[Explanation, ...]]:
-    """All that are near the likeliest with their strengths likeliest, and the deviations of the likeliest then."""
+    """The explanations near the likeliest, at strengths of largest evidence, and the sds of the likeliest."""
     retained = [e for e in found if e.evidence > found[0].evidence - MAX_DEFICIT_NATS]
     both = sorted(
         (with_strengths_maximised(timeline, original, e) for e in retained),
@@ -150,7 +154,8 @@ def _with_strengths_maximised(
 def _evaluated(
     first: Critique, original: Everett, current: Critique, starts: Sequence[EffectSet], evidence: float
 ) -> tuple[float, tuple[Explanation, ...]]:
-    """Refine all under the covariance at hand, weigh the best by likelihood; and the best's gain before that.
+    """Refine all explanations with the present covariance, evaluate the best by likelihood; also the best linear
+    gain.
 
     ``evidence`` is the log likelihood with one effect less.
     """

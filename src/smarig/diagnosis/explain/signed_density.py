@@ -1,7 +1,7 @@
-"""What explains a story beside a positive density, or beside one that is negative somewhere (Prop. 4.6).
+"""The explanation of a timeline with a positive density, or with one that is negative somewhere (Prop. 4.6).
 
-A wire's density should be positive, so effects are looked for beside such a one first; a negative one is believed
-where it is likelier than all they explain. Takes no verdict.
+The density of a wire should be positive, so effects are first searched for with a positive density. A signed
+density is used if it is likelier than all effects with a positive one.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ ProgressFunction = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class DensitySearchResult:
-    """A base without effects, its readings refitted, its critique, and levels of what explains more."""
+    """A base model without effects, its readings refitted, its critique, and levels of explanations."""
 
     base: PlantModel
     plain: Refit
@@ -37,7 +37,7 @@ class DensitySearchResult:
 
     @property
     def evidence(self) -> float:
-        """The log likelihood that a density must beat which is negative somewhere."""
+        """The log likelihood that a signed density must exceed."""
         return (
             self.levels[-1].explanations[0].evidence
             if self.levels
@@ -51,7 +51,7 @@ def find_explanations(
     criticise: CritiqueFunction,
     report_progress: ProgressFunction,
 ) -> DensitySearchResult:
-    """What explains a story told by a subject, beside the density that is to be believed."""
+    """The explanation of a timeline by a plant model, with the more plausible kind of density."""
     original = plant_model.hysteresis
     base, plain = joint_density_from_best_start(timeline, plant_model, original)
     positive_result = DensitySearchResult(base, plain, criticise(base), [])
@@ -71,10 +71,10 @@ def _choose_density(
     criticise: CritiqueFunction,
     report_progress: ProgressFunction,
 ) -> DensitySearchResult:
-    """The positive density and what explains more, unless the signed one is likelier than that.
+    """The positive density with its explanations, unless the signed density is likelier.
 
-    Where no single effect comes near the signed density, that is asked first: if nothing is found beside it,
-    no more is looked for beside the other.
+    If no single effect comes near the signed density, the search uses the signed density first. If it finds
+    nothing, the search with the positive density stops too.
     """
     signed_result: DensitySearchResult | None = None
 
@@ -106,10 +106,10 @@ def _with_levels(
     report_progress: ProgressFunction,
     rival: float = float("-inf"),
 ) -> DensitySearchResult:
-    """With levels of what the search finds beside a base; ``rival`` as in ``search_explanations``.
+    """The search result with levels of explanations for a base; ``rival`` as in ``search_explanations``.
 
-    Where nothing stands out, a large effect may have passed for noise: with as little noise as there may be, an
-    explanation that is beyond doubt is looked for, and if there is one, the noise is what it leaves.
+    If nothing stands out, a large effect may have been taken for noise. Then the search runs with the least noise
+    and accepts only an explanation with a large gain. If there is one, the noise is estimated with its effects.
     """
     first, evidence = base.first, base.plain.log_evidence
 

@@ -1,6 +1,6 @@
-"""The density that readings speak for: the posterior mean of ``density_prior``, as a hysteresis.
+"""The posterior mean of ``density_prior`` given the readings, as a hysteresis.
 
-Computed when it is asked for; most who refit ask for the covariance alone. Knows no noise but through C.
+It is computed on demand, because most refits need the covariance only.
 """
 
 from dataclasses import dataclass
@@ -13,17 +13,18 @@ from smarig.diagnosis.refit.density_prior import DensityPrior
 from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
-MAX_CORRECTIONS = 10  # times at most that what non-negative masses lost is given to others
+MAX_CORRECTIONS = 10  # most rounds that redistribute what clipped masses lose
 TOLERANCE_STROKES = 1e-5  # strokes
 
 
 @dataclass(frozen=True, eq=False)
 class DensityPosterior:
-    """A prior, the ``variances`` of its parts with their sum ``covariance`` (n, n), and ``dual_weights`` (n,) = C⁻¹y.
+    """A prior, the ``variances`` of its parts with their sum ``covariance`` (n, n), and ``dual_weights`` (n,) =
+    C⁻¹y.
 
-    ``factor`` is C's; ``output_slope`` (n,) the slope of scaled readings to the output in strokes, ``free`` (n, n) the
-    covariance of zeros, ``zero_scale`` (n,) output units per scaled reading where a reading tells the zero y₋, else 0;
-    ``stroke`` and ``y_lower`` those of the hysteresis that the prior is about.
+    ``factor`` is the Cholesky factor of C. ``output_slope`` (n,) is the slope of scaled readings to the output in
+    strokes. ``free`` (n, n) is the covariance of zeros. ``zero_scale`` (n,) is in output units per scaled reading
+    if a reading shows the zero y₋, else 0. ``stroke`` and ``y_lower`` belong to the hysteresis of the prior.
     """
 
     prior: DensityPrior
@@ -39,7 +40,7 @@ class DensityPosterior:
     unit: str
 
     def table(self, *, signed: bool = False) -> FodTable:
-        """The hysteresis, in ``unit``; ``signed``: masses may be negative where they were not."""
+        """The hysteresis, in ``unit``; with ``signed``, masses may be negative where they were not."""
         masses, shift = self._masses(signed)
         has_zero = self.zero_scale > 0
         zero = self.y_lower + float(np.mean(self.zero_scale[has_zero] * shift[has_zero]))
@@ -48,8 +49,8 @@ class DensityPosterior:
     def _masses(self, signed: bool) -> tuple[Array, Array]:
         """Masses (cells,) in strokes and zeros (n,), scaled.
 
-        Where a mass would be negative it is none, unless it may be, and others must make up for it: the outputs stay
-        the posterior's.
+        Negative masses are set to zero unless they are allowed; the others compensate, so that the outputs remain
+        those of the posterior.
         """
         dual_weights, shift = self.output_slope * self.dual_weights, self.free @ self.dual_weights
         masses = self.prior.posterior_masses(self.variances, dual_weights, signed=signed)

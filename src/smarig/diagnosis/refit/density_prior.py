@@ -1,10 +1,10 @@
-"""Any density that resembles the believed one: the covariance of outputs when μ may deviate in proportion to itself.
+"""The prior of the density: covariance of the outputs if μ deviates in proportion to itself.
 
     μ = μ₀ Σ_s ε_s + grains,    ε_s: bilinear on a grid of s intervals, independent standard normal at its nodes
                                 grains: each cell for itself, variance g ν, as of a finite number of relays
 
-on a triangle of cells and on a scale on which the output moves evenly, so a steep transformation may be as structured
-as a flat tail. Knows no data but where the memories lie and where the output moves.
+The cells are a triangle on a scale on which the output moves evenly, so that a steep transformation may have as
+much structure as a flat tail.
 """
 
 from dataclasses import dataclass
@@ -22,19 +22,20 @@ Array = NDArray[np.float64]
 MIN_INTERVALS, MAX_INTERVALS = (
     96,
     160,
-)  # intervals of the partition: enough for every measured level to be a node
-INPUT_SHARE = 0.5  # share of the scale that is plain input
+)  # intervals of the partition: every measured level can be a node
+INPUT_SHARE = 0.5  # share of the input in the scale
 KNOTS = 11
-HAT_INTERVALS = (6, 20)  # hats across the range: how finely a density may deviate in proportion to itself
-MIN_PRIOR_SHARE = 0.05  # of the mean mass: grains where the model has nothing
+HAT_INTERVALS = (6, 20)  # hats across the range: resolution of the proportional deviations
+MIN_PRIOR_SHARE = 0.05  # of the mean mass: prior scale where the model has no mass
 
 
 @dataclass(frozen=True, eq=False)
 class DensityPrior:
-    """Cells of a triangle with believed masses (cells,) in strokes, seen through rows X (n, cells) of its unknowns.
+    """Cells of a triangle with prior masses (cells,) in strokes, and rows X (n, cells) of its unknowns for the
+    observations.
 
-    ``prior_scale`` (cells,): the scale of what may be there besides, as smooth as products of two ``hats`` (N, s +
-    1), one array for each scale of smoothness; and grains of variance ``prior_scale`` after them.
+    ``prior_scale`` (cells,) scales the deviations: as smooth as products of two ``hats`` (N, s + 1), with one array
+    for each scale of smoothness, then grains of variance ``prior_scale``.
     """
 
     triangle: Triangle
@@ -45,14 +46,16 @@ class DensityPrior:
 
     @property
     def covariances(self) -> tuple[Array, ...]:
-        """(n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then grains."""
+        """Covariances (n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then
+        grains.
+        """
         shapes = [self._hat_responses(hats) for hats in self.hats]
         return (*(shape @ shape.T for shape in shapes), self._grains())
 
     def _hat_responses(self, hats: Array) -> Array:
-        """Outputs (n, products) of faint masses times each product of two hats.
+        """Outputs (n, products) of the prior masses times each product of two hats.
 
-        A hat is narrow, so sums are taken over its own cells only; beyond them they change no more.
+        A hat is narrow, so sums run over its own cells only; beyond them they are constant.
         """
         used = np.unique(self.rows.indices)
         i, j = self.triangle.i[used], self.triangle.j[used]
@@ -61,7 +64,7 @@ class DensityPrior:
         sums = []
         for a, hat in enumerate(hats.T):
             own = np.flatnonzero(hat)
-            if not own.size:  # between two cells
+            if not own.size:  # the hat lies between two cells
                 sums.append(np.zeros((used.size, a + 1)))
                 continue
             low, high = own[0], own[-1] + 1
@@ -71,7 +74,7 @@ class DensityPrior:
         return np.asarray(csr_matrix(self.rows[:, used]) @ np.concatenate(sums, axis=1))
 
     def _grains(self) -> Array:
-        """Two outputs share the grains of the cells that lie below both."""
+        """Covariance by grains: two outputs share the grains of the cells that lie below both."""
         used = np.unique(self.rows.indices)
         i, j = self.triangle.i[used], self.triangle.j[used]
         total = np.cumsum(np.cumsum(_grid(self.triangle, self.prior_scale[:, None]), axis=0), axis=1)[:, :, 0]
@@ -80,15 +83,17 @@ class DensityPrior:
         return np.asarray(rows @ (rows @ shared).T)
 
     def outputs(self, mass: Array) -> Array:
-        """At the memories, in strokes, (n,), of masses (cells,)."""
+        """Outputs (n,) at the memories, in strokes, of masses (cells,)."""
         return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
 
     def posterior_masses(
         self, variances: Array, dual_weights: Array, mass: Array | None = None, *, signed: bool = False
     ) -> Array:
-        """Masses (cells,) ≥ 0 in strokes: the posterior mean at variances of the parts, ``dual_weights`` (n,) = C⁻¹y.
+        """Masses (cells,) ≥ 0 in strokes: the posterior mean for variances of the parts and ``dual_weights`` (n,) =
+        C⁻¹y.
 
-        From the believed masses, or others; where those are negative they may stay so, and all may be if ``signed``.
+        The deviations are from the prior masses or from others. Masses that are negative there may stay so; with
+        ``signed``, any may be.
         """
         start_mass = self.mass if mass is None else mass
         adjoint = _grid(self.triangle, (self.rows.T @ dual_weights)[:, None])[::-1, ::-1]
@@ -105,9 +110,10 @@ class DensityPrior:
 
 
 def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: Array) -> DensityPrior:
-    """Of a hysteresis along a retelling.
+    """The prior about a hysteresis along a prediction.
 
-    ``path`` (m,) is the output along the retelling's ticks; ``y`` (n,) a guess of the outputs, to place cells.
+    ``path`` (m,) is the output at the prediction's ticks. ``y`` (n,) is a guess of the outputs that places the
+    cells.
     """
     lower, upper = hysteresis.lower, hysteresis.upper
     rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
@@ -121,7 +127,7 @@ def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: A
 
 
 def _grid(triangle: Triangle, columns: Array) -> Array:
-    """Values of cells, (cells, k), on the square of α and β, (N, N, k)."""
+    """Values of cells (cells, k) on the square of α and β, (N, N, k)."""
     n = triangle.nodes.size - 1
     grid = np.zeros((n, n, columns.shape[1]))
     grid[triangle.i, triangle.j] = columns
@@ -129,13 +135,13 @@ def _grid(triangle: Triangle, columns: Array) -> Array:
 
 
 def _below(triangle: Triangle, columns: Array) -> Array:
-    """Sums over the cells with α and β up to those of each, (cells, k): the FOD surface of a mass."""
+    """Sums over the cells with α and β up to those of each cell, (cells, k): the FOD surface of a mass."""
     total = np.cumsum(np.cumsum(_grid(triangle, columns), axis=0), axis=1)
     return total[triangle.i, triangle.j]
 
 
 def _hats(triangle: Triangle, n: int) -> Array:
-    """Hats on a grid of n intervals over the even scale, at the middles of cells: (N, n + 1)."""
+    """Hats on a grid of n intervals of the even scale, at the centres of cells: (N, n + 1)."""
     place = _node_positions(triangle)
     middle = (place[1:] + place[:-1]) / 2
     return np.maximum(0.0, 1 - n * np.abs(middle[:, None] - np.linspace(0, 1, n + 1)))
@@ -147,13 +153,13 @@ def _node_positions(triangle: Triangle) -> Array:
 
 
 def _interval_count(rows: Observations, span: float) -> int:
-    """Intervals for which ``adapted_nodes`` keeps the levels of the data."""
+    """Number of intervals for which ``adapted_nodes`` keeps the levels of the data."""
     levels = np.unique(np.round(np.concatenate([rows.alpha, rows.beta]) / (SAME_LEVEL * span)))
     return int(np.clip(2 * levels.size + 6, MIN_INTERVALS, MAX_INTERVALS))
 
 
 def _model_masses(triangle: Triangle, hysteresis: Everett) -> Array:
-    """The mass of each cell as the model has it, in strokes (cells,)."""
+    """The mass of each cell in the model, in strokes (cells,)."""
     a, b = np.meshgrid(triangle.nodes, triangle.nodes, indexing="ij")
     E = np.asarray(hysteresis.swept(a, np.minimum(a, b)))
     i, j = triangle.i, triangle.j
@@ -163,7 +169,7 @@ def _model_masses(triangle: Triangle, hysteresis: Everett) -> Array:
 
 
 def _even_scale(nodes: Array, inputs: Array, output: Array) -> Array:
-    """Nodes on a scale [0, 1]: half by input, half by how much of all motion lies below, smoothly."""
+    """Nodes on a scale [0, 1]: half by input, half by the smoothed cumulative motion of the output."""
     lower, upper = nodes[0], nodes[-1]
     edges = np.linspace(lower, upper, 41)
     middle, change = np.clip((inputs[1:] + inputs[:-1]) / 2, lower, upper), np.abs(np.diff(output))

@@ -1,9 +1,9 @@
-"""The strength of an effect by evidence alone: how likely all readings are at strengths around it.
+"""The strength of an effect by evidence alone: the likelihood of all readings at strengths around the best.
 
     E(s) = log p(readings | s, a density of its own at s),    s* at its top,    sd = (−E″)^(−1/2) there
 
-from parabolas through what was tried. A fit beside one density says too little: that density has taken up part of
-what another strength would do. Knows neither effects nor verdicts.
+E is interpolated by parabolas through the strengths tried. A fit with one fixed density underestimates the change,
+because that density has already absorbed part of the effect of another strength.
 """
 
 from collections.abc import Callable
@@ -12,19 +12,19 @@ from typing import Any
 
 import numpy as np
 
-MAX_TRIED = 8  # strengths tried, in all
-FIRST_STEP_SD = 2.0  # of the sd that was guessed: how far the first are away
-EXTENSION = 1.8  # times as far, where the top lies beyond
-MIN_STEP_SD = 0.3  # sd: nearer to a strength that was tried no other is
-MIN_DROP_NATS = 1.0  # nats: neighbours that differ less tell no curvature
-FIT_RANGE_NATS = 12.0  # nats: what lies lower tells little of the top
+MAX_TRIED = 8  # strengths tried in total
+FIRST_STEP_SD = 2.0  # guessed sds: distance of the first strengths
+EXTENSION = 1.8  # factor of the distance if the maximum lies beyond
+MIN_STEP_SD = 0.3  # sds: least distance between strengths tried
+MIN_DROP_NATS = 1.0  # nats: smaller differences determine no curvature
+FIT_RANGE_NATS = 12.0  # nats below the maximum: strengths that are fitted
 
 EvidenceFunction = Callable[[float], tuple[float, Any]]
 
 
 @dataclass(frozen=True, eq=False)
 class EvidenceMaximum:
-    """The likeliest strength tried, its evidence, what belongs to it, and the sd, inf where that was not found."""
+    """The likeliest strength tried, its evidence, its payload, and its sd (inf if not found)."""
 
     strength: float
     evidence: float
@@ -35,9 +35,9 @@ class EvidenceMaximum:
 def maximise_evidence(
     evidence: EvidenceFunction, start: EvidenceMaximum, bounds: tuple[float, float]
 ) -> EvidenceMaximum:
-    """From a start, whose ``sd`` is a guess, to the top between bounds.
+    """Maximise the evidence between bounds, from a start whose ``sd`` is a guess.
 
-    ``evidence`` gives the nats of a strength and what belongs to it.
+    ``evidence`` returns the nats of a strength and its payload.
 
     >>> start = EvidenceMaximum(2.0, -2.0, None, 0.1)
     >>> found = maximise_evidence(lambda s: (-2.0 * (s - 3.0) ** 2, None), start, (0.0, 10.0))
@@ -59,7 +59,9 @@ def maximise_evidence(
 
 
 def _next(tried: dict[float, tuple[float, Any]]) -> list[float]:
-    """Strengths worth trying: beyond an end that is best, farther out where nothing tells, else a parabola's top."""
+    """The next strengths to try: beyond the best end, farther out if the curvature is unknown, else the maximum of
+    a parabola.
+    """
     s = np.array(sorted(tried))
     E = np.array([tried[x][0] for x in s.tolist()])
     k = int(np.argmax(E))
@@ -74,7 +76,7 @@ def _next(tried: dict[float, tuple[float, Any]]) -> list[float]:
 
 
 def _sd(tried: dict[float, tuple[float, Any]]) -> float:
-    """By least squares through all that is near the top, or its neighbours."""
+    """The sd by least squares through all strengths near the maximum, or through its neighbours."""
     s = np.array(sorted(tried))
     E = np.array([tried[x][0] for x in s.tolist()])
     k = int(np.argmax(E))

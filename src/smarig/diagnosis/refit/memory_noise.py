@@ -1,9 +1,9 @@
-"""Noise that the hysteresis remembers: temperature noise at every reversal is in all that follows, until wiped out.
+"""Remembered noise: temperature noise at a reversal affects all later outputs until the reversal is wiped out.
 
     Cov(y_i, y_j) = s₀² δ_ij + s_T² Σ_kl J_ik J_jl e^(−|t_k − t_l|/τ_T)
 
-J are the slopes of an output to the present input and to every remembered extremum (``preisach.sensitivity``),
-t_k when that extremum was reached. Readings of one step share their past. Knows no fit.
+J are the slopes of an output to the present input and to every remembered extremum (``preisach.sensitivity``). t_k
+is the time at which that extremum was reached. Readings of one step share their past.
 """
 
 from bisect import bisect_right
@@ -19,13 +19,13 @@ Array = NDArray[np.float64]
 
 
 def memory_slopes(hysteresis: Everett, prediction: Prediction) -> tuple[csr_matrix, Array]:
-    """(J (n, p), times (p,)): slopes of the n positions to the p remembered inputs, and when those were felt."""
+    """(J (n, p), times (p,)): slopes of the n positions to the p remembered inputs, and the times of these inputs."""
     ticks_of_input = _ticks_by_input(prediction)
     times: dict[float, int] = {}
     rows, columns, slopes = [], [], []
     session_starts = [prediction.session_starts[session] for session in prediction.session]
     own = sensitivities(hysteresis, prediction.states)
-    ends = (hysteresis.lower, hysteresis.upper)  # saturation feels no temperature
+    ends = (hysteresis.lower, hysteresis.upper)  # temperature noise does not change saturation
     for k, (state, slope_of, mark, begin) in enumerate(
         zip(prediction.states, own, prediction.tick_index.tolist(), session_starts)
     ):
@@ -45,7 +45,7 @@ def memory_slopes(hysteresis: Everett, prediction: Prediction) -> tuple[csr_matr
 
 
 def _ticks_by_input(prediction: Prediction) -> dict[float, list[int]]:
-    """For each input, the ticks at which it was felt; the same levels come again and again."""
+    """For each input, its ticks; the same levels recur."""
     ticks_of_input: dict[float, list[int]] = {}
     for k, u in enumerate(prediction.hysteresis_input_K.tolist()):
         ticks_of_input.setdefault(u, []).append(k)
@@ -53,7 +53,7 @@ def _ticks_by_input(prediction: Prediction) -> dict[float, list[int]]:
 
 
 def _last_time_of(ticks: list[int], begin: int, mark: int, t_s: Array) -> float | None:
-    """When a remembered input was felt last before a mark, in the sitting that began at a tick."""
+    """The last time of a remembered input before a mark, in the session that started at a tick."""
     k = bisect_right(ticks, mark) - 1
     return float(t_s[ticks[k]]) if k >= 0 and ticks[k] >= begin else None
 

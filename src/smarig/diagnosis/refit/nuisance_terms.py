@@ -1,9 +1,10 @@
-"""What may pass for noise: the one thing most likely to be wrong, set aside while the noise is judged.
+"""Nuisance terms: the most likely effect is included while the noise is estimated, so that it is not taken for
+noise.
 
     gain of traces T at a covariance C:  ½ bᵀ(1 + G)⁻¹ b − ½ log det(1 + G),   G = Tᵀ C⁻¹ T,   b = Tᵀ C⁻¹ y
 
-finds promising ones at two covariances, what is likeliest with nothing aside and with everything; each of those is
-then weighed with all spreads searched anew. Knows no effect by name.
+selects promising sets at two covariances: the likeliest without nuisance terms, and the likeliest with all of them.
+For each selected set, all variances are then estimated again.
 """
 
 from collections.abc import Sequence
@@ -15,7 +16,7 @@ from scipy.linalg import cholesky, solve_triangular
 from smarig.diagnosis.refit.variance_components import ReadingCovariance
 
 Array = NDArray[np.float64]
-SETS_TRIED = 4  # sets weighed, of those most promising at each covariance
+SETS_TRIED = 4  # sets evaluated at each covariance, most promising first
 
 
 def likeliest_nuisance(
@@ -24,9 +25,9 @@ def likeliest_nuisance(
     without_nuisance: tuple[float, Array],
     sets: Sequence[Array],
 ) -> Array | None:
-    """The set of columns (n, k) with which the readings are likeliest, None where they are without any.
+    """The set of columns (n, k) that makes the readings likeliest, or None if they are likeliest without any.
 
-    ``without_nuisance``: the cost and the spreads with none aside.
+    ``without_nuisance``: the cost and the variances without a nuisance term.
     """
     cost, log_components = without_nuisance
     with_all = reading_covariance.likeliest(memory, log_components, np.column_stack(sets))[1]
@@ -43,7 +44,7 @@ def likeliest_nuisance(
 
 
 def _gains(reading_covariance: ReadingCovariance, C: Array, sets: Sequence[Array]) -> Array:
-    """Nats (sets,) that each set is worth at a covariance."""
+    """Gains (sets,) of the sets at a covariance, nats."""
     factor = cholesky(C, lower=True, check_finite=False)
     columns = np.column_stack([*sets, reading_covariance.y])
     *whitened, y = np.split(

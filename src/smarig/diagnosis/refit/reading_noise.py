@@ -1,7 +1,6 @@
-"""How well each reading is known by itself: noise of its instrument, what it shares with others, its unit.
+"""The noise of each reading by itself: instrument noise, zeros shared with other readings, and scale.
 
-Positions of one sitting share a zero, a resistance has a zero and a scale of its own, other channels stand apart.
-Knows neither density nor draughts.
+Positions of one session share a zero. A resistance has its own zero and scale. Other channels are independent.
 """
 
 import numpy as np
@@ -11,11 +10,9 @@ from smarig.diagnosis.drive_statistics import drive_statistics, raw_noise
 from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
-FREE_ZERO_SD = 30.0  # sd of a zero, in ranges of the output: whatever it likes
-EFFECT_ERROR_SHARE = 0.01  # of what an effect adds: no mechanism is exactly its equation
-UNOBSERVED_SHARE = (
-    0.03  # of the stroke: what may lie beyond the farthest hold, and is part of what a resistance tells
-)
+FREE_ZERO_SD = 30.0  # sd of a zero, in ranges of the output: practically free
+EFFECT_ERROR_SHARE = 0.01  # of the change by an effect: its equation is an approximation
+UNOBSERVED_SHARE = 0.03  # of the stroke: travel beyond the farthest hold, which a resistance shows
 
 
 def reading_scales(
@@ -26,7 +23,7 @@ def reading_scales(
     output_rate: Array,
     effect_contribution: Array,
 ) -> tuple[Array, Array, Array, Array]:
-    """Per coupled reading: own white noise (scaled), covariance of free zeros, scale, slope to y (scaled)."""
+    """Per coupled reading: white noise (scaled), covariance of free zeros, scale, and slope to y (scaled)."""
     raw, span = raw_noise(timeline, plant_model), plant_model.stroke
     timing_noise = drive_statistics(timeline).timing_noise(plant_model, prediction, output_rate)
     white, scale, zero, at = [], [], [], 0
@@ -58,21 +55,19 @@ def reading_scales(
 
 
 def output_rate(prediction: Prediction, path: Array) -> Array:
-    """Output per second at each coupled reading, over the tick before it; ``path`` (m,) is the output at ticks."""
+    """Output per second at each coupled reading, over the preceding tick; ``path`` (m,) is the output at ticks."""
     at, before = prediction.tick_index, np.maximum(prediction.tick_index - 1, 0)
     return np.abs(path[at] - path[before]) / np.maximum(prediction.t_s[at] - prediction.t_s[before], 1e-9)
 
 
-_MIN_NOISE = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: no instrument is better
-_FREE_BLOCK_ZERO_SD = (
-    1e3  # sd of a block's own zero, in noises: sure to be absorbed, and no trouble for rounding
-)
+_MIN_NOISE = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: best instruments
+_FREE_BLOCK_ZERO_SD = 1e3  # sd of a block's own zero, in noise sds: practically free, and safe from rounding
 
 
 def independent_block(
     readings: ReadingSeries, timeline: Timeline, prediction: Prediction
 ) -> tuple[Array, Array, Array]:
-    """A block of its own, white noise judged by what a smooth curve leaves; free constants but for currents."""
+    """An independent block: white noise from the residuals of a smooth curve; free constants except for currents."""
     y = readings.value - prediction.values[readings.kind]
     noise = max(_local_noise(y), _MIN_NOISE[readings.kind])
     if readings.kind == "current":
@@ -83,13 +78,13 @@ def independent_block(
 
 
 def session_means(y: Array, readings: ReadingSeries, timeline: Timeline) -> Array:
-    """The mean (n,) of each sitting."""
+    """The mean (n,) over each session."""
     session = timeline.session[readings.step]
     return (np.bincount(session, y) / np.maximum(np.bincount(session), 1))[session]
 
 
 def _local_noise(y: Array) -> float:
-    """Sd of white noise from second differences of neighbours, robustly."""
+    """Robust standard deviation of white noise from second differences of neighbours."""
     second_differences = y[:-2] - 2 * y[1:-1] + y[2:]
     return max(
         float(np.median(np.abs(second_differences))) / 0.6745 / np.sqrt(6.0),

@@ -1,9 +1,9 @@
-"""Everything refitted at once: what data leave unexplained whatever density the hysteresis has.
+"""The refit of density and noise: what data leave unexplained by any density of the hysteresis.
 
     y = Γ[u] + e,    Γ of any smooth density (``density_prior``),    e ~ N(0, Σ)     ⇒     y ~ N(0, C)
 
-How smooth, and how large the noise, are those of largest likelihood. An effect's trace t then explains
-½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone could. Knows no effects.
+The smoothness of the density and the size of the noise maximise the likelihood. The trace t of an effect then
+explains ½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone.
 """
 
 from collections.abc import Sequence
@@ -37,9 +37,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class NoiseEstimate:
-    """Standard deviations: ``white`` (n,) of each coupled reading by itself, temperature (K), settled positions.
+    """Standard deviations: ``white`` (n,) of each coupled reading by itself, of temperature (K), and of settled
+    positions.
 
-    ``moving`` is the usual one of positions on their way, 0 where none was read.
+    ``moving`` is the typical one of moving positions, 0 if none was read.
     """
 
     white: Array
@@ -51,11 +52,12 @@ class NoiseEstimate:
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """The stacked readings of a story, whitened: ``factor`` (N, N) is the Cholesky factor of C.
+    """The stacked, whitened readings of a timeline: ``factor`` (N, N) is the Cholesky factor of C.
 
-    ``scale`` (N,) divides each reading; ``data`` (N,) are the readings so divided, whitened; ``fitted`` (coupled,)
-    what the refitted density says there beyond what the subject's does, in their unit. ``log_components`` are the
-    log₁₀ of the density's parts' variances, s_m, s₀ and s_T; ``posterior`` the density that these readings speak for.
+    ``scale`` (N,) divides each reading. ``data`` (N,) are the readings so divided, and whitened. ``fitted``
+    (coupled,) is the difference between the refitted density's prediction and that of the plant model, in the
+    readings' unit. ``log_components`` are log₁₀ of the variances of the density's parts, s_m, s₀ and s_T.
+    ``posterior`` is the posterior of the density.
     """
 
     factor: Array
@@ -69,7 +71,7 @@ class Refit:
     posterior: DensityPosterior
 
     def centred(self, rest: Array, timeline: Timeline) -> Array:
-        """Whitened (N,) readings minus predictions, the free constants of blocks apart taken out as in ``data``."""
+        """Whitened (N,) residuals, without the free constants of independent blocks, as in ``data``."""
         at = 0
         rest = rest.copy()
         for r in timeline.all_readings:
@@ -94,12 +96,12 @@ def refit(
     all_nuisances: bool = False,
     noise_of: "Refit | None" = None,
 ) -> Refit:
-    """Likelihood-best smoothness and noise for a story as retold, and its readings whitened by them.
+    """The maximum-likelihood smoothness and noise for a simulated timeline, and its readings whitened by them.
 
-    ``nuisance_terms``: sets of traces (N, k), of which any one may be in the readings with strengths ~ N(0, 1);
-    the noise is the likeliest with the likeliest of them, or with none, so no hidden effect passes for noise.
-    ``all_nuisances``: all
-    may be in at once. ``warm_start``: begin where another refit ended; ``noise_of``: spreads as in another.
+    ``nuisance_terms``: sets of traces (N, k). One of them may be in the readings with strengths ~ N(0, 1). The
+    noise is the likeliest with the likeliest set or with none, so that a hidden effect is not taken for noise.
+    ``all_nuisances``: all sets may be present at once. ``warm_start``: start at the result of another refit.
+    ``noise_of``: use the variances of another refit.
     """
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
@@ -112,7 +114,7 @@ def refit(
     prior = density_prior(prediction, h, path, prediction.output)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower
-    )  # of any hysteresis, not only a change of this one
+    )  # for any hysteresis, not only for changes of this one
     is_moving = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
     reading_covariance = ReadingCovariance(
         y=full_output / scale,
@@ -185,7 +187,7 @@ def refit(
 
 
 def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[float, ...]:
-    """Correlation times of remembered noise worth trying."""
+    """Correlation times to try for remembered noise."""
     if warm_start is not None:
         return (warm_start.noise.correlation_s,)
     return drive_statistics(timeline).correlations_s()
@@ -198,7 +200,7 @@ def _likeliest_components(
     sets: Sequence[Array],
     all_nuisances: bool,
 ) -> tuple[float, Array, float, Array]:
-    """As ``_over_correlation_times``, with the likeliest suspect aside, or with all."""
+    """``_over_correlation_times`` with the likeliest nuisance term, or with all."""
     found = _over_correlation_times(reading_covariance, memories, start_components)
     if not sets:
         return found
@@ -220,19 +222,19 @@ def _over_correlation_times(
     start_components: Array,
     nuisance: Array | None = None,
 ) -> tuple[float, Array, float, Array]:
-    """(cost, spreads, correlation time, remembered noise per K²) of the correlation time that is likeliest."""
+    """(cost, variances, correlation time, remembered noise per K²) of the likeliest correlation time."""
     best: tuple[float, Array, float, Array] | None = None
     for seconds, memory in memories:
         start = start_components if best is None else np.append(best[1][:-1], LOG_FLUCTUATION_START)
         cost, found = reading_covariance.likeliest(memory, start, nuisance)
         if best is None or cost < best[0]:
             best = (cost, found, seconds, memory)
-    assert best is not None  # noqa: S101 - there is always one to try
+    assert best is not None  # noqa: S101 - at least one correlation time is tried
     return best
 
 
 def _effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
-    """What the subject's effects change in each coupled reading, (n,)."""
+    """The change of each coupled reading (n,) by the effects of the plant model."""
     if not plant_model.effects:
         return np.zeros(prediction.output.size)
     plain = predict(timeline, replace(plant_model, effects=()))

@@ -1,8 +1,6 @@
-"""Spreads of largest likelihood: how far the density may deviate, how noisy positions are, how draughty the air.
+"""Maximum-likelihood variances: of the density, of the positions, and of the ambient temperature.
 
-    C(x) = Σ w_k S_k + F + N,    x = log₁₀ (w_k, s_m, s₀, s_T),    − log p(y | x) at its least, by its gradient
-
-Knows no story beyond the bounds it gives.
+C(x) = Σ w_k S_k + F + N,    x = log₁₀ (w_k, s_m, s₀, s_T),    − log p(y | x) at its least, by its gradient
 """
 
 from collections.abc import Sequence
@@ -17,37 +15,37 @@ from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.replay import PlantModel, Timeline
 
 Array = NDArray[np.float64]
-AT_BOUND, LOG_FLUCTUATION_STILL = 0.05, -2.0  # log₁₀: of a bound of s_T; and of s_T in still air
+AT_BOUND, LOG_FLUCTUATION_STILL = 0.05, -2.0  # log₁₀: distance from a bound of s_T; s_T in still air
 LOG_FLUCTUATION_START = (
     -0.8
-)  # log₁₀ of s_T where every search begins: from still air it would not find draughts
+)  # log₁₀ of s_T at the start of every search: from still air it would miss ambient fluctuations
 START = np.array(
     [-0.5, -1.5, -4.5, -4.0, -3.7, LOG_FLUCTUATION_START]
-)  # log₁₀ of spreads: density's parts; s_m, s₀ (ranges); s_T (K)
+)  # log₁₀ of sds: parts of the density; s_m, s₀ (ranges); s_T (K)
 MOVING_ERROR_BOUNDS = (
     1e-5,
     0.1,
-)  # ranges: what moving positions may miss besides; wrong heat must not bend the density
+)  # ranges: extra error of moving positions; wrong heating must not distort the density
 
 
 def noise_covariance(memory: Array, own_variances: Array, s_T: float, slope: Array) -> Array:
-    """Σ, scaled, of each reading's own variance (n,) and of what the hysteresis remembers."""
+    """Σ, scaled, from the variance of each reading (n,) and the remembered noise."""
     C = slope[:, None] * (s_T**2 * memory) * slope
     C[np.diag_indices_from(C)] += own_variances
     return C
 
 
 def own_variances(white: Array, is_moving: Array, s_m: float, s0: float) -> Array:
-    """Variances (n,): s₀ is in every position, s_m in moving ones, a reading's own noise beside them."""
+    """Variances (n,): s₀ of every position, s_m of moving ones, and each reading's own noise."""
     return white**2 + s_m**2 * is_moving + np.where(white < 1.0, s0**2, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class ReadingCovariance:
-    """Scaled readings y (n,) and what they spread by: covariances (n, n) of the density's parts, of free constants.
+    """Scaled readings y (n,) with the covariances (n, n) of the density's parts and of free constants.
 
-    ``white`` (n,) is each reading's own noise, ``is_moving`` 1 where a position was on its way, ``slope`` (n,)
-    that of a reading to the output in strokes; ``bounds`` those of the spreads.
+    ``white`` (n,) is each reading's own noise. ``is_moving`` is 1 for moving positions. ``slope`` (n,) is the slope
+    of a reading to the output in strokes. ``bounds`` limit the sds.
     """
 
     y: Array
@@ -73,15 +71,15 @@ class ReadingCovariance:
         return density + self.free + self.noise_covariance(memory, log_components)
 
     def cost(self, memory: Array, log_components: Array) -> float:
-        """− log likelihood at given spreads, with nothing aside."""
+        """− log likelihood at given sds, without nuisance terms."""
         return self._cost(log_components, self._parts(memory), self.free)[0]
 
     def likeliest(self, memory: Array, start: Array, nuisance: Array | None = None) -> tuple[float, Array]:
-        """(−log likelihood, log₁₀ of the spreads) at its least; columns ``nuisance`` (n, k) are in, strengths ~
+        """(−log likelihood, log₁₀ of the sds) at the minimum; columns ``nuisance`` (n, k) are included, strengths ~
         N(0, 1).
 
-        Where a search ends at a bound of s_T, another begins from the other side: draughts and the rest mimic each
-        other.
+        If a search ends at a bound of s_T, another starts from the other side: ambient fluctuations and other noise
+        imitate each other.
         """
         fixed = self.free if nuisance is None else self.free + nuisance @ nuisance.T
         parts, bounds = self._parts(memory), self.bounds
@@ -116,12 +114,14 @@ class ReadingCovariance:
         for w, part in zip(weights, parts):
             C += w * part
         C[np.diag_indices_from(C)] += own_variances(self.white, self.is_moving, s_m, s0)
-        L, failed = dpotrf(C.T, lower=1, clean=1, overwrite_a=1)  # turned, C is in LAPACK's order: no copy
+        L, failed = dpotrf(
+            C.T, lower=1, clean=1, overwrite_a=1
+        )  # transposed, C is in LAPACK's order: no copy
         if failed:
             return 1e12, np.zeros(x.size)
         a = dpotrs(L, self.y, lower=1)[0]
         value = 0.5 * float(self.y @ a) + float(np.log(np.diag(L)).sum())
-        inverse = dpotri(L, lower=1, overwrite_c=1)[0].T  # one half of it, in the order of the parts
+        inverse = dpotri(L, lower=1, overwrite_c=1)[0].T  # one triangle, in the order of the parts
         diagonal = np.diag(inverse).copy()
         by = [2 * float(np.vdot(inverse, S)) - float(diagonal @ np.diag(S)) - float(a @ S @ a) for S in parts]
         variance_gradient = diagonal - a * a
@@ -135,12 +135,14 @@ class ReadingCovariance:
 
 
 def bounds_of(timeline: Timeline, plant_model: PlantModel) -> tuple[Array, Array]:
-    """Of the search above: no mean is better than its samples allow, and a misfit of kelvins is not a draught."""
+    """Bounds of the search: from the number of samples of a mean, and from the largest plausible ambient
+    fluctuation.
+    """
     return _with_density(*drive_statistics(timeline).noise_bounds(plant_model))
 
 
 def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:
-    """Bounds of all spreads, log₁₀: those of the density's parts, then s₀ and s_T as given."""
+    """Bounds of all sds, log₁₀: those of the density's parts, then s₀ and s_T as given."""
     return (
         np.array(
             [-6.0, -6.0, -9.0, np.log10(MOVING_ERROR_BOUNDS[0]), np.log10(position[0]), np.log10(kelvin[0])]

@@ -1,10 +1,10 @@
-"""What a plain heat balance gets wrong on a measured wire temperature, and why: the thermal critic.
+"""The thermal diagnosis: what a plain heat balance predicts wrongly on a measured wire temperature, and why.
 
-    base: one exponential;    against it: latent heat, convection h(T), a second thermal mass, a late sensor
+    base: one exponential;    extensions: latent heat, convection h(T), a second thermal mass, a lagging sensor
 
-Each extension is fitted jointly with the base under first-order autoregressive noise, judged against nulls of the base
-(parametric bootstrap) by the largest gain in the spread of its own null, as everywhere in this folder; what no name
-explains is put to smooth functions of time and temperature. Knows no hysteresis and no rig.
+Each extension is fitted jointly with the base under first-order autoregressive noise. Its gain is compared with its
+gains on null data of the base (parametric bootstrap), by the largest scaled gain, as in ``diagnosis.critique``.
+Residuals that no extension explains are tested against smooth functions of time and temperature.
 """
 
 import time
@@ -33,16 +33,16 @@ from smarig.record import Run, load_run
 
 Array = NDArray[np.float64]
 NULLS = 200
-MAX_EXTENSIONS = 2  # extensions at once
-BLOCKS = 6  # held out in turn
-MIN_GAIN_NATS = 8.0  # nats: an extension that gains less is not worth its name
+MAX_EXTENSIONS = 2  # extensions in one explanation
+BLOCKS = 6  # blocks, held out in turn
+MIN_GAIN_NATS = 8.0  # nats: least gain of a named extension
 NORMAL_95 = 1.96
 UNDETECTABLE = ("wire_lag",)  # τ itself, which the base fits anyway
 
 
 @dataclass(frozen=True)
 class ExtensionScore:
-    """An extension's gain (nats) beside what is already in, its null's median and 95 % point."""
+    """An extension's gain (nats) over the present fit, and the median and 95 % point of its gains on null data."""
 
     name: str
     gain: float
@@ -51,13 +51,13 @@ class ExtensionScore:
 
     @property
     def standard(self) -> float:
-        """In spreads of its own null."""
+        """Gain in units of its spread on null data."""
         return (self.gain - self.median) / max(self.high - self.median, MIN_SPREAD_NATS)
 
 
 @dataclass(frozen=True, eq=False)
 class ExtensionLevel:
-    """All further extensions judged beside what is in: fits by name, scores, threshold of the largest, p."""
+    """All further extensions compared with the present fit: fits by name, scores, threshold of the largest, p."""
 
     fits: dict[str, HeatBalanceFit]
     scores: tuple[ExtensionScore, ...]
@@ -71,15 +71,15 @@ class ExtensionLevel:
 
     @property
     def best(self) -> ExtensionScore:
-        """The one that gains most."""
+        """The extension that gains most."""
         return max(self.scores, key=lambda s: s.gain)
 
 
 @dataclass(frozen=True, eq=False)
 class ThermalDiagnosis:
-    """What was found on one thermal record. ``base`` and ``extended`` are the fits of least squares, in kelvin.
+    """The diagnosis of one thermal record. ``base`` and ``extended`` are the least-squares fits, in kelvin.
 
-    ``held_out`` are rms of base and extended on blocks left out in turn, in kelvin.
+    ``held_out`` are the rms errors of base and extended fit on blocks held out in turn, in kelvin.
     """
 
     verdict: DiagnosisVerdict
@@ -97,11 +97,11 @@ class ThermalDiagnosis:
 
     @property
     def p_value(self) -> float:
-        """Of the first level."""
+        """p-value of the first level."""
         return self.levels[0].p_value
 
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Fitted values with 95 % intervals under the autoregressive noise; times in the record's unit."""
+        """Fitted values with 95 % intervals under the autoregressive noise; times in the unit of the record."""
         unit = {"gain": f"K/({self.record.unit} drive)", "tau": self.record.unit, "lag": self.record.unit}
         unit |= {"dead": self.record.unit, "mass_tau": self.record.unit, "exponent": "1", "mass_share": "1"}
         values = {q: getattr(self.whitened.balance, q) for q in self.whitened.spread}
@@ -115,7 +115,7 @@ class ThermalDiagnosis:
         }
 
     def to_json(self) -> dict[str, Any]:
-        """The CLI's JSON object, in the vocabulary of ``Diagnosis``."""
+        """The JSON object of the command line, with the keys of ``Diagnosis``."""
         return {
             "verdict": self.verdict.word,
             "effects": [{"name": n, "probability": self.verdict.probability(n)} for n in self.extended.names],
@@ -137,27 +137,28 @@ class ThermalDiagnosis:
         }
 
     def text(self) -> str:
-        """What was found, in plain sentences."""
+        """The findings as text."""
         word, effect_names = self.verdict.word, " and ".join(self.extended.names)
         lines = [
             {
                 "named": f"Found: {effect_names}",
-                "ambiguous": f"One of a set ({', '.join(self.verdict.names)}), best: {effect_names}",
-                "unknown": f"Something is wrong that depends on {self.verdict.depends_on}; no effect known explains it",
+                "ambiguous": f"Ambiguous, one of {', '.join(self.verdict.names)}; best: {effect_names}",
+                "unknown": f"Something is wrong and depends on {self.verdict.depends_on}, but no known effect "
+                "explains it",
             }.get(word, "Nothing stands out")
-            + f" (p = {self.p_value:.2g} by {self.nulls} nulls)."
+            + f" (p = {self.p_value:.2g} from {self.nulls} null data sets)."
         ]
         lines.append(
-            f"Temperature, rms: {self.base.rms:.3g} K by one exponential, {self.extended.rms:.3g} K extended."
+            f"Temperature, rms error: {self.base.rms:.3g} K (one exponential), {self.extended.rms:.3g} K (extended)."
         )
         lines.append(
-            f"Held out, {BLOCKS} blocks in turn: {self.held_out[0]:.3g} → {self.held_out[1]:.3g} K rms."
+            f"Held-out data, {BLOCKS} blocks in turn: rms error {self.held_out[0]:.3g} → {self.held_out[1]:.3g} K."
         )
         lines += [
             f"  {q} = {v['value']:.4g} [{v['ci95'][0]:.3g}, {v['ci95'][1]:.3g}] {v['unit']}"
             for q, v in self.parameters().items()
         ]
-        return "\n".join([*lines, f"These data cannot show: {', '.join(self.undetectable)}."])
+        return "\n".join([*lines, f"Effects that these data cannot show: {', '.join(self.undetectable)}."])
 
 
 def diagnose_transient(
@@ -169,14 +170,17 @@ def diagnose_transient(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> ThermalDiagnosis:
-    """What one exponential gets wrong on a run's wire temperature, and which extension explains it.
+    """Diagnose the wire temperature of a run: which extension explains the error of one exponential.
 
-    The run needs a wire temperature and what heated it (duty cycle, power, current). Raises DataError without them,
-    UsageError for settings that make no sense.
+    The run needs a wire temperature and the drive that heated it (duty cycle, power, current). Raises DataError
+    without them, and UsageError for invalid settings.
     """
     started, report_progress = time.monotonic(), progress or (lambda _: None)
     if not 0 < alpha < 0.5 or nulls < 1 / alpha:
-        raise UsageError(f"{nulls} nulls cannot tell a chance of {alpha:g} between 0 and 0.5.")
+        raise UsageError(
+            f"{nulls} null data sets cannot resolve the false alarm probability {alpha:g}. Use more of them, "
+            "or a probability between 0 and 0.5."
+        )
     x = thermal_record_of(run if isinstance(run, Run) else load_run(run))
     available = [n for n in extensions(x) if n not in without]
     noise = _noise(x, available)
@@ -224,7 +228,7 @@ def diagnose_transient(
 
 
 def _noise(x: ThermalRecord, available: Sequence[str]) -> RedNoise:
-    """Of the richest balance: no hidden effect passes for noise."""
+    """The noise from the residual of the fullest balance, so that no hidden effect is taken for noise."""
     fit = fit_balance(x, tuple(available), WHITE) if available else fit_balance(x, (), WHITE)
     single = [fit_balance(x, (n,), WHITE) for n in available]
     return red_noise_of(min([fit, *single], key=lambda f: f.chi2).residual)
@@ -266,7 +270,7 @@ def _null(
     fits: dict[str, HeatBalanceFit],
     noise: RedNoise,
 ) -> list[float]:
-    """What each extension gains on a record made without it, (extensions,)."""
+    """Gains (extensions,) of each extension on a record simulated without it."""
     null_record = ThermalRecord(x.t, simulated, x.drive, x.room, x.share, x.unit)
     base = fit_balance(null_record, current.names, noise, current.balance, quick=True)
     return [
@@ -285,7 +289,7 @@ def _verdict(
     nulls: int,
     rng: np.random.Generator,
 ) -> DiagnosisVerdict:
-    """Names by their lead over rivals of the same size; a plain variable where no name gains."""
+    """Names by their lead over rivals with the same number of extensions; a plain variable if no name gains."""
     if not names:
         variable = _variable(x, current, noise, alpha, nulls, rng)
         return DiagnosisVerdict("unknown", depends_on=variable) if variable else DiagnosisVerdict("silent")
@@ -305,7 +309,7 @@ def _variable(
     nulls: int,
     rng: np.random.Generator,
 ) -> str | None:
-    """Time or temperature, where smooth functions of it explain more than they do on nulls; else None."""
+    """Time or temperature, if smooth functions of it explain more than they do on null data; else None."""
     data = noise.whitened(current.residual)
     simulated = np.column_stack([noise.whitened(noise.sampled(x.t.size, rng)) for _ in range(nulls)])
     found = {}
@@ -320,7 +324,7 @@ def _variable(
 
 
 def _held_out(x: ThermalRecord, base: HeatBalanceFit, extended: HeatBalanceFit) -> tuple[float, float]:
-    """Rms of both on blocks of the record that were left out in turn, kelvin."""
+    """Rms errors of both fits on blocks of the record that were held out in turn, kelvin."""
     block = np.minimum(np.arange(x.t.size) * BLOCKS // x.t.size, BLOCKS - 1)
     rms_values = []
     for fit in (base, extended):

@@ -1,8 +1,6 @@
-"""A heat balance fitted to a thermal record: all parameters at once, by least squares of whitened residuals.
+"""The fit of a heat balance to a thermal record: all parameters by least squares of whitened residuals.
 
-    e_k − ρ e_{k−1},    ρ, σ from the residual of the richest balance (a first-order autoregression)
-
-Knows the parameters of each extension and their bounds; takes no decision.
+e_k − ρ e_{k−1},    ρ, σ from the residual of the fullest balance (a first-order autoregression)
 """
 
 from collections.abc import Sequence
@@ -15,16 +13,16 @@ from scipy.optimize import least_squares
 from smarig.diagnosis.thermal.thermal_record import HeatBalance, ThermalRecord
 
 Array = NDArray[np.float64]
-Bound = tuple[float, float, tuple[float, ...]]  # least, most, starts
+Bound = tuple[float, float, tuple[float, ...]]  # lower bound, upper bound, starts
 BASE = ("start", "offset", "gain", "tau")
 MOST_RHO = 0.98
 TRIES = (0.02, 0.1, 0.4)  # time constants of a second mass, in record lengths
 
 
 def extensions(x: ThermalRecord) -> dict[str, dict[str, Bound]]:
-    """Parameters of every extension that the record could show: bounds and starts.
+    """Parameters of every extension that the record could show, with bounds and starts.
 
-    Latent heat needs a measured transformation. A wire's own lag is τ itself, which the base fits.
+    Latent heat needs a measured transformation. A lag of the wire is τ itself, which the base fits.
     """
     long = x.length
     parameters: dict[str, dict[str, Bound]] = {
@@ -45,7 +43,7 @@ def extensions(x: ThermalRecord) -> dict[str, dict[str, Bound]]:
 
 @dataclass(frozen=True, eq=False)
 class HeatBalanceFit:
-    """A balance with the extensions ``names``, its residual (n,) and its whitened χ²."""
+    """A fitted balance with the extensions ``names``, its residual (n,) and its whitened χ²."""
 
     names: tuple[str, ...]
     balance: HeatBalance
@@ -55,7 +53,7 @@ class HeatBalanceFit:
 
     @property
     def rms(self) -> float:
-        """Of the residual, kelvin."""
+        """Rms of the residual, kelvin."""
         return float(np.sqrt(np.mean(self.residual**2)))
 
 
@@ -67,12 +65,12 @@ class RedNoise:
     sigma: float
 
     def whitened(self, e: Array) -> Array:
-        """Innovations over their sd (n,)."""
+        """The innovations divided by their standard deviation, (n,)."""
         white = np.append(e[0] * np.sqrt(1 - self.rho**2), e[1:] - self.rho * e[:-1])
         return white / self.sigma
 
     def sampled(self, n: int, rng: np.random.Generator) -> Array:
-        """Noise (n,)."""
+        """A sample of the noise (n,)."""
         e = rng.standard_normal(n) * self.sigma
         e[0] /= np.sqrt(1 - self.rho**2)
         for k in range(1, n):
@@ -84,13 +82,13 @@ WHITE = RedNoise(0.0, 1.0)
 
 
 def red_noise_of(e: Array) -> RedNoise:
-    """From a residual (n,)."""
+    """The red noise of a residual (n,)."""
     rho = float(np.clip(e[1:] @ e[:-1] / (e @ e), 0.0, MOST_RHO))
     return RedNoise(rho, max(float(np.std(e[1:] - rho * e[:-1])), 1e-9))
 
 
 def start_of(x: ThermalRecord) -> dict[str, float]:
-    """Where the base's search begins: the linear balance by its own differences."""
+    """The start of the base fit: the linear balance by finite differences."""
     T, excess = x.temperature, x.temperature - x.room
     A = np.column_stack([x.drive[1:], -excess[:-1], np.ones(T.size - 1)])
     gain, rate, constant = np.linalg.lstsq(A, np.diff(T) / x.dt, rcond=None)[0]
@@ -113,7 +111,7 @@ def fit_balance(
 ) -> HeatBalanceFit:
     """The best balance with extensions, from several starts.
 
-    ``used`` (n,) leaves bins out; ``quick`` tries one start and few steps, near where ``warm_start`` is.
+    ``used`` (n,) leaves bins out. ``quick`` tries one start and few steps, near ``warm_start``.
     """
     bounds = {q: b for name in names for q, b in extensions(x)[name].items()}
     origin = {q: getattr(warm_start, q) for q in (*BASE, *bounds)} if warm_start else start_of(x)
@@ -142,7 +140,7 @@ def fit_balance(
         )
         if best is None or solution.cost < best.cost:
             best = solution
-    assert best is not None  # noqa: S101 - there is a start
+    assert best is not None  # noqa: S101 - there is at least one start
     balance = HeatBalance(**dict(zip(keys, best.x.tolist())))
     e = x.temperature - balance.predicted_temperature(x)
     sd = np.sqrt(np.maximum(np.diag(np.linalg.pinv(best.jac.T @ best.jac)), 0.0))

@@ -1,11 +1,12 @@
-"""A measured wire temperature after a drive of unknown strength: one heat balance, with named extensions.
+"""A measured wire temperature under a drive of unknown scale: one heat balance with named extensions.
 
     dT/dt = g p(t) − (θ/τ)(θ/θ₀)ⁿ − Λ dξ/dt,    θ = T − T_room − b − s (M − T_room − b),    dM/dt = (T − M)/τ₂
-    seen = T through a first-order lag λ and a dead time d
+    reading = T through a first-order lag λ and a dead time d
 
-p: drive (duty cycle, power) in its own unit, ξ: transformed share from what was measured beside, in [0, 1]; Λ is the
-latent heat over the heat capacity, kelvin, one for heating (dξ > 0) and one for cooling. Without extensions
-(Λ = n = s = λ = d = 0) a plain exponential, thesis (5.1). Time is in samples where there is no clock. Knows no fit.
+p is the drive (duty cycle, power) in its own unit. ξ is the transformed share from the measured position, in [0,
+1]. Λ is the latent heat over the heat capacity in kelvin, one for heating (dξ > 0) and one for cooling. Without
+extensions (Λ = n = s = λ = d = 0) the balance is a plain exponential, thesis (5.1). Time is in samples if there is
+no clock.
 """
 
 from dataclasses import dataclass
@@ -20,9 +21,9 @@ from smarig.identification import valid_rows
 from smarig.record import Run
 
 Array = NDArray[np.float64]
-MAX_BINS = 200  # a polled, quantised sensor says no more
-REFERENCE_K = 20.0  # θ₀: where h is that of n = 0
-MIN_EXCESS_K = 0.5  # below, h is that of this
+MAX_BINS = 200  # a polled, quantised sensor contains no more information
+REFERENCE_K = 20.0  # θ₀: here h does not depend on n
+MIN_EXCESS_K = 0.5  # h is constant below this temperature
 MIN_BINS = 40
 
 
@@ -44,18 +45,20 @@ class ThermalRecord:
 
     @property
     def length(self) -> float:
-        """Of the record."""
+        """Length of the record."""
         return float(self.t[-1] - self.t[0])
 
 
 def thermal_record_of(run: Run) -> ThermalRecord:
-    """The thermal record of a run: temperature and drive; position and room where measured.
+    """The thermal record of a run: temperature and drive; position and room if measured.
 
-    DataError without a temperature, or without an input that is a drive.
+    Raises DataError without a temperature, or without an input that is a drive.
     """
     name = "input" if run.input_unit not in ("K", "degC", "°C") else "current_A"
     if not (run.has("temperature_degC") and run.has(name)):
-        raise DataError(f"{run.path} holds no wire temperature with its drive: nothing thermal to diagnose.")
+        raise DataError(
+            f"{run.path} holds no wire temperature with its drive. A thermal diagnosis needs both."
+        )
     clock = run.has("t_s")
     t = run["t_s"] if clock else np.arange(float(len(run)))
     keep = valid_rows(run) & np.isfinite(run["temperature_degC"]) & np.isfinite(t)
@@ -81,7 +84,9 @@ def thermal_record_of(run: Run) -> ThermalRecord:
 
 
 def _share(y: Array) -> Array:
-    """Position as a share of its range, smoothed over three bins: single-row spikes are no transformation."""
+    """Position as a share of its range, smoothed over three bins, because single-row spikes are not a
+    transformation.
+    """
     padded = np.pad(y, 1, mode="edge")
     smooth = np.median([padded[:-2], padded[1:-1], padded[2:]], axis=0)
     return (smooth - smooth.min()) / (np.ptp(smooth) or 1.0)
@@ -89,7 +94,7 @@ def _share(y: Array) -> Array:
 
 @dataclass(frozen=True)
 class HeatBalance:
-    """Parameters of the balance above; times in the record's unit, g in kelvin per time and unit of drive."""
+    """Parameters of the heat balance; times in the unit of the record, g in kelvin per time and unit of drive."""
 
     start: float
     offset: float
@@ -104,7 +109,7 @@ class HeatBalance:
     dead: float = 0.0
 
     def predicted_temperature(self, x: ThermalRecord) -> Array:
-        """Temperatures (n,) that the sensor shows; each bin with its constant drive exactly."""
+        """Temperatures (n,) that the sensor shows; exact for a constant drive in each bin."""
         return self._sensor_response(x, self._wire_temperature(x))
 
     def _wire_temperature(self, x: ThermalRecord) -> Array:
@@ -116,7 +121,7 @@ class HeatBalance:
         return _recursion(forcing, decay, self.start)
 
     def _nonlinear_wire(self, x: ThermalRecord, equilibrium: Array, heat: Array) -> Array:
-        """Bin by bin: the loss depends on the temperature itself, or on a second mass."""
+        """The temperature bin by bin, if the loss depends on the temperature or there is a second mass."""
         dt, rate, decay = x.dt, 1 / self.tau, exp(-x.dt / self.tau)
         keep, share, n = exp(-dt / self.mass_tau), self.mass_share, self.exponent
         wire, mass, out = self.start, float(equilibrium[0]), []
@@ -132,7 +137,7 @@ class HeatBalance:
         return np.array(out)
 
     def _heat(self, x: ThermalRecord) -> Array:
-        """Kelvin that transforming takes in each bin (n,), negative where it gives."""
+        """Temperature drop (n,) by latent heat in each bin, kelvin; negative on cooling."""
         if x.share is None:
             return np.zeros(x.t.size)
         share_change = np.diff(x.share, prepend=x.share[0])
@@ -144,11 +149,11 @@ class HeatBalance:
         if self.lag <= 1e-3 * x.dt:
             return wire
         left = exp(-x.dt / self.lag)
-        hold_weight = 1 - (1 - left) * self.lag / x.dt  # exact for what moves evenly within a bin
+        hold_weight = 1 - (1 - left) * self.lag / x.dt  # exact for a linear change within a bin
         before = np.append(wire[:1], wire[:-1])
         return _recursion((1 - left - hold_weight) * before + hold_weight * wire, left, float(wire[0]))
 
 
 def _recursion(forcing: Array, keep: float, start: float) -> Array:
-    """y_k = keep · y_{k−1} + pushed_k, from ``start``, (n,)."""
+    """y_k = keep · y_{k−1} + forcing_k, from ``start``, (n,)."""
     return lfilter([1.0], [1.0, -keep], forcing, zi=[keep * start])[0]

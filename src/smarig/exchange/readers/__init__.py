@@ -1,1 +1,1 @@
-"""Formats that can be imported: one file each, found by file name."""
+"""The import formats: one file each, found by file name."""

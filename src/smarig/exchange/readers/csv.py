@@ -1,4 +1,4 @@
-"""Text tables: smarig's own columns, or anybody's through a mapping file."""
+"""Reads text tables: smarig's own columns, or any table with a mapping file."""
 
 from pathlib import Path
 
@@ -17,6 +17,6 @@ def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Ru
         return read_own_csv(path, RigConstants.named(rig) if rig else None)
     described = load_mapping(mapping)
     if described.mat is not None:
-        raise UsageError(f"Mapping {described.name} describes MATLAB files; use --format mat.")
+        raise UsageError(f"Mapping {described.name} describes MATLAB files. Use --format mat.")
     draft = read_mapped_csv(path, described)
     return with_heating_model(draft, RigConstants.named(rig)) if rig else draft

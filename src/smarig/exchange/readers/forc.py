@@ -1,4 +1,4 @@
-"""First-order reversal curves as MicroMag magnetometers write them."""
+"""Reads first-order reversal curves as written by MicroMag magnetometers."""
 
 from pathlib import Path
 
@@ -14,11 +14,11 @@ from smarig.record import FORC_PROTOCOL
 def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
     """MicroMag-style first-order reversal curves: field is the input, moment the output.
 
-    Samples stand in measured order, calibration points (step −1) included, so that positive saturation
-    comes before each curve. Moments stay as measured; ``drift_corrected`` applies what was decided.
+    Samples are in measured order with the calibration points (step −1), so that positive saturation comes before
+    each curve. Moments stay as measured; ``drift_corrected`` applies the correction.
     """
     if rig is not None or mapping is not None:
-        raise UsageError("A file of reversal curves says itself what it holds: leave out --rig and --map.")
+        raise UsageError("A file of reversal curves describes itself. Leave out --rig and --map.")
     file = read_forc(path)
     described = {**file.header, "curves": file.curves, "calibration_points": int(file.calibration.sum())}
     warnings = list(file.warnings)
@@ -37,7 +37,7 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> R
         "input": {"quantity": "magnetic field", "unit": file.units[0]},
         "output": {"quantity": "magnetic moment", "unit": file.units[1], "per_count": None},
         "forc": described,
-        "notes": "Moments are as measured; whether a drift correction helps is said among the warnings.",
+        "notes": "Moments are as measured. The warnings state whether a drift correction helps.",
     }
     return RunDraft(columns, meta, (), tuple(warnings))
 
@@ -45,6 +45,6 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> R
 def _drift(file: ForcFile) -> tuple[dict, str] | None:
     try:
         _, decision = correct_drift_if_it_helps(ForcCurves(file.field, file.moment, file.curve))
-    except DataError:  # too few curves or calibration points to judge; the header remarks say so
+    except DataError:  # too few curves or calibration points; the findings on the header state this
         return None
     return decision.record(), decision.sentence(file.units[1])

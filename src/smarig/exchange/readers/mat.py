@@ -1,4 +1,4 @@
-"""MATLAB 5 files through a mapping file that names their variables."""
+"""Reads MATLAB 5 files with a mapping file that names their variables."""
 
 import hashlib
 from dataclasses import replace
@@ -14,14 +14,14 @@ from smarig.exchange.with_heating_model import with_heating_model
 
 
 def mat(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
-    """MATLAB 5 variables (save -v6, -v7), named and explained by a mapping file with a [mat] table."""
+    """MATLAB 5 variables (save -v6, -v7), named and described by a mapping file with a [mat] table."""
     if mapping is None:
-        raise UsageError(
-            f"{path} does not say what its variables mean; name them with a mapping file (--map)."
-        )
+        raise UsageError(f"{path} does not describe its variables. Name them with a mapping file (--map).")
     described = load_mapping(mapping)
     if described.mat is None:
-        raise UsageError(f"Mapping {described.name} has no [mat] table: it describes text, use --format csv.")
+        raise UsageError(
+            f"Mapping {described.name} has no [mat] table, so it describes text. Use --format csv."
+        )
     draft = mapped_draft(path, read_mat_table(path, described, described.mat), described)
     others = [file for file in file_set(path, described.mat.files) if file != path]
     if others:

@@ -1,1 +1,1 @@
-"""Formats a run can be exported to: one file each, found by file name."""
+"""The export formats: one file each, found by file name."""

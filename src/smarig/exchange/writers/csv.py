@@ -1,4 +1,4 @@
-"""A run's samples as CSV with units in the header; reads back through ``smarig import --format csv``.
+"""Writes a run's samples as CSV with units in the header; ``smarig import --format csv`` reads them back.
 
 Columns that were never measured are left out.
 """
@@ -36,7 +36,7 @@ def _named(run: Run) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _headed(name: str, unit: str, own: tuple[str, ...]) -> str:
-    """A column's head: as smarig's own reader has it, else the unit in brackets, for a mapping file.
+    """The header of a column: the name for smarig's own reader, else the unit in brackets, for a mapping file.
 
     >>> _headed("position", "mm", ("mm", "deg")), _headed("input", "A/m", ("K", "A")), _headed("input", "", ())
     ('position_mm', 'input [A/m]', 'input')
@@ -47,7 +47,7 @@ def _headed(name: str, unit: str, own: tuple[str, ...]) -> str:
 
 
 def _texts(name: str, values: np.ndarray) -> list[str]:
-    """Shortest texts that read back to the same float64; empty where unknown."""
+    """The shortest texts that read back to the same float64; empty if unknown."""
     if name in _WHOLE:
         return ["" if v != v else str(int(v)) for v in values.tolist()]
     return ["" if v != v else repr(v) for v in values.tolist()]

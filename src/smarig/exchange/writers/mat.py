@@ -1,7 +1,7 @@
-"""A run as a MATLAB 5 file: structures that MATLAB, Octave and scipy.io.loadmat read, deflated.
+"""Writes a run as a deflated MATLAB 5 file of structures, for MATLAB, Octave and scipy.io.loadmat.
 
-``samples.NAME`` are columns, ``steps`` and ``events`` structure arrays with one element each, ``units`` and
-``what`` say of each what it is in and what it is; ``about`` describes the run.
+``samples.NAME`` are columns. ``steps`` and ``events`` are structure arrays with one element each. ``units`` and
+``what`` state the unit and the meaning of each column. ``about`` describes the run.
 """
 
 import json
@@ -36,17 +36,17 @@ def mat(run: Run, path: Path) -> None:
         "units": {name: _units(columns) for name, columns in tables.items()},
         "what": {name: {c.name: c.what for c in columns} for name, columns in tables.items()},
     }
-    with path.open("wb") as file:  # a name without .mat would be given one
+    with path.open("wb") as file:  # savemat would append .mat to other names
         savemat(file, content, long_field_names=True, do_compression=True, oned_as="column")
 
 
 def _column(column: ExportColumn) -> np.ndarray:
-    """Doubles with NaN where unknown, MATLAB's own way; marks on samples as whole numbers, for bitand."""
+    """Doubles with NaN if unknown, as in MATLAB; marks of samples as integers, for bitand."""
     return column.integers(0).astype(np.int32) if column.name == "quality" else column.values
 
 
 def _units(columns: Sequence[ExportColumn]) -> dict[str, str]:
-    """Of the columns that hold numbers; "1" where a number has none."""
+    """Units of the numeric columns; "1" for numbers without a unit."""
     return {c.name: c.unit or "1" for c in columns if c.values.dtype.kind != "U"}
 
 

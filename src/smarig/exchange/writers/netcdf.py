@@ -1,8 +1,8 @@
-"""A run as NetCDF-4 after the Climate and Forecast conventions: xarray, MATLAB's ncread, Panoply, ncdump.
+"""Writes a run as NetCDF-4 with Climate and Forecast conventions, for xarray, MATLAB's ncread, Panoply and ncdump.
 
-Samples stand in the root, on the coordinate ``time`` (or ``tick``, for data without time); steps and events are
-groups of their own. Texts are character arrays and attributes characters, which every reader of NetCDF knows.
-The file is made in memory: on a disk that is full, HDF5's own writing ends the process.
+Samples are in the root, on the coordinate ``time`` (or ``tick``, for data without time). Steps and events are
+groups. Texts are character arrays and attributes are characters, which every NetCDF reader supports. The file is
+built in memory, because HDF5 ends the process when it writes to a full disk.
 """
 
 import io
@@ -28,7 +28,7 @@ from smarig.exchange.export_columns import (
 from smarig.record import Run, is_timestamp
 
 _MISSING = np.iinfo(np.int32).min
-_UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # as UDUNITS has them
+_UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # names in UDUNITS
 _STANDARD = {"ambient_degC": "air_temperature", "quality": "quality_flag"}
 _DEFLATE = 4
 
@@ -36,12 +36,12 @@ _DEFLATE = 4
 def netcdf(run: Run, path: Path) -> None:
     """NetCDF-4 with CF attributes, steps and events as groups; for xarray and MATLAB's ncread (extra netcdf)."""
     try:
-        import h5netcdf  # what xarray writes with
-        import h5py  # noqa: F401 - what that writes with
+        import h5netcdf  # used by xarray to write
+        import h5py  # noqa: F401 - used by h5netcdf
         import xarray as xr
         from xarray.backends import H5NetCDFStore
     except ImportError:
-        raise UsageError("NetCDF needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
+        raise UsageError("NetCDF export needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
     columns = sample_columns(run)
     along = "time" if _has_clock(run) else "tick"
     data = {c.name: _sampled(c, along) for c in columns if c.name != "tick" or along == "time"}
@@ -76,7 +76,7 @@ def _has_clock(run: Run) -> bool:
 
 
 def _time(run: Run) -> tuple:
-    """Seconds since the moment at which the device's clock read zero, by the host's clock; since nothing if unknown."""
+    """Time in seconds since the zero of the device's clock, in host time; without reference if that is unknown."""
     epoch = _zero_epoch(run)
     attributes = {"long_name": "time of the sample", "units": "s", "axis": "T"}
     if epoch is not None:
@@ -88,7 +88,7 @@ def _time(run: Run) -> tuple:
 
 
 def _zero_epoch(run: Run) -> float | None:
-    """When the device's clock read zero, from the event that began the run."""
+    """The host time of the zero of the device's clock, from the event that started the run."""
     starts = (e for e in run.events if e.kind == "start" and is_timestamp(e.data.get("epoch")))
     began = next(starts, None)
     if began is not None:
@@ -117,7 +117,7 @@ def _table(columns: Iterable[ExportColumn], dimension: str) -> dict[str, tuple]:
 
 
 def _values(column: ExportColumn) -> np.ndarray:
-    """Texts as bytes of one length; whole numbers as 32 bits where they fit."""
+    """Texts as bytes of one length; integers as 32 bits if they fit."""
     if column.values.dtype.kind == "U":
         return np.char.encode(column.values, "utf-8") if column.values.size else np.array([], dtype="S1")
     if not column.whole:
@@ -128,7 +128,9 @@ def _values(column: ExportColumn) -> np.ndarray:
 
 
 def _encoding(part: Any) -> dict[str, dict[str, Any]]:
-    """Deflated; whole numbers that lack some have a value that says so: with one, readers make them floats."""
+    """Deflated. Integer columns with missing values get a fill value, because readers convert columns with one to
+    floats.
+    """
     found: dict[str, dict[str, Any]] = {}
     for name, variable in part.variables.items():
         kind = variable.dtype.kind
@@ -158,12 +160,12 @@ def _description(run: Run) -> dict[str, Any]:
 
 
 def _full_description(run: Run) -> tuple:
-    """A variable, because attributes end at 64 kB."""
+    """The whole description as a variable, because attributes are limited to 64 kB."""
     text = json.dumps(run.meta, ensure_ascii=False).encode("utf-8")
     attributes = {"long_name": "whole description of the run, JSON", "_Encoding": "utf-8"}
     return ((), np.array(text), _characters(attributes))
 
 
 def _characters(texts: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes as characters: texts of variable length are not read everywhere; "" is left out."""
+    """Attributes as characters, because not every reader supports texts of variable length; "" is left out."""
     return {key: np.bytes_(str(value).encode("utf-8")) for key, value in texts.items() if value != ""}

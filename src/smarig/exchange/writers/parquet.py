@@ -1,4 +1,4 @@
-"""A run's samples as Parquet; units, description, steps and events in the schema's metadata."""
+"""Writes a run's samples as Parquet, with units, description, steps and events in the schema's metadata."""
 
 import json
 from dataclasses import asdict
@@ -17,7 +17,7 @@ def parquet(run: Run, path: Path) -> None:
         import pyarrow as pa
         import pyarrow.parquet as pq
     except ImportError:
-        raise UsageError("Parquet needs pyarrow: pip install 'smarig[parquet]'.") from None
+        raise UsageError("Parquet export needs pyarrow: pip install 'smarig[parquet]'.") from None
     columns = sample_columns(run)
     fields = [
         pa.field(

@@ -1,4 +1,4 @@
-"""A run as a Rerun recording: the live view of it, with its layout, in big batches; for Rerun's viewer and readers."""
+"""Writes a run as a Rerun recording with the layout of the live view, in large batches."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ from smarig.record import Run
 
 
 def rrd(run: Run, path: Path) -> None:
-    """The run's samples, steps and events as ``smarig view`` shows them; needs rerun."""
+    """Rerun recording of samples, steps and events as shown by ``smarig view``; needs rerun."""
     from smarig.live import save_recording
 
     save_recording(run, path)

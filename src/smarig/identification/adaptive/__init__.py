@@ -1,3 +1,3 @@
-"""Choosing the next experiment: expected information per minute of rig time (§9.2)."""
+"""The choice of the next holds by expected information per minute of rig time (§9.2)."""
 
 from smarig.identification.adaptive.informed_choice import informed_choice as informed_choice

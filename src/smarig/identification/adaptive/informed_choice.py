@@ -1,8 +1,8 @@
-"""The informed chooser: where would the next minutes at the rig teach most of the Preisach measure?
+"""The choice of the next holds by expected information about the Preisach measure per minute of rig time.
 
-Fits ``positive`` to everything seen, believes the surface to be as wrong as that leaves open, and plans a few
-holds ahead. Holds that did not settle shape the memory and are not believed. A function of what was seen
-and nothing else: the same results lead to the same choice. Refuses to know rigs.
+It fits ``positive`` to all results, takes the remaining uncertainty of the surface, and plans a few holds ahead.
+Holds that did not settle change the memory, but are not used as readings. The choice depends on the results only,
+so the same results give the same choice.
 """
 
 from collections.abc import Sequence
@@ -26,14 +26,14 @@ from smarig.identification.positive.triangle import Triangle
 from smarig.protocols import HoldResult, NextInputs, Setup
 
 Array = NDArray[np.float64]
-INTERVALS = 24  # of the triangle on which is planned
+INTERVALS = 24  # of the triangle used for planning
 SMOOTHING = 1e-12
-_MIN_READINGS = 6  # readings below which nothing is known of where the measure lies
-_PRIOR_REVERSIBLE_SHARE = 0.05  # part of the output range believed reversible then
+_MIN_READINGS = 6  # readings needed before the measure is fitted
+_PRIOR_REVERSIBLE_SHARE = 0.05  # prior share of the reversible part in the output range, before that
 
 
 def informed_choice(setup: Setup, seen: Sequence[HoldResult], settle: Settled) -> NextInputs:
-    """The next few holds by expected information per minute, and the rms error predicted now.
+    """The next few holds by expected information per minute, and the predicted rms error now.
 
     Information is the reduction of the variance of y(α, β), averaged over the triangle (I-optimality).
     """
@@ -42,7 +42,9 @@ def informed_choice(setup: Setup, seen: Sequence[HoldResult], settle: Settled) -
     good = [k for k, s in enumerate(seen) if s.settled and np.isfinite(s.counts)]
     counts = np.array([seen[k].counts for k in good])
     if not counts.size or np.ptp(counts) == 0:
-        return NextInputs(() if counts.size > 2 else ends)  # nothing moves; or nothing settled so far
+        return NextInputs(
+            () if counts.size > 2 else ends
+        )  # the output does not move, or nothing has settled yet
     noise = reading_noise_sd((seen[k].counts_sd for k in good), (seen[k].n for k in good))
     posterior = _posterior([paths[k] for k in good], counts, noise, ends)
     plan = best_plan(posterior, paths[-1], posterior.triangle.nodes, partial(duration_s, setup, settle))
@@ -52,7 +54,7 @@ def informed_choice(setup: Setup, seen: Sequence[HoldResult], settle: Settled) -
 def _posterior(
     paths: list[MemoryPath], counts: Array, noise: float, ends: tuple[float, float]
 ) -> SurfacePosterior:
-    """What settled counts (m,) after these memories leave open."""
+    """The posterior from settled counts (m,) after these memories."""
     saturated = [k for k, path in enumerate(paths) if len(path) == 1]
     change = counts - (counts[saturated].mean() if saturated else counts.min())
     if counts.size < _MIN_READINGS:
@@ -64,14 +66,14 @@ def _posterior(
     else:
         fit = fit_positive(observations(paths, counts, ends), intervals=INTERVALS, smoothing=SMOOTHING)
         triangle, density = fit.triangle, density_amplitude(fit.triangle, fit.masses)
-        noise = max(noise, fit.sigma)  # what cells this wide cannot follow is no information either
+        noise = max(noise, fit.sigma)  # the error of cells this wide counts as noise
     return surface_posterior(triangle, density, rows(triangle, paths), change, noise)
 
 
 def observations(
     paths: list[MemoryPath], outputs: Array, ends: tuple[float, float], unit: str = "counts"
 ) -> Observations:
-    """Outputs (m,) after known memories, as ``positive`` takes them; a curve is a monotone branch."""
+    """Outputs (m,) after known memories, as observations for ``positive``; a curve is a monotone branch."""
     term, sign, alpha, beta = corners(paths)
     turns = np.diff(np.sign(np.diff([path[-1] for path in paths]))) != 0
     curve = np.concatenate([[0], np.cumsum(turns), [np.sum(turns)]])[: outputs.size].astype(np.int64)

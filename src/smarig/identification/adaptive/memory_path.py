@@ -1,7 +1,7 @@
-"""Where a planned hold leads and what it costs: the memory after a move, and its settling time.
+"""The result and the cost of a planned hold: the memory after a move, and its settling time.
 
-A memory is the path of its extrema (u₋, M₁, m₁, M₂, …, u): maxima fall, minima rise. Plans are tried by the
-thousand, so the path is a plain tuple here. Knows no outputs.
+A memory is the path of its extrema (u₋, M₁, m₁, M₂, …, u): maxima fall, minima rise. Thousands of plans are tried,
+so the path is a plain tuple here.
 """
 
 import math
@@ -21,7 +21,7 @@ Corners = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDA
 
 
 def path_after(path: MemoryPath, u: float) -> MemoryPath:
-    """The path after a monotone move to u; loops it closes are wiped out (§3.3.1).
+    """The path after a monotone move to u; loops that the move closes are wiped out (§3.3.1).
 
     >>> path_after((0.0, 100.0, 20.0, 80.0), 50.0)
     (0.0, 100.0, 20.0, 80.0, 50.0)
@@ -33,7 +33,7 @@ def path_after(path: MemoryPath, u: float) -> MemoryPath:
     if u == path[-1]:
         return path
     rising, kept = u > path[-1], list(path)
-    if rising == (len(kept) % 2 == 0):  # maxima stand at odd places: the move goes on in its direction
+    if rising == (len(kept) % 2 == 0):  # maxima are at odd indices: the move continues in its direction
         kept.pop()
     while len(kept) > 1 and (u >= kept[-2] if rising else u <= kept[-2]):
         del kept[-2:]
@@ -50,7 +50,9 @@ def paths_along(path: MemoryPath, inputs: tuple[float, ...]) -> list[MemoryPath]
 
 
 def corners(paths: list[MemoryPath]) -> Corners:
-    """Which path (t,), sign (t,), α (t,) and β (t,) of all corners on the FOD surface whose sums are the outputs."""
+    """Index of the path (t,), sign (t,), α (t,) and β (t,) of all corners on the FOD surface whose sums are the
+    outputs.
+    """
     terms = []
     for k, path in enumerate(paths):
         state = State(path, (0.0,) * len(path), path[-1], 0.0)
@@ -60,7 +62,7 @@ def corners(paths: list[MemoryPath]) -> Corners:
 
 
 def duration_s(setup: Setup, settle: Settled, start_K: float, end_K: float) -> float:
-    """How long a hold will take: τ ln(|ΔT| / approach) until the heating has arrived, then the window."""
+    """The duration of a hold: τ ln(|ΔT| / approach) until the temperature is reached, then the window."""
     far = abs(end_K - start_K)
     approach_s = setup.tau_s * math.log(far / settle.approach_K) if far > settle.approach_K else 0.0
     return approach_s + settle.window_s

@@ -1,8 +1,9 @@
-"""The plan that teaches most per second of rig time, a few holds deep.
+"""The search for the plan of a few holds with the most information per second of rig time.
 
-Greedy choice of single points fails: a peak teaches little, the fall it opens teaches much. So all moves are
-tried, the best continued, and the sequence with the best ratio of information to time is taken. A Gaussian
-belief shrinks by what is asked, not by what is answered, so a plan can be judged before it is run.
+A greedy choice of single points fails: a peak gives little information, but the fall after it gives much. So all
+moves are tried, the best are continued, and the sequence with the best ratio of information to time is taken. The
+posterior covariance of a Gaussian process depends on the inputs only, not on the readings, so a plan can be
+evaluated before it is run.
 """
 
 from collections.abc import Callable, Iterator
@@ -21,12 +22,11 @@ HoldCost = Callable[[float, float], float]
 
 @dataclass(frozen=True, eq=False)
 class HoldPlan:
-    """A hold at the end of a plan: where it leaves the memory, and gain and time of the whole plan.
+    """The last hold of a plan: the memory after it, and gain and time of the whole plan.
 
-    ``covariance_x`` and ``reduction_x`` (n,) are C x and C W C x of its observation x, with C as the holds before
-    leave it;
-    ``predictive_variance`` and ``variance_reduction`` are x·C·x + noise² and x·C·W·C·x. ``gain`` is Σ worth/size,
-    counts².
+    ``covariance_x`` and ``reduction_x`` (n,) are C x and C W C x of its observation x, with C after the earlier
+    holds. ``predictive_variance`` and ``variance_reduction`` are x·C·x + noise² and x·C·W·C·x. ``gain`` is Σ
+    variance_reduction/predictive_variance, counts².
     """
 
     path: MemoryPath
@@ -40,12 +40,12 @@ class HoldPlan:
 
     @property
     def rate(self) -> float:
-        """Variance taken off the mean, per second."""
+        """Reduction of the mean variance per second."""
         return self.gain / self.cost_s if self.cost_s else 0.0
 
     @property
     def inputs(self) -> tuple[float, ...]:
-        """What to hold, in order."""
+        """The inputs to hold, in order."""
         return () if self.before is None else (*self.before.inputs, self.path[-1])
 
     def chain(self) -> "Iterator[HoldPlan]":
@@ -70,7 +70,7 @@ def best_plan(posterior: SurfacePosterior, path: MemoryPath, levels: Array, cost
 
 
 def _distinct(plans: list[HoldPlan], most: int) -> list[HoldPlan]:
-    """The first ``most`` plans that leave different memories."""
+    """The first ``most`` plans that lead to different memories."""
     kept: dict[MemoryPath, HoldPlan] = {}
     for plan in plans:
         if len(kept) < most:
@@ -81,7 +81,7 @@ def _distinct(plans: list[HoldPlan], most: int) -> list[HoldPlan]:
 def _extended_plans(
     plans: list[HoldPlan], posterior: SurfacePosterior, levels: list[float], cost: HoldCost
 ) -> list[HoldPlan]:
-    """All plans with one more hold, at each level."""
+    """All plans continued by one hold, at each level."""
     paths = [[path_after(plan.path, u) for u in levels if u != plan.path[-1]] for plan in plans]
     x = rows(posterior.triangle, [path for some in paths for path in some])
     dense, covariance_x, reduction_x = x.toarray(), x @ posterior.covariance, x @ posterior.shared_reduction
@@ -109,8 +109,8 @@ def _extend_plan(
     noise: float,
     cost: HoldCost,
 ) -> list[HoldPlan]:
-    """A plan continued to each path: rows x (k, n) and their C x, C W C x before anything of the plan is held."""
-    for hold in before.chain():  # rank-one downdates of C and C W C, applied to these rows only
+    """A plan continued to each path: rows x (k, n), with their C x and C W C x before the first hold of the plan."""
+    for hold in before.chain():  # rank-one downdates of C and C W C, for these rows only
         by, also = (x @ hold.covariance_x)[:, None], (x @ hold.reduction_x)[:, None]
         reduction_x = (
             reduction_x

@@ -1,9 +1,9 @@
-"""What is believed of the FOD surface, how wrong it may be, and what an observation would teach.
+"""The posterior of the FOD surface: its uncertainty, and the information of an observation.
 
-The density is a Gaussian process on the cells of a triangle, its standard deviation at each cell proportional
-to the density that ``positive`` found around it: where there is much, there is much to be wrong about, and
-where the measure is held at zero there is little. Correlation length and scale are those under which the
-readings are most probable. Observations are rows over the unknowns of the triangle. Refuses to know plans.
+The density is a Gaussian process on the cells of a triangle. Its standard deviation at each cell is proportional to
+the density that ``positive`` found around the cell, because a large density can be wrong by more. Correlation
+length and scale are those of largest likelihood of the readings. Observations are rows over the unknowns of the
+triangle.
 """
 
 from collections.abc import Iterable
@@ -17,19 +17,20 @@ from scipy.sparse import csr_matrix
 from smarig.identification.positive.triangle import Triangle
 
 Array = NDArray[np.float64]
-LENGTHS = (0.07, 0.11, 0.17, 0.26)  # correlation lengths tried, parts of the range
-BASE_DENSITY_SHARE = 0.2  # part of the mean density that is believed possible where none was found
-_AROUND = 0.12  # part of the range over which the density found is averaged
-_ROUNDING = 1e-10  # keeps readings of one memory from being singular
+LENGTHS = (0.07, 0.11, 0.17, 0.26)  # correlation lengths tried, as shares of the range
+BASE_DENSITY_SHARE = 0.2  # share of the mean density that is the prior sd where none was found
+_AROUND = 0.12  # share of the range over which the density is averaged
+_ROUNDING = 1e-10  # regularises repeated readings of one memory
 _GRID = 41  # inputs of the grid over which the error is averaged
 
 
 @dataclass(frozen=True, eq=False)
 class SurfacePosterior:
-    """Covariance (n, n) of the triangle's unknowns, and the mean square error an observation sees of it.
+    """Covariance (n, n) of the triangle's unknowns, and the reduction of the mean variance by observations.
 
-    ``shared_reduction`` (n, n) is C W C, W the average over the triangle: x·shared·x / (x·C·x + noise²) is what an
-    observation x takes off the mean variance. ``rms`` predicts the error of y(α, β). Outputs in counts.
+    ``shared_reduction`` (n, n) is C W C, with W the average over the triangle: x·shared·x / (x·C·x + noise²) is the
+    reduction of the mean variance by an observation x. ``rms`` predicts the error of y(α, β). Outputs are in
+    counts.
     """
 
     triangle: Triangle
@@ -43,9 +44,9 @@ class SurfacePosterior:
 def surface_posterior(
     triangle: Triangle, density: Array, rows: csr_matrix, change: Array, noise: float
 ) -> SurfacePosterior:
-    """The belief after readings ``change`` (m,), outputs above negative saturation, of ``rows`` (m, n).
+    """The posterior after readings ``change`` (m,), outputs above negative saturation, of ``rows`` (m, n).
 
-    ``density`` (cells,) is the standard deviation of the density up to a factor; noise is of one reading.
+    ``density`` (cells,) is the standard deviation of the density up to a factor. ``noise`` is that of one reading.
     """
     candidates = (_conditioned(triangle, density, length, rows, change, noise) for length in LENGTHS)
     _, length, covariance, error_inflation = max(candidates, key=lambda found: found[0])
@@ -61,7 +62,7 @@ def surface_posterior(
 
 
 def density_amplitude(triangle: Triangle, masses: Array) -> Array:
-    """Density (cells,) found around each cell, and everywhere at least a part of its mean; diagonal apart."""
+    """Mean density (cells,) around each cell, at least a share of its overall mean; diagonal cells separately."""
     alpha, beta, on = _centres(triangle)
     around = np.exp(-0.5 * ((alpha[:, None] - alpha) ** 2 + (beta[:, None] - beta) ** 2) / _AROUND**2)
     around *= on[:, None] == on
@@ -74,10 +75,10 @@ def density_amplitude(triangle: Triangle, masses: Array) -> Array:
 def _conditioned(
     triangle: Triangle, density: Array, length: float, rows: csr_matrix, change: Array, noise: float
 ) -> tuple[float, float, Array, float]:
-    """(log likelihood, length, posterior covariance, stretch) of one correlation length.
+    """(log likelihood, length, posterior covariance, error inflation) of one correlation length.
 
-    The scale of the prior is its most probable one; ``error_inflation`` is the rms of the readings' left-out errors in
-    units of what was expected of them, where that is more than 1.
+    The scale of the prior is its most probable one. ``error_inflation`` is the rms of the leave-one-out errors in
+    units of their expected size, if that is more than 1.
     """
     prior = _prior(triangle, density, length, noise)
     across = rows @ prior
@@ -85,7 +86,7 @@ def _conditioned(
     projected += _ROUNDING * np.trace(projected) / change.size * np.eye(change.size)
     level = noise**2 * np.eye(change.size)
     scale = 1.0
-    for _ in range(6):  # a fixed point: scale such that the readings are as large as expected
+    for _ in range(6):  # fixed point: the scale for which the readings have their expected size
         factor = cho_factor(scale * projected + level, lower=True)
         scale *= float(change @ cho_solve(factor, change)) / change.size
     lower = cholesky(scale * projected + level, lower=True)
@@ -99,7 +100,9 @@ def _conditioned(
 
 
 def _prior(triangle: Triangle, density: Array, length: float, noise: float) -> Array:
-    """Covariance (n, n) of the unknowns: Matérn-3/2 densities on the cells, summed up; y₋ known to a reading."""
+    """Covariance (n, n) of the unknowns: Matérn-3/2 densities on the cells, summed; y₋ known to the noise of a
+    reading.
+    """
     alpha, beta, on = _centres(triangle)
     far = np.sqrt(3.0) * np.hypot(alpha[:, None] - alpha, beta[:, None] - beta) / length
     spread = density * triangle.areas
@@ -119,14 +122,14 @@ def _summed(triangle: Triangle, columns: Array) -> Array:
 
 
 def _centres(triangle: Triangle) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """α and β of the cells' centres, scaled to [0, 1], and which cells lie on the diagonal."""
+    """α and β of the cells' centres, scaled to [0, 1], and the mask of diagonal cells."""
     x = triangle.scaled(triangle.nodes)
     middle = (x[1:] + x[:-1]) / 2
     return middle[triangle.i], middle[triangle.j], triangle.i == triangle.j
 
 
 def reading_noise_sd(counts_sd: Iterable[float], n: Iterable[int]) -> float:
-    """Standard uncertainty, in counts, of a typical window mean; without dither, that of a whole count."""
+    """Standard uncertainty, in counts, of a typical window mean; without dither, that of one count."""
     sd, size = np.array(list(counts_sd), dtype=float), np.maximum(np.array(list(n), dtype=float), 1.0)
     squares = sd**2 / size + np.where(sd < 0.3, 1 / 12, 0.0)
     return float(np.sqrt(np.median(squares)))

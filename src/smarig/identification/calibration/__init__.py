@@ -1,1 +1,1 @@
-"""The wire's own constants: heat loss, time constant, resistances."""
+"""Calibration of the wire's constants: heat loss, time constant, resistances."""

@@ -1,12 +1,12 @@
-"""The wire's own constants out of whatever channels the runs have, with 95 % intervals.
+"""Calibration of the wire's constants from all available channels, with 95 % intervals.
 
     R_M, R_A    voltage, current, position                              (``resistance``)
     tau         wire temperature after a step of the drive, or position with a known hysteresis
-    dead_time   the same temperature, where a delay shows               (``thermal_transient``, ``replay``)
+    dead_time   the same temperature, if it shows a delay               (``thermal_transient``, ``replay``)
     R_over_hA   steady wire temperature and current                     (``heat_loss``)
     hA          the same with voltage
 
-What the data cannot give is said in a sentence, never guessed. Knows runs and the actuator to start from.
+For each constant that the data do not determine, a sentence states the reason.
 """
 
 import json
@@ -29,29 +29,29 @@ from smarig.record import Run
 
 @dataclass(frozen=True)
 class Calibration:
-    """Constants by name (R_M, R_A, R_over_hA, hA, tau, dead_time), and for the others why not."""
+    """Constants by name (R_M, R_A, R_over_hA, hA, tau, dead_time), and the reasons for those not determined."""
 
     parameters: dict[str, Estimate]
     not_available: dict[str, str]
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """The calibration as a JSON object."""
         found = {name: estimate.to_json() for name, estimate in self.parameters.items()}
         return {"parameters": found, "not_available": dict(self.not_available)}
 
     def write_actuator(self, path: str | Path, base: Actuator | None, *, force: bool = False) -> Path:
-        """Write an actuator file: ``base`` with what was found in place of its constants; returns the path.
+        """Write an actuator file: ``base`` with the calibrated constants; returns the path.
 
-        R/hA sets the steady temperature at the base's reference current; τ sets the specific heat,
-        c_p = τ hA/(ρ V). UsageError without a base, when nothing was found, or when the file exists.
+        R/hA sets the steady temperature at the base's reference current. τ sets the specific heat, c_p = τ hA/(ρ
+        V). Raises UsageError without a base, if nothing was found, or if the file exists.
         """
         if base is None:
             raise UsageError(
-                "An actuator file needs a parameter set to start from: name one with --actuator."
+                "An actuator file needs a parameter set to start from. Name one with --actuator."
             )
         if not self.parameters:
             raise UsageError(
-                "Nothing was found that an actuator file could hold; see what the data cannot give."
+                "Nothing was found for an actuator file. See which constants the data do not determine."
             )
         return write(Path(path), calibrated(base.file, self.parameters, Path(path).stem), force=force)
 
@@ -63,13 +63,13 @@ class Calibration:
 def calibrate(
     runs: Sequence[Run], actuator: Actuator | None = None, hysteresis: Everett | None = None
 ) -> Calibration:
-    """Estimate what the runs can tell of the wire; the rest gets a sentence.
+    """Estimate the constants that the runs determine; each of the others gets a sentence.
 
-    ``hysteresis`` (an identified model's), with ``actuator``, lets τ be found from position transients
-    where no wire temperature was measured. UsageError without runs.
+    With ``hysteresis`` (of an identified model) and ``actuator``, τ can be found from position transients if no
+    wire temperature was measured. Raises UsageError without runs.
     """
     if not runs:
-        raise UsageError("No run was given to calibrate from.")
+        raise UsageError("No run was given to calibrate from. Give at least one.")
     thermal = tau_from_temperature(runs)
     if isinstance(thermal["tau"], str):
         thermal["tau"] = _tau_without_temperature(thermal["tau"], runs, actuator, hysteresis)
@@ -88,15 +88,15 @@ def _tau_without_temperature(
         found = tau_from_position(runs, actuator, hysteresis)
         return found if isinstance(found, Estimate) else f"{why} {found}"
     return (
-        f"{why} It cannot be given from position alone without a model: the hysteresis shapes a transient as "
+        f"{why} It cannot be determined from position alone without a model: the hysteresis shapes a transient as "
         "much as the heating does."
     )
 
 
 def calibrated(base: ActuatorFile, found: Mapping[str, Estimate], name: str) -> ActuatorFile:
-    """The base with R_M, R_A, R_over_hA and tau as found; every source names value, interval and origin.
+    """The base with R_M, R_A, R_over_hA and tau as calibrated; every source states value, interval and origin.
 
-    τ is no constant of the file but ρ c_p V/(hA): it sets c_p, with the new hA = R/(R/hA).
+    τ is not a constant of the file but ρ c_p V/(hA): it sets c_p, with the new hA = R/(R/hA).
     """
     heating = base.heating
     changes: dict[str, Quantity] = {}
@@ -122,9 +122,9 @@ def _quantity(value: float, unit: str, estimate: Estimate, prefix: str = "") -> 
 
 
 def write(path: Path, actuator: ActuatorFile, *, force: bool) -> Path:
-    """Write the file, all of it or nothing; UsageError when it exists and ``force`` is not given."""
+    """Write the whole file or nothing; UsageError if it exists and ``force`` is not given."""
     if path.suffix != ".toml":
-        raise UsageError(f"An actuator file is TOML: give a name that ends in .toml, not {path.name}.")
+        raise UsageError(f"An actuator file is TOML. Give a name that ends in .toml, not {path.name}.")
     with atomic_file(path, force=force) as part:
         part.write_text(_toml(actuator), encoding="utf-8")
     return path
@@ -140,7 +140,7 @@ def _toml(actuator: ActuatorFile) -> str:
 
 
 def _text(value: Any) -> str:
-    """A TOML value; strings as JSON writes them are TOML basic strings."""
+    """A TOML value; strings written as in JSON are TOML basic strings."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {_text(v)}" for key, v in value.items()) + " }"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

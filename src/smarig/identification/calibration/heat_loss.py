@@ -1,10 +1,10 @@
 """R/hA and hA from measured wire temperatures in steady state, (5.3).
 
-    T = Tₐ + (R/hA) i²        and, where the voltage is known,        T = Tₐ + (V i)/hA
+    T = Tₐ + (R/hA) i²        and, with a measured voltage,        T = Tₐ + (V i)/hA
 
-Without an ambient channel Tₐ is fitted too. Steady means: one reading per step (a run without a clock), or
-the last fifth of a hold of at least 5 τ. Readings at the end of the sensor's range are left out. Refuses to
-know what kind of sensor it was: an infra-red one reads too low by an emissivity that the data do not show.
+Without an ambient channel, Tₐ is fitted too. Steady means are one reading per step (a run without a clock), or the
+last fifth of a hold of at least 5 τ. Readings at the end of the sensor's range are left out. The emissivity error
+of an infra-red sensor is not corrected, because the data do not show it.
 """
 
 from collections.abc import Sequence
@@ -35,24 +35,24 @@ class _SteadyReadings:
 
 
 def heat_loss(runs: Sequence[Run], tau: Estimate | None) -> dict[str, Estimate | str]:
-    """``R_over_hA`` (K/A²) and ``hA`` (W/K), each an Estimate or the sentence why the data cannot give it."""
+    """``R_over_hA`` (K/A²) and ``hA`` (W/K), each an Estimate or the sentence why the data do not determine it."""
     thermal = [run for run in runs if run.has("temperature_degC") and run.has("current_A")]
     if not thermal:
         return {name: _unavailable_text(name, _missing_channels_text(runs)) for name in _NAMES}
     if any(np.nanmin(run["current_A"]) < -0.05 * np.nanmax(run["current_A"]) for run in thermal):
-        why = "currents of both signs heat two wires in turn, and whose temperature was measured is not recorded"
+        why = "currents of both signs heat two wires in turn, and the measured wire is not recorded"
         return {name: _unavailable_text(name, why) for name in _NAMES}
     steady = [_steady(run, tau) for run in thermal]
     steady = [s for s in steady if s.current_A.size >= _FEWEST and np.ptp(s.current_A) > 0]
     if not steady:
-        why = f"there are not {_FEWEST} steady readings at different currents (holds of 5 τ, with τ known)"
+        why = f"there are fewer than {_FEWEST} steady readings at different currents (holds of 5 τ, with τ known)"
         return {name: _unavailable_text(name, why) for name in _NAMES}
     where = ", ".join(run.path.name for run in thermal)
     return {"R_over_hA": _per_squared_current(steady, where), "hA": _per_watt(steady, where)}
 
 
 def _unavailable_text(name: str, why: str) -> str:
-    return f"{_NAMES[name]} cannot be given: {why}."
+    return f"{_NAMES[name]} cannot be determined: {why}."
 
 
 def _missing_channels_text(runs: Sequence[Run]) -> str:
@@ -73,7 +73,7 @@ def _per_watt(steady: list[_SteadyReadings], where: str) -> Estimate | str:
     powered = [s for s in steady if np.isfinite(s.voltage_V).all()]
     if not powered:
         return _unavailable_text(
-            "hA", "no run with steady temperatures has a measured voltage, only R/hA can be had"
+            "hA", "no run with steady temperatures has a measured voltage, so only R/hA can be determined"
         )
     fit = _linear_heat_loss([(s, s.voltage_V * s.current_A) for s in powered])
     if fit is None or fit.x[0] - fit.half[0] <= 0:
@@ -84,7 +84,7 @@ def _per_watt(steady: list[_SteadyReadings], where: str) -> Estimate | str:
 
 
 def _linear_heat_loss(data: list[tuple[_SteadyReadings, Array]]) -> LinearFit | None:
-    """T − Tₐ on x through zero where all runs know Tₐ; else T on x with one Tₐ a run."""
+    """T − Tₐ on x through zero if all runs know Tₐ, else T on x with one Tₐ per run."""
     if all(np.isfinite(s.ambient_degC).all() for s, _ in data):
         return linear_fit([(x[:, None], s.temperature_degC - s.ambient_degC) for s, x in data])
     own = np.eye(len(data))
@@ -101,8 +101,8 @@ def _source(against: str, fit: LinearFit, steady: list[_SteadyReadings], where: 
     jitter = np.concatenate([np.diff(s.temperature_degC, 2) for s in steady]).std() / np.sqrt(6)
     if fit.rms > _NONLINEARITY_RATIO * max(jitter, 1e-12):
         text += (
-            f" against {jitter:.2g} °C of scatter: the relation is not straight (R varies with phase, h with "
-            "temperature, or the sensor does not read the wire alone), and the interval is widened for that"
+            f" against {jitter:.2g} °C of scatter: the relation is not linear (R varies with phase, h with "
+            "temperature, or the sensor does not measure the wire alone), and the interval is widened for it"
         )
     return text
 

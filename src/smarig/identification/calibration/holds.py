@@ -1,7 +1,4 @@
-"""Where a run's drive was stepped and then held: the stretches in which a time constant can show.
-
-Knows columns of a run; refuses to know what is fitted to them.
-"""
+"""Holds: the segments of a run after a step of the drive, in which a time constant can be seen."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,13 +12,13 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step
 _FEWEST = 10  # readings
-_GAP_S = 2.0  # a recorded run whose clock leaps by more was interrupted there
-_INVALID = Quality.STALE | Quality.TRIPPED  # a saturated command is still a measured current
+_GAP_S = 2.0  # a run whose clock jumps by more was interrupted there
+_INVALID = Quality.STALE | Quality.TRIPPED  # a saturated command still has a measured current
 
 
 @dataclass(frozen=True)
 class DriveHold:
-    """Rows [begin, end) of a run after a step of the drive, which stays put until the next one."""
+    """Rows [begin, end) of a run after a step of the drive, which is constant until the next step."""
 
     begin: int
     end: int
@@ -30,7 +27,7 @@ class DriveHold:
 
 
 def drive_name(run: Run) -> str | None:
-    """The column that heats the wire: commanded or measured current, else an input that is no temperature."""
+    """The column that heats the wire: commanded or measured current, else an input that is not a temperature."""
     for name in ("current_command_A", "current_A"):
         if run.has(name):
             return name
@@ -51,7 +48,7 @@ def drive_holds(run: Run) -> list[DriveHold]:
     for begin, end in pairwise(edges):
         level = drive[begin:end]
         if _interrupted_before(run, begin):
-            continue  # what the wire did in between, nobody saw
+            continue  # the motion in between is unknown
         if end - begin >= _FEWEST and np.nanmax(level) - np.nanmin(level) <= 2 * _STEP * size:
             found.append(DriveHold(begin, end, float(drive[begin - 1]), float(np.nanmean(level))))
     return found
@@ -64,13 +61,13 @@ def _interrupted_before(run: Run, row: int) -> bool:
 
 
 def valid_rows(run: Run) -> NDArray[np.bool_]:
-    """Rows (n,) whose sample was neither stale nor after a trip."""
+    """Mask (n,) of rows whose sample is neither stale nor after a trip."""
     quality = np.nan_to_num(run["quality"]).astype(int)
     return (quality & int(_INVALID)) == 0
 
 
 def at_range_end(x: Array) -> NDArray[np.bool_]:
-    """Readings (n,) of a finely resolved sensor that repeat its largest value: the end of its range.
+    """Mask (n,) of readings of a finely resolved sensor that repeat its largest value: the end of its range.
 
     >>> at_range_end(np.array([20.1, 35.7, 61.2, 90.0, 90.0, 90.0])).tolist()
     [False, False, False, True, True, True]

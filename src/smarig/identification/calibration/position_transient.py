@@ -1,9 +1,9 @@
-"""τ from position transients, with a known hysteresis: the trajectory is replayed for each τ and compared.
+"""τ from position transients with a known hysteresis: the trajectory is simulated for each τ and compared.
 
-Current → heating (5.1) with time constant τ → Preisach operator → position. In each hold the mean
-difference to the measured position is taken out, so that neither the encoder's zero nor the model's error in
-steady state counts: what is left is the shape of the approach. Needs R/hA (the actuator's) and the memory a
-run begins in (its record names it, or it continues the run before).
+The chain is current → heating (5.1) with time constant τ → Preisach operator → position. In each hold the mean
+difference from the measured position is removed, so neither the encoder's zero nor the model's error in steady
+state counts; only the shape of the approach does. The fit needs R/hA (the actuator's) and the memory at the start
+of a run (its record names it, or it continues the previous run).
 """
 
 import math
@@ -22,14 +22,14 @@ from smarig.record import Run
 from smarig.replay import continues_run, recorded_start
 
 Array = NDArray[np.float64]
-_LONGEST = 40_000  # samples replayed: enough for dozens of holds, and seconds of work
-_FACTOR = 30.0  # τ is sought within this factor of the actuator's
-_STEP = 0.02  # of log τ, for the slope
+_LONGEST = 40_000  # samples simulated: dozens of holds, a few seconds of computing
+_FACTOR = 30.0  # τ is searched within this factor of the actuator's value
+_STEP = 0.02  # of log τ, for the derivative
 
 
 @dataclass(frozen=True, eq=False)
 class _SessionSegment:
-    """One sitting: currents and times (n,) from a known state, positions, and the holds as slices."""
+    """One session: currents and times (n,) from a known state, positions, and the holds as slices."""
 
     current_A: list[float]
     dt_s: Array
@@ -39,12 +39,12 @@ class _SessionSegment:
 
 
 def tau_from_position(runs: Sequence[Run], actuator: Actuator, hysteresis: Everett) -> Estimate | str:
-    """τ as an Estimate, or the sentence why the runs cannot give it."""
+    """τ as an Estimate, or the sentence why the runs do not determine it."""
     segments = _session_segments(runs)
     count = sum(len(s.windows) for s in segments)
     if not count:
         return (
-            "The time constant τ cannot be given from position: no run that begins in a known state has "
+            "The time constant τ cannot be determined from position: no run that begins in a known state has "
             "current, position and a clock, and a step of the current that is then held."
         )
 
@@ -54,16 +54,16 @@ def tau_from_position(runs: Sequence[Run], actuator: Actuator, hysteresis: Evere
     log_tau = _best_log_tau(errors, math.log(actuator.tau_s))
     if log_tau is None:
         return (
-            f"The time constant τ cannot be given from position: no value within a factor {_FACTOR:g} of the "
+            f"The time constant τ cannot be determined from position: no value within a factor {_FACTOR:g} of the "
             f"actuator's {actuator.tau_s:.3g} s follows the transients best; the model or R/hA does not fit."
         )
     slope = [(b - a) / (2 * _STEP) for a, b in zip(errors(log_tau - _STEP), errors(log_tau + _STEP))]
     names = ", ".join(run.path.name for run in runs)
-    return _estimate(log_tau, errors(log_tau), slope, f"position in {count} holds of {names}, replayed")
+    return _estimate(log_tau, errors(log_tau), slope, f"position in {count} holds of {names}, simulated")
 
 
 def _best_log_tau(errors: Callable[[float], list[Array]], guess: float) -> float | None:
-    """log τ of least squares; None when it lies at the end of what is searched."""
+    """log τ of least squares; None if it lies at the end of the searched range."""
 
     def square(log_tau: float) -> float:
         return sum(float(e @ e) for e in errors(log_tau))
@@ -79,13 +79,13 @@ def _estimate(log_tau: float, errors: list[Array], slope: list[Array], text: str
     square = sum(float(e @ e) for e in errors)
     curvature = sum(float(g @ g) for g in slope)
     n = sum(e.size for e in errors)
-    # Far into a hold nothing depends on τ any more: only as many readings count as carry the slope.
+    # Late readings of a hold do not depend on τ: only readings with a derivative count.
     effective_n = curvature**2 / max(sum(float(g**2 @ g**2) for g in slope), 1e-300)
     weighted = [g * e for g, e in zip(slope, errors)]
     score = sum(float(w @ w) for w in weighted)
     f = variance_inflation(weighted)
     if curvature == 0:
-        return "The time constant τ cannot be given from position: the transients do not depend on it."
+        return "The time constant τ cannot be determined from position: the transients do not depend on it."
     spread = math.sqrt(max(score * f, square / n * curvature)) / curvature
     half = quantile(effective_n / f - 1) * spread
     tau = math.exp(log_tau)
@@ -94,7 +94,7 @@ def _estimate(log_tau: float, errors: list[Array], slope: list[Array], text: str
 
 
 def _session_segments(runs: Sequence[Run]) -> list[_SessionSegment]:
-    """Runs from a known state, each with the runs that continue it, as far as the limit of samples goes."""
+    """Runs from a known state, each with the runs that continue it, up to the limit of samples."""
     sessions: list[list[Run]] = []
     for k, run in enumerate(runs):
         usable = run.has("current_A") and run.has("position") and run.has("t_s")
@@ -140,7 +140,7 @@ def _joined_segment(session: list[Run], limit: int) -> _SessionSegment:
 
 
 def _errors(s: _SessionSegment, tau_s: float, actuator: Actuator, hysteresis: Everett) -> list[Array]:
-    """Model minus measurement in each hold, its mean taken out."""
+    """Model minus measurement in each hold, without its mean."""
     operator = Preisach(hysteresis, s.start)  # pyright: ignore[reportArgumentType]
     difference = operator.follow(_hysteresis_inputs_K(s, tau_s, actuator)) - s.position
     return [difference[w] - difference[w].mean() for w in s.windows]

@@ -1,9 +1,8 @@
 """R_M and R_A from voltage, current and position: V = i (R_M + ξ (R_A − R_M)), by least squares in volts.
 
-ξ is the austenite fraction taken from the position, 0 at one end of the sitting's travel and 1 at the other
-(the median there, since the extreme of a noisy position is no end); in the differential rig wire 2 (i < 0)
-has 1 − ξ. Fitting volts weighs each reading by its current, as a constant voltage noise asks. Refuses to
-know temperature.
+ξ is the austenite fraction from the position: 0 at one end of the session's travel and 1 at the other. Each end is
+a median, because the extreme of a noisy position is not the end. In the differential rig wire 2 (i < 0) has 1 − ξ.
+A fit in volts weights each reading by its current, which suits a constant voltage noise.
 """
 
 from collections.abc import Sequence
@@ -21,7 +20,7 @@ _NAMES = {"R_M": "The martensite resistance R_M", "R_A": "The austenite resistan
 
 
 def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
-    """``R_M`` and ``R_A``, each an Estimate or the sentence why the data cannot give it."""
+    """``R_M`` and ``R_A``, each an Estimate or the sentence why the data do not determine it."""
     electrical = [run for run in runs if run.has("voltage_V") and run.has("current_A")]
     if not electrical:
         return _unavailable("no run has both a measured voltage and a measured current")
@@ -36,7 +35,7 @@ def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
     fit = linear_fit([_rows(run, low, high) for run, (low, high, _) in zip(used, ends)])
     if fit is None:
         return _unavailable("the readings with current do not cover both ends of the travel")
-    # An end of the travel is known as well as the position: that scales ξ, and so the difference R_A − R_M.
+    # The uncertainty of the ends of the travel scales ξ, and so the difference R_A − R_M.
     end = 2 * max(noise / (high - low) for low, high, noise in ends) * float(abs(fit.x[1] - fit.x[0]))
     text = (
         f"voltage against current and position in {', '.join(run.path.name for run in used)}, phase fraction "
@@ -49,7 +48,7 @@ def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
 
 
 def _unavailable(why: str) -> dict[str, Estimate | str]:
-    return {name: f"{text} cannot be given: {why}." for name, text in _NAMES.items()}
+    return {name: f"{text} cannot be determined: {why}." for name, text in _NAMES.items()}
 
 
 def _travel(run: Run) -> float:
@@ -57,9 +56,9 @@ def _travel(run: Run) -> float:
 
 
 def _ends(y: Array) -> tuple[float, float, float]:
-    """Lower and upper end of the travel, each the median of what lies within noise of it, and that noise.
+    """Lower and upper end of the travel, each the median of the readings within noise of it, and that noise.
 
-    The noise is that of neighbouring readings, at least the smallest step between them (a count).
+    The noise is that of neighbouring readings, at least their smallest step (a count).
     """
     y = y[np.isfinite(y)]
     change = np.abs(np.diff(y))
@@ -69,7 +68,7 @@ def _ends(y: Array) -> tuple[float, float, float]:
 
 
 def _pooled(runs: Sequence[Run], ends: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
-    """The same ends for runs of one sitting and encoder zero: the farthest any of them went."""
+    """Common ends for runs of one session and encoder zero: the farthest of all."""
     sessions = [(run.info.start_epoch or id(run), run.info.encoder_zero) for run in runs]
     pooled = []
     for mine in sessions:

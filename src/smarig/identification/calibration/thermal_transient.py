@@ -1,10 +1,10 @@
-"""τ from a measured wire temperature after steps of the drive: first order, with a dead time if it shows.
+"""τ from a measured wire temperature after steps of the drive: first order, with a dead time if it is significant.
 
     T(t) = T₀ + ΔT (1 − e^{−(t − d)/τ}) for t > d, T₀ before        (thesis (5.1) with constant current)
 
-τ and d are common to all steps, T₀ and ΔT each step's own. Readings are averaged over short bins, so
-that repeated time stamps and polling faster than the sensor converts do no harm. What is found is the
-time constant of wire and temperature sensor together: this data alone cannot tell them apart.
+τ and d are common to all steps; T₀ and ΔT belong to each step. Readings are averaged over short bins, so that
+repeated time stamps and polling faster than the sensor converts have no effect. The result is the time constant of
+wire and temperature sensor together, which these data cannot separate.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ class _TransientFit:
 
 
 def tau_from_temperature(runs: Sequence[Run]) -> dict[str, Estimate | str]:
-    """``tau`` and ``dead_time``, each an Estimate or the sentence why the data cannot give it."""
+    """``tau`` and ``dead_time``, each an Estimate or the sentence why the data do not determine it."""
     found = [(run, h) for run in runs if run.has("temperature_degC") for h in drive_holds(run)]
     transients = [x for x in (_transient(run, hold) for run, hold in found) if x is not None]
     if not transients:
@@ -54,7 +54,7 @@ def tau_from_temperature(runs: Sequence[Run]) -> dict[str, Estimate | str]:
             else "the measured temperature never follows a step of the drive that is then held"
         )
         return {
-            name: f"{text} cannot be given from temperature: {why}."
+            name: f"{text} cannot be determined from temperature: {why}."
             for name, text in _PARAMETER_TEXTS.items()
         }
     transients.sort(key=lambda x: -float(np.ptp(x.temperature)))
@@ -98,8 +98,8 @@ def _estimates(transients: list[TemperatureTransient], source: str) -> dict[str,
     result: dict[str, Estimate | str] = {}
     if not np.isfinite(half[0]) or half[0] > np.log(3.0) or fit.tau_s > 3 * longest:
         result["tau"] = (
-            f"The time constant τ cannot be given: {longest:.3g} s after a step, with readings that scatter "
-            f"by {rms:.2g} °C, leave it anywhere between {low:.2g} s and {high:.2g} s; hold the step longer."
+            f"The time constant τ cannot be determined: {longest:.3g} s after a step, with readings that scatter "
+            f"by {rms:.2g} °C, give {low:.2g} s to {high:.2g} s. Hold the step longer."
         )
     else:
         text = f"temperature after {len(transients)} step(s), {source}; wire and sensor together, first order"
@@ -112,7 +112,7 @@ def _estimates(transients: list[TemperatureTransient], source: str) -> dict[str,
             fit.dead_s, ends, "s", f"delay before the first-order rise; {source}", n
         )
     else:
-        result["dead_time"] = "No dead time shows in the transients."
+        result["dead_time"] = "The transients show no dead time."
     return result
 
 
@@ -154,7 +154,7 @@ def _fit_with_standard_errors(
 
 
 def _projected(x: TemperatureTransient, tau: float, dead: float) -> tuple[Array, Array]:
-    """Residuals (n,) at the best T₀ and ΔT, and slopes (n, 2) by log τ and d with those two taken out."""
+    """Residuals (n,) at the best T₀ and ΔT, and derivatives (n, 2) by log τ and d with those two projected out."""
     since = np.maximum(x.t_s - dead, 0.0) / tau
     decay = np.exp(-since)
     basis = np.linalg.qr(np.column_stack([np.ones_like(since), 1 - decay]))[0]

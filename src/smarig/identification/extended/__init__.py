@@ -1,1 +1,1 @@
-"""Identification of the extensions of thesis §3.5, and the test that says whether one is needed."""
+"""Identification of the extended models of thesis §3.5, and the test whether one is needed."""

@@ -1,12 +1,12 @@
-"""How much and how fast minor loops drift: amount κ and path l of the accommodation model, from repeated states.
+"""The identification of accommodation: amount κ and path l of the drift of minor loops, from repeated states.
 
-Only what differs between repeats of one classical memory state is used: there Preisach says nothing happens,
-so an error of the hysteresis itself drops out. For each l the model is linear in κ,
+Only differences between repeats of one classical memory state are used. A Preisach model predicts none there, so an
+error of the hysteresis itself cancels. For each l the model is linear in κ,
 
-    y − ȳ(state) = κ [D_l − D̄_l(state)] + noise,        D_l = what κ = 1 adds to the classical output
+    y − ȳ(state) = κ [D_l − D̄_l(state)] + noise,        D_l = change of the classical output by κ = 1
 
 and l follows from the profile of the squares (thesis §3.5; Vajda & Della Torre, IEEE Trans. Magn. 30:4371, 1994,
-fit a rate and an amount to repeated loops too). Knows no physics.
+also fit a rate and an amount to repeated loops).
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ _SHORTEST, _LONGEST, _SCAN = 0.02, 200.0, 17  # strokes
 class AccommodationFit:
     """κ and l with profile intervals, the p-value of "no drift", rms of the repeats without and with the drift.
 
-    An interval of l that reaches 0.02 or 200 strokes is not bounded by the record on that side.
+    The record does not bound l on a side where its interval reaches 0.02 or 200 strokes.
     """
 
     amount: Estimate
@@ -44,16 +44,16 @@ class AccommodationFit:
 
 
 def identify_accommodation(runs: Sequence[Run], hysteresis: Everett) -> AccommodationFit:
-    """κ and l (strokes) from settled points of runs that begin in negative saturation and repeat states.
+    """Identify κ and l (strokes) from settled points of runs that start in negative saturation and repeat states.
 
-    ``hysteresis`` is the classical one, identified before. DataError with fewer than 6 degrees of freedom.
+    ``hysteresis`` is the classical one, identified before. Raises DataError with fewer than 6 degrees of freedom.
     """
     record = extremum_chains(runs)
     y = _within(record.y, record.state)
     freedom = record.y.size - np.unique(record.state).size - 2
     if freedom < 4:
         raise DataError(
-            f"The record repeats too few memory states ({max(freedom + 2, 0)} degrees of freedom); accommodation needs "
+            f"The record repeats too few memory states ({max(freedom + 2, 0)} degrees of freedom). Accommodation needs "
             "a minor loop driven several times between the same inputs."
         )
     classical = _outputs(record, hysteresis, 0.0, 1.0)
@@ -72,12 +72,12 @@ def identify_accommodation(runs: Sequence[Run], hysteresis: Everett) -> Accommod
     d = drift(best)
     if not (noise > 0 and float(d @ d) > 0):
         raise DataError(
-            "The memory states that the record repeats cannot drift (saturations, say), or repeat without any noise; "
-            "accommodation needs a minor loop driven several times between the same inputs."
+            "The memory states that the record repeats cannot drift (for example saturations) or have no noise. "
+            "Accommodation needs a minor loop driven several times between the same inputs."
         )
     gradient = (drift(best + 1e-3) - drift(best - 1e-3)) / 2e-3
     amount = float(d @ y) / float(d @ d)
-    # The amount's error includes that of l: the part of D outside ∂D/∂log l.
+    # The error of the amount includes that of l: only the part of D outside ∂D/∂log l counts.
     aside = d - gradient * float(gradient @ d) / max(float(gradient @ gradient), 1e-300)
     half = float(fisher.ppf(0.95, 1, freedom) * noise / max(float(aside @ aside), 1e-300)) ** 0.5
     bound = noise * float(fisher.ppf(0.95, 1, freedom))
@@ -112,7 +112,7 @@ def _least(squares, low: float, high: float) -> float:
 
 
 def _crossing(above, best: float, end: float) -> float:
-    """Where ``above`` turns positive between best and end; the end when it does not."""
+    """The point between best and end at which ``above`` turns positive; the end if it does not."""
     if above(end) <= 0:
         return end
     root: Any = brentq(above, best, end, xtol=1e-3)

@@ -1,8 +1,9 @@
-"""Extensions of an identified model (§3.5): what each adds, and what it gains on runs left out in turn.
+"""Identification and choice of the extensions of a model (§3.5), by their gain on runs left out in turn.
 
-Each run is left out once; model and extension are identified from the others and predict it, up to one offset each (the
-encoder's zero). The gain is 1 − (rms extended/rms classical)², its 95 % interval by drawing excursions between
-saturations anew. "best" is the extension of the least error whose whole interval is a gain, else none.
+Each run is left out once. Model and extension are identified from the other runs and predict it, up to one offset
+each (the encoder's zero). The gain is 1 − (rms extended/rms classical)². Its 95 % interval comes from resampling
+excursions between saturations. "best" is the extension of least error with a positive gain in the whole interval,
+else none.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +36,7 @@ _DRAWS = 999
 
 @dataclass(frozen=True, eq=False)
 class HeldOutExtension:
-    """Squared errors (blocks,) of both models on runs left out, and the points (blocks,) they are of."""
+    """Squared errors (blocks,) of both models on runs left out, and their numbers of points (blocks,)."""
 
     classical: Array
     extended: Array
@@ -43,17 +44,17 @@ class HeldOutExtension:
     runs: int
 
     def rms(self) -> tuple[float, float]:
-        """Of the classical and of the extended model."""
+        """Rms errors of the classical and of the extended model."""
         n = self.points.sum()
         return float(np.sqrt(self.classical.sum() / n)), float(np.sqrt(self.extended.sum() / n))
 
     @property
     def gain(self) -> float:
-        """Share of the classical model's squares that the extension removes; negative where it is worse."""
+        """Share of the classical model's squared error that the extension removes; negative if it is worse."""
         return 1.0 - float(self.extended.sum() / self.classical.sum())
 
     def interval(self) -> tuple[float, float]:
-        """95 % interval of the gain, over blocks drawn anew; seed fixed."""
+        """95 % interval of the gain, by resampling blocks with a fixed seed."""
         drawn = np.random.default_rng(0).integers(0, self.points.size, (_DRAWS, self.points.size))
         gains = 1.0 - self.extended[drawn].sum(axis=1) / self.classical[drawn].sum(axis=1)
         low, high = np.quantile(gains, (0.025, 0.975))
@@ -75,7 +76,8 @@ class HeldOutExtension:
 
 @dataclass(frozen=True, eq=False)
 class ExtensionChoice:
-    """The extension chosen ("none": the classical model), each one that could be fitted, and why others could not.
+    """The chosen extension ("none": the classical model), every extension that could be fitted, and why others
+    could not.
 
     ``held_out`` has no entry for an extension that could not be identified with a run left out.
     """
@@ -89,7 +91,7 @@ class ExtensionChoice:
 
     @property
     def values(self) -> dict[str, Any]:
-        """What the model file keeps; empty for the classical model."""
+        """The values for the model file; empty for the classical model."""
         return self.fits[self.chosen].values if self.chosen != NONE else {}
 
     def to_json(self) -> dict[str, Any]:
@@ -115,7 +117,7 @@ class ExtensionChoice:
         if self.chords:
             c = self.chords
             lines.append(
-                f"  Comparable loops say: {c.verdict} (congruent p = {c.p_congruent:.2g}, equal chords "
+                f"  Verdict of comparable loops: {c.verdict} (congruent p = {c.p_congruent:.2g}, equal chords "
                 f"p = {c.p_chords:.2g}, {c.loops} loops)."
             )
         for name, fit in self.fits.items():
@@ -131,7 +133,7 @@ class ExtensionChoice:
         h = self.held_out[name]
         (classical, extended), (low, high) = h.rms(), h.interval()
         gain = "worse" if high < 0 else f"gain {h.gain:.0%} ({low:.0%} to {high:.0%})"
-        return f"runs left out: rms {classical:.3g} → {extended:.3g} {self.unit}, {gain}"
+        return f"runs left out: rms error {classical:.3g} → {extended:.3g} {self.unit}, {gain}"
 
 
 def choose_extension(
@@ -139,8 +141,8 @@ def choose_extension(
 ) -> ExtensionChoice:
     """Identify one extension of a hysteresis, or all of them for "best".
 
-    ``refit`` identifies the classical hysteresis from fewer runs. UsageError for an unknown name, DataError where an
-    extension asked for by name cannot be identified from these runs.
+    ``refit`` identifies the classical hysteresis from fewer runs. Raises UsageError for an unknown name, and
+    DataError if a named extension cannot be identified from these runs.
     """
     data = ExtensionData(runs, hysteresis, unit)
     fits, refused = {}, {}
@@ -165,7 +167,7 @@ def _best(held_out: dict[str, HeldOutExtension]) -> str:
 
 
 def _folds(runs: Sequence[Run], refit: Refit):
-    """(runs kept, the hysteresis they give, the run left out), where the others can do without it."""
+    """(runs kept, their hysteresis, the run left out), if the other runs suffice."""
     for k, left_out in enumerate(runs):
         kept = [*runs[:k], *runs[k + 1 :]]
         try:
@@ -194,7 +196,7 @@ def _held_out(name: str, folds: Sequence[Any], unit: str) -> HeldOutExtension | 
 
 
 def _chords(runs: Sequence[Run]) -> ChordTest | None:
-    """The chord test where the runs hold comparable loops and tell their noise."""
+    """The chord test, if the runs contain comparable loops and determine their noise."""
     try:
         return equal_chords(runs, noise_floor(runs))
     except DataError:

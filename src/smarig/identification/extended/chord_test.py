@@ -1,10 +1,12 @@
-"""Are comparable minor loops congruent, or do only their vertical chords agree? Two tests against noise.
+"""Tests of comparable minor loops against noise: congruency, and equality of their vertical chords.
 
 Loops between the same two inputs, driven after different histories:
-    congruent (classical Preisach, §3.3.2)      y_j(branch, u) = shape(branch, u) + level_j
-    equal vertical chords (non-linear, §3.5)    y_j(down, u) − y_j(up, u) = chord(u)
-The first implies the second. Squares of what is left, over σ², are χ² when the property holds (F when σ is itself
-estimated). Neither holding speaks of feedback, accommodation or drift. Knows no model.
+
+congruent (classical Preisach, §3.3.2) y_j(branch, u) = shape(branch, u) + level_j equal vertical chords (nonlinear,
+§3.5) y_j(down, u) − y_j(up, u) = chord(u)
+
+The first implies the second. The squared residuals over σ² follow χ² if the property holds (F if σ is estimated).
+If neither holds, the data show feedback, accommodation or drift.
 """
 
 from collections import defaultdict
@@ -38,7 +40,7 @@ class MinorLoop:
 
 @dataclass(frozen=True)
 class ChordTest:
-    """p-values of congruency and of equal chords, the rms each leaves, the loops used, and what follows."""
+    """p-values of congruency and of equal chords, the rms residual of each, the number of loops, and the verdict."""
 
     p_congruent: float
     p_chords: float
@@ -49,24 +51,24 @@ class ChordTest:
 
     @property
     def verdict(self) -> ChordVerdict:
-        """The simplest model that is not refuted at level alpha."""
+        """The simplest model that is not rejected at level alpha."""
         if self.p_congruent >= self.alpha:
             return "Preisach"
         return "non-linear Preisach" if self.p_chords >= self.alpha else "neither"
 
 
 def equal_chords(runs: Sequence[Run], noise: NoiseFloor, *, alpha: float = 0.01) -> ChordTest:
-    """Both tests over all sets of comparable loops in the runs; ``noise`` as ``noise_floor`` gives it.
+    """Run both tests over all sets of comparable loops in the runs; ``noise`` as given by ``noise_floor``.
 
-    DataError when no two loops share their ends and an input between, or when the noise is not known.
+    Raises DataError if no two loops share their ends and an input between, or if the noise is unknown.
     """
     return compare_loops(loops(runs), noise, alpha=alpha)
 
 
 def compare_loops(found: Iterable[MinorLoop], noise: NoiseFloor, *, alpha: float = 0.01) -> ChordTest:
-    """Both tests on loops; those with equal ends are compared at the inputs they all visit."""
+    """Run both tests on loops; loops with equal ends are compared at their common inputs."""
     if not noise.value:
-        raise DataError("The noise of a settled point is not known; repeat some memory states first.")
+        raise DataError("The noise of a settled point is unknown. Repeat some memory states first.")
     sets: dict[tuple[float, float], list[MinorLoop]] = defaultdict(list)
     for loop in found:
         sets[loop.ends].append(loop)
@@ -83,13 +85,13 @@ def compare_loops(found: Iterable[MinorLoop], noise: NoiseFloor, *, alpha: float
         used += len(group)
     if not used:
         raise DataError(
-            "No two minor loops share their ends and an input between; run the congruency protocol."
+            "No two minor loops share their ends and an input between. Run the congruency protocol."
         )
     return ChordTest(shape.p_value(noise), chord.p_value(noise), shape.rms, chord.rms, used, alpha)
 
 
 def loops(runs: Sequence[Run]) -> list[MinorLoop]:
-    """Every branch of the runs that the next one retraces to its beginning or beyond; each branch used once."""
+    """Every branch of the runs that the next branch retraces to its start or beyond; each branch is used once."""
     _, _, records = memory_histories(runs)
     return [loop for r in records for loop in _loops(r.inputs, r.outputs)]
 
@@ -101,7 +103,7 @@ def _loops(u: Array, y: Array) -> list[MinorLoop]:
     k = 0
     while k + 2 < turns.size:
         a, b, c = turns[k : k + 3]
-        if abs(u[c] - u[b]) < abs(u[a] - u[b]):  # turned before the loop was closed
+        if abs(u[c] - u[b]) < abs(u[a] - u[b]):  # the input turned before the loop closed
             k += 1
             continue
         first = dict(zip(u[a + 1 : b].tolist(), y[a + 1 : b].tolist()))
@@ -121,7 +123,7 @@ def _at(loop: MinorLoop, branch: Literal["down", "up"], inputs: list[float]) -> 
 
 
 class _ResidualSquares:
-    """Squares left when rows (one per loop) are made equal, and their degrees of freedom."""
+    """Squared residuals of rows (one per loop) from their mean, and their degrees of freedom."""
 
     def __init__(self) -> None:
         self.sum, self.freedom = 0.0, 0

@@ -1,4 +1,4 @@
-"""The excess of second-order curves out of several runs: of the run that holds all curves of one partition."""
+"""The excess of second-order curves of several runs, from the run that contains all curves of one partition."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from smarig.identification.interval_estimate import Estimate
 
 
 def fitted_excess(data: ExtensionData) -> NonlinearFit:
-    """Q of the run with the finest partition whose second-order curves are complete; DataError where none is."""
+    """Q of the run with the finest partition with complete second-order curves; DataError if there is none."""
     noise, fits, reason = data.noise, [], ""
     for run in data.runs:
         try:
@@ -20,13 +20,13 @@ def fitted_excess(data: ExtensionData) -> NonlinearFit:
             reason = str(error)
     if not fits:
         raise DataError(
-            f"No run holds the second-order curves of one whole partition (protocol second_order_transition): {reason}"
+            f"No run contains all second-order curves of a partition (protocol second_order_transition): {reason}"
         )
     return max(fits, key=lambda fit: fit.excess.nodes.size)
 
 
 def largest_excess(fit: NonlinearFit, unit: str) -> Estimate:
-    """The largest |Q| with its interval."""
+    """The largest |Q| with its 95 % interval."""
     values = np.where(np.isfinite(fit.error), np.abs(fit.excess.values), -1.0)
     at = np.unravel_index(int(np.argmax(values)), values.shape)
     low, high = fit.interval()

@@ -1,7 +1,7 @@
-"""Which earlier points a point's output hangs on: the remembered extrema, as points of the record.
+"""The remembered extrema of each settled point, as indices of points of the record.
 
-The output of a Preisach memory is a chain of moves: u₋ → M₁ → m₁ → … → u. Here each settled point of a
-record is told which point turned last before it (its origin), so that models can be linear in the data. Knows no model.
+The output of a Preisach memory is a chain of moves u₋ → M₁ → m₁ → … → u. Each settled point gets the index of the
+last remembered extremum before it (its origin), so that models can be linear in the data.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,8 @@ Places = NDArray[np.intp]
 class ExtremumChains:
     """Inputs u (n,), outputs y (n,), origins (n,): index of the last remembered extremum, −1 for u₋.
 
-    ``state`` (n,): points with one number are repeats of one classical memory state; ``run`` (n,): of which record.
+    ``state`` (n,): points with the same number are repeats of one classical memory state. ``run`` (n,): index of
+    the record.
     """
 
     u: Array
@@ -36,7 +37,7 @@ class ExtremumChains:
 
 
 def extremum_chains(runs: Sequence[Run]) -> ExtremumChains:
-    """Settled points of runs that begin in negative saturation; DataError names a run that does not."""
+    """Settled points of runs that start in negative saturation; DataError with the run that does not."""
     lower, upper, records = memory_histories(runs)
     origins: list[int] = []
     names: list[int] = []
@@ -45,8 +46,8 @@ def extremum_chains(runs: Sequence[Run]) -> ExtremumChains:
     for number, (run, record) in enumerate(zip(runs, records, strict=True)):
         if any(s is None or s.diagonal or s.extrema[0] != lower for s in record.states):
             raise DataError(
-                f"{run.path} has points whose memory does not go back to negative saturation; "
-                "begin the run there (or choose points after its first saturation)."
+                f"{run.path} has points whose memory does not go back to negative saturation. "
+                "Start the run there, or choose points after its first saturation."
             )
         start = len(origins)
         origins += [k + start if k >= 0 else -1 for k in _origins(record)]
@@ -65,13 +66,13 @@ def extremum_chains(runs: Sequence[Run]) -> ExtremumChains:
 
 
 def _origins(record: MemoryHistory) -> list[int]:
-    """Index of the point at which the last remembered extremum was set, −1 for the start."""
+    """Index of the point of the last remembered extremum, −1 for the start."""
     stack: list[int] = [-1]
     found = []
     depth = 1
     for k, state in enumerate(record.states):
         now = len(state.extrema) if state else 1
-        if now > depth:  # a turn: the point before this one is the new extremum
+        if now > depth:  # a turning point: the previous point is the new extremum
             stack.append(k - 1)
         del stack[now:]
         depth = now

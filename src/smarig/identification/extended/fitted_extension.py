@@ -1,4 +1,4 @@
-"""What an extension is identified from, and what comes of it: the two values that the catalogue exchanges."""
+"""The input and the result of the identification of an extension."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,10 +24,10 @@ class ExtensionData:
 
     @property
     def noise(self) -> float:
-        """Standard deviation of one settled output; DataError where the runs do not tell it."""
+        """Standard deviation of one settled output; DataError if the runs do not determine it."""
         value = noise_floor(self.runs).value
         if not value:
-            raise DataError("The noise of a settled point is not known; repeat some memory states first.")
+            raise DataError("The noise of a settled point is unknown. Repeat some memory states first.")
         return value
 
 
@@ -35,8 +35,8 @@ class ExtensionData:
 class FittedExtension:
     """An identified extension.
 
-    ``parameters`` with 95 % intervals; ``p_value`` of the classical model, which the extension must beat; ``values``:
-    what the model file keeps, as ``replay.extended_model`` reads it.
+    ``parameters`` have 95 % intervals. ``p_value`` is that of the classical model. ``values`` are stored in the
+    model file and read by ``replay.extended_model``.
     """
 
     adds: str

@@ -1,13 +1,15 @@
-"""How much the output acts back on the input: k of the moving model, from loops that follow other histories.
+"""The identification of the moving model: the feedback k of the output on the input, from loops after other
+histories.
 
     y = Γ[u + k y]
 
-First-order curves alone do not hold k: for every k there is one Γ that draws them all, the first-order surface
-y(α, β) moved along its own output, α → α + k y(α, α), β → β + k y(α, β). So Γ is identified anew inside, from those
-curves, for each k; what the other records (minor loops at several levels) then say is a function of k alone.
-The surface is interpolated once, smoothly, whatever k: no prior on Γ pulls k. The hold is weak all the same: on curves
-10 K apart, a thousandth of the stroke of noise, k = −2, 0 and 2 K/mm came back with a scatter of 0.4 to 0.6, and
-25 of 30 intervals held them. Judge a small p-value against simulated records without feedback. Knows no physics.
+First-order curves alone do not determine k: for every k one Γ reproduces all of them, the first-order surface y(α,
+β) shifted along its own output, α → α + k y(α, α), β → β + k y(α, β). So Γ is identified again for each k from
+those curves, and the errors at the other readings (minor loops at several levels) are a function of k alone. The
+surface is interpolated once, smoothly and independently of k, so no prior on Γ biases k. Nevertheless k is weakly
+determined: on curves 10 K apart, with noise of a thousandth of the stroke, k = −2, 0 and 2 K/mm were estimated with
+a scatter of 0.4 to 0.6, and 25 of 30 intervals contained them. Compare a small p-value with simulated records
+without feedback.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,14 +31,16 @@ Array = NDArray[np.float64]
 _FEWEST = 8
 _SCAN = 7
 _ROUNDS = 3
-_STEP = 0.01  # of the reach: wide enough to average over the table's cells
+_STEP = 0.01  # of the reach: wide enough to average over cells of the table
 _DRAWS = 24
-_SHARE = 0.9  # of the feedback at which an input would no longer lead anywhere
+_SHARE = 0.9  # of the feedback at which the moving model loses its unique solution
 
 
 @dataclass(frozen=True, eq=False)
 class MovingFit:
-    """k with its 95 % interval, the p-value of k = 0, rms of the loops with and without feedback, and Γ in w."""
+    """k with its 95 % interval, the p-value of k = 0, the rms errors of the loops with and without feedback, and Γ
+    in w.
+    """
 
     feedback: Estimate
     p_value: float
@@ -50,21 +54,22 @@ class MovingFit:
 
 
 def identify_moving(runs: Sequence[Run], *, reach: float | None = None) -> MovingFit:
-    """k of y = Γ[u + k y] (input per output unit) from settled points of runs that begin in negative saturation.
+    """Identify k of y = Γ[u + k y] (input per output unit) from settled points of runs that start in negative
+    saturation.
 
-    Needs first-order curves over the range and loops beyond them (DataError with fewer than 8 such points), best
-    away from where the density peaks: there a shift does not change a loop. k is looked for within ± ``reach``,
-    by default a quarter of the input's range per stroke. Least squares over the loops; the interval adds their
-    noise and what the first-order curves leave open of the surface, by drawing surfaces those curves allow.
-    Runs without loops are not simulated: keep first-order curves in runs of their own.
+    The runs need first-order curves over the range and loops in addition to them (DataError with fewer than 8 such
+    points), best away from the maximum of the density, where a shift does not change a loop. k is searched within ±
+    ``reach``, by default a quarter of the input's range per stroke. The fit is least squares over the loops. The
+    interval combines their noise and the uncertainty of the surface that the first-order curves leave, by drawing
+    surfaces from its posterior. Runs without loops are not simulated, so keep first-order curves in separate runs.
     """
     record = extremum_chains(runs)
     first = first_order(record)
     loops = np.flatnonzero(~first)
     if loops.size < _FEWEST:
         raise DataError(
-            f"{loops.size} points lie beyond first-order curves; a feedback needs at least {_FEWEST}: "
-            "measure minor loops between equal inputs after several histories."
+            f"{loops.size} points lie off first-order curves, but a feedback needs at least {_FEWEST}. "
+            "Measure minor loops between equal inputs after several histories."
         )
     surface = first_order_surface(record, np.flatnonzero(first))
     table = surface.table
@@ -85,7 +90,7 @@ def identify_moving(runs: Sequence[Run], *, reach: float | None = None) -> Movin
         k = min(max(k + _newton(misfit, k, step)[0], low), high)
     _, gain, left = _newton(misfit, k, step)
     without = misfit(0.0)
-    # Two kinds of error: what the first-order curves leave open, common to all loops, and what each excursion does.
+    # Two kinds of error: the uncertain surface, common to all loops, and the noise of each excursion.
     allowed = np.array([misfit(k, drawn) for drawn in surface.draws(_DRAWS)]) - left
     error = float(np.sqrt(np.mean((allowed @ gain) ** 2) + _between(gain * left, excursions(record)[loops])))
     half = float(student.ppf(0.975, _DRAWS - 1)) * error
@@ -100,18 +105,18 @@ def identify_moving(runs: Sequence[Run], *, reach: float | None = None) -> Movin
 
 
 def _newton(misfit: Callable[[float], Array], k: float, step: float) -> tuple[float, Array, Array]:
-    """One Gauss–Newton move from k, how each misfit moves it, and the misfits."""
+    """One Gauss–Newton step from k, the derivative of each misfit, and the misfits."""
     slope = (misfit(k + step) - misfit(k - step)) / (2 * step)
     gain, left = slope / float(slope @ slope), misfit(k)
     return -float(gain @ left), gain, left
 
 
 def shifted_surface(surface: FodTable, k: float) -> FodTable:
-    """Γ in w = u + k y that, under feedback k, has the given first-order surface in u."""
+    """Γ in w = u + k y that has the given first-order surface in u with feedback k."""
     u, y = surface.nodes, surface.values
     up = u + k * np.diag(y)
     if np.any(np.diff(up) <= 0):
-        raise UsageError(f"Feedback k = {k:g} turns the ascending branch back; no operator has it.")
+        raise UsageError(f"Feedback k = {k:g} turns the ascending branch back, so no such operator exists.")
     w = np.linspace(up[0], up[-1], u.size)
     rows = np.full_like(y, np.nan)  # y at (α_i, w_j), α still that of u
     for i in range(u.size):
@@ -137,11 +142,11 @@ def first_order(record: ExtremumChains) -> NDArray[np.bool_]:
 
 
 def excursions(record: ExtremumChains) -> NDArray[np.intp]:
-    """The number of the stretch between two visits of negative saturation, by point."""
+    """The index of the segment between two visits of negative saturation, by point."""
     return np.cumsum((record.u <= record.lower) | (np.diff(record.run, prepend=-1) != 0))
 
 
 def _between(pull: Array, cluster: NDArray[np.intp]) -> float:
-    """Variance of the sum of what each point pulls, when pulls agree within clusters (sandwich)."""
+    """Variance of the sum of the contributions of all points, which are correlated within clusters (sandwich)."""
     names, which = np.unique(cluster, return_inverse=True)
     return float(np.sum(np.bincount(which, pull) ** 2)) * names.size / max(names.size - 1, 1)

@@ -1,15 +1,15 @@
-"""The non-linear model from first- and second-order curves: its base table and its excess, with their noise.
+"""The identification of the nonlinear model from first- and second-order curves: base table, excess, and noise.
 
     Q(α, β, u) = y(α, β) + y(u, u) − y(u, β) − y_αβ(u)
 
-is measured node by node on one partition: the first-order surface by falling from α, y_αβ(u) by rising again
-from β (Mayergoyz, ch. 2; thesis §3.5). Repeats are averaged. Where the first-order surface is known already, by the
-Everett function F of an identified hysteresis,
+is measured at each node of one partition: the first-order surface by falling from α, y_αβ(u) by rising again from β
+(Mayergoyz, ch. 2; thesis §3.5). Repeats are averaged. If the first-order surface is known from the Everett function
+F of an identified hysteresis,
 
     Q(α, β, u) = F(u, β) − [y_αβ(u) − y(α, β)]
 
-needs the second-order curves only, each from the point at which it began. The same Q is that of the restricted model
-of first order: the two differ in what they make of deeper memories.
+needs the second-order curves only, each relative to the point at which it started. The restricted model of first
+order has the same Q; the two models differ for deeper memories.
 """
 
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 class NonlinearFit:
     """First-order table, excess Q, standard error of each Q (n, n, n; NaN where it is zero by definition).
 
-    ``p_value``: of Q ≡ 0, the classical model, from the second-order curves against ``noise`` (one settled point).
+    ``p_value`` tests Q ≡ 0, the classical model, from the second-order curves and ``noise`` (of one settled point).
     """
 
     hysteresis: Everett
@@ -56,10 +56,10 @@ class NonlinearFit:
 
 
 def identify_nonlinear(runs: Sequence[Run], noise: float, hysteresis: Everett | None = None) -> NonlinearFit:
-    """From runs whose settled points cover all first- and second-order curves of one partition.
+    """Identify Q from runs whose settled points cover all first- and second-order curves of one partition.
 
-    ``hysteresis``: the first-order surface where it is known; it is tabulated from the runs where it is not given.
-    ``noise``: standard deviation of one settled output (see ``noise_floor``). DataError names what is missing.
+    ``hysteresis`` is the first-order surface if it is known, else it is tabulated from the runs. ``noise`` is the
+    standard deviation of one settled output (see ``noise_floor``). Raises DataError with the missing point.
     """
     record = extremum_chains(runs)
     nodes, sums, counts = _first_order(record, _second_order_nodes(record, hysteresis))
@@ -70,13 +70,13 @@ def identify_nonlinear(runs: Sequence[Run], noise: float, hysteresis: Everett | 
     missing = second_order_mask(nodes.size) & (repeats == 0)
     if missing.any():
         a, b, at = nodes[np.argwhere(missing)[0]]
-        raise DataError(f"No second-order point at α = {a:g}, β = {b:g}, u = {at:g}: measure that curve too.")
+        raise DataError(f"No second-order point at α = {a:g}, β = {b:g}, u = {at:g}. Measure that curve too.")
     q, error = np.zeros(missing.shape), np.full(missing.shape, np.nan)
     if hysteresis is None:
         q[i, j, k] = y[i, j] + y[k, k] - y[k, j] - second[i, j, k]
     else:
         q[i, j, k] = hysteresis.swept(nodes[k], nodes[j]) - (second[i, j, k] - y[i, j])
-    # Each Q is one linear form of means: their inverse counts add, and shared first-order points correlate the Qs.
+    # Each Q is a linear form of means: inverse counts add, and shared first-order points correlate the Qs.
     forms = _forms(i, j, k, nodes.size, known=hysteresis is not None)
     n = np.concatenate([counts[np.tril_indices(nodes.size)], repeats[i, j, k]])
     variance = noise**2 / np.where(n > 0, n, np.inf)
@@ -89,13 +89,13 @@ def identify_nonlinear(runs: Sequence[Run], noise: float, hysteresis: Everett | 
 
 
 def _second_order_nodes(record: ExtremumChains, hysteresis: Everett | None) -> Array | None:
-    """The inputs of the second-order curves and both ends; None where the first-order curves set the partition."""
+    """The inputs of the second-order curves and both ends; None if the first-order curves determine the partition."""
     if hysteresis is None:
         return None
     found, peak = _second_order_points(record)
     if not found.size:
         raise DataError(
-            "The runs hold no second-order curves, which rise again from a fall after the first rise: run "
+            "The runs contain no second-order curves, which rise again from a fall after the first rise. Run "
             "second_order_transition."
         )
     inputs = np.concatenate([record.u[found], record.u[record.origin[found]], record.u[peak[found]]])
@@ -114,7 +114,7 @@ def _first_order(record: ExtremumChains, partition: Array | None) -> tuple[Array
     sums, counts = np.zeros((nodes.size,) * 2), np.zeros((nodes.size,) * 2)
     np.add.at(sums, (i, j), record.y[used])
     np.add.at(counts, (i, j), 1)
-    # Negative saturation is one state, however it was reached.
+    # Negative saturation is one state, reached in any way.
     sums[:, 0], counts[:, 0] = sums[:, 0].sum(), counts[:, 0].sum()
     return nodes, sums, counts
 
@@ -132,7 +132,7 @@ def _second_order(record: ExtremumChains, nodes: Array) -> tuple[Array, Array]:
 
 
 def _second_order_points(record: ExtremumChains) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Points of second-order curves, and of every point the extremum before its last one."""
+    """Points of second-order curves, and for every point the last but one extremum."""
     beyond = np.append(record.origin, -1)
     peak = beyond[record.origin]
     return np.flatnonzero((record.origin >= 0) & (peak >= 0) & (beyond[peak] < 0)), peak
@@ -143,7 +143,7 @@ def _forms(
 ) -> Array:
     """Q = y(α, β) + y(u, u) − y(u, β) − y_αβ(u) as rows over the first-order means, then the second-order ones.
 
-    ``known``: y(u, u) − y(u, β) is not from the data.
+    ``known``: y(u, u) − y(u, β) does not come from the data.
     """
     place = np.zeros((n, n), dtype=int)
     place[np.tril_indices(n)] = np.arange(n * (n + 1) // 2)

@@ -2,8 +2,8 @@
 
     r(u) = ½ [y⁺(u) − Γ⁺(u)] + ½ [y⁻(u) − Γ⁻(u)]
 
-is what both branches have beyond the hysteresis Γ (Mayergoyz, ch. 2: with no Γ it is the fully reversible
-component itself); half their difference is what r cannot explain. Knows no physics.
+is the common difference of both branches from the hysteresis Γ (Mayergoyz, ch. 2: without Γ it is the fully
+reversible component itself). Half the difference of the two terms is not explained by r.
 """
 
 from collections.abc import Sequence
@@ -24,9 +24,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ReversibleFit:
-    """r at the inputs both branches visit, its standard error (n,), and two p-values.
+    """r at the inputs that both branches visit, its standard error (n,), and two p-values.
 
-    ``p_none``: of r ≡ constant; ``p_enough``: of the branches differing by noise only once r is taken away.
+    ``p_none`` tests r ≡ constant. ``p_enough`` tests that the branches differ by noise only after r is removed.
     """
 
     hysteresis: Everett
@@ -46,9 +46,10 @@ class ReversibleFit:
 
 
 def identify_reversible(runs: Sequence[Run], hysteresis: Everett, noise: float) -> ReversibleFit:
-    """r beyond a hysteresis that has none of its own there; ``noise``: of one settled output.
+    """Identify r in addition to a hysteresis without a reversible part; ``noise`` is that of one settled output.
 
-    DataError unless the runs hold both major branches, saturation to saturation, at two common inputs at least.
+    Raises DataError unless the runs contain both major branches, from saturation to saturation, at two common
+    inputs at least.
     """
     lower, upper, records = memory_histories(runs)
     branches: dict[str, dict[float, list[float]]] = {"up": {}, "down": {}}
@@ -63,8 +64,8 @@ def identify_reversible(runs: Sequence[Run], hysteresis: Everett, noise: float) 
     common = sorted(branches["up"].keys() & branches["down"].keys())
     if len(common) < 2:
         raise DataError(
-            f"The ascending and the descending major branch share {len(common)} inputs; the reversible part needs "
-            "2 at least: run both branches through one partition, from saturation to saturation."
+            f"The ascending and the descending major branch share {len(common)} inputs, but the reversible part needs "
+            "at least 2. Run both branches through one partition, from saturation to saturation."
         )
     model = Preisach(hysteresis)
     up = np.array([np.mean(branches["up"][u]) for u in common]) - model.simulate(common)

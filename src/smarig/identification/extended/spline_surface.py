@@ -1,11 +1,10 @@
-"""An Everett function whose shape is not known beforehand: smooth, linear in its weights, fitted by evidence.
+"""An Everett function of unknown shape: smooth, linear in its weights, with hyperparameters from the evidence.
 
     F(α, β) = Σ_{i<j} c_ij [B_j(α) B_i(β) − B_i(α) B_j(β)]
 
-with cubic B-splines: antisymmetric, so that F(α, α) = 0 and every move w → w′ changes the output by F(w′, w),
-rising or falling. The weights are Gaussian a priori with independent second differences; how smooth and how
-noisy the record is follows from restricted maximum likelihood (Patterson & Thompson, Biometrika 58:545, 1971).
-Knows no feedback and no physics.
+with cubic B-splines. It is antisymmetric, so F(α, α) = 0, and every rising or falling move w → w′ changes the
+output by F(w′, w). The weights have a Gaussian prior with independent second differences. Smoothness and noise
+follow from restricted maximum likelihood (Patterson & Thompson, Biometrika 58:545, 1971).
 """
 
 from dataclasses import dataclass
@@ -21,8 +20,8 @@ from smarig.identification.extended.extremum_chains import ExtremumChains, Place
 from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
-_PROPER = 1e-4  # a little ridge makes the prior proper
-_SPLINES = 24  # fine enough that the prior, not the basis, says how smooth
+_PROPER = 1e-4  # a small ridge makes the prior proper
+_SPLINES = 24  # enough that the prior, not the basis, determines the smoothness
 _LEVELS = 121
 
 
@@ -63,17 +62,17 @@ def smoothness_whitening(n: int) -> Array:
                 if cells[2][0] <= cells[2][1] < n:
                     row = np.zeros(i.size + 1)
                     row[[place[c] for c in cells]] = (1.0, -2.0, 1.0)
-                    D.append(row[:-1])  # what falls on the diagonal is zero: place −1 is dropped
+                    D.append(row[:-1])  # terms on the diagonal are zero: index −1 is dropped
     precision = np.transpose(np.array(D)) @ np.array(D) + _PROPER * np.eye(i.size)
     return np.asarray(np.linalg.inv(np.linalg.cholesky(precision)).T, dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
 class SplineSurface:
-    """The likeliest first-order surface of a record, and what its points leave open.
+    """The likeliest first-order surface of a record, and its uncertainty.
 
-    ``values`` (levels, levels) on ``nodes``; ``errors`` (rows of the lower triangle, m): one standard deviation of
-    each of m independent errors of the surface; ``sigma``: noise of one point.
+    ``values`` (levels, levels) on ``nodes``. ``errors`` (rows of the lower triangle, m): one standard deviation of
+    each of m independent errors of the surface. ``sigma``: noise of one point.
     """
 
     nodes: Array
@@ -88,7 +87,7 @@ class SplineSurface:
         return FodTable(self.nodes, self.values, self.unit)
 
     def draws(self, n: int, seed: int = 0) -> list[FodTable]:
-        """n surfaces that the record allows, drawn from their posterior."""
+        """n surfaces drawn from the posterior."""
         noise = self.errors @ np.random.default_rng(seed).standard_normal((self.errors.shape[1], n))
         where = np.tril_indices(self.nodes.size)
         tables = []
@@ -103,7 +102,7 @@ def first_order_surface(record: ExtremumChains, points: Places) -> SplineSurface
     """The smooth surface through some points of a record; DataError with fewer than 20 points."""
     if points.size < 20:
         raise DataError(
-            f"{points.size} points on first-order curves do not hold a surface; measure at least 20."
+            f"{points.size} points on first-order curves do not determine a surface. Measure at least 20."
         )
     margin = 1e-6 * (record.upper - record.lower)
     basis = SplineBasis.on(record.lower - margin, record.upper + margin, _SPLINES)

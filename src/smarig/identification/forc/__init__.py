@@ -1,1 +1,1 @@
-"""The density of scattered first-order reversal curves."""
+"""FORC density from scattered first-order reversal curves."""

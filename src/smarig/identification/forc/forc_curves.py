@@ -1,7 +1,7 @@
-"""First-order reversal curves out of a run, as the mirrored FOD curves that ``ForcTable`` takes.
+"""First-order reversal curves of a run, as the mirrored FOD curves of ``ForcTable``.
 
-A FORC starts on the descending branch at a reversal field and rises: mirrored, (u, y) → (−u, −y), it is a
-FOD curve whose peak is the reversal. Knows runs with numbered curves; does not read files, does not fit.
+A FORC starts on the descending branch at a reversal field and rises. Mirrored, (u, y) → (−u, −y), it is a FOD curve
+whose peak is the reversal.
 """
 
 from dataclasses import replace
@@ -20,15 +20,15 @@ _MAX_REVERSED_SHARE = 0.1
 def curves_from_run(run: Run) -> tuple[ForcCurve, ...]:
     """The curves of a FORC run in measuring order, mirrored: α = −reversal field, β = −field, y = −moment.
 
-    Column ``step`` numbers the curves from 0, −1 marks calibration points in saturation; the last
-    calibration point before a curve becomes its ``saturation``. A curve begins at its lowest field, and
-    readings that do not move the field on are left out (they would be reversals of noise). Raises
-    DataError when the run is of another protocol, or a curve's field goes back at over 10 % of its points.
+    Column ``step`` numbers the curves from 0; −1 marks calibration points in saturation. The last calibration point
+    before a curve becomes its ``saturation``. A curve starts at its lowest field. Readings that do not increase the
+    field are left out, because they would be reversals by noise. Raises DataError if the run is of another
+    protocol, or if the field of a curve falls at more than 10 % of its points.
     """
     if run.info.protocol != FORC_PROTOCOL:
         raise DataError(
-            f"{run.path} is of protocol '{run.info.text_of('protocol', 'unknown')}'; curves can be had from "
-            f"'{FORC_PROTOCOL}' (import a FORC file with --format forc)."
+            f"{run.path} is of protocol '{run.info.text_of('protocol', 'unknown')}', but reversal curves need "
+            f"'{FORC_PROTOCOL}'. Import a FORC file with --format forc."
         )
     known = np.isfinite(run["input"]) & np.isfinite(run["position"]) & np.isfinite(run["step"])
     step, u, y = (run[name][known] for name in ("step", "input", "position"))
@@ -55,6 +55,6 @@ def _curve(run: Run, number: int, beta: NDArray[np.float64], y: NDArray[np.float
     if back > _MAX_REVERSED_SHARE * beta.size:
         raise DataError(
             f"{run.path}, curve {number}: the field turns back at {back} of {beta.size} points after the "
-            "reversal; a first-order curve rises from its reversal field."
+            "reversal, but a first-order curve rises from its reversal field."
         )
     return ForcCurve(float(beta[0]), beta[onward], y[onward])

@@ -1,9 +1,9 @@
-"""The density μ = ½ ∂²y/∂α∂β out of first-order curves, by local regression, with its standard errors.
+"""The density μ = ½ ∂²y/∂α∂β from first-order curves, by local regression, with standard errors.
 
-Around every place a polynomial is fitted to the points nearby, weighted by distance (LOESS: Cleveland 1979,
-Harrison & Feinberg 2008; or VARIFORC's window with a constant factor, Egli 2013), and its mixed derivative is
-the density there. Nothing is assumed of the density, so it may come out negative. Knows no instrument, no
-drift and no plot; does not extrapolate: where the points do not determine a fit there is NaN, and a count.
+Around every place a polynomial is fitted to the nearby points, weighted by distance (LOESS: Cleveland 1979,
+Harrison & Feinberg 2008; or the VARIFORC window with a constant factor, Egli 2013). Its mixed derivative is the
+density there. The density is not constrained, so it may be negative. It is not extrapolated: where the points do
+not determine a fit, it is NaN, and these places are counted.
 """
 
 from dataclasses import dataclass, field, replace
@@ -20,20 +20,20 @@ from smarig.identification.forc.forc_density_smoothing import DEGREES, choose_sm
 from smarig.identification.forc.forc_density_windows import WINDOWS
 
 Array = NDArray[np.float64]
-_MAX_GAIN_RATIO = 30.0  # times the typical standard error: no neighbourhood to speak of
+_MAX_GAIN_RATIO = 30.0  # times the typical standard error: too few neighbours
 _FEWEST = 12  # points: twice the terms of a quadratic
-_NOISE_POINTS = 4000  # points at most tell the noise where the density is asked for elsewhere
+_NOISE_POINTS = 4000  # largest number of points for the noise, if the density is requested at other places
 
 
 @dataclass(frozen=True, eq=False)
 class DensityEstimate:
     """μ(α, β) at places (k,) with standard errors, in output per input²; NaN where it is not determined.
 
-    ``se`` is the standard deviation of ``mu`` due to noise (exact for a linear estimator with independent
-    noise of deviation ``noise``, in output units, told from the residuals). Not in it: the bias of smoothing,
-    and noise that the points of a curve share (drift). ``dof`` counts the effective parameters of the fitted
-    surface, ``points`` the data. ``smoothing`` is the factor in units of ``steps`` (Δα, Δβ), None where
-    neighbourhoods hold the ``nearest`` points instead. ``ill_conditioned`` counts the places that are NaN.
+    ``se`` is the standard deviation of ``mu`` due to noise (exact for a linear estimator with independent noise of
+    deviation ``noise``, in output units, estimated from the residuals). It does not include the bias of smoothing
+    or noise shared by the points of a curve (drift). ``dof`` is the effective number of parameters of the fitted
+    surface, ``points`` the number of data points. ``smoothing`` is the factor in units of ``steps`` (Δα, Δβ), None
+    if neighbourhoods contain the ``nearest`` points instead. ``ill_conditioned`` counts the places with NaN.
     """
 
     alpha: Array = field(repr=False)
@@ -65,15 +65,15 @@ def forc_density(
 ) -> DensityEstimate:
     """μ at the points themselves, or at the places ``at`` = (α, β), from scattered points (n,), β ≤ α.
 
-    Without ``smoothing`` and ``nearest`` the number of neighbours and the ``degree`` (2 or 4) are those that
-    predict whole curves best from the others (``forc_smoothing``). ``smoothing`` is a constant factor s in
-    grid steps and ``nearest`` a number of neighbours; the degree is then 2 unless given. ``window`` is
-    "loess" (tricube in the ellipse with half axes s·Δα, s·Δβ) or "variforc" (Egli's rounded box, half sides
-    s in (α ∓ β)/2). ``steps`` are the grid steps (Δα, Δβ), by default the medians in the data. Magnetic
-    curves are handed over mirrored; ``fod_density`` takes them as they are.
+    Without ``smoothing`` and ``nearest``, the number of neighbours and the ``degree`` (2 or 4) are those that
+    predict whole curves best from the others (``forc_density_smoothing``). ``smoothing`` is a constant factor s in
+    grid steps and ``nearest`` a number of neighbours; the degree is then 2 unless given. ``window`` is "loess"
+    (tricube in the ellipse with half axes s·Δα, s·Δβ) or "variforc" (Egli's rounded box, half sides s in (α ∓
+    β)/2). ``steps`` are the grid steps (Δα, Δβ), by default the medians in the data. Magnetic curves must be
+    mirrored; ``fod_density`` takes them as measured.
 
-    Raises UsageError for options that contradict, DataError for points that cannot be fitted and for places
-    outside the triangle that the points span.
+    Raises UsageError for contradictory options, DataError for points that cannot be fitted and for places outside
+    the triangle of the points.
 
     >>> grid = np.linspace(0.0, 1.0, 21)
     >>> a, b = (m[np.tri(21, dtype=bool)] for m in np.meshgrid(grid, grid, indexing="ij"))
@@ -111,9 +111,9 @@ def forc_density(
 def fod_density(
     data: FodData, *, at: tuple[ArrayLike, ArrayLike] | None = None, **options: Any
 ) -> DensityEstimate:
-    """``forc_density`` of FOD data, α and β being those of the measurement also where the data is mirrored.
+    """``forc_density`` of FOD data, with the measured α and β also if the data are mirrored.
 
-    The mirror (u, y) → (−u, −y) takes (α, β) to (−β, −α) and leaves μ as it is.
+    The mirror (u, y) → (−u, −y) maps (α, β) to (−β, −α) and does not change μ.
     """
     if not data.mirrored:
         return forc_density(data.alpha, data.beta, data.y, at=at, **options)
@@ -135,7 +135,7 @@ def grid_steps(alpha: Array, beta: Array) -> tuple[float, float]:
     along = np.diff(beta[order])[np.diff(alpha[order]) == 0]
     along = along[along > 0]
     if alphas.size < 2 or np.ptp(beta) == 0:
-        raise DataError("The points lie on a single curve or at a single β: a density needs several of both.")
+        raise DataError("The points lie on a single curve or at a single β. A density needs several of both.")
     if along.size < alpha.size / 2:
         per_side = float(np.sqrt(2 * alpha.size))
         return float(np.ptp(alpha)) / per_side, float(np.ptp(beta)) / per_side
@@ -143,19 +143,19 @@ def grid_steps(alpha: Array, beta: Array) -> tuple[float, float]:
 
 
 def _noise(y: Array, fits: LocalFits) -> tuple[float, float]:
-    """Deviation σ̂² = Σ r²/Σ(1 − 2 leverage + gain²) (Cleveland & Devlin 1988), and leverage per point."""
+    """Noise deviation √(Σ r²/Σ(1 − 2 leverage + gain²)) (Cleveland & Devlin 1988), and mean leverage of a point."""
     sound = ~fits.singular
     residual, leverage = (y - fits.value)[sound], fits.leverage[sound]
     freedom = float(np.sum(1 - 2 * leverage + fits.value_gain[sound] ** 2))
     if freedom < 1:
         raise DataError(
-            "The neighbourhoods hold no more points than the polynomial has terms: choose a larger smoothing."
+            "The neighbourhoods contain no more points than the polynomial has terms; choose a larger smoothing."
         )
     return float(np.sqrt(np.sum(residual**2) / freedom)), float(leverage.mean())
 
 
 def _determined(requested: LocalFits, own: LocalFits, noise: float, unit: float) -> tuple[Array, Array, int]:
-    """μ and its standard error, NaN where the points nearby are too few or too one-sided; how many those are."""
+    """μ and its standard error, NaN if the nearby points are too few or too one-sided, and the number of NaN."""
     with np.errstate(invalid="ignore"):
         wild = ~(requested.mixed_gain <= _MAX_GAIN_RATIO * np.nanmedian(own.mixed_gain))
     mu, se = (np.where(wild, np.nan, unit * x) for x in (requested.mixed, noise * requested.mixed_gain))
@@ -173,19 +173,17 @@ def _points(alpha: ArrayLike, beta: ArrayLike, y: ArrayLike) -> tuple[Array, Arr
         )
     unknown = int(np.sum(~np.isfinite(a + b + values)))
     if unknown:
-        raise DataError(f"{unknown} of {a.size} points are not numbers: leave them out.")
+        raise DataError(f"{unknown} of {a.size} points are not numbers. Leave them out.")
     above = int(np.sum(b > a))
     if above:
-        raise DataError(
-            f"{above} of {a.size} points have β > α: hand rising (magnetic) curves over mirrored."
-        )
+        raise DataError(f"{above} of {a.size} points have β > α. Give rising (magnetic) curves mirrored.")
     if a.size < _FEWEST:
-        raise DataError(f"{a.size} points are too few for a density: at least {_FEWEST} are needed.")
+        raise DataError(f"{a.size} points are too few for a density. Give at least {_FEWEST}.")
     return a, b, values
 
 
 def _places(at: tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
-    wrong = DataError("The places asked for must be two lists of numbers, α and β, of one length.")
+    wrong = DataError("The places must be two lists of numbers, α and β, of one length.")
     try:
         a, b = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in at))
     except (TypeError, ValueError):
@@ -196,7 +194,7 @@ def _places(at: tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
 
 
 def _inside_triangle(places: tuple[Array, Array], alpha: Array, beta: Array) -> tuple[Array, Array]:
-    """The places; DataError for one outside the triangle of the points, where nothing could be known."""
+    """The places; DataError for a place outside the triangle of the points."""
     low, high = beta.min(), alpha.max()
     slack = 1e-9 * (high - low)
     a, b = places
@@ -224,11 +222,11 @@ def _check_options(
     smoothing: float | None, nearest: int | None, degree: int | None, window: str, points: int
 ) -> None:
     if window not in WINDOWS:
-        raise UsageError(f"Window '{window}' is unknown; there are {', '.join(WINDOWS)}.")
+        raise UsageError(f"Window '{window}' is unknown. Choose from {', '.join(WINDOWS)}.")
     if smoothing is not None and nearest is not None:
         raise UsageError("Give a smoothing factor or a number of nearest points, not both.")
     if window != "loess" and smoothing is None:
-        raise UsageError(f"Window '{window}' needs a smoothing factor: give smoothing=….")
+        raise UsageError(f"Window '{window}' needs a smoothing factor. Give smoothing=….")
     if smoothing is not None and not (isinstance(smoothing, Real) and 0 < smoothing < np.inf):
         raise UsageError(
             f"The smoothing factor must be a positive number of grid steps, got {smoothing!r:.40}."

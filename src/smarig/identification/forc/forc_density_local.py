@@ -1,9 +1,9 @@
-"""Weighted local polynomials at many places at once: value, mixed derivative, and what noise does to both.
+"""Weighted local polynomials at many places at once: value, mixed derivative, and their noise.
 
-Around each place (α₀, β₀) the polynomial minimising Σ w_i (y_i − p(α_i, β_i))² is found from its normal
-equations. Places and points are sorted into square cells at least as wide as the window reaches, so one
-matrix product per cell, (weights) × (monomials), gives the moments of every place in it. Knows scaled
-coordinates and weights; no units, no smoothing rule, no density.
+Around each place (α₀, β₀) the polynomial that minimises Σ w_i (y_i − p(α_i, β_i))² is found from its normal
+equations. Places and points are sorted into square cells at least as wide as the reach of the window. Then one
+matrix product per cell, (weights) × (monomials), gives the moments of all its places. Coordinates are scaled to
+grid steps.
 """
 
 from collections.abc import Iterator
@@ -16,16 +16,16 @@ from smarig.identification.forc.forc_density_windows import RegressionWindow
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-_CELL = 9.0  # steps, where places are as dense as points: some eighty places share arithmetic
-_BLOCK = 96  # places at a time: their weights stay in the cache
+_CELL = 9.0  # steps: with places as dense as points, about eighty places share the arithmetic
+_BLOCK = 96  # places at a time, so that their weights fit the cache
 _COLLINEAR = 1e-9  # 1 − R² of a monomial on those before it
 
 
 @dataclass(frozen=True, eq=False)
 class LocalFits:
-    """Per place (t,): what the local polynomials say; NaN where ``singular``.
+    """The results of the local polynomials per place (t,); NaN where ``singular``.
 
-    ``value`` p(α₀, β₀) and ``mixed`` ∂²p/∂α∂β there, per square step. ``value_gain``, ``mixed_gain``: standard
+    ``value`` is p(α₀, β₀) and ``mixed`` ∂²p/∂α∂β there, per square step. ``value_gain``, ``mixed_gain``: standard
     deviation of each for noise of deviation 1. ``leverage``: ∂value/∂y of a point at the place.
     """
 
@@ -37,7 +37,7 @@ class LocalFits:
 
     @property
     def singular(self) -> NDArray[np.bool_]:
-        """Where the neighbourhood does not determine the polynomial."""
+        """Mask of places whose neighbourhood does not determine the polynomial."""
         return np.isnan(self.mixed)
 
 
@@ -50,9 +50,9 @@ def local_fits(
     degree: int = 2,
     without: tuple[Array, Array] | None = None,
 ) -> LocalFits:
-    """Fit at ``places`` (t, 2) to ``points`` (n, 2) with values ``y`` (n,), factors ``s`` (t,), in steps.
+    """Fit at ``places`` (t, 2) to ``points`` (n, 2) with values ``y`` (n,) and factors ``s`` (t,), in steps.
 
-    ``without`` = labels of places (t,) and of points (n,): a place is fitted to points of other labels only.
+    ``without`` = labels of places (t,) and of points (n,): a place is fitted to points with other labels only.
     """
     basis = _Basis.of(degree)
     unit = float(s.max())
@@ -108,7 +108,7 @@ class _Basis:
 
 
 def neighbourhoods(places: Array, points: Array, s: Array) -> Iterator[tuple[Indices, Indices]]:
-    """Per occupied square cell: indices of its places, and of all points within reach ``s`` (t,) of any."""
+    """For each occupied square cell, the indices of its places and of all points within reach ``s`` (t,) of any."""
     side = _CELL * np.sqrt(max(1.0, len(points) / len(places)))
     origin = points.min(axis=0)
     cell, wanted = (np.floor((x - origin) / side).astype(np.int64) for x in (points, places))
@@ -151,7 +151,7 @@ def _solved(basis: _Basis, moments: Array, squares: Array, offsets: Array, unit:
 
 
 def _cholesky(normal: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Lower factors (p, p, t) of the matrices, and where no column depends on those before it."""
+    """Lower factors (p, p, t) of the matrices, and the mask of those without collinear columns."""
     factor = np.zeros_like(normal)
     sound = np.ones(normal.shape[2], dtype=bool)
     for k in range(normal.shape[0]):

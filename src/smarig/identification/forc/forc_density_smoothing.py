@@ -1,11 +1,10 @@
-"""How wide a local regression should look, told by the data alone: cross-validation by whole curves.
+"""The width of a local regression, chosen by cross-validation of whole curves.
 
-The score is the mean square error of predicting measured points from the other curves only, so noise that the
-points of a curve share (drift, the encoder's zero) is not taken for signal, as it would be by leaving out
-single points or by generalised cross-validation (Chu & Marron 1991). Points that share no α are left out
-singly. Neighbourhoods hold the k nearest points, so they widen towards the edges. Polynomials of degree 2 and
-4 compete. Knows scaled coordinates and outputs; refuses to know the true density, though that is what it is
-judged by (``benchmark.density``).
+The score is the mean square error of the prediction of measured points from the other curves only. So noise that
+the points of a curve share (drift, the encoder's zero) is not taken for signal, as it would be by leaving out
+single points or by generalised cross-validation (Chu & Marron 1991). Points that share no α are left out singly.
+Neighbourhoods contain the k nearest points, so they widen towards the edges. Polynomials of degree 2 and 4 are
+compared. ``benchmark.density`` measures the error against true densities.
 """
 
 from dataclasses import dataclass
@@ -20,12 +19,12 @@ from smarig.identification.forc.forc_density_windows import WINDOWS
 
 Array = NDArray[np.float64]
 DEGREES = (2, 4)
-_PLACES = 1500  # judged at as many places at most, evenly through the data
-_ALLOWED_RISES = 2  # of the error end the search for k
+_PLACES = 1500  # largest number of places for the score, evenly spaced in the data
+_ALLOWED_RISES = 2  # number of rises of the error that end the search for k
 _REFINEMENT_FACTORS = (0.63, 0.79, 1.26, 1.59)  # between powers of two: widths 12 % apart
-_SOUND = 0.9  # share of places where a fit must be possible
+_SOUND = 0.9  # share of places at which a fit must be possible
 _TINY = np.finfo(float).tiny
-_WIDER = 1.0 + 1e-9  # the k-th nearest point itself keeps a hair of weight
+_WIDER = 1.0 + 1e-9  # the k-th nearest point keeps a small weight
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class SmoothingChoice:
 def nearest_widths(places: Array, points: Array, nearest: int) -> Array:
     """Distance (t,) from every place (t, 2) to its k-th nearest of the points (n, 2), k ≤ n, in grid steps."""
     widths = np.full(len(places), np.nan)
-    reach = 1.2 * np.sqrt(nearest)  # with one point per square step enough, but in corners
+    reach = 1.2 * np.sqrt(nearest)  # sufficient with one point per square step, except in corners
     while (open_ := np.flatnonzero(np.isnan(widths))).size:
         for mine, theirs in neighbourhoods(places[open_], points, np.full(open_.size, reach)):
             if theirs.size >= nearest:
@@ -53,19 +52,21 @@ def nearest_widths(places: Array, points: Array, nearest: int) -> Array:
 
 
 def choose_smoothing(points: Array, y: Array, degrees: tuple[int, ...] = DEGREES) -> SmoothingChoice:
-    """The k and degree of least error for ``points`` (n, 2) in grid steps, ``y`` (n,); DataError if there is none."""
+    """The k and degree of least error for ``points`` (n, 2) in grid steps, ``y`` (n,); DataError if none is
+    possible.
+    """
     found = [_best_smoothing(points, y, degree) for degree in degrees]
     best = min(found, key=lambda f: f.error)
     if best.error == np.inf:
         raise DataError(
-            f"No smoothing of these {len(points)} points determines a density: measure more curves, or more "
+            f"No smoothing of these {len(points)} points determines a density. Measure more curves, or more "
             "points on each."
         )
     return best
 
 
 def _best_smoothing(points: Array, y: Array, degree: int) -> SmoothingChoice:
-    """Doubling k until the error has risen twice, then between the neighbours of the least."""
+    """The best k: doubled until the error has risen twice, then between the neighbours of the minimum."""
     stride = -(-len(points) // _PLACES)
     places, outputs = points[stride // 2 :: stride], y[stride // 2 :: stride]
 

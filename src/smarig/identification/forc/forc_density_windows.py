@@ -1,6 +1,5 @@
-"""Weights of a local regression: how much a measured point counts at a given distance from the place of the fit.
-
-Knows distances in grid steps and nothing else: no data, no polynomial.
+"""Windows of a local regression: the weight of a measured point by its distance from the place of the fit, in grid
+steps.
 """
 
 from collections.abc import Callable
@@ -15,11 +14,11 @@ WindowWeights = Callable[[Array, Array, Array], Array]
 
 @dataclass(frozen=True)
 class RegressionWindow:
-    """A family of weights w(Δα, Δβ; s), s the smoothing factor in grid steps.
+    """A family of weights w(Δα, Δβ; s), with the smoothing factor s in grid steps.
 
-    ``weights(targets, points, s)`` takes places in grid steps, (t, 2) and (u, 2), and the factors (t,) and
-    gives (t, u). It is zero where a coordinate's distance in ``frame`` (2, 2) exceeds s. ``one_step``
-    windows mix the axes and need the same step for both.
+    ``weights(targets, points, s)`` takes places in grid steps, (t, 2) and (u, 2), and factors (t,), and returns (t,
+    u). It is zero if the distance of a coordinate in ``frame`` (2, 2) exceeds s. ``one_step`` windows mix the axes
+    and need the same step for both.
     """
 
     weights: WindowWeights
@@ -57,7 +56,7 @@ def _rounded_box(targets: Array, points: Array, s: Array) -> Array:
 
 
 def _twice_edge(targets: Array, points: Array, s: Array) -> Array:
-    """Twice the weight of distances |x|, given doubled: 1 up to s − 1, 0 beyond s, two parabolas between.
+    """Twice the weight at distances |x|, given doubled: 1 up to s − 1, 0 beyond s, two parabolas between.
 
     With e = 2s − 1 − 2|x| within ±1, both parabolas are (1 + e(2 − |e|))/2.
     """

@@ -1,7 +1,7 @@
-"""Where the triangle is cut: nodes close together where the output moves, and on the measured levels.
+"""The partition of the triangle: nodes at the measured levels, and dense where the output moves.
 
-The widest interval is halved again and again. Width is measured half by input and half by how much of the
-output change along the data falls into it, so flat stretches stay coarse. Knows no fit.
+The widest interval is halved repeatedly. Its width is measured half by input and half by its share of the output
+change along the data, so flat segments stay coarse.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from smarig.identification.positive.observations import Observations
 
 Array = NDArray[np.float64]
-SAME_LEVEL = 1e-4  # levels closer than this part of the range are one node
+SAME_LEVEL = 1e-4  # of the range: closer levels share one node
 
 
 def adapted_nodes(observations: Observations, intervals: int) -> Array:
@@ -20,7 +20,7 @@ def adapted_nodes(observations: Observations, intervals: int) -> Array:
     used = np.concatenate([observations.alpha, observations.beta])
     levels = np.setdiff1d(np.clip(used, lower, upper), observations.passed)
     few = _thinned(np.concatenate([[lower], levels, [upper]]), SAME_LEVEL * span)
-    if few.size > intervals / 2:  # a dense scan, not a partition: only where it begins and ends is special
+    if few.size > intervals / 2:  # a dense scan, not a partition: only its ends are special
         few = _thinned(
             np.array([lower, used.min(), observations.alpha.min(), used.max(), upper]), SAME_LEVEL * span
         )
@@ -35,7 +35,7 @@ def adapted_nodes(observations: Observations, intervals: int) -> Array:
 
 
 def _thinned(levels: Array, least: float) -> Array:
-    """Increasing levels at least this far apart, the ends kept."""
+    """Increasing levels with at least this distance, with the ends kept."""
     kept = [float(np.min(levels))]
     top = float(np.max(levels))
     for u in np.unique(levels):

@@ -1,7 +1,7 @@
-"""What held-out curves say of a fit: its error, what non-negativity costs, how wide its intervals must be.
+"""Held-out curves of a fit: its error, the cost of non-negativity, and the width of its intervals.
 
-The posterior of a Gaussian model knows noise and gaps between curves, not that a model is wrong. So its
-spread is stretched until 90 % of the held-out points lie in their 90 % intervals. Knows no runs.
+The posterior of a Gaussian model includes noise and gaps between curves, but not the error of the model. So its
+spread is scaled until 90 % of the held-out points lie in their 90 % intervals.
 """
 
 from dataclasses import dataclass
@@ -14,12 +14,14 @@ from smarig.identification.positive.quadratic_programme import MeasureProblem, q
 from smarig.identification.positive.smoothing_choice import COMPARISON_ACCURACY
 
 LEVEL = 0.9
-_MOST = 400  # points of a fold whose spread is worked out
+_MOST = 400  # points per fold whose spread is computed
 
 
 @dataclass(frozen=True)
 class HeldOut:
-    """rms error of held-out points with masses ≥ 0 and with masses of any sign; ``spread_factor`` of the spread."""
+    """Rms error of held-out points with masses ≥ 0 and with masses of any sign; ``spread_factor`` scales the
+    spread.
+    """
 
     rms: float
     signed_rms: float
@@ -34,7 +36,7 @@ def held_out_test(
     smoothing: float,
     sigma: float,
 ) -> HeldOut:
-    """Refit without each fold and look at it, scaled outputs; NaN and a stretch of 1 without folds."""
+    """Refit without each fold and predict it, in scaled outputs; NaN and a factor of 1 without folds."""
     squares, solve_unconstrained, ratios = [], [], []
     for mask in masks:
         train, rows, y = ~mask, problem.rows[mask], problem.y[mask]

@@ -2,10 +2,10 @@
 
     minimise ½ xᵀH x − gᵀx   subject to  D x ≥ 0,      H positive definite, D sparse
 
-by Mehrotra's primal–dual interior point method (Mehrotra 1992; Nocedal & Wright, ch. 16): each step solves
-(H + Dᵀ diag(z/s) D) dx = …, whose pattern never changes, so it is laid out once. On a triangle of cells the
-pattern is a band with one full border (y₋ and free offsets), where LAPACK's banded Cholesky costs little;
-data that ties distant cells together falls back on the dense one. Knows no hysteresis.
+by Mehrotra's primal–dual interior point method (Mehrotra 1992; Nocedal & Wright, ch. 16): each step solves (H + Dᵀ
+diag(z/s) D) dx = …, whose pattern is constant, so it is laid out once. On a triangle of cells the pattern is a band
+with one full border (y₋ and free offsets), for which LAPACK's banded Cholesky is cheap. Data that couple distant
+cells need the dense one.
 """
 
 from collections.abc import Callable
@@ -20,13 +20,15 @@ Array = NDArray[np.float64]
 Solve = Callable[[Array], Array]
 MOST_STEPS = 60
 _BACK = 0.995  # of the way to the boundary
-_FIRST = 1e-2, 1e-4  # s and z to begin with, for unknowns of order 1: fewest steps over a wide range of λ
+_FIRST = 1e-2, 1e-4  # initial s and z, for unknowns of order 1: fewest steps over a wide range of λ
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """x (n,), the constrained quantities s = D x > 0 (k,) and their multipliers z (k,); ``inverse`` applies
-    (H + Dᵀ diag(z/s) D)⁻¹, the curvature on the constraints that hold."""
+    """x (n,), the constrained quantities s = D x > 0 (k,), and their multipliers z (k,).
+
+    ``inverse`` applies (H + Dᵀ diag(z/s) D)⁻¹, the curvature on the active constraints.
+    """
 
     x: Array
     s: Array
@@ -36,9 +38,9 @@ class Solution:
 
 
 class NewtonSystem:
-    """Cholesky of H + Dᵀ diag(w) D for many H of one pattern and many w: the layout, worked out once.
+    """Cholesky factors of H + Dᵀ diag(w) D for many H of one pattern and many w, with a layout computed once.
 
-    ``border``: how many of the last unknowns stand outside the band.
+    ``border``: number of the last unknowns that lie outside the band.
     """
 
     def __init__(self, pattern: csr_matrix, D: csr_matrix, border: int) -> None:
@@ -52,7 +54,7 @@ class NewtonSystem:
         self._slot = self._layout(D)
 
     def _place(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Where an entry of the lower triangle is kept: in the band, or below it in the border's rows."""
+        """The place of an entry of the lower triangle: in the band, or below it in the rows of the border."""
         inner = self._inner
         if not self.banded:
             return rows * self._n + columns
@@ -66,7 +68,7 @@ class NewtonSystem:
         return self._width * self._inner + (self._n - self._inner) * self._n
 
     def _layout(self, D: csr_matrix) -> csr_matrix:
-        """The linear map from w (k,) to the kept entries of Dᵀ diag(w) D."""
+        """The linear map from w (k,) to the stored entries of Dᵀ diag(w) D."""
         counts = np.diff(D.indptr)
         slots, cells, weights = [], [], []
         for a in range(int(counts.max(initial=0))):
@@ -82,7 +84,7 @@ class NewtonSystem:
         return csr_matrix(entries, shape=(self._size, D.get_shape()[0]))
 
     def packed(self, H: csr_matrix) -> Array:
-        """The kept entries of a symmetric H."""
+        """The stored entries of a symmetric H."""
         coo = H.tocoo()
         low = coo.row >= coo.col
         kept = np.zeros(self._size)
@@ -130,7 +132,7 @@ def solve(newton: NewtonSystem, H: csr_matrix, g: Array, *, accuracy: float = 1e
             return Solution(x, s, z, solver, step)
         try:
             solver = newton.factor(kept, z / s)
-        except LinAlgError:  # as far as rounding lets it go
+        except LinAlgError:  # rounding permits no further step
             return Solution(x, s, z, solver, step)
         direction = _direction(solver=solver, D=D, DT=DT, s=s, z=z, dual=dual, primal=primal)
         reach = _longest(s, direction[1]), _longest(z, direction[2])

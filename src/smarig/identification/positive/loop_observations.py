@@ -1,12 +1,12 @@
-"""Steady loops as sums over the FOD surface: what nested loops say of a measure.
+"""Steady loops as observations of a measure: sums over the FOD surface.
 
-In the demagnetised state B* (theory.md §1) a symmetric measure is half on: y = ½(y₋ + y₊) = 0. At an input of size m
-that was never exceeded the other half of the triangle (m, −m) is switched on or off: y = ½(y₋ + y₊) ± ½F(m, −m).
-So the larger tip of a loop is an absolute reading, and from there on its branches are plain sweeps:
+In the demagnetised state B* (theory.md §1) half of a symmetric measure is up: y = ½(y₋ + y₊) = 0. At an input of
+size m that was never exceeded, the other half of the triangle (m, −m) is switched up or down: y = ½(y₋ + y₊) ±
+½F(m, −m). So the larger tip of a loop is an absolute reading, and its branches are plain sweeps from there:
 
     falling  y(u) = y(upper tip) − F(u_upper, u)        rising  y(u) = y(lower tip) + F(u, u_lower)
 
-Without symmetry B* cannot be had from loops; then each loop has an offset of its own. Knows no cells and no fit.
+Without symmetry, loops do not determine B*, so each loop has an offset of its own.
 """
 
 from collections.abc import Sequence
@@ -28,10 +28,10 @@ def observations_of_loops(
 ) -> Observations:
     """Both branches of steady loops; a curve is a whole loop, because its branches are images of each other.
 
-    ``symmetric``: the loops were reached from the demagnetised state of a hysteresis that is its own mirror
-    image in (0, 0), so their outputs are absolute; if not, only changes within a loop count. The range is the
-    largest input, about zero for symmetric loops. Raises DataError without loops, and for a "symmetric" loop
-    that does not go round zero.
+    ``symmetric``: the loops were reached from the demagnetised state of a hysteresis that is its own mirror image
+    in (0, 0), so their outputs are absolute. Otherwise only changes within a loop count. The range is the largest
+    input, symmetric about zero for symmetric loops. Raises DataError without loops, and for a "symmetric" loop that
+    does not contain zero.
 
     >>> u = np.linspace(-1.0, 1.0, 5)
     >>> rising, falling = np.stack([u, u**2 / 2 + u - 0.5], 1), np.stack([u, u - u**2 / 2 + 0.5], 1)[::-1]
@@ -40,9 +40,7 @@ def observations_of_loops(
     (10, -1.0, 1.0)
     """
     if not loops:
-        raise DataError(
-            "No steady loop was found, so there is nothing to fit: give at least one closed loop."
-        )
+        raise DataError("No steady loop was found. Give at least one closed loop.")
     lower, upper = min(loop.lower[0] for loop in loops), max(loop.upper[0] for loop in loops)
     if symmetric:
         upper = max(-lower, upper)
@@ -55,7 +53,7 @@ def _of_loop(loop: SteadyLoop, ends: tuple[float, float], symmetric: bool, unit:
     low, high = loop.lower[0], loop.upper[0]
     if symmetric and not low < 0 < high:
         raise DataError(
-            f"Loop {loop.number} runs from {low:g} to {high:g}; a loop of a symmetric hysteresis goes round 0."
+            f"Loop {loop.number} runs from {low:g} to {high:g}; a loop of a symmetric hysteresis must contain 0."
         )
     rising, falling = (np.clip(branch[:, 0], low, high) for branch in (loop.rising, loop.falling))
     half = 0.5 if symmetric else 0.0
@@ -88,7 +86,7 @@ class _BranchRows:
             if sign == 0:
                 continue
             corners = [(sign, a, a), (-sign, a, b)]
-            if np.ndim(alpha):  # the present input stands last, where the partition looks for it
+            if np.ndim(alpha):  # the present input comes last, where the partition expects it
                 corners.reverse()
             self.terms += [np.stack([row, s * one, p, q]) for s, p, q in corners]
         self.y.append(y)

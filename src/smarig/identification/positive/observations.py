@@ -1,11 +1,11 @@
-"""What was measured, as sums over the FOD surface: the rows of the ``positive`` identification.
+"""The observations of the ``positive`` identification: outputs as sums over the FOD surface.
 
 The output after any history is a signed sum of the surface at the corners of the staircase (thesis §3.4):
 
     y = y(M₁,M₁) + [y(M₁,m₁) − y(M₁,M₁)] + [y(M₂,M₂) − y(M₂,m₁)] + …
 
-and from a diagonal state B_ℓ an integral of its slopes along α + β = 2ℓ (theory.md §1). So any settled point
-with a known memory is one linear equation, whatever protocol it comes from. Knows no cells and no fit.
+From a diagonal state B_ℓ it is an integral of the surface's slopes along α + β = 2ℓ (theory.md §1). So any settled
+point with a known memory is one linear equation, from any protocol.
 """
 
 from collections.abc import Iterable, Sequence
@@ -33,10 +33,10 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 class Observations:
     """Outputs y (m,) in ``unit``, each Σ sign · y(α, β) over its terms (t,), plus integrals from B_ℓ.
 
-    ``term`` (t,) names the observation of each term; ``curve`` (m,) numbers the whole curve a point belongs
-    to; ``zero`` (m,) its unknown offset, or ``COMMON`` for the encoder's one zero, which y₋ carries.
-    ``released`` are (observation, ℓ, u, sign): the output change of a move from ℓ to u in state B_ℓ. ``passed`` (p,)
-    are levels at which the input turned and nothing was measured.
+    ``term`` (t,) is the observation of each term. ``curve`` (m,) is the number of the whole curve of a point.
+    ``zero`` (m,) is the index of its unknown offset, or ``COMMON`` for the common zero of the encoder, which y₋
+    includes. ``released`` are (observation, ℓ, u, sign): the output change of a move from ℓ to u in state B_ℓ.
+    ``passed`` (p,) are levels at which the input turned without a measurement.
     """
 
     y: Array
@@ -57,14 +57,14 @@ class Observations:
 
     @property
     def offsets(self) -> int:
-        """Number of free offsets besides y₋."""
+        """Number of free offsets in addition to y₋."""
         return int(self.zero.max(initial=COMMON)) + 1
 
     @classmethod
     def of_points(
         cls, alpha: Array, beta: Array, y: Array, curve: Integers, ends: tuple[float, float], unit: str = ""
     ) -> "Observations":
-        """First-order points y(α, β): one term each, whatever curves are missing."""
+        """First-order points y(α, β): one term each, for any set of curves."""
         n = np.arange(y.size)
         common = np.full(y.size, COMMON)
         return cls(
@@ -89,13 +89,13 @@ class Observations:
 
     @classmethod
     def of_runs(cls, runs: Sequence[Run]) -> "Observations":
-        """Every point of runs of any protocol whose memory is known; a curve is an excursion, out and back."""
+        """Every point with a known memory of runs of any protocol; a curve is an excursion, out and back."""
         lower, upper, records = memory_histories(runs)
         parts = [cls._of_history(record, (lower, upper), runs[0].unit) for record in records]
         whole = joined_observations(parts)
         if not len(whole):
             raise DataError(
-                "No point of the runs has a known memory: begin a run in negative saturation, or let it "
+                "No point of the runs has a known memory. Start a run in negative saturation, or let it "
                 "reach saturation once."
             )
         return whole
@@ -155,15 +155,15 @@ class Observations:
     def mirrored(self) -> "Observations":
         """The same observations of the mirror image (u, y) → (−u, −y) of a hysteresis around zero.
 
-        The point reached from negative saturation over α at β lies, in the mirror, where a fall from positive
-        saturation to −α and a rise to −β leads: −y = y(u₊, −α) + y(−β, −β) − y(−β, −α). Whoever fits both
-        sets gets a symmetric measure, because the least of a convex function is as symmetric as it is.
+        A point reached from negative saturation over α at β is, in the mirror, reached by a fall from positive
+        saturation to −α and a rise to −β: −y = y(u₊, −α) + y(−β, −β) − y(−β, −α). A fit to both sets gives a
+        symmetric measure, because the minimum of a convex function has the symmetry of the function.
         """
         if self.released:
-            raise DataError("Observations that begin in a diagonal state cannot be mirrored; saturate first.")
+            raise DataError("Observations that start in a diagonal state cannot be mirrored. Saturate first.")
         if abs(self.lower + self.upper) > 1e-6 * (self.upper - self.lower):
             raise DataError(
-                f"Mirror symmetry needs a range around zero; this one is [{self.lower:g}, {self.upper:g}]."
+                f"Mirror symmetry needs a range around zero, but this one is [{self.lower:g}, {self.upper:g}]."
             )
         a, b, top = -self.beta, -self.alpha, np.full(self.alpha.size, self.upper)
         pieces = [(top, b, 1.0), (a, a, 1.0), (a, b, -1.0)]
@@ -178,7 +178,7 @@ class Observations:
         )
 
     def matrix(self, triangle: Triangle) -> csr_matrix:
-        """Rows over the triangle's unknowns and, after them, the free offsets: (m, unknowns + offsets)."""
+        """Rows over the triangle's unknowns, then the free offsets: (m, unknowns + offsets)."""
         values = triangle.values(self.alpha, self.beta)
         gather = csr_matrix(
             (self.sign, (self.term, np.arange(self.sign.size))), shape=(len(self), self.sign.size)
@@ -191,7 +191,7 @@ class Observations:
         return csr_matrix(hstack([rows, ones]))
 
     def _released(self, triangle: Triangle) -> csr_matrix:
-        """What moves from a diagonal state add to the rows; the same few moves stand in many memories."""
+        """Contributions of moves from a diagonal state to the rows; many memories share a few such moves."""
         moves = list(dict.fromkeys((centre, u) for _, centre, u, _ in self.released))
         place = {move: k for k, move in enumerate(moves)}
         sign = [sign for *_, sign in self.released]
@@ -202,11 +202,11 @@ class Observations:
 
 
 def excursions(u: Array, min_reversal: float) -> Integers:
-    """The number of the excursion each input (k,) lies on: out to a turning point and back again.
+    """The number of the excursion of each input (k,): out to a turning point and back.
 
-    They begin at the turning points that vary less: an excursion of first-order descending curves is a peak
-    with the descent from it, and of curves from positive saturation a valley with the rise. A peak held out
-    alone would be given away by its own descent.
+    Excursions start at the turning points that vary less. An excursion of first-order descending curves is a peak
+    with the descent from it; for curves from positive saturation it is a valley with the rise. A peak held out
+    alone would be predicted from its own descent.
 
     >>> excursions(np.array([0.0, 5.0, 0.0, 7.0, 3.0, 0.0, 9.0, 3.0]), 1.0).tolist()
     [0, 0, 0, 1, 1, 1, 2, 2]
@@ -223,7 +223,7 @@ def excursions(u: Array, min_reversal: float) -> Integers:
 
 
 def branches(u: Array, min_reversal: float) -> Integers:
-    """The number of the monotone branch each input (k,) lies on; reversals smaller than ``min_reversal`` are noise.
+    """The number of the monotone branch of each input (k,); reversals smaller than ``min_reversal`` are noise.
 
     >>> branches(np.array([0.0, 5.0, 9.0, 8.9, 10.0, 4.0, 6.0]), 1.0).tolist()
     [0, 0, 0, 0, 0, 1, 2]
@@ -247,7 +247,7 @@ def branches(u: Array, min_reversal: float) -> Integers:
 
 
 def joined_observations(parts: Iterable[Observations]) -> Observations:
-    """Several sets of one range as one; curves and offsets of different sets stay different."""
+    """Several sets with one range joined; curves and offsets of different sets stay different."""
     parts = [part for part in parts if len(part)] or list(parts)[:1]
     row = curve = zero = 0
     shifted = []
@@ -270,14 +270,14 @@ def joined_observations(parts: Iterable[Observations]) -> Observations:
 def corners_of(
     state: State, lower: float
 ) -> tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]:
-    """(sign, α, β) on the FOD surface, and (ℓ, u, sign) from the diagonal, that add up to the output."""
+    """(sign, α, β) on the FOD surface, and (ℓ, u, sign) from the diagonal, whose sum is the output."""
     path = [*state.extrema, state.u]
     corners: list[tuple[float, float, float]] = []
     released: list[tuple[float, float, float]] = []
     start, first = path[0], 1
     if state.diagonal:
         corners.append((1.0, lower, lower))
-        released.append((start, lower, -1.0))  # ψ(ℓ): a fall to u₋ would switch all of it off
+        released.append((start, lower, -1.0))  # ψ(ℓ): a fall to u₋ would switch all relays down
         if len(path) > 1 and path[1] != start:
             released.append((start, path[1], 1.0))
         start, first = path[1], 2
@@ -292,7 +292,7 @@ def corners_of(
 
 
 def _released_row(triangle: Triangle, centre: float, u: float) -> csr_matrix:
-    """Output change of a move from ℓ = centre to u in B_ℓ, exact: Gauss panels between all kinks."""
+    """Output change of a move from ℓ = centre to u in B_ℓ, exact: Gauss quadrature between all kinks."""
     ends = sorted((centre, u))
     kinks = np.concatenate([triangle.nodes, 2 * centre - triangle.nodes, ends])
     edges = np.unique(kinks[(kinks >= ends[0]) & (kinks <= ends[1])])

@@ -1,11 +1,12 @@
-"""The ``positive`` identification: a non-negative measure, smooth where the data is silent (§5.6, §9.2).
+"""The ``positive`` identification: a non-negative measure, determined by smoothness where there are no data (§5.6,
+§9.2).
 
     minimise  Σ (Xθ − y)²/m  +  λ ∬ (ρ_αα² + 2 ρ_αβ² + ρ_ββ²) + λ ∫ g″²     over masses ≥ 0
 
-in the spirit of Banks, Kurdila and Webb: measures on finer and finer triangles converge, the programme is
-strictly convex, so its solution is unique, and M_P holds by construction, reversible part included. λ is the
-one under which held-out curves are predicted best. What the data leaves open is counted, and predictions
-carry intervals. Refuses to know where observations come from.
+It follows Banks, Kurdila and Webb: measures on finer and finer triangles converge. The programme is strictly
+convex, so its solution is unique, and M_P holds by construction, including the reversible part. λ is the value with
+the best prediction of held-out curves. The directions that the data do not determine are counted, and predictions
+have intervals.
 """
 
 from dataclasses import dataclass
@@ -32,22 +33,21 @@ from smarig.identification.positive.triangle import Triangle
 from smarig.preisach import FodTable
 
 Array = NDArray[np.float64]
-INTERVALS, COARSE = 40, 25  # of the triangle that is fitted, of the one that chooses λ
-MANY_POINTS, REFINEMENT = 2000, 1.5  # thousands of points pay for finer ones
+INTERVALS, COARSE = 40, 25  # intervals of the fitted triangle, and of the one that chooses λ
+MANY_POINTS, REFINEMENT = 2000, 1.5  # from so many points on, finer cells
 FEWEST_CURVES = 4
 DEFAULT_SMOOTHING = 1e-12
-_ZERO = 1e-8  # a mass below this part of the output range is zero
+_ZERO = 1e-8  # of the output range: a smaller mass counts as zero
 
 
 @dataclass(frozen=True, eq=False)
 class PositiveFit:
-    """A non-negative measure and what the data says of it. Outputs in ``unit``.
+    """A non-negative measure and its fit to the data. Outputs are in ``unit``.
 
-    ``table`` is the hysteresis, ``masses`` (cells,) ≥ 0 its measure ν. ``smoothing`` is λ; ``by_smoothing``
-    the typical held-out error of a curve by λ (empty when λ was given), ``held_out`` what the held-out
-    curves say of the fit. ``sigma`` is the residual standard deviation, ``freedom`` the effective number
-    of parameters; ``null_space`` counts the directions of the measure that no point of the data sees,
-    and that smoothness alone decides.
+    ``table`` is the hysteresis, ``masses`` (cells,) ≥ 0 its measure ν. ``smoothing`` is λ. ``by_smoothing`` is the
+    typical held-out error of a curve by λ (empty if λ was given), ``held_out`` the result of held-out curves.
+    ``sigma`` is the residual standard deviation, ``freedom`` the effective number of parameters. ``null_space`` is
+    the number of directions of the measure that no data point determines; smoothness alone decides them.
     """
 
     table: FodTable
@@ -68,22 +68,22 @@ class PositiveFit:
 
     @property
     def cells(self) -> int:
-        """Number of cells of the triangle, those on the diagonal included."""
+        """Number of cells of the triangle, including the diagonal."""
         return self.masses.size
 
     @property
     def at_zero(self) -> int:
-        """Number of cells the constraint holds at zero."""
+        """Number of cells that the constraint holds at zero."""
         return int(np.sum(self.masses == 0))
 
     @property
     def rank(self) -> int:
-        """Number of directions that the data fixes, the zero of the output included."""
+        """Number of directions that the data determine, including the zero of the output."""
         return self._solution.x.size - self.null_space
 
     @property
     def reversible_share(self) -> float:
-        """Part of the output range that the cells on the diagonal carry."""
+        """Share of the output range in the cells on the diagonal."""
         return float(self.masses[self.triangle.i == self.triangle.j].sum() / self.masses.sum())
 
     def y(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
@@ -93,7 +93,7 @@ class PositiveFit:
     def covariance(self, rows: csr_matrix, second_rows: csr_matrix | None = None) -> Array:
         """Posterior covariance, unit² (k, l), of linear functions (k, n) and (l, n) of the triangle's unknowns.
 
-        Gaussian, on the constraints that hold; ``held_out.spread_factor`` is included.
+        It is Gaussian, on the active constraints, and includes ``held_out.spread_factor``.
         """
         n = self._solution.x.size
         left, right = dense_columns(rows, n), dense_columns(rows if second_rows is None else second_rows, n)
@@ -104,16 +104,16 @@ class PositiveFit:
         return (self.held_out.spread_factor * self.sigma) ** 2 / self.points
 
     def sd(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
-        """Standard deviation of the predicted y(α, β), broadcast, stretched as ``held_out`` says."""
+        """Standard deviation of the predicted y(α, β), broadcast, with the spread factor of ``held_out``."""
         a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
         rows = self.triangle.values(a.ravel(), b.ravel())
         spread = quadratic_forms(self._solution.inverse, rows, self._solution.x.size)
         return np.sqrt(self._variance * spread).reshape(a.shape)
 
     def interval(self, alpha: ArrayLike, beta: ArrayLike, level: float = 0.9) -> tuple[Array, Array]:
-        """(low, high) in which a new reading of y(α, β) lies with probability ``level``."""
+        """(low, high) that contains a new reading of y(α, β) with probability ``level``."""
         if not 0 < level < 1:
-            raise UsageError(f"An interval's level lies between 0 and 1, not at {level:g}.")
+            raise UsageError(f"The level of an interval must lie between 0 and 1, but is {level:g}.")
         half = ndtri(0.5 + level / 2) * np.hypot(
             self.sd(alpha, beta), self.held_out.spread_factor * self.sigma
         )
@@ -138,10 +138,10 @@ def fit_positive(
 ) -> PositiveFit:
     """Fit a non-negative measure to observations of any history.
 
-    ``intervals`` of the partition (default 40, or 60 for thousands of points), or its ``nodes``;
-    ``smoothing`` λ, chosen by held-out curves when None, by held-out stretches where symmetric curves are too
-    few; ``symmetric`` asks for the symmetry of (u, y) → (−u, −y). Raises DataError when nothing moves, or there
-    are fewer than three points.
+    ``intervals`` is the number of intervals of the partition (default 40, or 60 for thousands of points), ``nodes``
+    the partition itself. ``smoothing`` is λ. If None, it is chosen by held-out curves, or by held-out segments if
+    there are too few symmetric curves. ``symmetric`` requires the symmetry (u, y) → (−u, −y). Raises DataError if
+    the output does not move or there are fewer than three points.
 
     >>> u = np.linspace(0.0, 1.0, 9)
     >>> alpha, beta = (u[k] for k in np.tril_indices(9))
@@ -156,7 +156,7 @@ def fit_positive(
 
 
 def fit_table(observations: Observations, smoothing: float | None = None) -> FodTable:
-    """The hysteresis of ``fit_positive`` and nothing said about it; as coarse as can be where λ is known."""
+    """The hysteresis of ``fit_positive`` without its statistics; on the coarsest sufficient triangle if λ is known."""
     posed_problem = _posed_problem(
         observations, INTERVALS if smoothing else None, None, smoothing, symmetric=False
     )
@@ -166,7 +166,7 @@ def fit_table(observations: Observations, smoothing: float | None = None) -> Fod
 
 @dataclass(frozen=True, eq=False)
 class _PosedProblem:
-    """A problem with its λ, before anything is said of its solution."""
+    """A problem with its λ, before its solution is analysed."""
 
     problem: MeasureProblem
     all_observations: Observations
@@ -232,7 +232,7 @@ def _chosen_smoothing(
     all_observations: Observations,
     observations: Observations,
 ) -> tuple[float, dict[float, float]]:
-    """λ by whole curves held out, or by stretches of symmetric loops too few for that."""
+    """λ by whole held-out curves, or by segments if there are too few symmetric loops for that."""
     if masks:
         return smoothing_by_held_out(problem, masks, all_observations.curve)
     segment_masks = [np.tile(mask, 2) for mask in segment_folds(observations.curve)]
@@ -241,12 +241,12 @@ def _chosen_smoothing(
 
 def _scales(observations: Observations, smoothing: float | None) -> tuple[float, float]:
     if smoothing is not None and not (np.isfinite(smoothing) and smoothing > 0):
-        raise UsageError(f"The smoothing is a positive number, not {smoothing:g}.")
+        raise UsageError(f"The smoothing must be a positive number, but is {smoothing:g}.")
     if len(observations) < 3:
-        raise DataError(f"A measure cannot be fitted to {len(observations)} points; three are the least.")
+        raise DataError(f"A measure cannot be fitted to {len(observations)} points. Give at least three.")
     spread = float(np.ptp(observations.y))
     if not np.isfinite(spread) or spread == 0:
-        raise DataError("The output is the same at every point: nothing moves, nothing to identify.")
+        raise DataError("The output is the same at every point. There is no motion to identify.")
     return spread, float(observations.y.min())
 
 
@@ -294,7 +294,7 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
 
 
 def _freedom(problem: MeasureProblem, solution: Solution) -> float:
-    """tr(X M⁻¹ Xᵀ)/m, the trace of the smoother on the constraints that hold."""
+    """tr(X M⁻¹ Xᵀ)/m, the trace of the smoother on the active constraints."""
     m, n = problem.rows.get_shape()
     if m < n:
         return float(quadratic_forms(solution.inverse, problem.rows, n).sum() / m)

@@ -2,7 +2,7 @@
 
     minimise  ‖Xθ − y‖²/m + λ θᵀR θ     over D θ ≥ 0      (D θ: the masses of the cells)
 
-Outputs are scaled by their range, so that λ means the same for millimetres and for magnetic moments. Knows no runs.
+Outputs are scaled by their range, so that λ means the same for millimetres and for magnetic moments.
 """
 
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from smarig.identification.positive.triangle import Triangle
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-_RIDGE = 1e-13  # keeps directions that neither data nor smoothness sees from being singular
+_RIDGE = 1e-13  # regularises directions that neither data nor smoothness determine
 _BLOCK = 2000
 
 
@@ -38,7 +38,7 @@ class MeasureProblem:
     ) -> "MeasureProblem":
         """Outputs as (y − zero)/scale; a point with an offset of its own keeps its zero."""
         rows = observations.matrix(triangle)
-        carried = np.asarray(rows[:, : triangle.unknowns].sum(axis=1)).ravel()  # 1 where y₋ comes in
+        carried = np.asarray(rows[:, : triangle.unknowns].sum(axis=1)).ravel()  # 1 if y₋ contributes
         return cls(triangle, rows, (observations.y - zero * carried) / scale, observations.offsets)
 
     @cached_property
@@ -56,7 +56,7 @@ class MeasureProblem:
         return csr_matrix(H + _RIDGE * float(H.diagonal().max()) * self._eye), g
 
     def _normal(self, mask: Mask | None) -> tuple[csr_matrix, Array]:
-        """XᵀX/m and Xᵀy/m, kept: the same folds come back for every λ."""
+        """XᵀX/m and Xᵀy/m, cached: every λ uses the same folds."""
         key = b"" if mask is None else mask.tobytes()
         if key not in self._normals:
             rows, y = (self.rows, self.y) if mask is None else (self.rows[mask], self.y[mask])
@@ -79,7 +79,7 @@ class MeasureProblem:
 
 
 def quadratic_forms(inverse: Solve, rows: csr_matrix, n: int) -> Array:
-    """x M⁻¹ xᵀ for each row x, (k,); rows may lack the last columns, which then count as zero."""
+    """x M⁻¹ xᵀ for each row x, (k,); missing last columns of rows count as zero."""
     found = [np.empty(0)]
     for at in range(0, rows.get_shape()[0], _BLOCK):
         some = dense_columns(rows[at : at + _BLOCK], n)

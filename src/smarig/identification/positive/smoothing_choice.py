@@ -1,13 +1,13 @@
-"""How smooth? The λ under which whole curves that were held out are predicted best.
+"""The choice of the smoothing: the λ with the best prediction of whole held-out curves.
 
-Curves are dealt into folds by their order; the first and the last stay in every training set, because
-nothing could interpolate to them. Each curve counts by the logarithm of its mean square error, so that one
-difficult curve does not choose for all. λ walks downhill by decades and ends at the vertex of a parabola. It
-is chosen on a coarser triangle than the fit's: roughness is an integral, so λ means the same on both.
+Curves are distributed to folds in order. The first and the last stay in every training set, because nothing could
+interpolate to them. Each curve counts by the logarithm of its mean square error, so that one difficult curve does
+not dominate. The search for λ descends in decades and ends at the vertex of a parabola. It uses a coarser triangle
+than the fit; the roughness is an integral, so λ means the same on both.
 
-One or two loops leave no whole curve to hold out. Then stretches of them are, and because these lie close to
-what stays, they favour too little smoothing for the gap between loops: the smoothest λ within one standard
-error of the least error is taken (Breiman et al. 1984, §3.4.3).
+One or two loops leave no whole curve to hold out. Then segments of them are held out. These lie close to the
+training points, so they favour too little smoothing for the gap between loops. Therefore the smoothest λ within one
+standard error of the least error is taken (Breiman et al. 1984, §3.4.3).
 """
 
 import numpy as np
@@ -18,12 +18,12 @@ from smarig.identification.positive.quadratic_programme import MeasureProblem
 Mask = NDArray[np.bool_]
 FOLDS = 5
 FIRST_LOG10, LEAST_LOG10, MOST_LOG10 = -12.0, -17.0, -5.0  # log₁₀ λ
-LOG10_RESOLUTION = 0.1  # of log₁₀ λ, where one standard error ends
-COMPARISON_ACCURACY = 1e-4  # accuracy that is enough to compare
+LOG10_RESOLUTION = 0.1  # resolution of log₁₀ λ at the limit of one standard error
+COMPARISON_ACCURACY = 1e-4  # sufficient accuracy of a comparison
 
 
 def curve_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mask]:
-    """Masks of held-out points, whole curves dealt in turn; none where there are fewer than three curves."""
+    """Masks of held-out points: whole curves, distributed in turn; none if there are fewer than three curves."""
     inner = np.unique(curve)[1:-1]
     return [np.isin(curve, inner[k::fold_count]) for k in range(min(fold_count, inner.size))]
 
@@ -31,7 +31,7 @@ def curve_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mask]
 def smoothing_by_held_out(
     problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64]
 ) -> tuple[float, dict[float, float]]:
-    """(λ, typical held-out error of a curve by λ, scaled): the geometric mean over the curves."""
+    """(λ, typical held-out error of a curve by λ, scaled); typical is the geometric mean over the curves."""
     errors_by_exponent: dict[float, float] = {}
 
     def error(exponent: float) -> float:
@@ -51,10 +51,10 @@ def smoothing_by_held_out(
 
 
 def segment_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mask]:
-    """Masks of held-out points: every curve cut into 2 · ``fold_count`` runs of its points, dealt in turn.
+    """Masks of held-out points: every curve cut into 2 · ``fold_count`` segments, distributed in turn.
 
-    A loop given as its rising and its falling branch, each from its own tip, loses a stretch together with its
-    mirror image, which would else give it away.
+    A loop given by its rising and its falling branch, each from its own tip, loses a segment together with its
+    mirror image, from which the segment could otherwise be predicted.
     """
     dealt = np.empty(curve.size, dtype=np.int64)
     for number in np.unique(curve):
@@ -66,7 +66,7 @@ def segment_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mas
 def largest_smoothing_within_one_error(
     problem: MeasureProblem, masks: list[Mask], curve: NDArray[np.int64]
 ) -> tuple[float, dict[float, float]]:
-    """As ``smoothing_by_held_out``, but the largest λ whose error is within one standard error of the least."""
+    """``smoothing_by_held_out``, but with the largest λ whose error is within one standard error of the least."""
     best, errors_by_exponent = smoothing_by_held_out(problem, masks, curve)
     logs = [float(np.mean(np.log(part))) / 2 for part in _squares(problem, masks, curve, best)]
     limit = np.mean(logs) + np.std(logs, ddof=1) / np.sqrt(len(logs))
@@ -101,7 +101,7 @@ def _squares(
 
 
 def _vertex(best: float, errors_by_exponent: dict[float, float]) -> float:
-    """Where a parabola through the log error at ``best`` and its neighbours has its least value."""
+    """The minimum of a parabola through the log error at ``best`` and its neighbours."""
     if best - 1 not in errors_by_exponent or best + 1 not in errors_by_exponent:
         return best
     low, middle, high = (np.log(errors_by_exponent[e]) for e in (best - 1, best, best + 1))

@@ -1,10 +1,10 @@
-"""The Preisach triangle cut into cells along one partition: the unknowns of the ``positive`` identification.
+"""The Preisach triangle, cut into cells along one partition: the unknowns of the ``positive`` identification.
 
-The unknowns are the FOD surface at the nodes, y(u_i, u_j) for i ≥ j ≥ 1, row by row, and last the output
-y₋ of negative saturation, where all curves merge. Between nodes y is bilinear, on the cells of the diagonal
-linear, as in ``FodTable``; so the density is constant on each cell, cells on the diagonal are reversible,
-and a cell's mass is a difference of neighbouring unknowns. Everything here is a sparse matrix that maps the
-unknowns to something measurable. Inputs are scaled to [0, 1]. Knows no data and no solver.
+The unknowns are the FOD surface at the nodes, y(u_i, u_j) for i ≥ j ≥ 1, row by row, and last the output y₋ of
+negative saturation, where all curves merge. Between nodes y is bilinear, on diagonal cells linear, as in
+``FodTable``. So the density is constant on each cell, cells on the diagonal are reversible, and the mass of a cell
+is a difference of neighbouring unknowns. Everything here is a sparse matrix from the unknowns to a measurable
+quantity. Inputs are scaled to [0, 1].
 """
 
 from dataclasses import dataclass, field
@@ -59,7 +59,7 @@ class Triangle:
 
     @property
     def cells(self) -> int:
-        """Number of cells, those on the diagonal included."""
+        """Number of cells, including the diagonal."""
         return self.i.size
 
     @property
@@ -78,11 +78,11 @@ class Triangle:
         return np.where(self.i == self.j, w[self.i], w[self.i] * w[self.j])
 
     def scaled(self, u: ArrayLike) -> Array:
-        """Inputs on the scale where the range is [0, 1], clipped to it."""
+        """Inputs on the scale with the range [0, 1], clipped to it."""
         lower, upper = self.nodes[0], self.nodes[-1]
         return np.clip((np.asarray(u, dtype=float) - lower) / (upper - lower), 0.0, 1.0)
 
-    # --- what can be measured, as rows over the unknowns -------------------------------------------------
+    # --- measurable quantities, as rows over the unknowns -------------------------------------------------
 
     def values(self, alpha: ArrayLike, beta: ArrayLike) -> csr_matrix:
         """y(α, β), (m, unknowns)."""
@@ -129,7 +129,7 @@ class Triangle:
         width = np.diff(self._x)
         return i, j, (a - self._x[i]) / width[i], (b - self._x[j]) / width[j]
 
-    # --- mass, smoothness, and the table they belong to --------------------------------------------------
+    # --- mass, smoothness, and table --------------------------------------------------
 
     def _mass_matrix(self) -> csr_matrix:
         i, j = self.i, self.j
@@ -145,7 +145,7 @@ class Triangle:
         return rows.matrix()
 
     def _second_differences(self) -> csr_matrix:
-        """Second differences of ρ = 2μ and of g over the cells, times the root of the area they stand for."""
+        """Second differences of ρ = 2μ and of g over the cells, times the root of the area of each."""
         i, j, cell = self.i, self.j, self._cell
         n, width = self._scaled_nodes.size - 1, np.diff(self._scaled_nodes)
         middle = (self._scaled_nodes[1:] + self._scaled_nodes[:-1]) / 2
@@ -188,7 +188,7 @@ class Triangle:
 
 
 class _SparseRows:
-    """Collects one column and one weight per row at a time; the same place twice adds up."""
+    """Collects one column and one weight per row at a time; weights of the same place are added."""
 
     def __init__(self, columns: int, rows: int) -> None:
         self._shape = (rows, columns)

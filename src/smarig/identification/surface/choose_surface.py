@@ -1,9 +1,8 @@
-"""Which kind of surface predicts curves it has not seen? The "best" of ``identify``.
+"""The choice of the "best" kind of surface for ``identify``, by the prediction of held-out curves.
 
-Whole curves are held out, in up to five groups; the highest and the lowest stay, because nothing could
-interpolate to them. A simpler kind is chosen when it predicts within 10 % of the best. How smooth the
-positive measure is was chosen once, on all curves, and is kept for every group.
-Knows no validation run: those only judge.
+Whole curves are held out, in up to five groups. The highest and the lowest stay, because nothing could interpolate
+to them. A simpler kind is chosen if its error is within 10 % of the best. The smoothness of the positive measure is
+chosen once, on all curves, and kept for every group.
 """
 
 from collections.abc import Callable
@@ -26,24 +25,24 @@ from smarig.preisach import FodSurface, FodTable, ForcTable, lattice, surface_fo
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 FittedImage = FodSurface | FodTable | ForcTable
-# Over 25 seeds of the one-wire constant surface a freer kind was never luckier than 7 %.
+# Over 25 seeds of the one-wire constant surface, a freer kind was better by at most 7 % by chance.
 SIMPLER_TOLERANCE = 1.1
 GROUPS = 5
 FEWEST_CURVES = 4
-MOST_POINTS = 1500  # surfaces are compared on at most about this many points: magnetic data has thousands
-MOST_OBSERVATIONS = 4000  # of a positive measure, which many points pay for with finer cells
+MOST_POINTS = 1500  # largest number of points for the comparison of surfaces: magnetic data have thousands
+MOST_OBSERVATIONS = 4000  # of a positive measure, for which more points mean finer cells
 RESAMPLES = 2000
 INTERVAL_LEVEL = 0.9
-_CELLS = 120  # of the grid on which negative mass is added up
+_CELLS = 120  # intervals of the grid on which negative mass is summed
 
 
 @dataclass(frozen=True)
 class SurfaceChoice:
-    """The chosen kind, and how every kind predicts the ``curves`` held-out ones, in the data's unit.
+    """The chosen kind, and the error of every kind on the ``curves`` held-out curves, in the data's unit.
 
-    ``held_out_rms`` is the rms over curves of a curve's rms error; ``held_out_interval`` its 90 % interval
-    by resampling the curves; ``negative_share`` is ∬μ⁻/∬|μ| of the kind fitted to all curves. ``fit`` is the
-    chosen surface's fit to all the points compared, None for other kinds.
+    ``held_out_rms`` is the rms over curves of a curve's rms error. ``held_out_interval`` is its 90 % interval by
+    resampling the curves. ``negative_share`` is ∬μ⁻/∬|μ| of the kind fitted to all curves. ``fit`` is the fit of
+    the chosen surface to all compared points, None for other kinds.
     """
 
     kind: str
@@ -56,7 +55,7 @@ class SurfaceChoice:
 
 @dataclass(frozen=True)
 class _Candidate:
-    """One kind: fitted to all curves, and the way to fit it to the points of a mask of ``data``."""
+    """One kind: its fit to all curves, and the function that fits it to the points of a mask of ``data``."""
 
     whole: FittedImage
     data: FodData
@@ -69,13 +68,13 @@ def choose_surface(
 ) -> SurfaceChoice:
     """Compare all kinds of surface by held-out curves.
 
-    Raises DataError when there are fewer than four curves, or no kind can be fitted.
+    Raises DataError if there are fewer than four curves, or if no kind can be fitted.
     """
     alphas = np.unique([d.alpha for d in data.descending_curves()])
     if alphas.size < FEWEST_CURVES:
         raise DataError(
             f"Choosing the best surface holds out curves and needs at least {FEWEST_CURVES}; there are "
-            f"{alphas.size}: name a surface instead (positive needs no curves)."
+            f"{alphas.size}. Name a surface instead (positive needs no curves)."
         )
     held = alphas[1:-1]
     errors: dict[str, Array] = {}
@@ -90,7 +89,7 @@ def choose_surface(
         shares[kind] = 0.0 if kind == POSITIVE_KIND else negative_share(candidate.whole)
         fits[kind] = candidate.fit
     if not errors:
-        raise DataError("No kind of surface could be fitted with curves held out: name a surface instead.")
+        raise DataError("No kind of surface could be fitted with curves held out. Name a surface instead.")
     rms = {kind: float(np.sqrt(e.mean())) for kind, e in errors.items()}
     intervals = {kind: rms_interval(e) for kind, e in errors.items()}
     best = _simplest(rms)
@@ -109,7 +108,7 @@ def rms_interval(squares: Array, level: float = INTERVAL_LEVEL) -> tuple[float, 
 
 
 def negative_share(hysteresis: FittedImage) -> float:
-    """∬μ⁻/∬|μ|: from the masses of a table's own cells, or of a fine grid's; 0 where μ is 0 everywhere."""
+    """∬μ⁻/∬|μ| from the masses of a table's own cells, or of a fine grid; 0 if μ is 0 everywhere."""
     u = lattice(hysteresis, _CELLS)
     F = hysteresis.swept(np.maximum(u[:, None], u), np.minimum(u[:, None], u))
     mass = (F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:])[np.tri(u.size - 1, k=-1, dtype=bool)]
@@ -118,7 +117,7 @@ def negative_share(hysteresis: FittedImage) -> float:
 
 
 def _simplest(rms: dict[str, float]) -> str:
-    """The best kind among the simplest that come within ``SIMPLER_TOLERANCE`` of the best of all."""
+    """The best kind among the simplest that are within ``SIMPLER_TOLERANCE`` of the best of all."""
     enough = SIMPLER_TOLERANCE * min(rms.values())
     for level in kinds_by_freedom():
         good = [kind for kind in level if rms.get(kind, np.inf) <= enough]
@@ -128,7 +127,7 @@ def _simplest(rms: dict[str, float]) -> str:
 
 
 def _held_out_errors(candidate: _Candidate, held: Array, data: FodData) -> Array:
-    """Mean square error of each held-out curve, (curves,), over all its points: thinning spares the fit alone."""
+    """Mean square error (curves,) of each held-out curve over all its points; only the fit uses thinned data."""
     errors = np.full(held.size, np.nan)
     for group in range(min(GROUPS, held.size)):
         out = np.arange(held.size) % GROUPS == group
@@ -158,12 +157,12 @@ def _candidate(data: FodData, kind: str, anchor: bool, weights: MajorLoopWeighti
 def _refitted_surface(
     train: FodData, whole: SurfaceFit, anchor: bool, weights: MajorLoopWeighting
 ) -> FodSurface:
-    """The training curves' surface, beginning at the fit to all curves."""
+    """The surface of the training curves, started at the fit to all curves."""
     return fit_surface(train, whole.surface.form, anchor=anchor, weights=weights, start=whole).surface
 
 
 def _positive_refit(data: FodData, whole: PositiveFit) -> Callable[[Mask], FodTable]:
-    """The training curves' positive measure, on the cells and with the λ of the fit to all curves."""
+    """The positive measure of the training curves, with the cells and the λ of the fit to all curves."""
     triangle, (zero, scale) = whole.triangle, (float(data.y.min()), float(np.ptp(data.y)))
     problem = MeasureProblem.of(triangle, Observations.of_fod(data), scale, zero)
 
@@ -175,12 +174,12 @@ def _positive_refit(data: FodData, whole: PositiveFit) -> Callable[[Mask], FodTa
 
 
 def thinned(data: FodData, most: int) -> FodData:
-    """Every k-th point of the curves, about ``most`` of them, the curves' first and last ones kept."""
+    """Every k-th point of the curves, about ``most`` of them, including the first and last of each curve."""
     return data.where(thinning_mask(data.curve, most))
 
 
 def thinning_mask(curve: NDArray[np.int64], most: int) -> Mask:
-    """Mask of every k-th point in order of measurement, and of the first and last of each longer curve (m,).
+    """Mask (m,) of every k-th point in order of measurement, and of the first and last of each longer curve.
 
     >>> thinning_mask(np.array([0, 0, 0, 0, 1, 1, 1, 1]), 4).astype(int).tolist()
     [1, 0, 1, 1, 1, 0, 1, 1]
@@ -188,6 +187,6 @@ def thinning_mask(curve: NDArray[np.int64], most: int) -> Mask:
     stride = max(1, -(-curve.size // most))
     keep = np.arange(curve.size) % stride == 0
     edges = np.concatenate([[0], np.flatnonzero(np.diff(curve)) + 1, [curve.size]])
-    long = np.diff(edges) > stride  # noise of a dense record makes thousands of short ones
+    long = np.diff(edges) > stride  # noise of a dense record produces thousands of short ones
     keep[edges[:-1][long]] = keep[edges[1:][long] - 1] = True
     return keep

@@ -1,10 +1,9 @@
-"""The first step of §5.4.2: one sigmoid per first-order curve, and how its parameters vary with α.
+"""The first step of §5.4.2: one sigmoid per first-order curve, and its parameters against α.
 
     ȳ_α(β) = b₁/(1 + e^{−b₂(β + b₃)}) + b₄
 
-The thesis's simplex did not converge on curves with few points: nearly straight data does not determine
-four parameters. Here such curves are named instead, and bounds keep the others sensible (Fig. 5.16).
-Knows no surface.
+The simplex of the thesis did not converge on curves with few points, because nearly straight data do not determine
+four parameters. Here such curves are reported instead, and bounds limit the parameters of the others (Fig. 5.16).
 """
 
 from dataclasses import dataclass
@@ -20,14 +19,14 @@ from smarig.preisach import sigmoid
 Array = NDArray[np.float64]
 NAMES = ("b1", "b2", "b3", "b4")
 FEWEST_POINTS = 5
-_STEEPEST = 200.0  # b₂ times the range stays below this
+_STEEPEST = 200.0  # upper bound of b₂ times the range
 
 
 @dataclass(frozen=True, eq=False)
 class CurveFit:
-    """Sigmoid of one curve: ``b`` (4,) and standard errors (4,); both None when the curve is too short.
+    """Sigmoid of one curve: ``b`` (4,) and standard errors (4,); both None if the curve is too short.
 
-    ``determined`` is false when a standard error exceeds half of b₁ or b₂, or half the range for b₃.
+    ``determined`` is false if a standard error exceeds half of b₁ or b₂, or half the range for b₃.
     """
 
     curve: int
@@ -41,7 +40,7 @@ class CurveFit:
 
 @dataclass(frozen=True, eq=False)
 class CurveFits:
-    """All curves, by order of measurement, with the noise σ that the fits leave (NaN without freedom)."""
+    """All curves in order of measurement, with the noise σ of the residuals (NaN without degrees of freedom)."""
 
     curves: tuple[CurveFit, ...]
     sigma: float
@@ -89,7 +88,7 @@ def _jacobian(b: Array, d: DescendingCurve) -> Array:
 
 
 def _least_squares_fit(d: DescendingCurve, data: FodData, span: float, height: float) -> Array | None:
-    """Least squares within bounds a few times the range wide; None for short curves."""
+    """Least squares within bounds of a few times the range; None for short curves."""
     if d.beta.size < FEWEST_POINTS or height == 0.0:
         return None
     low = np.array([-5 * height, 0.1 / span, -(data.upper + span), float(data.y.min()) - 5 * height])
@@ -107,7 +106,7 @@ def _least_squares_fit(d: DescendingCurve, data: FodData, span: float, height: f
 
 
 def _start(d: DescendingCurve, span: float) -> Array:
-    """Best of a grid of (b₂, b₃), with (b₁, b₄) solved for each: the sigmoid is linear in those."""
+    """The best start on a grid of (b₂, b₃), with (b₁, b₄) solved for each: the sigmoid is linear in those."""
     best, least = np.zeros(4), np.inf
     for steep, middle in product(np.array([3, 6, 12, 25, 50]) / span, np.linspace(d.beta[-1], d.beta[0], 7)):
         s = sigmoid(steep * (d.beta - middle))
@@ -138,7 +137,7 @@ def _with_errors(d: DescendingCurve, b: Array | None, sigma: float, span: float)
         error = sigma * np.sqrt(np.diag(inverse)) / scale
     else:
         error = np.full(4, np.inf)
-    # On straight data height and steepness trade off against each other, and the place of inflection floats.
+    # Straight data determine neither height and steepness separately nor the point of inflection.
     determined = bool(np.all(error[:2] < 0.5 * np.abs(b[:2])) and error[2] < span / 2)
     return CurveFit(
         curve=d.curve,

@@ -1,11 +1,11 @@
-"""What the measured curves themselves say, before any surface: monotone, merging, crossing, exercised.
+"""Findings on the measured curves before any fit: monotone, merging, crossing, range fully exercised.
 
 * Assumption 2.1: first-order descending curves fall as the input falls.
-* §5.4.1: curves that do not merge at the lower end, or a rising branch that meets the upper curve at an
-  angle, mean that the input range was too small.
+* §5.4.1: curves that do not merge at the lower end, or a rising branch that meets the upper curve at an angle, mean
+  that the input range was too small.
 * Prop. 4.6: curves that cross inside the major loop prove μ < 0 somewhere; the converse is not proved.
 
-Differences count when they exceed five times the noise of a reading. Knows no model.
+Differences count if they exceed five times the noise of a reading.
 """
 
 from dataclasses import dataclass
@@ -18,22 +18,21 @@ from smarig.identification.surface.curve_fit import fit_curves
 
 Array = NDArray[np.float64]
 SIGNIFICANT = 5.0
-_DENSE = 20  # curves of this many points show their noise in third differences
-# The six surfaces of Table 5.1 over their own partitions leave an angle of at most 0.23 (two_c); cut at the
-# second-highest input the two-wire ones leave 0.48 or more, cut at the third-highest the one-wire ones 0.37.
+_DENSE = 20  # points of a curve whose third differences show its noise
+# The six surfaces of Table 5.1 over their own partitions have an angle of at most 0.23 (two_c). Cut at the
+# second-highest input the two-wire ones have 0.48 or more; cut at the third-highest the one-wire ones have 0.37.
 _ANGLE = 0.3
 _MERGED = 0.01
-NO_CURVES = "The runs hold no first-order curves: whether such curves cross and merge cannot be told."
-_SPREAD_FACTOR = 7.0  # the range of a dozen readings of one output is 3.3 σ on average, and 5 σ now and then
+NO_CURVES = "The runs contain no first-order curves, so crossing and merging of such curves are unknown."
+_SPREAD_FACTOR = 7.0  # the range of a dozen readings of one output is 3.3 σ on average, and sometimes 5 σ
 
 
 @dataclass(frozen=True)
 class CurveReport:
-    """``noise`` σ of a reading in ``unit`` (NaN: unknown); ``cross`` Prop. 4.6; ``merge_spread`` of the ends.
+    """``noise`` σ of a reading in ``unit`` (NaN if unknown), ``cross`` of Prop. 4.6, ``merge_spread`` of the ends.
 
-    ``top_angle`` is the slope of the rising branch less that of the falling one at the top, over the mean
-    slope of the major loop: 0 in saturation. ``exercised``: both ends look like saturation; None where
-    there are no first-order curves to tell.
+    ``top_angle`` is the slope of the rising branch minus that of the falling one at the top, over the mean slope of
+    the major loop: 0 in saturation. ``exercised``: both ends look like saturation; None without first-order curves.
     """
 
     noise: float
@@ -48,7 +47,7 @@ class CurveReport:
 
 
 def curve_report(data: FodData) -> CurveReport:
-    """Judge the curves of FOD data (k points) against their own noise; warnings are plain sentences."""
+    """Compare the curves of FOD data (k points) with their own noise; each warning is one or two sentences."""
     descending_curves = data.descending_curves()
     if not descending_curves:
         return CurveReport(
@@ -75,8 +74,8 @@ def curve_report(data: FodData) -> CurveReport:
     if rising:
         where = ", ".join(f"{a:g}" for a in rising[:3])
         warnings.append(
-            f"Curves rise while the input falls (α = {where}): Assumption 2.1 does not hold for this data, "
-            "and no inverse is unique there."
+            f"Curves rise while the input falls (α = {where}): Assumption 2.1 does not hold for these data, "
+            "and the inverse is not unique there."
         )
     if crossing:
         warnings.append(
@@ -86,12 +85,12 @@ def curve_report(data: FodData) -> CurveReport:
     if not merge:
         warnings.append(
             "The range was not fully exercised: the curves do not merge at their lower end (they spread "
-            f"over {spread:.3g} {unit}); identify again with lower inputs."
+            f"over {spread:.3g} {unit}). Identify again with lower inputs."
         )
     if angled:
         warnings.append(
             "The range was not fully exercised: the rising branch meets the upper curve at an angle "
-            f"({angle:.2f} of the mean slope), it is no saturation; identify again with higher inputs."
+            f"({angle:.2f} of the mean slope), so it is not saturated. Identify again with higher inputs."
         )
     crosses = crossing is not None
     return CurveReport(
@@ -108,14 +107,14 @@ def curve_report(data: FodData) -> CurveReport:
 
 
 def reading_noise(data: FodData) -> float:
-    """Standard deviation of a reading about its own curve, without a surface; NaN when curves are too short.
+    """Standard deviation of a reading about its own curve, without a surface; NaN if curves are too short.
 
-    Long curves: third differences, Var Δ³y = 20σ², by their mean size. Others: what the sigmoids leave.
+    Long curves: third differences, Var Δ³y = 20σ², by their mean size. Others: the residuals of the sigmoids.
     """
     descending_curves = data.descending_curves()
     if descending_curves and np.median([d.beta.size for d in descending_curves]) >= _DENSE:
         thirds = np.concatenate([np.diff(d.y, 3) for d in descending_curves])
-        size = np.sort(np.abs(thirds))[: max(1, round(0.99 * thirds.size))]  # jumps are no noise
+        size = np.sort(np.abs(thirds))[: max(1, round(0.99 * thirds.size))]  # jumps are not noise
         return float(size.mean() * np.sqrt(np.pi / 2) / np.sqrt(20))
     return fit_curves(data).sigma
 
@@ -128,7 +127,7 @@ def _largest_rise(d: DescendingCurve) -> float:
 def _crossing_curves(
     descending_curves: list[DescendingCurve], threshold: float
 ) -> tuple[float, float, float] | None:
-    """(α₁, α₂, β) where a curve from a higher maximum lies lowest below one from a lower maximum."""
+    """(α₁, α₂, β) at which a curve from a higher maximum lies lowest below one from a lower maximum."""
     ordered = sorted(descending_curves, key=lambda d: d.alpha)
     if len(ordered) < 2:
         return None
@@ -157,7 +156,9 @@ def _spread(descending_curves: list[DescendingCurve]) -> float:
 
 
 def _top_angle(data: FodData, descending_curves: list[DescendingCurve], noise: float) -> tuple[float, float]:
-    """Difference of the branches' slopes at the top, over the mean one, and its noise; 0, 0 without both."""
+    """Difference of the branches' slopes at the top over the mean slope, and its noise; 0, 0 if a branch is
+    missing.
+    """
     rising = data.alpha == data.beta
     inputs, where = np.unique(data.alpha[rising], return_inverse=True)
     if not descending_curves or inputs.size < 2:

@@ -1,7 +1,4 @@
-"""What a model file says of its fit, and what its user should know: the same figures under the same names.
-
-Knows the fits of every kind. Refuses to know runs' files and how a fit was made.
-"""
+"""The figures of a fit for a model file, with the same names for every kind, and warnings for the user."""
 
 from functools import singledispatch
 from typing import Any
@@ -18,11 +15,11 @@ from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeig
 from smarig.preisach import ForcTable
 
 Array = NDArray[np.float64]
-NEGATIVE_MASS_RATIO = 1.25  # times the held-out error with masses of any sign: more than chance makes of it
+NEGATIVE_MASS_RATIO = 1.25  # times the held-out error with masses of any sign: more than by chance
 
 
 def plain(value: float) -> float | None:
-    """A finite number, or None: what JSON can say."""
+    """A finite number, or None, for JSON."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -63,7 +60,7 @@ def positive_figures(
     weights: MajorLoopWeighting,
     select: str | None,
 ) -> dict[str, Any]:
-    """Figures of a positive measure over its observations; every point counts alike in the fit itself."""
+    """Figures of a positive measure over its observations; all points have equal weights in the fit."""
     error, major = _errors(fit, observations), _on_major_loop(observations)
     return {
         **error_figures(error, major, ROOT_WEIGHT[weights]),
@@ -90,16 +87,17 @@ def positive_figures(
 
 
 def _errors(fit: PositiveFit, observations: Observations) -> Array:
-    """Model minus measured (m,): each observation is a row over the values at the nodes, and y₋."""
+    """Model minus measured values (m,): each observation is a row over the values at the nodes, and y₋."""
     cells = fit.triangle
     unknowns = np.append(fit.table.values[cells.i + 1, cells.j + 1], fit.table.y_lower)
     return observations.matrix(cells)[:, : cells.unknowns] @ unknowns - observations.y
 
 
 def _on_major_loop(observations: Observations) -> NDArray[np.bool_]:
-    """Whether an observation (m,) is in negative saturation, on the rise from it, or on the fall from positive.
+    """Mask of observations (m,) in negative saturation, on the rise from it, or on the fall from positive
+    saturation.
 
-    After what cancels, and with every curve's end at u₋ the same output, such a point is one term at most.
+    After cancellation, and with the same output at u₋ for every curve, such a point has at most one term.
     """
     o = observations
     above = o.beta > o.lower
@@ -111,23 +109,23 @@ def _on_major_loop(observations: Observations) -> NDArray[np.bool_]:
     return count <= 1
 
 
-# --- what to know before the model is used --------------------------------------------------------------
+# --- warnings --------------------------------------------------------------
 
 
 def positive_warnings(fit: PositiveFit) -> list[str]:
-    """What non-negativity costs where it does, and where nothing could be held out."""
+    """Warnings on the cost of non-negativity, and if nothing could be held out."""
     held_out_error, found = fit.held_out, []
     if held_out_error.rms > NEGATIVE_MASS_RATIO * held_out_error.signed_rms:
         found.append(
-            f"The data asks for negative mass: {held_out_error.curves} held-out curves are predicted to "
+            f"The data favour negative mass: {held_out_error.curves} held-out curves are predicted to "
             f"{held_out_error.rms:.3g} "
             f"{fit.unit} rms with μ ≥ 0 and to {held_out_error.signed_rms:.3g} {fit.unit} with masses of any sign, so "
             f"non-negativity costs {held_out_error.rms - held_out_error.signed_rms:.2g} {fit.unit}."
         )
     if not fit.by_smoothing:
         found.append(
-            f"There are fewer than {FEWEST_CURVES} curves to hold out, so the smoothing could not be chosen by the "
-            f"data (λ = {fit.smoothing:.0g} was taken) and intervals do not know the model's own error."
+            f"There are fewer than {FEWEST_CURVES} curves to hold out, so the smoothing could not be chosen from "
+            f"the data (λ = {fit.smoothing:.0g} was used), and intervals do not include the model's own error."
         )
     return found
 
@@ -135,17 +133,17 @@ def positive_warnings(fit: PositiveFit) -> list[str]:
 def surface_warnings(
     image: object, data: FodData, fit: SurfaceFit | None, density: DensityReport
 ) -> list[str]:
-    """Fits that did not converge or are not determined; what a table's cells do and do not prove."""
+    """Warnings on fits that did not converge or are not determined, and on cells of a table with negative mass."""
     found = []
     if fit and not fit.converged:
-        found.append("The surface fit did not converge; compare with another surface before using it.")
+        found.append("The surface fit did not converge. Compare it with another surface before you use it.")
     if fit and not fit.determined:
-        found.append("The data does not determine all parameters of the surface; intervals cannot be given.")
+        found.append("The data do not determine all parameters of the surface, so there are no intervals.")
     if not data.mirrored:
         found += _partition_warnings(image)
     if fit is None and density.negative_cells:
         found.append(
-            f"{density.negative_cells} of the table's {density.cells} cells have negative mass; noise of the "
+            f"{density.negative_cells} of the table's {density.cells} cells have negative mass. Noise of the "
             "readings does that too, so this alone does not prove μ < 0."
         )
     return found
@@ -160,4 +158,4 @@ def _partition_warnings(image: object) -> list[str]:
 @_partition_warnings.register
 def _interpolated_warnings(image: ForcTable) -> list[str]:
     del image
-    return ["The curves do not share one partition; between them the table is interpolated."]
+    return ["The curves do not share one partition. The table is interpolated between them."]

@@ -1,6 +1,6 @@
 """FOD data as an interpolating hysteresis: a table on one partition, or a table of curves.
 
-No fit and no noise model: what was measured is met exactly. Knows no file.
+There is no fit and no noise model: the measured values are reproduced exactly.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from smarig.preisach import FodTable, ForcCurve, ForcTable
 
 
 def table(data: FodData) -> FodTable | ForcTable:
-    """``FodTable`` where every β ≤ α of one partition was measured, ``ForcTable`` of the curves otherwise."""
+    """``FodTable`` if every β ≤ α of one partition was measured, else ``ForcTable`` of the curves."""
     try:
         return FodTable.from_arrays(*data.as_table(), unit=data.unit)
     except DataError:  # irregular: curves with points of their own
@@ -19,7 +19,7 @@ def table(data: FodData) -> FodTable | ForcTable:
 
 
 def curve_table(data: FodData) -> ForcTable:
-    """Table of the curves, each from its peak down; repeated readings and repeated curves averaged."""
+    """Table of the curves, each from its peak down; repeated readings and repeated curves are averaged."""
     curves = []
     for alpha in np.unique(data.alpha):
         mine = data.alpha == alpha

@@ -1,7 +1,7 @@
-"""Does a Preisach model apply at all? The two tests of §5.3 as numbers with a verdict.
+"""The two tests of §5.3 whether a Preisach model applies, as numbers with a verdict.
 
-Wiping-out and congruency together are necessary and sufficient for a Preisach representation
-(Mayergoyz; thesis §3.3). A difference is judged against the settled points' own noise.
+Wiping-out and congruency together are necessary and sufficient for a Preisach representation (Mayergoyz; thesis
+§3.3). A difference is compared with the noise of the settled points.
 """
 
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from smarig.identification.settled_points import SettledPoints, settled_points
 from smarig.record import Run
 
 Array = NDArray[np.float64]
-_COVERAGE = 3.0  # a difference within three times its noise is no evidence against the property
+_COVERAGE = 3.0  # times the noise: a smaller difference is no evidence against the property
 
 
 @dataclass(frozen=True)
 class Representation:
-    """One test: two curves over the same inputs that a Preisach model makes equal.
+    """One test: two curves over the same inputs that are equal in a Preisach model.
 
-    ``first``/``second`` (k,) in ``unit``; for congruency both are taken relative to their lower corner,
-    and ``offset`` is how far apart the corners are. ``rms``, ``max_abs`` of the difference; ``noise`` is
-    what the settled points' uncertainties alone would give.
+    ``first``/``second`` (k,) are in ``unit``. For congruency both are relative to their lower corner, and
+    ``offset`` is the distance of the corners. ``rms``, ``max_abs`` are of the difference. ``noise`` is the rms
+    difference expected from the uncertainties of the settled points.
     """
 
     name: str
@@ -41,37 +41,39 @@ class Representation:
 
     @property
     def verdict(self) -> str:
-        """One plain sentence."""
+        """The result of the test in one sentence."""
         counts = f" ({self.max_abs / self.per_count:.2f} counts)" if self.per_count else ""
         size = f"{self.rms:.3g} {self.unit} rms, {self.max_abs:.3g} {self.unit}{counts} at most"
         against = f"noise alone gives differences of {self.noise:.2g} {self.unit} rms"
         what = {
             "wiping_out": ("Segment B retraces segment A", "Segment B does not retrace segment A"),
-            "congruency": ("The two minor loops have one shape", "The two minor loops differ in shape"),
+            "congruency": ("Both minor loops have the same shape", "The two minor loops differ in shape"),
         }[self.name][0 if self.holds else 1]
         return f"{what}: they differ by {size}; {against}."
 
     @property
     def meaning(self) -> str:
-        """What it means for a Preisach model."""
+        """The consequence for a Preisach model."""
         share = 100 * self.max_abs / self.span if self.span else float("nan")
         if self.holds:
-            return "At this precision this test does not speak against a classical Preisach model."
+            return "At this precision the test gives no evidence against a classical Preisach model."
         return (
-            f"A classical Preisach model cannot represent this difference; expect it to be wrong by up to "
-            f"{share:.1f} % of the travel wherever such histories occur."
+            f"A classical Preisach model cannot represent this difference. Expect errors of up to "
+            f"{share:.1f} % of the travel for such histories."
         )
 
     def to_json(self) -> dict:
-        """For model files, reports and --json."""
+        """The test as JSON for model files, reports and --json."""
         keys = ("name", "rms", "max_abs", "noise", "unit", "offset", "holds")
         return {k: getattr(self, k) for k in keys} | {"verdict": self.verdict, "meaning": self.meaning}
 
 
 def wiping_out(run: Run) -> Representation:
-    """§5.3.1: segment B against segment A, point by point, from a run of the wiping_out protocol."""
+    """The wiping-out test (§5.3.1): segment B against segment A, point by point, from a run of the wiping_out
+    protocol.
+    """
     points = settled_points(run)
-    # The first peak is approached on the major branch, the second from inside: only its last point is common.
+    # The first peak is approached on the major branch, the second from inside, so only the last point is common.
     labels = [f"{{}} {k}" for k in range(1, 5)]
     a = points.of(*(label.format("A") for label in labels))
     b = points.of(*(label.format("B") for label in labels))
@@ -80,7 +82,9 @@ def wiping_out(run: Run) -> Representation:
 
 
 def congruency(run: Run) -> Representation:
-    """§5.3.2: the two minor loops superposed at their lower corner, from a run of the congruency protocol."""
+    """The congruency test (§5.3.2): both minor loops superposed at their lower corner, from a run of the congruency
+    protocol.
+    """
     points = settled_points(run)
     a_down, a_up, b_up, b_down = (points.of(label) for label in ("A down", "A up", "B up", "B down"))
     _need_pairs(run, "congruency", a_down, b_down)
@@ -110,8 +114,8 @@ def _shifted(points: SettledPoints, corner: float) -> SettledPoints:
 def _need_pairs(run: Run, name: str, a: SettledPoints, b: SettledPoints) -> None:
     if a.input.size < 2 or a.input.size != b.input.size:
         raise DataError(
-            f"{run.path} holds no complete {name} test ({a.input.size} and {b.input.size} settled points); "
-            f"run the {name} protocol to its end."
+            f"{run.path} contains no complete {name} test ({a.input.size} and {b.input.size} settled points). "
+            f"Run the {name} protocol to its end."
         )
 
 

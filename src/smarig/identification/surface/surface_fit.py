@@ -1,12 +1,12 @@
-"""Least-squares fit of the surface (5.5) to FOD data, with honest intervals (thesis §5.4.2).
+"""Least-squares fit of the surface (5.5) to FOD data, with confidence intervals (thesis §5.4.2).
 
-Points on the major loop weigh twice, as in the thesis; whether it doubled residuals or their squares it
-does not say, so both are offered. The saturation values y(u₊,u₊) and y(u₊,u₋) are fitted like any other
-parameter, or anchored to their measured values, as the thesis does. Knows no rig and no model file.
+Points on the major loop have double weight, as in the thesis. The thesis does not state whether it doubled
+residuals or their squares, so both are available. The saturation values y(u₊,u₊) and y(u₊,u₋) are fitted like any
+other parameter, or anchored to their measured values, as in the thesis.
 
-Weighting is a wish about the match, not a statement about noise. With equal noise σ at every point the
-covariance of the weighted estimate is σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹, and σ² is the plain sum of squares
-over tr((I − H)ᵀ(I − H)), H = J (JᵀWJ)⁻¹ JᵀW. That is what is reported.
+Weights express the desired match, not the noise. With equal noise σ at every point the covariance of the weighted
+estimate is σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹, and σ² is the plain sum of squares over tr((I − H)ᵀ(I − H)), H = J (JᵀWJ)⁻¹
+JᵀW. The fit reports these.
 """
 
 from dataclasses import dataclass
@@ -27,17 +27,17 @@ Array = NDArray[np.float64]
 MajorLoopWeighting = Literal["residual", "square"]
 ROOT_WEIGHT: dict[MajorLoopWeighting, float] = {"residual": 2.0, "square": float(np.sqrt(2.0))}
 REFINED_STARTS = 3
-_STEEPEST = 500.0  # x₂ and x₄ times the range stay below this
+_STEEPEST = 500.0  # upper bound of x₂ and x₄ times the range
 _DEGENERATE_RESIDUAL = 1e3
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceFit:
-    """A fitted surface and what the data says of it.
+    """A fitted surface and the statistics of its fit.
 
     ``names`` (p,) of the free parameters, their ``values`` (p,), ``covariance`` (p, p) and 95 % ``intervals``
-    (Student's t, n − p degrees of freedom). ``sse`` = Σe² over the points, ``rms`` = √(sse/n),
-    ``norm2`` = √sse; ``weighted_sse`` = Σw e² and its root ``weighted_norm2``. Units are the data's.
+    (Student's t, n − p degrees of freedom). ``sse`` = Σe² over the points, ``rms`` = √(sse/n), ``norm2`` = √sse;
+    ``weighted_sse`` = Σw e² and its root ``weighted_norm2``. Units are those of the data.
     """
 
     surface: FodSurface
@@ -60,7 +60,7 @@ class SurfaceFit:
 
     @property
     def determined(self) -> bool:
-        """Whether the data fixes every parameter."""
+        """Whether the data determine every parameter."""
         return bool(np.isfinite(self.covariance).all())
 
     def __repr__(self) -> str:
@@ -108,7 +108,9 @@ class _SurfaceProblem:
 
     def residuals(self, p: Array) -> Array:
         surface = self.surface(p)
-        if surface.shape(surface.upper, surface.upper) < FLATTEST:  # no height to scale: a step too far
+        if (
+            surface.shape(surface.upper, surface.upper) < FLATTEST
+        ):  # the step went too far: no height to scale
             return np.full(len(self.data), _DEGENERATE_RESIDUAL * float(np.ptp(self.data.y)))
         return (surface.y(self.data.alpha, self.data.beta) - self.data.y) * self.root_weights
 
@@ -141,10 +143,9 @@ def fit_surface(
 ) -> SurfaceFit:
     """Fit (5.5) with f(α) of a form by least squares from several starts.
 
-    ``weights`` doubles the "residual" or the "square" on the major loop; ``anchor`` fixes y(u₊,u₊) and
-    y(u₊,u₋) at their measured means; ``start`` is an earlier fit to begin at instead of searching.
-    Raises UsageError for an unknown form, DataError when there are fewer points than parameters, or none at an
-    anchor.
+    ``weights`` doubles the "residual" or the "square" on the major loop. ``anchor`` fixes y(u₊,u₊) and y(u₊,u₋) at
+    their measured means. ``start`` is an earlier fit to start from instead of searching. Raises UsageError for an
+    unknown form, DataError if there are fewer points than parameters, or none at an anchor.
     """
     surface_form(form)
     if weights not in ROOT_WEIGHT:
@@ -161,8 +162,8 @@ def fit_surface(
     trials = [_refined(problem, p) for p in starts]
     if not trials:
         raise DataError(
-            f"No {form} surface resembles the data: its output does not rise with its input; turn its sign, "
-            "or check what was given as input."
+            f"No {form} surface resembles the data: the output does not rise with the input. Turn its sign, "
+            "or check the input."
         )
     best = min(trials, key=lambda trial: trial.cost)
     return _surface_fit(problem, best.x, weights, best.status > 0, len(trials))
@@ -180,7 +181,7 @@ def _starts(problem: _SurfaceProblem) -> list[Array]:
         p = min(trials, key=lambda trial: trial.cost).x
         fitted = tuple(p[: len(simple.surface_form.parameters)].tolist())
     guesses = ranked_starts(problem.form, data, root_weights, fitted)
-    # Neighbours in rank are often neighbours in space: every third keeps the starts apart.
+    # Neighbours in rank are often close in space, so every third start is used.
     chosen = guesses[: 3 * REFINED_STARTS : 3]
     ends = [] if problem.ends else list(_rough_ends(data))
     return [np.array([*guess, *ends]) for guess in chosen]
@@ -234,7 +235,7 @@ def _surface_fit(
 
 
 def _covariance(J: Array, w: Array, sse: float) -> tuple[Array, float]:
-    """Sandwich covariance and σ for equal noise (module docstring); NaN where J is rank deficient."""
+    """Sandwich covariance and σ for equal noise (see the module); NaN if J is rank deficient."""
     scale = np.linalg.norm(J, axis=0)
     if not scale.all() or np.linalg.cond(J / scale) > 1e10:
         return np.full((J.shape[1],) * 2, np.nan), float("nan")

@@ -1,4 +1,4 @@
-"""The kinds of surface that can be identified: the forms of (5.5), a positive measure, a table; the only list."""
+"""The list of the kinds of surface that can be identified: the forms of (5.5), a positive measure, and a table."""
 
 from itertools import groupby
 
@@ -6,11 +6,11 @@ from smarig.preisach import surface_forms
 
 POSITIVE_KIND = "positive"
 TABLE_KIND = "table"
-BEST_KIND = "best"  # whichever of them predicts held-out curves best
+BEST_KIND = "best"  # the kind that predicts held-out curves best
 
 
 def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
-    """The kinds in levels of rising freedom; forms with as many parameters share a level.
+    """The kinds in levels of rising freedom; forms with equally many parameters share a level.
 
     >>> kinds_by_freedom()
     (('constant',), ('parabolic', 'exponential'), ('positive',), ('table',))
@@ -24,5 +24,5 @@ def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
 
 
 def surface_kinds() -> tuple[str, ...]:
-    """The kinds, by rising freedom."""
+    """The kinds by rising freedom."""
     return tuple(kind for level in kinds_by_freedom() for kind in level)

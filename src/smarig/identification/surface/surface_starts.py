@@ -1,7 +1,7 @@
-"""Where to start the surface fit: many coarse guesses, ranked with their linear part solved.
+"""The starts of the surface fit: many coarse guesses, ranked with their linear part solved.
 
-For given x the surface y₋ + c·s(α, β) is linear in (y₋, c), so a guess costs one 2 × 2 solve
-(variable projection). Scales come from the data's range alone.
+For given x the surface y₋ + c·s(α, β) is linear in (y₋, c), so a guess costs one 2 × 2 solve (variable projection).
+Scales come from the range of the data.
 """
 
 import numpy as np
@@ -11,11 +11,11 @@ from smarig.identification.fod_data import FodData
 from smarig.preisach import FodSurface, Parameters, surface_form
 
 Array = NDArray[np.float64]
-FLATTEST = 1e-6  # s(u₊, u₊) below this leaves nothing to scale to the measured height
+FLATTEST = 1e-6  # a smaller s(u₊, u₊) cannot be scaled to the measured height
 
 
 def ranked_starts(form: str, data: FodData, root_weights: Array, fitted: Parameters) -> list[Parameters]:
-    """The form's guesses of x, best first; ``fitted`` are the x of the fitted form that it grows from."""
+    """The guesses of x of the form, best first; ``fitted`` are the x of the fitted form from which it is extended."""
     guesses = surface_form(form).starts(data.lower, data.upper, fitted)
     ends = (data.lower, data.upper, 0.0, 1.0)
     cost = [_projected_sse(FodSurface(form, x, *ends), data, root_weights) for x in guesses]

@@ -1,12 +1,18 @@
-"""What a diagnosis says in sentences: verdict, strengths with their intervals, gain, what shows an effect.
-
-Knows nothing of pages and figures.
-"""
+"""The sentences of a diagnosis page: verdict, strengths with intervals, gain and next experiment."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
-from smarig.diagnosis import NORMAL_95, Diagnosis, HeldOutGain, ParameterFit, share_text
+from smarig.diagnosis import (
+    AT_FLOOR,
+    DOUBT,
+    NORMAL_95,
+    Diagnosis,
+    HeldOutGain,
+    ParameterFit,
+    share_text,
+    unknown_text,
+)
 from smarig.plant import Effect, EffectType, Parameter, effect_types
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
@@ -16,33 +22,31 @@ ParameterSigmas = Mapping[tuple[str, str], float]
 
 
 def verdict_sentence(d: Diagnosis) -> str:
-    """The verdict for people, in one sentence."""
+    """The verdict in one or two sentences."""
     word, best = d.verdict.word, d.best
     if word == "silent" and not d.first.silent:
-        return (
-            "Silent, with a doubt: something stands out, but no effect and no variable explains enough of it."
-        )
+        return f"No finding, with a doubt: {DOUBT}."
     if word == "silent":
-        return "Silent: the model explains these data as well as data in which nothing is hidden."
+        return "No finding: the model explains these data as well as it explains data without any effect."
     if word == "not_identifiable":
-        return "These data cannot decide: no effect of the catalogue could have been seen in them, however large."
+        return "These data cannot decide: they cannot show any effect of the catalogue at any strength."
     if word == "unknown":
-        return f"Unknown: something is wrong and depends on {d.verdict.depends_on}, but no effect known explains it."
+        return f"Unknown: {unknown_text(d)}."
     assert best is not None  # noqa: S101 - named and ambiguous verdicts have an explanation
     if word == "ambiguous":
         names = ", ".join(d.verdict.names)
-        return f"One of a set: {names} (together 90 % probable). The best is {strengths_text(best)}."
-    meant = " ".join(p.kind.summary for p in best.effects)
-    return f"Named: {strengths_text(best)}. {meant}"
+        return f"Ambiguous: the cause is one of {names} (together 90 % probable). The best is {strengths_text(best)}."
+    summaries = " ".join(p.kind.summary for p in best.effects)
+    return f"Named: {strengths_text(best)}. {summaries}"
 
 
 def findings(d: Diagnosis) -> list[str]:
-    """What the diagnosis says of itself, with true minus signs."""
+    """The lines of the diagnosis's text, with true minus signs."""
     return [re.sub(r"(?<![\w])-(?=\d)", "−", line) for line in d.text().splitlines()]
 
 
 def strengths_text(found: ParameterFit) -> str:
-    """The effects, each with its strength alone."""
+    """The effects, each with its strength only."""
     return " + ".join(f"{p.kind.name}, {_value_text(p, p.kind.primary, found.spread)}" for p in found.effects)
 
 
@@ -66,7 +70,7 @@ def _value_text(effect: Effect, parameter: Parameter, spread: ParameterSigmas) -
 
 
 def _plain_name(parameter: Parameter) -> str:
-    """``swing_K`` in K → "swing", ``latent_J_per_g`` → "latent": the unit is said beside the value."""
+    """``swing_K`` in K → "swing", ``latent_J_per_g`` → "latent": the unit follows the value."""
     if parameter.name.startswith("percent_per_"):
         return "rate"
     name = parameter.name.removesuffix(f"_{parameter.unit.replace('/', '_per_')}")
@@ -74,39 +78,34 @@ def _plain_name(parameter: Parameter) -> str:
 
 
 def unit_suffix(unit: str) -> str:
-    """A unit behind a number, for readers."""
+    """The text of a unit after a number."""
     if unit == "range":
         return " of the range"
     return "" if unit in ("", "1") else f" {display_unit(unit)}"
 
 
 def distinguishing_text(kind: EffectType) -> Html:
-    """An effect, what it is and what would show it and nothing else."""
+    """An effect: its name, its summary and what distinguishes it from all others."""
     return joined([tag("b", kind.name), f". {kind.summary} What shows it: {kind.separated_by.rstrip('.')}."])
 
 
 def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:
-    """R in a sentence."""
+    """The gain on held-out data and R in a sentence."""
     unit = display_unit(d.timeline.unit)
     if not d.extended:
-        return (
-            f"Base model {gain.base:.3g} {unit} rms. Nothing was added to the model, so nothing was gained."
-        )
+        return f"Base model: rms error {gain.base:.3g} {unit}. No effect was added to the model, so there is no gain."
     share, ends = gain.removable_share, gain.interval()
     if share is None:
-        rms = f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}"
-        return f"{rms}: the base model is at the floor of what can be predicted already."
-    between = (
-        f" (95 % by drawing blocks again: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
-    )
+        return f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. {AT_FLOOR}"
+    between = f" (95 %, by resampling blocks: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
     return (
-        f"Rms {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the share of the "
-        "squared error above the floor that the effects remove."
+        f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the effects remove "
+        "this share of the squared error above the floor."
     )
 
 
 def next_experiment(d: Diagnosis) -> Iterator[Html]:
-    """The run asked for, or advice by verdict."""
+    """The proposed separating run, or advice by verdict."""
     run = d.separating_run
     if run is not None:
         hours = run.get("rig_hours")
@@ -121,20 +120,24 @@ def _advice(d: Diagnosis) -> Iterator[Html]:
     word, names = d.verdict.word, d.verdict.names
     if word == "unknown":
         yield paragraph(
-            f"Change {d.verdict.depends_on} alone, with everything else as it was: what that changes in the "
-            "residuals is the effect by itself."
+            f"Change {d.verdict.depends_on} alone and keep everything else constant. The change of the residuals "
+            "then shows the effect alone."
         )
     elif word == "silent" and not d.first.silent:
-        yield paragraph("The same run once more: what is no noise comes again.")
+        yield paragraph("Repeat the same run. A real effect appears again; noise does not.")
     elif word == "silent":
         yield paragraph(
-            "Nothing asks for an experiment. Section “What could not have been seen” says what might still hide."
+            "No experiment is needed. Section “What could not have been seen” lists effects that may still be present."
         )
     elif word == "not_identifiable":
-        yield paragraph("A run that can show something at all: see what would show each effect above.")
+        yield paragraph(
+            "Make a run that can show an effect. The list above states what would show each effect."
+        )
     else:
         yield paragraph(
-            "What would settle it:" if word == "ambiguous" else "What would confirm it independently:"
+            "What would decide between them:"
+            if word == "ambiguous"
+            else "What would confirm it independently:"
         )
     if names and word in ("named", "ambiguous"):
         yield bullets(distinguishing_text(types[n]) for n in names)

@@ -1,1 +1,1 @@
-"""The extended models of thesis §3.5, one file each: a function of the file's name identifies it."""
+"""The extended models of thesis §3.5: one file each, with an identifying function of the file's name."""

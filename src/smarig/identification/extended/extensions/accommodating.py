@@ -1,4 +1,6 @@
-"""Frozen relays drift towards the mean along the output's path: from minor loops that are repeated."""
+"""The accommodation model: minor loops drift towards the mean along the output's path; identified from repeated
+loops.
+"""
 
 from smarig.core import DataError
 from smarig.identification.extended.accommodation_fit import identify_accommodation
@@ -6,12 +8,12 @@ from smarig.identification.extended.fitted_extension import ExtensionData, Fitte
 
 
 def accommodating(data: ExtensionData) -> FittedExtension:
-    """A drift of minor loops, of an amount κ along a path l of output."""
+    """The drift of minor loops, with amount κ along an output path l."""
     fit = identify_accommodation(data.runs, data.hysteresis)
     if not 0 <= fit.amount.value <= 1:
         raise DataError(
-            f"The amount of accommodation comes out as {fit.amount}, outside 0 … 1: repeated loops drift away from the "
-            "mean, or not at all."
+            f"The amount of accommodation is {fit.amount}, outside 0 … 1: repeated loops drift away from the "
+            "mean or do not drift."
         )
     kept = {"kind": "accommodating", "amount": fit.amount.value, "path": fit.path.value}
     parameters = {"amount": fit.amount, "path": fit.path}

@@ -1,4 +1,4 @@
-"""y = Γ[u + k y]: the output acts back on the input, from minor loops after several histories."""
+"""The moving model y = Γ[u + k y]: feedback of the output on the input, from minor loops after several histories."""
 
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 from smarig.identification.extended.moving_fit import identify_moving
@@ -6,7 +6,7 @@ from smarig.replay import dump_hysteresis
 
 
 def moving(data: ExtensionData) -> FittedExtension:
-    """A feedback k of the output on the input."""
+    """The feedback k of the output on the input."""
     fit = identify_moving(data.runs)
     kept = {
         "kind": "moving",

@@ -1,11 +1,13 @@
-"""Weights that depend on the present input: loops keep equal vertical chords only. From second-order curves."""
+"""The nonlinear model: weights depend on the present input, so loops keep equal vertical chords only; from
+second-order curves.
+"""
 
 from smarig.identification.extended.excess_run import excess_values, fitted_excess, largest_excess
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 
 
 def nonlinear(data: ExtensionData) -> FittedExtension:
-    """An excess Q(α, β, u) at every corner of the staircase."""
+    """The excess Q(α, β, u) at every corner of the staircase."""
     fit = fitted_excess(data)
     return FittedExtension(
         "weights that depend on the present input",

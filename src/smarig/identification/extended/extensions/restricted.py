@@ -1,6 +1,8 @@
-"""Weights that depend on the first past maximum (order 1): loops are congruent only after the same one.
+"""The restricted model: weights depend on the first past maximum (order 1), so loops are congruent only after the
+same one.
 
-Of second-order curves, as the non-linear model; a higher order n needs curves of order n + 1, which no protocol drives.
+It is identified from second-order curves, like the nonlinear model. A higher order n needs curves of order n + 1,
+which no protocol measures.
 """
 
 from smarig.identification.extended.excess_run import excess_values, fitted_excess, largest_excess
@@ -8,7 +10,7 @@ from smarig.identification.extended.fitted_extension import ExtensionData, Fitte
 
 
 def restricted(data: ExtensionData) -> FittedExtension:
-    """An excess Q(M_1; β, α) of every move inside the first triangle."""
+    """The excess Q(M_1; β, α) of every move inside the first triangle."""
     fit = fitted_excess(data)
     return FittedExtension(
         "weights that depend on the first past maximum",

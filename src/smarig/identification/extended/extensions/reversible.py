@@ -1,4 +1,4 @@
-"""y = Γ[u] + r(u): a reversible part beyond the hysteresis, from both major branches."""
+"""The model y = Γ[u] + r(u): a reversible part in addition to the hysteresis, from both major branches."""
 
 import numpy as np
 
