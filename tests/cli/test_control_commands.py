@@ -169,7 +169,7 @@ def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
     assert set(broken) - {"input as asked for"} == {"no delay", "velocity as it is"}
     assert ("input as asked for" in broken) == (found["clipped_share"] > 0)
     page = run_page(run, certified=(load_model(one), one.name, ""))
-    for words in ("Measured ratio", "of the operator, not of this rig", "velocity as it is", "350"):
+    for words in ("Measured ratio", "proved for the operator, not for this rig", "velocity as it is", "350"):
         assert words in page
     assert page.count("<td>leaky_pi</td>") + page.count(">leaky_pi</th>") == 1, (
         "its certificate, and no other's"

@@ -1,1 +1,1 @@
-"""Pages of a diagnosis: the verdict in words, tables and figures."""
+"""The page of a diagnosis: verdict, tables and figures."""

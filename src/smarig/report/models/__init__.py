@@ -1,1 +1,1 @@
-"""Pages of identified models: a characterisation, models compared, a certificate."""
+"""Pages of identified models: characterisation, model comparison and certificate."""

@@ -1,1 +1,1 @@
-"""Pages of recorded runs: one run, and runs compared."""
+"""Pages of recorded runs: a single run, and a comparison of runs."""
