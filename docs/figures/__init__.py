@@ -1,4 +1,4 @@
-"""The pictures of the documentation: drawn from the project's own code, kept as SVG beside this file.
+"""The figures of the documentation, drawn by the project's code and stored as SVG files in this folder.
 
-``python -m figures`` in ``docs/`` draws them anew; a test draws them and compares. No picture is drawn by hand.
+``python -m figures`` in ``docs/`` redraws them. A test compares the files with newly drawn figures.
 """

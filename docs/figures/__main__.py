@@ -1,4 +1,4 @@
-"""Draws pictures anew: ``python -m figures`` in ``docs/``, all of them or those named."""
+"""Redraws all figures, or the named ones: ``python -m figures [NAME …]`` in ``docs/``."""
 
 import sys
 

@@ -1,8 +1,7 @@
-"""Axes, lines, dots and words as one SVG picture that is readable on light and on dark pages.
+"""Draws axes, lines, dots and text as one SVG figure that is readable on light and on dark pages.
 
-Draws in the units of the data; every number comes from the caller.
-Colours have the meaning they have on pages (``smarig.report.components.style``): vermilion rises, blue falls,
-green is a model.
+Coordinates are in the units of the data. Colours have the same meaning as on report pages
+(``smarig.report.components.style``): vermilion for rising input, blue for falling input, green for a model.
 """
 
 from collections.abc import Iterable, Sequence
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from smarig.report import style
 
-# light, dark: on dark the same hues, brighter
+# colours on light and on dark pages: the same hues, brighter on dark
 _INKS = {
     "ink": (style.INK, "#e6e8eb"),
     "grey": (style.GREY, "#a3abb6"),
@@ -42,7 +41,7 @@ def _style() -> str:
 
 
 def tenths(value: float) -> str:
-    """A coordinate in tenths of a pixel, without needless zeros.
+    """A coordinate rounded to tenths of a pixel, without trailing zeros.
 
     >>> tenths(12.04), tenths(-0.01), tenths(3.25001)
     ('12', '0', '3.3')
@@ -51,27 +50,27 @@ def tenths(value: float) -> str:
 
 
 def plain(value: float) -> str:
-    """A tick's number, with a true minus."""
+    """The number at a tick, with a true minus sign."""
     return f"{value:g}".replace("-", "−")
 
 
 class Picture:
-    """A picture of ``width`` × ``height`` pixels; ``words`` say to those who do not see it what it shows."""
+    """A figure of ``width`` × ``height`` pixels; ``words`` is its text alternative."""
 
     def __init__(self, width: int, height: int, words: str) -> None:
         self.width, self.height, self.words = width, height, words
         self.parts: list[str] = []
 
     def add(self, markup: str) -> None:
-        """Markup, in pixels."""
+        """Add markup, in pixels."""
         self.parts.append(markup)
 
     def add_text(self, x: float, y: float, words: str, look: str = "f-ink") -> None:
-        """Words at a place in pixels."""
+        """Add text at a position in pixels."""
         self.add(f'<text x="{tenths(x)}" y="{tenths(y)}" class="{look}">{escape(words)}</text>')
 
     def svg(self) -> str:
-        """The whole file."""
+        """The content of the SVG file."""
         size = f'width="{self.width}" height="{self.height}" viewBox="0 0 {self.width} {self.height}"'
         head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img">'
         ground = '<rect width="100%" height="100%" class="f-ground"/>'
@@ -80,7 +79,7 @@ class Picture:
 
 
 class Panel:
-    """A frame with axes in data's units at (left, top), ``width`` × ``height`` pixels of a picture."""
+    """A frame at (left, top) of ``width`` × ``height`` pixels, with axes in the units of the data."""
 
     def __init__(
         self,
@@ -117,7 +116,7 @@ class Panel:
             p.add(f'<text {turn} class="middle f-ink">{escape(beside)}</text>')
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Pixels of a point."""
+        """The position of a point in pixels."""
         u = self.left + self.width * (x - self.x[0]) / (self.x[1] - self.x[0])
         v = self.top + self.height * (self.y[1] - y) / (self.y[1] - self.y[0])
         return u, v
@@ -130,22 +129,22 @@ class Panel:
         return "M" + "L".join(f"{tenths(u)} {tenths(v)}" for u, v in places)
 
     def line(self, x: ArrayLike, y: ArrayLike, look: str = "s-ink") -> None:
-        """A line through points."""
+        """Draw a line through points."""
         self._stroke(self._path(x, y), f"line {look}")
 
     def area(self, x: ArrayLike, y: ArrayLike, look: str = "wash f-ink") -> None:
-        """A closed area."""
+        """Draw a closed area."""
         self._stroke(self._path(x, y) + "z", look)
 
     def dots(self, x: ArrayLike, y: ArrayLike, look: str = "f-ink", size: float = 2.6) -> None:
-        """A mark at each point, as one path."""
+        """Draw a mark at each point, as one path."""
         places = [self.at(a, b) for a, b in zip(np.asarray(x, float), np.asarray(y, float), strict=True)]
         r = tenths(size)
         turn = f"a{r} {r} 0 1 0 {tenths(2 * size)} 0a{r} {r} 0 1 0 -{tenths(2 * size)} 0"
         self._stroke("".join(f"M{tenths(u - size)} {tenths(v)}{turn}" for u, v in places), look)
 
     def bars(self, x: ArrayLike, low: ArrayLike, high: ArrayLike, look: str = "thin s-ink") -> None:
-        """An upright bar at each x."""
+        """Draw a vertical bar at each x."""
         ends = zip(np.asarray(x, float), np.asarray(low, float), np.asarray(high, float), strict=True)
         pairs = [(self.at(a, b), self.at(a, c)) for a, b, c in ends]
         path = "".join(f"M{tenths(p[0])} {tenths(p[1])}V{tenths(q[1])}" for p, q in pairs)
@@ -154,9 +153,9 @@ class Panel:
     def cells(
         self, edges: ArrayLike, values: ArrayLike, look: str, top: float, steps: int = 10, least: float = 0.0
     ) -> None:
-        """Squares (row y, column x) over one set of edges; the fuller the colour, the nearer a value is to ``top``.
+        """Draw square cells (row y, column x) between the edges; the opacity is proportional to value / ``top``.
 
-        Values up to ``least``, and NaN, are left out.
+        Values up to ``least``, and NaN, are omitted.
         """
         share = np.nan_to_num(np.asarray(values, float) - least) / (top - least)
         level = np.ceil(np.clip(share, 0, 1) * steps).astype(int)
@@ -169,7 +168,7 @@ class Panel:
                 )
 
     def arrow(self, start: tuple[float, float], end: tuple[float, float], look: str = "ink") -> None:
-        """An arrow between two points."""
+        """Draw an arrow between two points."""
         (u0, v0), (u1, v1) = self.at(*start), self.at(*end)
         direction = np.array([u1 - u0, v1 - v0]) / max(np.hypot(u1 - u0, v1 - v0), 1e-9)
         side, back = np.array([-direction[1], direction[0]]) * 4, np.array([u1, v1]) - 9 * direction
@@ -181,22 +180,22 @@ class Panel:
     def add_text(
         self, x: float, y: float, words: str, look: str = "f-ink", shift: tuple[float, float] = (0, 0)
     ) -> None:
-        """Words at a point, moved by pixels; a halo keeps them readable over lines."""
+        """Add text at a point, shifted by pixels; a halo keeps it readable over lines."""
         u, v = self.at(x, y)
         self.picture.add_text(u + shift[0], v + shift[1], words, f"halo {look}")
 
 
 def _runs(panel: Panel, edges: np.ndarray, chosen: np.ndarray) -> Iterable[str]:
-    """Rows of neighbouring chosen cells, one rectangle each."""
+    """A rectangle for each row of adjacent chosen cells."""
     for i, row in enumerate(chosen):
         steps = np.diff(np.concatenate([[0], row.astype(int), [0]]))
         for j, k in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1)):
             corners = (*panel.at(edges[j], edges[i + 1]), *panel.at(edges[k], edges[i]))
-            left, top, right, bottom = (round(place) for place in corners)  # whole pixels: no seams
+            left, top, right, bottom = (round(place) for place in corners)  # whole pixels avoid seams
             yield f"M{left} {top}H{right}V{bottom}H{left}z"
 
 
 def staircase(extrema: Sequence[float]) -> tuple[list[float], list[float]]:
-    """The boundary of alternating extrema in the plane: abscissae β, ordinates α, ending at the present input."""
+    """The boundary of alternating extrema in the Preisach plane (β, α), up to the present input."""
     pairs = [(min(p), max(p)) for p in zip(extrema, extrema[1:])] + [(extrema[-1], extrema[-1])]
     return [b for b, _ in pairs], [a for _, a in pairs]

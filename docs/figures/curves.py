@@ -1,4 +1,4 @@
-"""Reversal curves, the Everett function, the density with its reversible part, and energy: the model as it is."""
+"""Figures of first-order curves, the Everett function, the density with its reversible part, and energy."""
 
 import numpy as np
 
@@ -12,11 +12,11 @@ REVERSALS_K = (27.8, 43.5, 62.7, 85.3, 111.4, 174.1)  # of the thesis's partitio
 
 
 def everett() -> Picture:
-    """Curves that fall from six reversals; how F is read from one of them, and what it means in the plane."""
+    """Six descending curves; F as a drop of one of them, and as a triangle in the Preisach plane."""
     picture = Picture(
         740, 330, "First-order descending curves, and the Everett function as a drop and as a triangle."
     )
-    left = graph(picture, 54, "curves that turn at α and fall to β")
+    left = graph(picture, 54, "curves from α down to β")
     rise = np.linspace(0, WIRE.upper, 180)
     left.line(rise, WIRE.y(rise, rise), "s-heat")
     for alpha in REVERSALS_K:
@@ -39,13 +39,13 @@ def everett() -> Picture:
 
 
 def density() -> Picture:
-    """μ over the plane, g along its diagonal, and the loop that is left when g is forgotten."""
+    """μ over the Preisach plane, and the major loop with and without g."""
     picture = Picture(
         740,
         330,
         "The density of the one-wire rig's surface, and the loop with and without its reversible part.",
     )
-    left = plane(picture, (54, 34, 270, 250), "μ: red positive, blue negative")
+    left = plane(picture, (54, 34, 270, 250), "μ (red positive, blue negative)")
     edges = np.linspace(0, WIRE.upper, 71)
     middle = (edges[1:] + edges[:-1]) / 2
     alpha, beta = np.meshgrid(middle, middle, indexing="ij")
@@ -54,8 +54,8 @@ def density() -> Picture:
     for sign, look in ((mu, "f-heat"), (-mu, "f-cool")):
         left.cells(edges, sign, look, top, least=0.01 * top)
     left.line(RANGE, RANGE, "thin s-grey")
-    left.add_text(174, 0, f"fullest colour: {top:.4f} mm/K²", "small end f-grey", (-8, -10))
-    right = graph(picture, 420, "with g, and without", 300)
+    left.add_text(174, 0, f"full colour: {top:.4f} mm/K²", "small end f-grey", (-8, -10))
+    right = graph(picture, 420, "major loop with and without g", 300)
     u = np.linspace(0, WIRE.upper, 240)
     up = WIRE.y(u, u)
     wire = Preisach(WIRE)
@@ -69,14 +69,16 @@ def density() -> Picture:
     right.line(u, up - g, "dash s-heat")
     right.line(u[::-1], down - g[::-1] - (down - g[::-1])[-1], "dash s-cool")
     share = g[-1] / (WIRE.y_upper - WIRE.y_lower)
-    right.add_text(174, 0.6, f"dashed: μ alone, {100 * share:.1f} % short", "small end f-ink", (-8, 0))
+    right.add_text(
+        174, 0.6, f"dashed: μ alone, stroke {100 * share:.1f} % too small", "small end f-ink", (-8, 0)
+    )
     return picture
 
 
 def energy() -> Picture:
-    """A loop's area is what a cycle costs; over all loops of two surfaces, where it is negative."""
+    """The area of a loop, which is the energy of a cycle, and the areas of all loops of two surfaces."""
     picture = Picture(
-        740, 288, "The work lost in every loop of two surfaces: one gives none back, the other does."
+        740, 288, "Areas of all loops of two surfaces: those of one are not negative, some of the other are."
     )
     low, high = 25.0, 90.0
     left = Panel(
@@ -98,16 +100,16 @@ def energy() -> Picture:
 
 
 def _loop_areas(picture: Picture, left: float, name: str, beside: str) -> None:
-    """A(M, m) of every loop m ↔ M of one surface, each sign on a scale of its own."""
+    """A(M, m) of all loops m ↔ M of one surface, with separate scales for each sign."""
     chosen = thesis_surface(name)
-    panel = plane(picture, (left, 34, 204, 204), f"every loop m ↔ M of {name}", ("m (K)", beside))
+    panel = plane(picture, (left, 34, 204, 204), f"loop areas of {name}", ("m (K)", beside))
     edges = np.linspace(0, chosen.upper, 45)
     middle = (edges[1:] + edges[:-1]) / 2
     area = np.array([[_area(chosen, M, m) for m in middle] for M in middle])
     panel.cells(edges, area, "f-model", float(np.nanmax(area)), 8)
     panel.cells(edges, -np.where(area < -1e-9, area, np.nan), "f-heat", 0.05, 4)
     panel.line(RANGE, RANGE, "thin s-grey")
-    words = "none below 0" if np.nanmin(area) > -1e-9 else "some below 0"
+    words = "no negative area" if np.nanmin(area) > -1e-9 else "red: negative areas"
     panel.add_text(174, 0, words, "small end f-ink", (-8, -10))
 
 

@@ -1,4 +1,4 @@
-"""What diagnosis looks at: residuals of twins with a known effect, look-alikes in one record, what it finds by size."""
+"""Figures on diagnosis: residuals of twins with a known effect, similar effects, and alarms by size of the effect."""
 
 import re
 import tempfile
@@ -24,17 +24,19 @@ from smarig.runner import CallbackListener, Runner, Session
 CELL = 16  # pixels of an effect in the map
 STEEP, FLAT = 0.05, 0.005  # mm/K
 SHOWN = (
-    ("walking=0.4", "walking, 0.4 % a cycle"),
-    ("ambient_drift=1", "room drifts, ± 1 K"),
-    ("settling=3", "slow second mass, 3 %"),
+    ("walking=0.4", "walking, 0.4 % per cycle"),
+    ("ambient_drift=1", "ambient drift, ± 1 K"),
+    ("settling=3", "settling, 3 %"),
 )
 PAGE = Path(__file__).resolve().parents[1] / "explanation" / "diagnosis.md"
 
 
 def signatures() -> Picture:
-    """Residuals of three twins against time: the same experiment, three causes."""
+    """Residuals of three twins against time: the same experiment with three effects."""
     picture = Picture(
-        740, 316, "Residuals against time: walking moves every place, a drifting room only steep ones."
+        740,
+        316,
+        "Residuals against time: walking shifts all points, ambient drift only those with a steep slope.",
     )
     for k, (effect, title) in enumerate(SHOWN):
         t, residual, slope = _residuals(effect)
@@ -49,8 +51,8 @@ def signatures() -> Picture:
         rest = (slope > FLAT) & (slope < STEEP)
         panel.dots(t[rest], residual[rest], "f-grey", 1.6)
     looks = (
-        (f"steep places, ≥ {STEEP:g} mm/K", "f-heat"),
-        (f"flat places, ≤ {FLAT:g} mm/K", "f-cool"),
+        (f"steep slope, ≥ {STEEP:g} mm/K", "f-heat"),
+        (f"flat slope, ≤ {FLAT:g} mm/K", "f-cool"),
         ("between", "f-grey"),
     )
     for k, (words, look) in enumerate(looks):
@@ -60,7 +62,7 @@ def signatures() -> Picture:
 
 
 def _residuals(effect: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time (h), residual (mm) and slope (mm/K) of a twin's settled points, against the wire as it was."""
+    """Time (h), residual (mm) and slope (mm/K) of a twin's settled points, relative to the twin without the effect."""
     file = load_rig("one_wire_twin")
     actuator = Actuator.named(file.actuator)
     twin = Twin(file, actuator, TwinSettings(seed=1, effects=effects_from_pairs([effect])))
@@ -84,7 +86,7 @@ def _residuals(effect: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _record_inputs(protocol: Protocol, inputs_K: list[float], actuator: Actuator) -> Protocol:
-    """The protocol, its holds' steady inputs written down."""
+    """The protocol, wrapped to record the steady inputs of its holds."""
     answer = None
     while True:
         try:
@@ -97,13 +99,17 @@ def _record_inputs(protocol: Protocol, inputs_K: list[float], actuator: Actuator
 
 
 def similar_effects() -> Picture:
-    """How visible each effect is in one record, and which others could take its evidence."""
+    """The visibility of each effect in one record, and the share of its evidence that others could explain."""
     effect_visibility, points = _record()
     order = np.argsort(-effect_visibility.delta, kind="stable")
     order = order[effect_visibility.delta[order] > 0]
     names = [effect_visibility.names[k] for k in order]
     side = CELL * len(names)
-    picture = Picture(740, side + 180, "Which effects this record could show, and which imitate each other.")
+    picture = Picture(
+        740,
+        side + 180,
+        "Visibility of the effects in one record, and their similarity.",
+    )
     left = Panel(
         picture, (148, 34, 150, side), (-2, 2), (len(names), 0),
         titles=("δ at typical strength", "δ", ""), ticks=((), ()),
@@ -113,7 +119,7 @@ def similar_effects() -> Picture:
         left.add_text(power, len(names), f"{10.0**power:g}", "small middle f-ink", (0, 16))
     right = Panel(
         picture, (322, 34, side, side), (0, len(names)), (len(names), 0),
-        titles=("evidence of each row, taken by each column", "", ""), ticks=((), ()),
+        titles=("share of a row's evidence that a column explains", "", ""), ticks=((), ()),
     )  # fmt: skip
     for k, j in enumerate(order):
         left.add_text(-2, k + 0.5, names[k], "small end f-ink", (-8, 4))
@@ -124,8 +130,8 @@ def similar_effects() -> Picture:
         u, v = right.at(k + 0.5, len(names))
         turn = f'transform="translate({u + 4:.0f} {v + 8:.0f}) rotate(-90)"'
         picture.add(f'<text {turn} class="small end f-ink">{names[k]}</text>')
-    picture.add_text(14, side + 84, f"n = {points} settled points and what was", "small f-grey")
-    picture.add_text(14, side + 100, "read between them; twin, nothing hidden", "small f-grey")
+    picture.add_text(14, side + 84, f"n = {points} settled points and the readings", "small f-grey")
+    picture.add_text(14, side + 100, "between them; twin without effects", "small f-grey")
     return picture
 
 
@@ -139,7 +145,7 @@ def _share(panel: Panel, x: int, y: int, share: float) -> None:
 
 
 def _record() -> tuple[VisibilityTable, int]:
-    """Visibility in reversal curves and a validation run of the empty twin."""
+    """Visibility in reversal curves and a validation run of the twin without effects."""
     with tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{name}.run.sqlite" for name in ("first_order_descending", "congruency")]
         with Session("one_wire_twin", seed=1, wire="figures") as session:
@@ -156,14 +162,14 @@ def _record() -> tuple[VisibilityTable, int]:
 
 
 def found_by_size() -> Picture:
-    """Alarms on sealed boxes against the size δ of what was in them, from the figures of the page on diagnosis."""
+    """Alarms on sealed boxes against the size δ of their effects, with the numbers on the page on diagnosis."""
     counts = list(_counts())
     picture = Picture(
         740, 322, "The share of sealed boxes with an alarm rises from 5 % to 95 % between δ = 0.2 and 1."
     )
     panel = Panel(
         picture, (58, 34, 640, 214), (0, len(counts)), (0, 1),
-        titles=("alarms, with exact 95 % bounds", "", "share of boxes"),
+        titles=("alarms with exact 95 % intervals", "", "share of boxes"),
         ticks=((), (0, 0.25, 0.5, 0.75, 1)),
     )  # fmt: skip
     for k, (hits, of, words) in enumerate(counts):
@@ -174,15 +180,15 @@ def found_by_size() -> Picture:
         panel.dots([k + 0.5], [hits / of], "f-cool", 4)
         panel.add_text(k + 0.5, 0, words, "small middle f-ink", (0, 16))
         panel.add_text(k + 0.5, 0, f"{hits} of {of}", "small middle f-grey", (0, 32))
-    picture.add_text(378, 308, "size δ: rms that no density explains, in units of the noise", "middle f-ink")
+    picture.add_text(378, 308, "size δ: rms that no density explains, relative to the noise", "middle f-ink")
     return picture
 
 
 def _counts() -> Iterator[tuple[int, int, str]]:
-    """Alarms, boxes and range of δ, as they stand on the page."""
+    """Alarms, boxes and range of δ, read from the page."""
     text = re.search(r"By size: (.*?)\.\n", PAGE.read_text(encoding="utf-8"))
     if text is None:
-        raise ValueError("the page on diagnosis no longer says how alarms go with size")
+        raise ValueError("the page on diagnosis lacks the sentence 'By size: …' with alarms by size")
     last = "0"
     for part in text[1].split(", "):
         hits, of = map(int, re.findall(r"\b(\d+) of (\d+)", part)[0])

@@ -1,4 +1,4 @@
-"""Every picture by its name, which is its file's. Draws none itself."""
+"""All figures by name; the name is that of the SVG file."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Relay, plane, wiping-out, congruency: what a Preisach operator remembers, drawn for the one-wire rig's surface."""
+"""Figures of relay, boundary, wiping-out and congruency, drawn for the surface of the one-wire rig."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ INPUT, OUTPUT = "T above ambient (K)", "position (mm)"
 
 
 def loop(panel: Panel, turns: list[float], look: str = "", begin: int = 0) -> None:
-    """The wire's way through ``turns`` from cold, rising vermilion and falling blue; from turn ``begin`` on."""
+    """Draw the path through ``turns`` from the cold state, rising vermilion and falling blue, from turn ``begin``."""
     wire, here = Preisach(WIRE), 0.0
     for k, turn in enumerate(turns):
         u = np.linspace(here, turn, max(2, int(abs(turn - here) / 1.5)))
@@ -24,7 +24,7 @@ def loop(panel: Panel, turns: list[float], look: str = "", begin: int = 0) -> No
 
 
 def graph(picture: Picture, left: float, title: str, wide: float = 290) -> Panel:
-    """Axes of a hysteresis graph over the whole range."""
+    """The axes of a hysteresis graph over the whole range."""
     titles = (title, INPUT, OUTPUT)
     return Panel(picture, (left, 34, wide, 250), RANGE, (-0.5, 13.2), titles=titles, ticks=(KELVIN, TRAVEL))
 
@@ -35,7 +35,7 @@ def plane(
     title: str,
     axes: tuple[str, str] = ("β (K)", "α (K)"),
 ) -> Panel:
-    """Axes of the Preisach plane with its diagonal."""
+    """The axes of the Preisach plane with its diagonal."""
     titles = (title, *axes)
     ticks = (KELVIN, KELVIN if axes[1] else ())
     panel = Panel(picture, box, RANGE, RANGE, titles=titles, ticks=ticks)
@@ -44,7 +44,7 @@ def plane(
 
 
 def memory(panel: Panel, extrema: list[float]) -> None:
-    """Relays that are on, washed, and the boundary above them."""
+    """Draw the region of relays that are up, shaded, and its boundary."""
     beta, alpha = staircase(extrema)
     panel.area([0.0, *beta], [0.0, *alpha], "wash f-heat")
     panel.line(beta, alpha, "thick s-ink")
@@ -52,9 +52,11 @@ def memory(panel: Panel, extrema: list[float]) -> None:
 
 
 def relay() -> Picture:
-    """One relay; a dozen of them; as many as the wire."""
+    """One relay, the sum of 12, and the sum of 1500."""
     picture = Picture(
-        740, 300, "One relay switches up at alpha and down at beta; many of them make the wire's loop."
+        740,
+        300,
+        "One relay switches up at alpha and down at beta; the sum of many relays is the loop of the wire.",
     )
     one = Panel(
         picture, (54, 34, 176, 214), (0, 100), (-1.5, 1.5),
@@ -72,7 +74,7 @@ def relay() -> Picture:
 
 
 def _sum_of_relays(picture: Picture, left: float, count: int, title: str) -> None:
-    """The loop of ``count`` relays of equal weight drawn from the positive surface's density and reversible part."""
+    """The loop of ``count`` relays of equal weight, sampled from the density and reversible part of the surface."""
     positive = thesis_surface("one_c")
     edges = np.linspace(0, positive.upper, 241)
     a, b = np.meshgrid(edges, edges, indexing="ij")
@@ -95,17 +97,19 @@ def _sum_of_relays(picture: Picture, left: float, count: int, title: str) -> Non
 
 
 def boundary() -> Picture:
-    """The boundary after three moves: 0 → 120, → 40, → 80 K."""
+    """The boundary after the inputs 0 → 120 → 40 → 80 K."""
     picture = Picture(
-        740, 300, "The boundary of the plane: a rise lifts a level edge, a fall moves an upright one."
+        740,
+        300,
+        "The boundary: a rising input moves a horizontal edge, a falling input a vertical one.",
     )
     moves = [0.0, 120.0, 40.0, 80.0]
     titles = ("rises to 120 K", "falls to 40 K", "rises to 80 K")
     for k, title in enumerate(titles):
         panel = plane(picture, (52 + 236 * k, 34, 204, 214), title, ("β (K)", "α (K)" if k == 0 else ""))
         memory(panel, moves[: k + 2])
-        panel.add_text(98, 118, "off", "f-grey", (-70, -52 if k == 0 else -40))
-        panel.add_text(18, 30, "on", "f-heat", (0, -16))
+        panel.add_text(98, 118, "down", "f-grey", (-70, -52 if k == 0 else -40))
+        panel.add_text(18, 30, "up", "f-heat", (0, -16))
         beta, alpha = staircase(moves[: k + 2])
         if k == 0:
             panel.arrow((60, 70), (60, 117), "heat")
@@ -119,10 +123,12 @@ def boundary() -> Picture:
 
 
 def wiping_out() -> Picture:
-    """An inner loop closes and is forgotten; going on, the wire is on its outer branch as if nothing had been."""
-    picture = Picture(740, 330, "Wiping-out: a minor loop closes, and its corners leave the boundary.")
+    """A minor loop closes and is wiped out; the output continues on the outer branch."""
+    picture = Picture(
+        740, 330, "Wiping-out: when a minor loop closes, its extrema disappear from the boundary."
+    )
     turns = [140.0, 28.0, 60.0, 40.0, 90.0]
-    left = graph(picture, 54, "position over temperature")
+    left = graph(picture, 54, "position against temperature")
     loop(left, turns)
     wire = Preisach(WIRE)
     y = wire.simulate(turns)
@@ -130,7 +136,7 @@ def wiping_out() -> Picture:
         left.dots([u], [v], "f-ink", 3)
         where = ((-4, 18), (-12, 4), (6, 14), (-14, -4), (7, 14))[k]
         left.add_text(u, v, "abcde"[k], "f-ink", where)
-    right = plane(picture, (430, 34, 290, 250), "what is remembered")
+    right = plane(picture, (430, 34, 290, 250), "boundary before and after")
     memory(right, [0.0, 140.0, 28.0, 90.0])
     beta, alpha = staircase([0.0, 140.0, 28.0, 60.0, 40.0])
     right.line(beta, alpha, "dash s-grey")
@@ -141,11 +147,11 @@ def wiping_out() -> Picture:
 
 
 def congruency() -> Picture:
-    """Minor loops between 35 and 70 K from two histories: one shape at two heights."""
+    """Minor loops between 35 and 70 K after two histories: the same shape at two heights."""
     picture = Picture(
-        740, 330, "Congruency: minor loops between the same inputs have one shape, whatever came before."
+        740, 330, "Congruency: minor loops between the same inputs have the same shape for any history."
     )
-    left = graph(picture, 54, "two histories, one pair of inputs")
+    left = graph(picture, 54, "two histories, the same two inputs")
     low, high = 32.0, 62.0
     histories = {"lower": [high], "upper": [160.0]}
     shapes = []
@@ -160,7 +166,7 @@ def congruency() -> Picture:
     lift = shapes[1][1][0] - shapes[0][1][0]
     right = Panel(
         picture, (430, 34, 290, 250), (29, 65), (5.5, 9),
-        titles=(f"the upper one, {lift:.2f} mm lower", INPUT, OUTPUT), ticks=((30, 40, 50, 60), (6, 7, 8, 9)),
+        titles=(f"upper loop shifted by −{lift:.2f} mm", INPUT, OUTPUT), ticks=((30, 40, 50, 60), (6, 7, 8, 9)),
     )  # fmt: skip
     (u, lower), (_, upper) = shapes
     for part, colour in ((slice(0, 40), "heat"), (slice(40, 80), "cool")):

@@ -1,4 +1,4 @@
-"""The heating's lag, and bringing a wire to a state that is known: drawn from the noise-free twin and its surfaces."""
+"""Figures of the thermal lag and of initialisation, drawn with the noise-free twin and its surfaces."""
 
 import math
 
@@ -16,14 +16,14 @@ SIGNED = (-150, -75, 0, 75, 150)
 
 
 def lag() -> Picture:
-    """A step of the current and when it counts as settled; slow and fast loops of the current."""
+    """The step response to a current with its settled window, and slow and fast loops of the current."""
     picture = Picture(
-        740, 330, "After a step the wire follows with its time constant; fast loops drift, slow ones close."
+        740, 330, "The wire follows a step with its time constant; fast loops drift, slow loops close."
     )
     _step(picture)
     right = Panel(
         picture, (424, 34, 290, 250), (36, 104), (0, 13),
-        titles=("loops of the current, 0.5 to 0.75 A", "steady T of the current (K)", OUTPUT),
+        titles=("loops of the current, 0.5 to 0.75 A", "steady temperature of the current (K)", OUTPUT),
         ticks=((40, 60, 80, 100), (4, 6, 8, 10)),
     )  # fmt: skip
     for loop_s, look in ((8.0, "s-third"), (480.0, "s-ink")):
@@ -52,12 +52,12 @@ def _step(picture: Picture) -> None:
     panel.dots(t[::4], y[::4], "f-cool", 1.6)
     panel.add_text(tau, 7.4, f"τ = {tau:.1f} s", "small f-grey", (5, 0))
     panel.add_text(near, 6.4, "window of 25 s,", "small f-model", (5, 0))
-    panel.add_text(near, 6.4, "its mean is kept", "small f-model", (5, 16))
-    panel.add_text(near, 5.4, f"{NEAR_K} K away", "small end f-grey", (-5, 0))
+    panel.add_text(near, 6.4, "mean recorded", "small f-model", (5, 16))
+    panel.add_text(near, 5.4, f"within {NEAR_K} K", "small end f-grey", (-5, 0))
 
 
 def _loops(loop_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Steady temperature of the current, and position, of the noise-free twin in five triangular loops."""
+    """Steady temperature of the current, and position of the noise-free twin, in five triangular loops."""
     twin = Twin.named("one_wire_twin", noise=False)
     half = round(loop_s / 2 / twin.period_s)
     rise = np.linspace(0, 0.75, half + 1)[1:]
@@ -70,8 +70,8 @@ def _loops(loop_s: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def initialisation() -> Picture:
-    """A decaying swing comes near B*; the state B_ℓ; and the outputs that these states have."""
-    picture = Picture(740, 300, "A decaying swing leaves a fine staircase near the anhysteretic state.")
+    """The state after a decaying oscillation near B*; the state B_ℓ; and ψ(ℓ)."""
+    picture = Picture(740, 300, "A decaying oscillation leaves a fine staircase near the anhysteretic state.")
     swing = [185 * (1 - k / 36) * (-1) ** k for k in range(1, 37)]
     first = _plane(picture, 54, "after 18 decaying cycles", "α (K)")
     beta, alpha = staircase([-185.0, 185.0, *swing])
@@ -87,7 +87,7 @@ def initialisation() -> Picture:
     second.add_text(centre, centre, "(ℓ, ℓ)", "f-ink", (8, 14))
     third = Panel(
         picture, (566, 34, 160, 214), SPAN, (-18, 20),
-        titles=("ψ(ℓ), its output", "ℓ (K)", "angle (°)"), ticks=((-150, 0, 150), (-10, 0, 10)),
+        titles=("output ψ(ℓ) of B_ℓ", "ℓ (K)", "angle (°)"), ticks=((-150, 0, 150), (-10, 0, 10)),
     )  # fmt: skip
     wire = Preisach(TWO)
     places = np.linspace(*SPAN, 120)

@@ -169,7 +169,7 @@ def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
     assert set(broken) - {"input as commanded"} == {"no delay", "exact velocity"}
     assert ("input as commanded" in broken) == (found["clipped_share"] > 0)
     page = run_page(run, certified=(load_model(one), one.name, ""))
-    for words in ("Measured ratio", "of the operator, not of this rig", "exact velocity", "350"):
+    for words in ("Measured ratio", "proved for the operator, not for this rig", "exact velocity", "350"):
         assert words in page
     assert page.count("<td>leaky_pi</td>") + page.count(">leaky_pi</th>") == 1, (
         "its certificate, and no other's"

@@ -47,8 +47,8 @@ def test_the_sections_come_in_the_promised_order(page):
     words = (
         "Summary",
         "Rig",
-        "Discoveries",
-        "time series",
+        "Findings",
+        "Time series",
         "Hysteresis",
         "Wiping-out",
         "First-order",
@@ -56,7 +56,7 @@ def test_the_sections_come_in_the_promised_order(page):
     )
     places = [
         next(k for k, h in enumerate(page.headings) if word in h)
-        for word in (*words, "never saw", "gets wrong", "Provenance")
+        for word in (*words, "Validation", "Diagnosis", "Provenance")
     ]
     assert places == sorted(places)
     links = [a["href"] for name, a in page.tags if name == "a"]
@@ -124,10 +124,10 @@ def test_the_trade_off_has_one_mark_a_kind_and_positive_in_the_good_corner(evide
         bar, value = mark["error_y"], unpacked(mark["y"])[0]
         ends = (value - bar["arrayminus"][0], value + bar["array"][0])
         assert ends == pytest.approx(choice.held_out_interval[mark["name"]])
-    caption = next(c for c in page.captions if "One mark for each kind" in c)
-    assert f"{choice.curves} curves held out" in caption
+    caption = next(c for c in page.captions if "one mark for each kind" in c)
+    assert f"{choice.curves} curves, held out" in caption
     assert f"{evidence.verifications['positive'].runs[0].settled.n} points" in caption
-    assert f"the least in MP, {choice.held_out_rms['positive']:.3g} mm, that of positive" in caption
+    assert f"the smallest in MP is {choice.held_out_rms['positive']:.3g} mm (positive)" in caption
 
 
 def test_the_summary_says_which_model_the_theorems_apply_to(evidence, page):
@@ -135,13 +135,14 @@ def test_the_summary_says_which_model_the_theorems_apply_to(evidence, page):
     words = page.visible[at : at + 700]
     rms, verification = evidence.choice.held_out_rms, evidence.verifications
     assert (
-        "The positive model is, by construction, so the stability results of chapter 8 apply to it" in words
+        "The positive model is in it by construction, so the stability results of chapter 8 apply to that model"
+        in words
     )
-    assert "It predicts less well" in words
+    assert "The positive model predicts less well" in words
     assert f"on held-out curves {rms['positive']:.3g} against {rms['exponential']:.3g} mm" in words
     run = {name: v.runs[0].settled.rms for name, v in verification.items()}
     assert f"on the held-out run {run['positive']:.3g} against {run['exponential']:.3g} mm" in words
-    assert f"constant, has {run['constant']:.3g} mm there" in words
+    assert f"constant, has an error of {run['constant']:.3g} mm on the held-out run" in words
     assert "--surface positive" in words
 
 
@@ -151,12 +152,12 @@ def test_the_verdict_follows_the_errors(evidence):
         choice, held_out_rms=choice.held_out_rms | {"positive": choice.held_out_rms["exponential"]}
     )
     blind = replace(evidence, choice=even, verifications={})
-    assert "It predicts as well" in Page(characterisation_page(blind)).visible
+    assert "The positive model predicts as well" in Page(characterisation_page(blind)).visible
     safe = Page(characterisation_page(replace(evidence, chosen="positive"))).visible
-    assert "The positive model is in MP: the stability results of chapter 8 apply to it." in safe
+    assert "The positive model is in MP. The stability results of chapter 8 apply to it." in safe
     without = {n: f for n, f in evidence.identifications.items() if n != "positive"}
     bare = Page(characterisation_page(replace(evidence, identifications=without))).visible
-    assert "the stability results of chapter 8 do not apply to it" in bare
+    assert "The stability results of chapter 8 do not apply to it" in bare
 
 
 def test_the_positive_model_shows_its_interval_around_its_curves(evidence, page):
@@ -177,7 +178,7 @@ def test_the_positive_model_shows_its_interval_around_its_curves(evidence, page)
 
 def test_a_positive_measure_is_described_in_numbers(evidence, page):
     fit = evidence.identifications["positive"].positive
-    assert page.row("Cells")[1:] == [str(fit.cells), f"{fit.at_zero} held at zero by μ ≥ 0"]
+    assert page.row("Cells")[1:] == [str(fit.cells), f"{fit.at_zero} at the bound μ = 0"]
     assert page.row("Held-out rms")[1] == f"{fit.held_out.rms:.3g}"
     assert page.row("Effective parameters")[1] == f"{fit.freedom:.0f}"
 
@@ -251,11 +252,11 @@ def test_provenance_names_every_run_with_its_hash(evidence, page):
 
 def test_prop_4_6_is_stated_in_its_proved_direction_only(evidence, page):
     assert evidence.best.curves.cross
-    assert "cross inside the major loop, so the wire's own μ is negative" in page.visible
+    assert "cross inside the major loop, so μ of the wire is negative" in page.visible
     curves = replace(evidence.best.curves, cross=False)
     best = replace(evidence.best, curves=curves)
     silent = replace(evidence, identifications={**evidence.identifications, evidence.chosen: best})
-    assert "prove nothing about the sign of μ" in Page(characterisation_page(silent)).visible
+    assert "do not determine the sign of μ" in Page(characterisation_page(silent)).visible
 
 
 def test_an_interrupted_run_is_announced_at_the_top(evidence):

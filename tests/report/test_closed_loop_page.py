@@ -49,7 +49,7 @@ def runs(tmp_path_factory, closed_loop_model):
 def test_a_tracked_run_shows_wanted_and_measured_and_the_error_in_counts(runs):
     run = runs["track"]
     page, found = Page(run_page(run)), closed_loop_result(run)
-    wanted, measured = page.traces("wanted")[0], page.traces("measured")[0]
+    wanted, measured = page.traces("reference")[0], page.traces("measured")[0]
     np.testing.assert_allclose(unpacked(wanted["y"]), found.loop.wanted, rtol=1e-6)
     np.testing.assert_allclose(unpacked(measured["y"]), found.loop.position, atol=1e-6)
     error = next(t for t in page.traces() if t["name"] == "error")
@@ -67,7 +67,7 @@ def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     psi = page.traces("ψ(ℓ)")[0]
     drawn = np.interp(found.setpoint_data["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
     assert drawn == pytest.approx(6.0, abs=0.02)
-    for name in ("reached", "predicted", "wanted, α = 2ℓ − β"):
+    for name in ("reached", "predicted", "target, α = 2ℓ − β"):
         beta, alpha = (unpacked(page.traces(name)[0][axis]) for axis in ("x", "y"))
         assert np.all(np.diff(beta) >= -1e-9)
         assert np.all(np.diff(alpha) <= 1e-9)
@@ -97,8 +97,8 @@ def test_the_end_is_the_mean_and_the_spread_of_the_last_quarter(runs):
     page = Page(run_page(run))
     assert "mean of the last 30 s" in page.card("At the end")
     assert "of the readings" in page.card("Largest transient")
-    assert "of the readings from the disturbance on" in loop_result_text(found, "mm")
-    assert "does not rest" not in page.visible
+    assert "Largest transient after the disturbance" in loop_result_text(found, "mm")
+    assert "at the end of the hold" not in page.visible
 
 
 def moved(run, by):
@@ -112,7 +112,7 @@ def moved(run, by):
 def test_a_loop_that_swings_or_rests_off_is_reported(runs):
     swinging = moved(runs["regulate"], lambda t: 5 * np.sin(t / 2))
     elsewhere = moved(runs["regulate"], lambda t: 0 * t + 13)
-    for run, words in ((swinging, "It does not rest: it swings by"), (elsewhere, "It rests")):
+    for run, words in ((swinging, "The position oscillates"), (elsewhere, "The position settled")):
         assert words in loop_result_text(closed_loop_result(run), "mm")
         assert words in Page(run_page(run)).visible
 
@@ -127,11 +127,11 @@ def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
         if "range" in plot["layout"].get("yaxis2", {})
     ]
     assert ranges[0][1] > np.abs(closed_loop_result(elsewhere).loop.error).max() > 40
-    assert "cut off" not in page.visible
+    assert "The axis ends" not in page.visible
     jumps = np.r_[np.full(97, 0.5), np.full(3, 80.0)]
     assert error_half_range(jumps) == 12.0
     assert error_half_range(jumps, 30.0) == pytest.approx(34.5)
-    assert "3 % of the readings, the largest 80.0 counts" in clipped_text(jumps, 12.0)
+    assert "3 % of the readings exceed it, up to 80.0 counts" in clipped_text(jumps, 12.0)
     assert error_half_range(np.full(9, 0.1)) == 4.0
     assert clipped_text(jumps, 92.0) == ""
 
@@ -168,12 +168,12 @@ def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_mod
     )
     assert "Certificate of the model" in same.headings
     assert same.row("leaky_pi")[4:] == ["5", "covered"]
-    assert same.visible.index("is not covered by this certificate") < same.visible.index(
+    assert same.visible.index("This certificate does not cover the loop") < same.visible.index(
         "Passive without bias"
     )
-    assert "It fed back the position (controller inverse, which followed steps)" in same.visible
-    assert "is not the model this loop was run with" not in same.visible
-    assert "is not the model this loop was run with" in other.visible
+    assert "The loop fed back the position (controller inverse, which tracked steps)" in same.visible
+    assert "This loop did not use" not in same.visible
+    assert "This loop did not use" in other.visible
     assert "Certificate of the model" not in Page(run_page(runs["track"])).headings
 
 

@@ -50,7 +50,7 @@ def test_runs_of_one_session_keep_their_zero():
 def test_runs_with_nothing_in_common_are_drawn_but_not_subtracted():
     page = Page(comparison_page({"a": made((0, 5, 2, 4)), "b": made((1, 6, 3, 5), (9.0, 8.0, 7.0, 6.0))}))
     assert "not subtracted" in page.visible
-    assert "with its own zero: b" in page.visible
+    assert "no step is common with the first run: b" in page.visible
     assert not page.traces("difference")
 
 
@@ -72,7 +72,7 @@ def test_a_twin_beside_a_bench_is_named_in_the_banner():
 
 def test_what_cannot_be_compared_is_refused_in_a_sentence():
     other = made((0, 5, 2, 4), output={"quantity": "angle", "unit": "deg"})
-    with pytest.raises(UsageError, match="only runs in the same units"):
+    with pytest.raises(UsageError, match="Only runs in the same units"):
         comparison_page({"a": made((0, 5, 2, 4)), "b": other})
     with pytest.raises(UsageError, match="at most 8"):
         comparison_page({str(k): made((0, 5, 2, 4)) for k in range(9)})

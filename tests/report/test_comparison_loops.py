@@ -100,26 +100,26 @@ def test_positions_errors_and_what_was_wanted_are_drawn_over_each_other(runs):
         np.testing.assert_allclose(unpacked(drawn[name, "y"]["y"]), loop.position, atol=1e-6)
         np.testing.assert_allclose(unpacked(drawn[name, "y2"]["y"]), loop.error, rtol=1e-5, atol=1e-4)
         np.testing.assert_allclose(unpacked(drawn[name, "y3"]["y"]), loop.current_A, atol=1e-6)
-    wanted, follow = drawn["wanted", "y"], closed_loop_result(runs["pi"]).reference
+    wanted, follow = drawn["reference", "y"], closed_loop_result(runs["pi"]).reference
     assert unpacked(wanted["x"]).tolist() == [0.0, 10.0, 10.0, 20.0]
     assert unpacked(wanted["y"]).tolist() == [follow.position[k] for k in (0, 0, 1, 1)]
     assert all(words.strip(" .") for caption in page.captions for words in caption.split(": "))
 
 
 def test_different_lead_times_are_reported(runs):
-    assert "(lead_s): inverse 0.31 s, pi 0 s." in page_of(runs, "inverse", "pi").visible
+    assert "(lead_s) differ: inverse 0.31 s, pi 0 s." in page_of(runs, "inverse", "pi").visible
     again = {"again": replace(runs["pi"], meta=dict(runs["pi"].meta))}
-    assert "look ahead" not in page_of(runs, "pi", **again).visible
+    assert "preview times" not in page_of(runs, "pi", **again).visible
 
 
 def test_different_references_are_said_and_not_drawn_over_each_other(runs):
     page = page_of(runs, "inverse", "pi", "ramps")
-    assert "followed 2 different references" in page.visible
+    assert "tracked 2 different references" in page.visible
     assert list(table_of(page, "Steps settled")) == ["inverse", "pi"]
     assert row_of(page, "ramps", "Controller")[1] == "pi"
     drawn = [{t["name"] for t in plot["data"]} for plot in page.plots]
-    assert {"± 2 counts", "inverse", "pi", "wanted"} in drawn
-    assert {"± 2 counts", "ramps", "wanted"} in drawn
+    assert {"± 2 counts", "inverse", "pi", "reference"} in drawn
+    assert {"± 2 counts", "ramps", "reference"} in drawn
 
 
 def test_set_points_have_their_transients_beside_each_other(runs):
@@ -142,7 +142,7 @@ def test_set_points_have_their_transients_beside_each_other(runs):
         100 * b_ell.distance_K2 / b_ell.setpoint_data["area_K2"]
     )
     assert table["ascending"]["Reached (%)"] == "–"
-    assert "Held at 6 mm, disturbed by +6 K" in page.visible
+    assert "Set-point 6 mm, disturbed by +6 K" in page.visible
 
 
 def test_transients_begin_where_each_loop_was_closed(runs):
@@ -176,11 +176,11 @@ def test_the_states_and_the_output_paths_are_those_of_the_runs(runs):
 
 def test_different_set_points_or_disturbances_are_said(runs):
     page = page_of(runs, "diagonal", "ascending", "elsewhere")
-    assert "did not all hold the same set-point" in page.visible
-    assert list(table_of(page, "Over the smallest")) == ["diagonal", "ascending"]
-    assert row_of(page, "elsewhere", "Over the smallest")[6:9] == ["–", "–", "–"]
-    assert "Held at 4 mm, not disturbed" in page.visible
-    assert "did not all hold" not in page_of(runs, "diagonal", "ascending").visible
+    assert "These runs differ in set-point or disturbance" in page.visible
+    assert list(table_of(page, "Transient / smallest")) == ["diagonal", "ascending"]
+    assert row_of(page, "elsewhere", "Transient / smallest")[6:9] == ["–", "–", "–"]
+    assert "Set-point 4 mm, without disturbance" in page.visible
+    assert "These runs differ in" not in page_of(runs, "diagonal", "ascending").visible
 
 
 INPUT = {"quantity": "temperature", "unit": "K"}
@@ -205,7 +205,7 @@ def test_ordinary_runs_keep_to_themselves(runs):
     }
     assert colours == dict(zip(("a", "b", "pi", "inverse"), COMPARED))
     assert page.row("settings: controller")[1:] == ["pi", "–", "–", "inverse"]
-    assert "Over each other" not in page_of(runs, "pi", "inverse").headings
+    assert "Overlaid runs" not in page_of(runs, "pi", "inverse").headings
     assert (
         "Closed loops"
         not in Page(comparison_page({"a": ordinary((0, 5, 2)), "b": ordinary((0, 6, 2))})).headings
@@ -224,11 +224,11 @@ def test_loops_that_cannot_be_read_or_were_never_closed_do_not_cost_the_page(run
     )
     dark = replace(whole, events=(Event(0.0, "info", "mark", "regulate", {"lower_K": None}),))
     page = page_of(runs, "diagonal", stopped=stopped, dark=dark)
-    assert row_of(page, "stopped", "Over the smallest")[5:] == ["–"] * 6
+    assert row_of(page, "stopped", "Transient / smallest")[5:] == ["–"] * 6
     assert "cannot be read: dark." in page.visible
     assert "No loop was closed" in Page(comparison_page({"a": stopped, "b": dark})).visible
 
 
 def test_a_loop_in_another_unit_is_refused_like_any_run(runs):
-    with pytest.raises(UsageError, match="only runs in the same units"):
+    with pytest.raises(UsageError, match="Only runs in the same units"):
         comparison_page({"a": ordinary((0, 5, 2), unit="deg"), "pi": runs["pi"]})

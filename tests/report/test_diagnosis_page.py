@@ -92,8 +92,8 @@ def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named
     words = page.visible[page.visible.index("Named: ") :]
     assert words.startswith(f"Named: ambient_drift, swing {found['value']:.3g} K (95 %: ".replace("-", "−"))
     assert f"{found['ci95'][0]:.3g} to {found['ci95'][1]:.3g}".replace("-", "−") in words
-    assert "p ≤ 0.024" in page.card("Chance of such an alarm")
-    assert "by 40 nulls" in page.card("Chance of such an alarm")
+    assert "p ≤ 0.024" in page.card("Probability by chance")
+    assert "40 null data sets" in page.card("Probability by chance")
     e = named.error
     assert f"{e.base:.3g} → {e.extended:.3g}" in page.card("Settled points, rms (mm)")
     assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable error removed")
@@ -111,8 +111,8 @@ def test_steps_that_had_not_settled_are_reported(named):
 def test_a_negative_gain_is_announced(named):
     worse = replace(named.gain, extended_error=3 * named.gain.base_error)
     better = replace(named.gain, extended_error=0.5 * named.gain.base_error)
-    assert "do not use it yet" in Page(diagnosis_page(replace(named, gain=worse))).visible
-    assert "do not use it yet" not in Page(diagnosis_page(replace(named, gain=better))).visible
+    assert "Do not use it yet" in Page(diagnosis_page(replace(named, gain=worse))).visible
+    assert "Do not use it yet" not in Page(diagnosis_page(replace(named, gain=better))).visible
 
 
 def test_a_silent_diagnosis_says_so_and_shows_no_after(silent):
@@ -165,7 +165,7 @@ def test_the_residuals_drawn_are_measured_minus_each_model(named):
 
 
 def test_the_ambient_channel_is_drawn_where_it_explains_most(named):
-    caption = next(c for c in Page(diagnosis_page(named)).captions if "thermometer in the box" in c)
+    caption = next(c for c in Page(diagnosis_page(named)).captions if "ambient temperature in the box" in c)
     assert " K " in caption
     assert f"n = {len(named.timeline.settled)}" in caption
 
@@ -235,16 +235,13 @@ def test_an_axis_that_is_finer_than_that_beside_it_says_so():
 
 def test_a_dotted_line_is_explained_only_where_one_can_be(named):
     twice = replace(named, timeline=replace(named.timeline, runs=named.timeline.runs * 2))
-    assert "a dotted line" in diagnosis_caption(twice, dotted=True)[0]
-    assert "a dotted line" not in diagnosis_caption(twice)[0]
+    assert "dotted lines" in diagnosis_caption(twice, dotted=True)[0]
+    assert "dotted lines" not in diagnosis_caption(twice)[0]
 
 
 def test_a_model_that_misses_more_than_before_is_no_good_news(named):
     worse = replace(named.error, extended=2 * named.error.base)
-    assert (
-        "misses even the points it was identified from"
-        in Page(diagnosis_page(replace(named, error=worse))).visible
-    )
+    assert "even on its own training points" in Page(diagnosis_page(replace(named, error=worse))).visible
 
 
 def test_a_page_is_labelled_whole_and_loads_nothing(named, silent, tmp_path):

@@ -31,9 +31,9 @@ def test_count_noise_rests():
 def test_what_rests_elsewhere_rests_off_and_its_side_is_told():
     end = ended(NOISE - 13 * COUNT)
     assert end.verdict == "rests off"
-    assert "It rests 0.6" in unsteady_text(end, "mm")
-    assert "13.0 counts) off" in unsteady_text(end, "mm")
-    assert "(−13.0 counts) from the set-point on average" in hold_end_text(end, "mm")
+    assert "The position settled 0.6" in unsteady_text(end, "mm")
+    assert "13.0 counts) from the set-point" in unsteady_text(end, "mm")
+    assert "(−13.0 counts), standard deviation" in hold_end_text(end, "mm")
 
 
 def test_a_limit_cycle_swings_whatever_its_phase_at_the_end():
@@ -45,7 +45,8 @@ def test_a_limit_cycle_swings_whatever_its_phase_at_the_end():
     assert end.std == pytest.approx(4 * COUNT / np.sqrt(2), rel=0.01)
     assert end.peak_to_peak == pytest.approx(8 * COUNT, rel=0.01)
     assert unsteady_text(end, "mm") == (
-        "It does not rest: it swings by 0.4 mm (8.0 counts), the current between 0.3 A and 0.5 A."
+        "The position oscillates at the end of the hold: 0.4 mm (8.0 counts) peak to peak; "
+        "the current is between 0.3 A and 0.5 A."
     )
 
 
@@ -86,6 +87,6 @@ def test_currents_are_told_to_a_milliampere():
 
 def test_zero_has_no_sign():
     end = replace(ended(NOISE), mean=-1e-4 * COUNT)
-    assert "s 0 mm (0.0 counts) from" in hold_end_text(end, "mm")
+    assert "mean error 0 mm (0.0 counts)," in hold_end_text(end, "mm")
     assert offset_text(-0.0, "mm", 0.0) == "0 mm"
     assert offset_text(0.3, "deg", 0.1) == "+0.3 deg (+3.0 counts)"

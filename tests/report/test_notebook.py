@@ -72,5 +72,5 @@ def test_a_hundred_thousand_samples_make_no_heavy_figure_and_lose_no_extreme():
 
 
 def test_anything_else_is_refused_in_a_sentence():
-    with pytest.raises(UsageError, match="give a run, a model or a diagnosis"):
+    with pytest.raises(UsageError, match="Pass a run, a model or a diagnosis"):
         smarig.plot(3)

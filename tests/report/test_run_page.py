@@ -67,7 +67,7 @@ def test_the_direction_of_travel_is_drawn(twin):
 def test_initialisation_shows_the_wire_against_what_was_asked(twin):
     run = twin[0]
     page = Page(run_page(run))
-    wire, asked = page.traces("wire temperature")[0], page.traces("asked")[0]
+    wire, asked = page.traces("wire temperature")[0], page.traces("steady temperature of the current")[0]
     rows = run["step"] == next(s.index for s in run.steps if s.branch == "decay")
     top = run["current_command_A"][rows].max()
     assert unpacked(asked["y"]).max() == pytest.approx(185 * top**2, rel=1e-4)  # 185 K at 1 A (§5.4.1)
@@ -94,7 +94,7 @@ def test_long_runs_are_drawn_with_few_points_and_all_extremes(twin):
 
 def test_an_empty_run_gives_a_page():
     page = Page(run_page(run_of()))
-    assert "nothing to draw" in page.visible
+    assert "no samples to draw" in page.visible
     assert page.plots == []
 
 

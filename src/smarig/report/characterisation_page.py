@@ -1,4 +1,4 @@
-"""The characterisation page: what a physicist pins up. Puts figures and tables in order, computes nothing new."""
+"""The page of a characterisation: its figures, tables and sentences in order."""
 
 from collections.abc import Iterator
 
@@ -32,11 +32,11 @@ from smarig.report.runs.run_tables import conditions_table, provenance_table, qu
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
 Parts = Iterator[Html | Figure]
-_ALL_POINTS = 10_000  # a channel over all runs: the page stays below 7 MB however many there are
+_ALL_POINTS = 10_000  # per channel over all runs, so that the page stays below 7 MB with any number of runs
 
 
 def characterisation_page(evidence: Evidence) -> str:
-    """One self-contained page (HTML) of everything a characterisation found, in the order of chapter 5."""
+    """The self-contained HTML page of a characterisation, in the order of chapter 5."""
     runs = list(evidence.runs.values())
     sections = [Section(title, short, list(parts(evidence))) for title, short, parts in _SECTIONS]
     return page(
@@ -62,11 +62,11 @@ def _rig(e: Evidence) -> Parts:
 
 def _findings(e: Evidence) -> Parts:
     if e.discoveries:
-        yield notice("good", paragraph(tag("b", "Discoveries")), bullets(e.discoveries))
+        yield notice("good", paragraph(tag("b", "Findings")), bullets(e.discoveries))
     if e.warnings:
         yield notice("warning", paragraph(tag("b", "Warnings")), bullets(e.warnings))
     if not (e.discoveries or e.warnings):
-        yield paragraph("Nothing to warn of.")
+        yield paragraph("No findings and no warnings.")
     yield quality_table(e.runs)
 
 
@@ -102,7 +102,7 @@ def _representation(e: Evidence) -> Parts:
 
 
 def _training_run(e: Evidence) -> Run | None:
-    """The run the chosen model was made from (its largest part)."""
+    """The run that contributed most to the chosen model."""
     if e.best is None:
         return None
     names = {p.run for p in e.best.model.provenance}
@@ -126,7 +126,7 @@ def _curves(e: Evidence) -> Parts:
 
 
 def _first_order_parts(e: Evidence, run: Run) -> Parts:
-    """The curves with the chosen model's, and with the positive model's: that one has intervals."""
+    """The curves with those of the chosen model and of the positive model, which has intervals."""
     if e.best is None or not e.best.data.curves:
         yield paragraph(NO_CURVES)
         return
@@ -154,27 +154,27 @@ def _density(e: Evidence) -> Parts:
 
 
 def density_class_text(e: Evidence) -> Html:
-    """Prop. 4.6 in words, in the one direction in which it is proved, and what the model's class allows."""
+    """Prop. 4.6 in words, in the direction in which it is proved, and the class of the model."""
     if e.best is None:
         return Html("")
     if e.best.curves.cross:
-        wire = "The measured curves cross inside the major loop, so the wire's own μ is negative somewhere (Prop. 4.6)."
+        wire = "The measured curves cross inside the major loop, so μ of the wire is negative somewhere (Prop. 4.6)."
     else:
         wire = (
-            "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6); only that "
-            "direction is proved, so curves that do not cross prove nothing about the sign of μ."
+            "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6). The converse "
+            "is not proved, so curves that do not cross do not determine the sign of μ."
         )
     if density_report_of(e.best).M_P:
         model = (
-            f"The {e.chosen} model has μ ≥ 0: it is in ",
+            f"The {e.chosen} model has μ ≥ 0. It is in ",
             M_P,
-            ", as the theorems on passivity and stability need.",
+            ", as the theorems on passivity and stability require.",
         )
     else:
         model = (
-            f"The {e.chosen} model has μ < 0 somewhere: it is not in ",
+            f"The {e.chosen} model has μ < 0 somewhere. It is not in ",
             M_P,
-            ", so the theorems on passivity and stability cannot be used with it as it stands.",
+            ", so the theorems on passivity and stability do not apply to it.",
         )
     return paragraph(wire, " ", *model)
 
@@ -182,7 +182,7 @@ def density_class_text(e: Evidence) -> Html:
 def _validation(e: Evidence) -> Parts:
     verification = e.verifications.get(e.chosen)
     if verification is None:
-        yield paragraph("No held-out run was made, so the model's error outside its own data is unknown.")
+        yield paragraph("No held-out run was made, so the model's error on other data is unknown.")
         return
     by_path = {str(run.path): run for run in e.runs.values()}
     for one in verification.runs:
@@ -193,13 +193,17 @@ def _validation(e: Evidence) -> Parts:
 
 
 def _model_errors(e: Evidence) -> Parts:
-    """What the chosen model gets wrong; the whole evidence is on a page of its own."""
+    """The diagnosis of the chosen model, with a link to its page."""
     if e.diagnosis is None:
         return
     quiet = e.diagnosis.verdict.word in ("silent", "not_identifiable")
     yield notice("good" if quiet else "warning", bullets(findings(e.diagnosis)))
     yield paragraph(
-        tag("a", "The evidence: residuals, rivals, noise floor, gain", href="diagnosis/report.html")
+        tag(
+            "a",
+            "Full diagnosis: residuals, competing explanations, noise floor, gain",
+            href="diagnosis/report.html",
+        )
     )
 
 
@@ -214,14 +218,14 @@ def _provenance(e: Evidence) -> Parts:
 _SECTIONS = (
     ("Summary", "Summary", _summary),
     ("Rig and conditions", "Rig", _rig),
-    ("Discoveries and warnings", "Discoveries", _findings),
-    ("What was done: time series", "Time series", _time),
+    ("Findings and warnings", "Findings", _findings),
+    ("Time series of the runs", "Time series", _time),
     ("Hysteresis graphs", "Hysteresis", _hysteresis_graphs),
     ("Initialisation", "Initialisation", _initialisation),
     ("Is it a Preisach system? Wiping-out and congruency", "Representation", _representation),
     ("First-order curves and the model", "Curves and model", _curves),
     ("Weighting function μ and reversible part g", "Density μ", _density),
-    ("The model against data it never saw", "Validation", _validation),
-    ("What the model gets wrong", "Diagnosis", _model_errors),
+    ("Validation on held-out data", "Validation", _validation),
+    ("Diagnosis of the model", "Diagnosis", _model_errors),
     ("Provenance", "Provenance", _provenance),
 )

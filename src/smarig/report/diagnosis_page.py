@@ -1,7 +1,4 @@
-"""The page of a diagnosis: what the model misses, why, what could not have been seen, what was gained.
-
-Puts figures, tables and sentences in order; decides nothing.
-"""
+"""The page of a diagnosis: residuals, explanations, detection, noise, visibility, gain and the next experiment."""
 
 from collections.abc import Iterator
 
@@ -29,12 +26,12 @@ Parts = Iterator[Html | Figure]
 
 
 def diagnosis_page(d: Diagnosis) -> str:
-    """One self-contained page (HTML) of a diagnosis, for ``write_page``."""
+    """The self-contained HTML page of a diagnosis, for ``write_page``."""
     predictions = DiagnosisPredictions.of(d)
     sections = [Section(title, short, list(parts(predictions))) for title, short, parts in _SECTIONS]
     runs = d.timeline.runs
     return page(
-        "Diagnosis: what the model misses",
+        "Diagnosis of a model",
         f"{run_lead(runs[0])}; model {d.model.name}",
         [section for section in sections if section.parts],
         label=source_label(*runs),
@@ -49,7 +46,7 @@ def _summary(predictions: DiagnosisPredictions) -> Parts:
 def _residuals(predictions: DiagnosisPredictions) -> Parts:
     d = predictions.d
     if predictions.extended is None:
-        yield paragraph("No effect was added to the model, so there is no picture after.")
+        yield paragraph("No effect was added to the model, so the figures show the base model only.")
     yield residual_figure(predictions)
     for figure in (channel_figure(predictions), input_offset_figure(predictions)):
         if figure:
@@ -58,10 +55,10 @@ def _residuals(predictions: DiagnosisPredictions) -> Parts:
         yield notice(
             "warning",
             paragraph(
-                f"The density identified anew by the diagnosis fits its own data less well than the model as given: "
-                f"{d.error.base:.3g} against {d.error.original:.3g} {display_unit(d.error.unit)} rms. Part of what is "
-                "drawn "
-                "above may be that density's. The verdict rests on the critic, which allows for any smooth density."
+                "The density that the diagnosis refitted has a larger error on its own data than the given model: "
+                f"{d.error.base:.3g} against {d.error.original:.3g} {display_unit(d.error.unit)} rms. Part of the "
+                "residuals above may come from that density. The verdict does not depend on it, because the critique "
+                "allows for any smooth density."
             ),
         )
 
@@ -78,7 +75,7 @@ def _detection(predictions: DiagnosisPredictions) -> Parts:
     yield detection_figure(predictions.d)
     not_tested = [s.candidate.name for s in predictions.d.first.scores if not s.candidate.traces.shape[1]]
     if not_tested:
-        yield paragraph(f"Not assessed, because these data cannot show them: {', '.join(not_tested)}.")
+        yield paragraph(f"Not tested, because these data cannot show them: {', '.join(not_tested)}.")
 
 
 def _noise(predictions: DiagnosisPredictions) -> Parts:
@@ -90,11 +87,13 @@ def _visibility(predictions: DiagnosisPredictions) -> Parts:
     types = {t.name: t for t in effect_types()}
     yield visibility_table(d, types)
     if v.invisible:
-        yield paragraph(tag("b", "What these data cannot show at any strength, and what would show it:"))
+        yield paragraph(
+            tag("b", "Effects that these data cannot show at any strength, and what would show them:")
+        )
         yield bullets(distinguishing_text(types[n]) for n in v.invisible)
     else:
         yield paragraph(
-            f"All {len(v.names)} effects of the catalogue would be seen in these data at some strength."
+            f"These data would show each of the {len(v.names)} effects of the catalogue at some strength."
         )
     figure = similar_effects_figure(v, d)
     if figure:
@@ -108,9 +107,7 @@ def _visibility(predictions: DiagnosisPredictions) -> Parts:
 def _held_out(predictions: DiagnosisPredictions) -> Parts:
     d = predictions.d
     if d.gain is None:
-        yield paragraph(
-            "No held-out run was given, so it is unknown what the effects gain outside their own data."
-        )
+        yield paragraph("No held-out run was given, so the gain of the effects on other data is unknown.")
         return
     yield gain_figure(d.gain, d)
 
@@ -126,19 +123,19 @@ def _provenance(predictions: DiagnosisPredictions) -> Parts:
     yield quality_table(runs)
     yield provenance_table(runs)
     yield paragraph(
-        f"Learned from the runs above; model {d.model.name}; {d.nulls} nulls, α = {d.alpha:g}. "
+        f"The runs above are the training runs. Model {d.model.name}; {d.nulls} null data sets, α = {d.alpha:g}. "
         f"Computed in {duration(d.seconds)}."
     )
 
 
 _SECTIONS = (
     ("Verdict", "Verdict", _summary),
-    ("What the model misses", "Residuals", _residuals),
+    ("Residuals of the model", "Residuals", _residuals),
     ("Rivals", "Rivals", _explanations),
-    ("Is anything wrong at all?", "Detection", _detection),
+    ("Do the residuals exceed the noise?", "Detection", _detection),
     ("Noise floor and numerics", "Noise", _noise),
     ("What could not have been seen", "Visibility", _visibility),
     ("Gain on held-out blocks", "Gain", _held_out),
     ("The next experiment", "Next", _next),
-    ("Rig, honest numbers, provenance", "Provenance", _provenance),
+    ("Rig, data quality, provenance", "Provenance", _provenance),
 )

@@ -1,7 +1,7 @@
-"""Pages for a folder of runs: one beside each run, and an index over them all.
+"""Writes a page next to each run of a folder, and an index of all runs.
 
-The pages share one copy of Plotly's script, and those that are newer than their run are left alone, so a
-folder that grows every night stays small and its index quick to renew. Knows files; refuses to know their looks.
+The pages share one copy of Plotly's script. A page that is newer than its run is not rewritten, so a folder that
+grows every night stays small and its index is updated quickly.
 """
 
 import os
@@ -22,7 +22,7 @@ INDEX_FILE = "index.html"
 
 @dataclass(frozen=True)
 class WrittenPage:
-    """One run's page: where it is, whether the run is complete and why it ended."""
+    """One run's page: its path, whether the run is complete, and why the run ended."""
 
     report: Path
     complete: bool
@@ -31,7 +31,7 @@ class WrittenPage:
 
 @dataclass(frozen=True)
 class FolderReport:
-    """The index of a folder, the pages it leads to, and a sentence for each file that could not be read."""
+    """The index of a folder, the pages it links to, and a sentence for each file that could not be read."""
 
     index: Path
     pages: tuple[WrittenPage, ...]
@@ -39,29 +39,29 @@ class FolderReport:
 
 
 def run_files(folder: Path) -> list[Path]:
-    """The run files in a folder and below, by name; UsageError where there are none."""
+    """The run files in a folder and its subfolders, sorted by name; UsageError if there are none."""
     files = sorted(folder.rglob("*.run.sqlite"))
     if not files:
-        raise UsageError(f"Folder {folder} holds no run files (*.run.sqlite).")
+        raise UsageError(f"Folder {folder} contains no run files (*.run.sqlite).")
     return files
 
 
 def page_path(file: Path) -> Path:
-    """Where the page of a run is written: beside it."""
+    """The path of a run's page, in the same folder as the run."""
     return file.with_name(file.name.removesuffix(".sqlite").removesuffix(".run") + ".html")
 
 
 def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
-    """Write or renew the pages of all runs in a folder, and its index.
+    """Write or update the pages of all runs in a folder, and the index of the folder.
 
-    A page that smarig wrote is renewed where its run is newer, or with ``force``; somebody else's file of that
-    name is refused with a UsageError, before anything is written.
+    A page written by smarig is updated if its run is newer, or with ``force``. If another program wrote a file of
+    that name, a UsageError is raised before anything is written.
     """
     files = run_files(folder)
     index = folder / INDEX_FILE
     for page in (index, *map(page_path, files)):
         if page.exists() and not (force or is_smarig_page(page)):
-            raise UsageError(f"{page} was not written by smarig; move it, or --force to replace it.")
+            raise UsageError(f"{page} was not written by smarig. Move it, or use --force to replace it.")
     write_library(folder)
     entries, pages, unreadable = [], [], []
     for file in files:
@@ -79,7 +79,7 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
 
 
 def _update_page(run: Run, folder: Path, force: bool) -> Path:
-    """The run's page, written anew unless it is newer than the run."""
+    """Write the run's page unless it is newer than the run, and return its path."""
     page = page_path(run.path)
     if force or not page.exists() or page.stat().st_mtime <= _modified_s(run.path):
         write_page(run_page(run, library=_relative_url(folder / LIBRARY, page.parent)), page, force=True)
@@ -87,11 +87,11 @@ def _update_page(run: Run, folder: Path, force: bool) -> Path:
 
 
 def _modified_s(file: Path) -> float:
-    """When a run was last written to, in the file itself or in its journal."""
+    """The time at which a run's file or its journal was last written."""
     journal: Sequence[Path] = (file, file.with_name(file.name + "-wal"))
     return max(path.stat().st_mtime for path in journal if path.exists())
 
 
 def _relative_url(target: Path, base: Path) -> str:
-    """A relative address as a page writes it."""
+    """The quoted relative URL from a folder to a file."""
     return quote(Path(os.path.relpath(target, base)).as_posix())

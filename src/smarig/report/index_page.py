@@ -1,6 +1,6 @@
-"""The index of a folder of runs: pictures to one scale and a table, to be searched and sorted in place.
+"""The index page of a folder of runs: drawings on one scale and a table, which the reader can search and sort.
 
-Puts summaries in order; opens no run. Its pictures are SVG, so hundreds of runs stay a small page.
+The drawings are SVG, so the page stays small with hundreds of runs.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ _COLUMNS = (
     ("Rig", "rig"),
     ("Wire", "wire"),
     ("Source", "source"),
-    ("Session began (UTC)", "began"),
+    ("Session start (UTC)", "began"),
     ("Seed", "seed"),
     ("Duration", "duration"),
     ("Steps settled", "settled"),
@@ -39,14 +39,14 @@ _SORTS = (
 
 @dataclass(frozen=True)
 class IndexEntry:
-    """A run's summary and the address of its page, seen from the index."""
+    """A run's summary and the address of its page, relative to the index."""
 
     summary: RunSummary
     href: str
 
 
 def index_page(title: str, entries: Sequence[IndexEntry], unreadable: Sequence[str] = ()) -> str:
-    """One page (HTML) about a folder of runs; ``unreadable`` says of files that are none why not."""
+    """The HTML page of a folder of runs; ``unreadable`` gives the reason for each file that could not be read."""
     runs = [entry.summary for entry in entries]
     label, words = banner([run.label for run in runs])
     warning = notice("bad", paragraph(tag("b", "Not read")), bullets(unreadable)) if unreadable else Html("")
@@ -55,10 +55,10 @@ def index_page(title: str, entries: Sequence[IndexEntry], unreadable: Sequence[s
     )
     sections = [
         Section("Overview", "Overview", [_cards(runs)]),
-        Section("Hysteresis of every run", "Pictures", [_search(runs), _gallery(entries), _caption(runs)]),
+        Section("Hysteresis of every run", "Drawings", [_search(runs), _gallery(entries), _caption(runs)]),
         Section("Every run in numbers", "Table", [table]),
     ]
-    lead = "Search and order below; each name leads to the run's own page."
+    lead = "Search and sort the runs below. Each name links to the page of its run."
     return page(title, lead, sections, label=label, simulated=words, notices=[warning])
 
 
@@ -77,9 +77,9 @@ def _cards(runs: Sequence[RunSummary]) -> Html:
             (
                 "Samples",
                 thousands(sum(run.samples for run in runs)),
-                f"{flagged or 'no'} runs with marked ones",
+                f"{flagged or 'no'} runs with marked samples",
             ),
-            ("Wires", str(len(wires)), "rigs and wires that differ"),
+            ("Wires", str(len(wires)), "different rigs and wires"),
         ]
     )
 
@@ -97,9 +97,7 @@ def _search(runs: Sequence[RunSummary]) -> Html:
         _filter_select("Protocol", "protocol", [run.protocol for run in runs]),
         _filter_select("Rig", "rig", [run.rig for run in runs]),
         _filter_select("Ended", "ended", [_ending_text(run) for run in runs]),
-        tag(
-            "label", "Order by", tag("select", *(tag("option", w, value=k) for k, w in _SORTS), name_="sort")
-        ),
+        tag("label", "Sort by", tag("select", *(tag("option", w, value=k) for k, w in _SORTS), name_="sort")),
         tag("button", "Reverse", type="button", name_="falling", aria_pressed="false"),
         tag("span", role="status"),
         class_="search",
@@ -140,15 +138,18 @@ def _caption(runs: Sequence[RunSummary]) -> Html:
     families = len({run.scale_group for run in runs})
     scale = "All are" if families == 1 else "Runs of one rig, wire and unit are"
     return paragraph(
-        f"Output against hysteresis input; settled points joined in order, vermilion rising, blue falling. {scale} "
-        "drawn to one scale; an output axis begins at its run's least value, for every session has its own zero."
+        f"Output against hysteresis input. Lines join the settled points in order: vermilion rising, blue falling. "
+        f"{scale} drawn on one scale. Each output axis begins at the minimum of its run, because every session has its "
+        "own zero."
     )
 
 
 def _table(entries: Sequence[IndexEntry]) -> Html:
     heads = [tag("th", words, scope="col", data_key=key) for words, key in _COLUMNS]
     rows = [_row(k, entry) for k, entry in enumerate(entries)]
-    title = tag("caption", "Runs. Marked: steps and samples that are not as they should be.")
+    title = tag(
+        "caption", "Runs. Marked: steps that did not settle or are void, and samples with a quality mark."
+    )
     return tag("table", title, tag("thead", tag("tr", *heads)), tag("tbody", *rows))
 
 
@@ -184,7 +185,7 @@ def _row(k: int, entry: IndexEntry) -> Html:
 
 
 def _sort_attributes(run: RunSummary) -> dict[str, str]:
-    """What a row is ordered by, column by column; numbers without their units."""
+    """The sort keys of a row, one per column; numbers without units."""
     sizes = {"duration": run.duration_s, "travel": run.travel}
     plain = {
         "name": run.file,

@@ -1,4 +1,4 @@
-"""The page of several models beside each other: errors on the same runs, residuals, densities, origins."""
+"""The page that compares models: errors on the same runs, residuals, densities and provenance."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -36,9 +36,9 @@ _MOST_MARKS = 400
 
 
 def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
-    """One page (HTML) of models by name, judged on runs by name in the order of their sitting.
+    """The HTML page of models by name, verified on runs by name in the order of their session.
 
-    Errors as of ``verify``; UsageError when there are more models than can be told apart.
+    Raises the errors of ``verify``, and UsageError for more models than distinguishable colours.
     """
     check_comparable_count(list(models), "models")
     found = {name: verify(model, list(runs.values())).runs for name, model in models.items()}
@@ -53,7 +53,7 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
                 *_warnings(verifications),
             ],
         ),
-        Section("What each predicts, and misses", "Residuals", figures),
+        Section("Predictions and residuals", "Residuals", figures),
         Section("Weighting functions", "Density μ", [densities_figure(models)]),
         Section("The models", "Models", [_origins(models)]),
         Section("The runs", "Runs", [quality_table(runs), provenance_table(runs)]),
@@ -82,8 +82,8 @@ def _errors(verifications: _Verifications, unit: str) -> Html:
     return table(
         (*header, "rms / noise", f"zero ({unit})"),
         rows,
-        "Model minus measured at settled points; nrmse is the share of the measured travel. "
-        "rms / noise near one means that nothing is left to explain.",
+        "Errors (model − measured) at settled points. nrmse: rms as a share of the measured travel. "
+        "rms / noise near 1: the error is noise.",
     )
 
 
@@ -96,7 +96,7 @@ def _zero_text(each: RunVerification) -> str:
 
 
 def _pooled(verifications: _Verifications) -> list[tuple[object, ...]]:
-    """Each model over all runs together."""
+    """The errors of each model over all runs."""
     names = list(next(iter(verifications.values())))
     rows = []
     for k, name in enumerate(names):
@@ -116,18 +116,18 @@ def _warnings(verifications: _Verifications) -> list[Html]:
         for model, each in by_model.items()
         for words in each.warnings
     ]
-    return [notice("warning", paragraph("Is this a fair judgement?"), bullets(warnings))] if warnings else []
+    return [notice("warning", paragraph("Limits of this comparison:"), bullets(warnings))] if warnings else []
 
 
 def _origins(models: Mapping[str, Model]) -> Html:
     return table(
-        ("Model", "Hysteresis", "Effects", "Rig", "From", "Fit, rms", "min μ", "Class", "Made"),
+        ("Model", "Hysteresis", "Effects", "Rig", "Runs", "Fit, rms", "min μ", "Class", "Created"),
         [_origin(k, name, model) for k, (name, model) in enumerate(models.items())],
         joined(
             [
-                "Where each model comes from. ",
+                "Provenance of the models. ",
                 M_P,
-                ": μ ≥ 0 everywhere; passivity and the stability theorems need it.",
+                ": μ ≥ 0 everywhere, as passivity and the stability theorems require.",
             ]
         ),
     )
@@ -151,7 +151,7 @@ def _origin(k: int, name: str, model: Model) -> Sequence[object]:
 
 
 def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerification]) -> Figure:
-    """A run as measured and as each model says; then model minus measured in order and against the input."""
+    """A run as measured and as predicted by each model; model − measured in order and against the input."""
     one = next(iter(verifications.values()))
     order = np.arange(one.input.size, dtype=float) + 1
     thin = slice(None, None, -(-order.size // _MOST_MARKS))
@@ -172,16 +172,16 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
             _residual_panel(verifications, order, x_title, unit, floor),
             _residual_panel(verifications, one.input, input_title(run), unit, floor),
         ],
-        f"{name} as each model predicts it.",
+        f"Run {name} and the predictions of the models.",
         [
-            f"Then model minus measured. {sizes}.",
+            f"Second and third panel: model − measured. {sizes}.",
             f"Band: ± 2 σ of the noise floor, σ = {number(floor)} {unit}."
             if floor
             else "The noise floor is unknown.",
-            f"The encoder's zero is not known, so one additive offset each was fitted: {zero}."
+            f"The encoder's zero is unknown, so one additive offset per model was fitted: {zero}."
             if fitted
             else "",
-            f"One point in {thin.step} is drawn in the first panel." if thin.step > 1 else "",
+            f"The first panel shows one point in {thin.step}." if thin.step > 1 else "",
             run_caption(run),
         ],
         source_label(run),
@@ -202,9 +202,9 @@ def _residual_panel(
 
 
 def densities_figure(models: Mapping[str, Model]) -> Figure:
-    """μ of each model over the half plane, all on one scale of colours."""
+    """μ of each model over the Preisach plane, all on one colour scale."""
     grids = {name: density_of(model.hysteresis) for name, model in models.items()}
-    # Of all cells, not of the one that is largest: a table's noisy cell would leave the others white.
+    # A quantile instead of the maximum, because a noisy cell of a table would leave all others white.
     sizes = [np.abs(mu[np.isfinite(mu)]) for _, _, mu in grids.values()]
     top = max(float(np.quantile(size, 0.995)) for size in sizes if size.size)
     panels, least = [], []
@@ -218,8 +218,8 @@ def densities_figure(models: Mapping[str, Model]) -> Figure:
         panels,
         "Weighting function μ(α, β) = ½ ∂²y/∂α∂β of each model, on one scale.",
         [
-            "White is zero, red positive, blue negative; colours end at the 99.5 % quantile of the sizes of μ. "
-            "Outlined and tinted: where μ < 0, however little; cross: the minimum.",
+            "White is zero, red positive, blue negative; the colour scale ends at the 99.5 % quantile of |μ|. "
+            "Outlined and tinted: μ < 0, even if small; cross: the minimum.",
             "; ".join(least) + ".",
             "; ".join(
                 f"{name}: identified from {len(m.provenance)} run(s) of rig {m.rig}"

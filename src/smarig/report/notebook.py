@@ -1,6 +1,6 @@
-"""Runs, models and diagnoses in a notebook: a drawing that weighs kilobytes, and one plotly figure when asked.
+"""Runs, models and diagnoses in a notebook: a drawing of a few kilobytes, and a plotly figure on request.
 
-Plotly's script is the notebook's own; a figure brings only its data, thinned. Computes nothing new.
+The notebook supplies Plotly's script; a figure contains only its data, thinned.
 """
 
 from functools import singledispatch
@@ -42,13 +42,13 @@ _REVERSALS = (0.35, 0.55, 0.75)  # first-order curves in a model's drawing, as s
 
 @singledispatch
 def plot(thing: Any, model: Model | None = None) -> go.Figure:
-    """A run's hysteresis graph (with a model's answer, if given), a model's density μ, a diagnosis's residuals.
+    """Plot a run's hysteresis (with a model's prediction, if given), a model's density μ, or a diagnosis's residuals.
 
-    Returns a plotly figure; in a notebook it shows itself, ``figure.write_html(path)`` keeps it. UsageError for
-    anything else.
+    Returns a plotly figure. A notebook displays it; ``figure.write_html(path)`` saves it. Raises UsageError for any
+    other object.
     """
     del model
-    raise UsageError(f"A {type(thing).__name__} cannot be plotted; give a run, a model or a diagnosis.")
+    raise UsageError(f"A {type(thing).__name__} cannot be plotted. Pass a run, a model or a diagnosis.")
 
 
 @plot.register
@@ -86,7 +86,7 @@ def _diagnosis_figure(thing: Diagnosis, model: Model | None = None) -> go.Figure
         *before.data,
         *(trace for panel in after for trace in panel.data if trace["name"] == predictions.labelled[1][1]),
     ]
-    words = f"What the model misses: {thing.verdict.word.replace('_', ' ')}"
+    words = f"Residuals of the model: {thing.verdict.word.replace('_', ' ')}"
     return _figure(Panel(data, before.layout), words, source_label(*thing.timeline.runs))
 
 
@@ -99,7 +99,7 @@ def _figure(panel: Panel, title: str, label: str) -> go.Figure:
 
 
 def _with_arrays(trace: Trace) -> Trace:
-    """A trace whose packed values are arrays again, for those who work on with the figure."""
+    """A trace with its packed values converted back to arrays, for further work with the figure."""
     return {
         key: unpacked(value) if isinstance(value, dict) and "bdata" in value else value
         for key, value in trace.items()
@@ -111,7 +111,7 @@ def _with_arrays(trace: Trace) -> Trace:
 
 @singledispatch
 def display_html(thing: Any) -> str:
-    """A few kilobytes of HTML about a run, a model or a diagnosis."""
+    """HTML of a few kilobytes that describes a run, a model or a diagnosis."""
     return tag("pre", repr(thing))
 
 
@@ -144,7 +144,7 @@ def _model_html(thing: Model) -> str:
 
 
 def _loops(model: Model, n: int = 40) -> tuple[np.ndarray, np.ndarray]:
-    """Input and output of the major loop and some first-order curves, in one go."""
+    """Input and output along the major loop and some first-order curves, in one sequence."""
     low, high = model.hysteresis.lower, model.hysteresis.upper
     turns = [low, *(end for share in _REVERSALS for end in (low + share * (high - low), low)), high, low]
     u = np.concatenate([np.linspace(a, b, n) for a, b in zip(turns, turns[1:])])
@@ -167,7 +167,7 @@ _BADGE = "background:#f7c948;color:#111;font-weight:700;font-size:12px;padding:0
 
 
 def _drawing_with_text(drawing: Html, title: str, label: str, rows: list[str]) -> str:
-    """A drawing with its words beside it; styles stand in the elements, for a notebook has none of ours."""
+    """A drawing with its text; styles are inline because a notebook does not load the style sheet of pages."""
     picture = tag("div", drawing, style="flex:0 0 240px") if drawing else ""
     words = tag("div", tag("b", title), " ", _badge_html(label) if label else "", bullets(rows))
     return tag("div", picture, words, style="display:flex;gap:16px;align-items:center;flex-wrap:wrap")

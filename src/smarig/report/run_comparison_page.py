@@ -1,6 +1,6 @@
-"""The page of several runs over each other: what differs in how they were made, and in what they measured.
+"""The page that compares runs: differences of their metadata and of their measurements.
 
-Closed loops are compared by how well they went, in a section of their own; ordinary runs by what they measured.
+Closed-loop runs are compared by their errors, in their own section.
 """
 
 import tomllib
@@ -45,9 +45,9 @@ _GROUPS = ("settings", "conditions", "versions")
 
 
 def comparison_page(runs: Mapping[str, Run]) -> str:
-    """One page (HTML) of runs by name, the first being the one the others are compared with.
+    """The HTML page of runs by name; the first run is the one that the others are compared with.
 
-    UsageError when they are more than can be told apart, or measured in different units.
+    Raises UsageError for more runs than distinguishable colours, and for different units.
     """
     check_comparable_count(list(runs), "runs")
     check_same_units(runs)
@@ -61,28 +61,28 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
             "Numbers",
             [*([_numbers_table(found)] if found else []), _metadata_differences(runs)],
         ),
-        *([Section("Over each other", "Figures", _overlay_parts(found))] if found else []),
-        Section("Honest numbers", "Honest numbers", [quality_table(runs)]),
+        *([Section("Overlaid runs", "Figures", _overlay_parts(found))] if found else []),
+        Section("Data quality", "Data quality", [quality_table(runs)]),
         Section("Provenance", "Provenance", [provenance_table(runs)]),
     ]
     label, words = banner([source_label(run) for run in runs.values()])
     first, *rest = runs
-    lead = f"{', '.join(rest)} beside {first}"
+    lead = f"{', '.join(rest)} compared with {first}"
     title = f"Comparison of {len(runs)} runs"
     notices = ending_notices(list(runs.values()))
     return page(title, lead, sections, label=label, simulated=words, notices=notices)
 
 
 def _overlay_parts(found: Sequence[AlignedRun]) -> list[Html | Figure]:
-    """Figures of runs over each other; closed loops, whose steps are not these, have their own."""
+    """Figures of overlaid runs; closed loops have their own figures."""
     nothing = notice("warning", paragraph(_NO_COMMON_STEPS.format(found[0].name))) if len(found) > 1 else None
     subtracted = differences_figure(found) or nothing
     return [part for part in (overlay_figure(found), subtracted, time_overlay_figure(found)) if part]
 
 
 _NO_COMMON_STEPS = (
-    "No run made the same steps as {} from its beginning on. A wire remembers how it was approached, so these runs are "
-    "drawn over each other, but not subtracted."
+    "No run starts with the same steps as {}. The output depends on the history of the input, so these runs are "
+    "overlaid but not subtracted."
 )
 
 
@@ -114,7 +114,7 @@ def _numbers_table(found: Sequence[AlignedRun]) -> Html:
     return table(
         (*header, f"rms difference ({unit})", f"largest ({unit})", f"σ of a difference ({unit})"),
         rows,
-        f"The runs, and what each says differently from {found[0].name} at the steps both made.",
+        f"The runs, and their differences from {found[0].name} at the common steps.",
     )
 
 
@@ -127,20 +127,22 @@ def _difference_cells(each: AlignedRun, *, first: bool) -> tuple[str, ...]:
 
 
 def _metadata_differences(runs: Mapping[str, Run]) -> Html:
-    """What was not the same when the runs were made; a sentence when all of it was."""
+    """A table of metadata that differ between the runs; a sentence if none differ."""
     metadata = {name: dict(_metadata_items(run)) for name, run in runs.items()}
     keys = dict.fromkeys(key for each in metadata.values() for key in each)
     rows = [(key, *(each.get(key, "–") for each in metadata.values())) for key in keys]
     rows = [row for row in rows if len(set(row[1:])) > 1]
     if not rows:
-        return paragraph("Rig, wire, protocol, settings and versions are the same in all of them.")
+        return paragraph("Rig, wire, protocol, settings and versions are the same in all runs.")
     return table(
-        ("What", *runs), rows, "What differs in how the runs were made; all else their files say is the same."
+        ("Item", *runs),
+        rows,
+        "Metadata that differ between the runs. All other metadata in the files are equal.",
     )
 
 
 def _metadata_items(run: Run) -> Iterator[tuple[str, str]]:
-    """Everything a run file says of how it was made, flat."""
+    """The metadata of a run file as flat pairs of name and value."""
     for key in _DESCRIPTION:
         if run.meta.get(key) is not None:
             yield from _flattened(key.replace("_", " "), run.meta[key])

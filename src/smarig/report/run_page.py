@@ -1,4 +1,4 @@
-"""The page of one run, whatever its kind: complete, interrupted, imported without time or current, or empty."""
+"""The page of one run of any kind: complete, interrupted, imported without time or current, or empty."""
 
 from collections.abc import Callable, Iterator
 
@@ -37,20 +37,20 @@ from smarig.report.runs.time_figures import initialisation_figure, time_series_f
 
 
 def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] | None = None) -> str:
-    """A page with a run's time series, hysteresis graph, conditions, marks, events and provenance (HTML).
+    """The HTML page of a run: time series, hysteresis graph, conditions, marks, events and provenance.
 
-    ``library`` is the address of Plotly's script where pages share it, "" to have it inside. A closed loop has sections
-    of its own, and with ``certified`` (a model, its file's name and hash) the certificate of that model.
+    ``library`` is the address of Plotly's script if pages share it, "" to embed it. A closed loop has its own sections
+    and, with ``certified`` (a model, its file name and hash), the certificate of that model.
     """
-    data = list(_figure_parts(run)) or [paragraph("The run holds no samples, so there is nothing to draw.")]
+    data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
     sections = [
         Section("Summary", "Summary", [run_cards(run), settings_text(run)]),
         *loop_sections(run, certified),
         Section("Measurement", "Measurement", data),
         Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
-            "Honest numbers",
-            "Honest numbers",
+            "Data quality",
+            "Data quality",
             [quality_table({protocol_name(run): run}), steps_table(run), events_table(run)],
         ),
         Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})]),
@@ -68,7 +68,7 @@ def _figure_parts(run: Run) -> Iterator[Figure | Html]:
     start = initialisation_figure(run)
     if start:
         yield start
-    if is_closed_loop(run):  # its hysteresis is drawn with the loop
+    if is_closed_loop(run):  # the section of the loop contains its hysteresis
         return
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
         yield hysteresis_figure(run)
@@ -91,12 +91,12 @@ def _representation_parts(run: Run, tested: Callable[[Run], Representation]) -> 
 
 
 def representation_notice(test: Representation) -> Html:
-    """Verdict and meaning in a box."""
+    """A box with the verdict and its meaning."""
     return notice("good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning))
 
 
 def run_lead(run: Run) -> str:
-    """What was measured on what, in a line."""
+    """A line that names wire, rig and origin of a run."""
     wire, rig = run.info.wire, run.info.rig
     imported = run.info.imported.file if run.info.imported else None
     parts = [
@@ -108,7 +108,7 @@ def run_lead(run: Run) -> str:
 
 
 def run_cards(run: Run) -> Html:
-    """The numbers of one run that matter."""
+    """Cards with the key figures of a run."""
     m, size = quality_counts(run), 0.0 if run.info.imported else count_size(run)
     known = run["position"][np.isfinite(run["position"])]
     travel = f"{number(float(np.ptp(known)), 4)} {display_unit(run.unit)}" if known.size else "none"
@@ -125,7 +125,7 @@ def run_cards(run: Run) -> Html:
             (
                 "Samples",
                 thousands(m.samples),
-                "none marked" if m.clean else "some are marked, see Honest numbers",
+                "none marked" if m.clean else "some are marked, see Data quality",
             ),
             ("Steps", str(m.steps), f"{m.settled} settled, {bad} not" if m.steps else "none recorded"),
         ]
@@ -133,7 +133,7 @@ def run_cards(run: Run) -> Html:
 
 
 def ending_notices(runs: list[Run]) -> list[Html]:
-    """A box for every run that did not end as planned, with the cause."""
+    """A box with the cause for each run that did not end as planned."""
     return [
         notice(
             "bad",

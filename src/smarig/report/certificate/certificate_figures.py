@@ -1,4 +1,4 @@
-"""Figures of a certificate: where μ is negative in the Preisach plane, and ψ with what it reaches. Knows no run."""
+"""The figure of a certificate: μ in the Preisach plane with its negative regions, and ψ with its range."""
 
 from dataclasses import replace
 
@@ -20,28 +20,25 @@ Array = NDArray[np.float64]
 
 
 def certificate_figure(model: Model, found: ModelCertificate, origin: str, label: str) -> Figure:
-    """μ over the plane with its negative regions, and ψ(ℓ) beside it."""
+    """μ over the Preisach plane with its negative regions, and ψ(ℓ)."""
     units = (display_unit(model.unit), model.input.unit)
     report = density_report(model.hysteresis)
     least, g = found.classes.mu_min, found.classes.g_min
     where = f"α = {number(least.at[0], 4)}, β = {number(least.at[1], 4)} {units[1]}"
     part = f"; {report.negative_cells} of {report.cells} cells are negative" if report.cells else ""
     psi, grid = Psi(model.hysteresis), density_of(model.hysteresis)
-    negative_text = "Ringed" if report.cells else "Outlined, tinted"
+    negative_text = "Circles" if report.cells else "Outlined and tinted"
     return Figure(
         [_density_panel(grid, report, units), _psi_panel(psi, units)],
         "Weighting function μ(α, β), and ψ(ℓ), the output of the state α = 2ℓ − β.",
         [
             "First panel: white is zero, red positive, blue negative. "
-            f"{negative_text}: where μ < 0, however little; "
+            f"{negative_text}: μ < 0, even if small; "
             f"cross: the minimum, {number(least.value)} {per_square(*units)} at {where}{part}. "
-            f"g is {number(g.value)} {units[0]}/{units[1]} at least.",
-            "Second: ψ leads from the least output to the largest, so every set-point between has a state "
-            + (
-                "α = 2ℓ − β (Thm 8.5)."
-                if psi.monotone
-                else "α = 2ℓ − β; ψ turns back, and the least ℓ is taken."
-            ),
+            f"The minimum of g is {number(g.value)} {units[0]}/{units[1]}.",
+            "Second panel: ψ covers the range from the smallest to the largest output, so each set-point in between "
+            "has a diagonal state α = 2ℓ − β"
+            + (" (Thm 8.5)." if psi.monotone else "; ψ is not monotone, and the smallest ℓ is used."),
             origin,
         ],
         label,
@@ -50,7 +47,7 @@ def certificate_figure(model: Model, found: ModelCertificate, origin: str, label
 
 
 def _density_panel(grid: tuple[Array, Array, Array], report: DensityReport, units: tuple[str, str]) -> Panel:
-    """The map of μ; the negative cells of a table, whose colours may be too pale to see, are ringed."""
+    """The map of μ; circles mark negative cells of a table, whose colours may be too pale to see."""
     panel = map_panel("", grid, report, units)
     alpha, beta, mu = grid
     if not report.negative_cells or alpha.size == mu.shape[0]:
@@ -64,6 +61,6 @@ def _density_panel(grid: tuple[Array, Array, Array], report: DensityReport, unit
 def _psi_panel(psi: Psi, units: tuple[str, str]) -> Panel:
     ell, y = psi.curve
     ends = ([psi.lower, psi.upper], [psi.y_lower, psi.y_upper])
-    data = [line(ell, y, "ψ(ℓ)", MODEL, width=2), dots(*ends, "least and largest output", INK, size=7)]
+    data = [line(ell, y, "ψ(ℓ)", MODEL, width=2), dots(*ends, "smallest and largest output", INK, size=7)]
     layout = {"xaxis": axis(f"ℓ ({units[1]})"), "yaxis": axis(f"Output ψ(ℓ) ({units[0]})")}
     return Panel(data, layout, 430)

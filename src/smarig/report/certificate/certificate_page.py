@@ -1,4 +1,4 @@
-"""The page of a certificate: verdict, hypotheses, k_e of each controller, μ and ψ, and what it all rests on."""
+"""The page of a certificate: verdict, hypotheses, k_e of each controller, μ and ψ, limits and provenance."""
 
 import re
 from dataclasses import asdict, dataclass
@@ -29,7 +29,7 @@ _BOX_STYLES = {True: "good", False: "bad", None: "warning"}
 
 @dataclass(frozen=True)
 class CertifiedModel:
-    """What a certificate is about: model, file, hash, and the runs its data came from."""
+    """The model of a certificate: name, file, hash, and the runs it was identified from."""
 
     model: str
     file: str
@@ -40,7 +40,7 @@ class CertifiedModel:
     effects: tuple[str, ...]
 
     def summary_text(self) -> str:
-        """Model, data, and what is left out."""
+        """A sentence on the model, its data, and the effects that the certificate does not cover."""
         runs = ", ".join(f"{r['protocol']} ({r['rows']} rows)" for r in self.data) or "no recorded run"
         kind = "twin data" if self.twin else "measured data"
         return (
@@ -49,10 +49,10 @@ class CertifiedModel:
         )
 
     def exclusion_text(self) -> str:
-        """What a model with effects is told."""
+        """A sentence on the effects of the model; "" without effects."""
         if not self.effects:
             return ""
-        return f" The model has effects ({', '.join(self.effects)}): they are not covered, only its hysteresis is."
+        return f" The certificate covers the hysteresis of the model, not its effects ({', '.join(self.effects)})."
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -61,7 +61,7 @@ class CertifiedModel:
 
 
 def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
-    """Of a model and its file."""
+    """The description of a model and its file."""
     runs = tuple(
         {
             "run": Path(p.run).name,
@@ -79,25 +79,25 @@ def certified_model(model: Model, file: str, sha256: str) -> CertifiedModel:
 
 
 def certificate_units(model: Model) -> Units:
-    """Of the model's hysteresis, which need not know them itself."""
+    """The units of the model's hysteresis, which may not contain them itself."""
     return Units(model.unit, model.input.unit)
 
 
 @dataclass(frozen=True)
 class Further:
-    """Asked for besides the model's certificate: passivity of runs by name, and position controllers of §9.2."""
+    """Results in addition to the model's certificate: passivity of runs by name, and position controllers of §9.2."""
 
     measured: dict[str, MeasuredPassivity]
     position_controllers: tuple[PositionController, ...]
 
     @property
     def text(self) -> list[str]:
-        """A line each."""
+        """One line per result."""
         lines = [f"{name}: {m.text}" for name, m in self.measured.items()]
         return lines + [k.text for k in self.position_controllers]
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; keys only for what was asked."""
+        """Plain values; keys only for results that exist."""
         measured = [{"run": name} | m.to_json() for name, m in self.measured.items()]
         return ({"measured": measured} if measured else {}) | (
             {"position_supply": [k.to_json() for k in self.position_controllers]}
@@ -109,7 +109,7 @@ class Further:
 def certificate_page(
     model: Model, found: ModelCertificate, about: CertifiedModel, further: Further | None = None
 ) -> str:
-    """The whole page (HTML); ``further``: what was asked of it besides."""
+    """The whole page (HTML); ``further``: additional results."""
     label = "TWIN" if model.twin else ""
     sections = [
         Section(
@@ -125,7 +125,7 @@ def certificate_page(
         Section("Limits", "Limits", [limits_table(found)]),
         Section("Other loops", "Other loops", [*other_loops(found), *_position_controllers(further)]),
         *_measured_section(further),
-        Section("What it rests on", "Provenance", [provenance(about)]),
+        Section("Model and data", "Provenance", [provenance(about)]),
     ]
     simulated = "the model was identified from a software simulation. No wire was measured."
     title = f"Certificate of {about.model}"
@@ -133,7 +133,7 @@ def certificate_page(
 
 
 def certificate_parts(found: ModelCertificate, about: CertifiedModel) -> list[Html]:
-    """A certificate as part of another page: verdict, table, hypotheses, origin."""
+    """A certificate as part of another page: verdict, table, hypotheses, provenance."""
     return [
         verdict_box(found),
         *_exclusion_notice(about),
@@ -145,7 +145,7 @@ def certificate_parts(found: ModelCertificate, about: CertifiedModel) -> list[Ht
 
 
 def verdict_box(found: ModelCertificate) -> Html:
-    """Passive or not, in a box, with the input that breaks it where there is one."""
+    """A box with the verdict on passivity, and a counterexample if there is one."""
     parts = [paragraph(tag("b", with_subscripts(found.verdict)))]
     if found.dissipativity is not None:
         parts.append(paragraph(found.dissipativity.text))
@@ -155,7 +155,7 @@ def verdict_box(found: ModelCertificate) -> Html:
 
 
 def certificate_cards(found: ModelCertificate) -> Html:
-    """Classes, storage and bias."""
+    """Cards of the classes of μ, the storage function and the bias."""
     c, s = found.classes, found.storage_bound
     inside = (
         joined(["in ", M_P]) if c.M_P else joined(["in ", M_PC, ", not in ", M_P]) if c.M_PC else "neither"
@@ -165,22 +165,22 @@ def certificate_cards(found: ModelCertificate) -> Html:
         "recoverable": "Q_r",
         "dissipative": "S_a",
         "none": "none exists",
-        "undecided": "not known",
+        "undecided": "unknown",
     }[s.basis]
     return cards(
         [
             ("Class of μ", inside, f"g ≥ 0: {'yes' if found.g_not_negative else 'no'}"),
             ("Storage", with_subscripts(basis), _storage_text(s)),
-            ("Bias from u(0) = 0", _bias_text(found), f"begins in {_initial_state_text(found)}"),
+            ("Bias from u(0) = 0", _bias_text(found), f"initial state: {_initial_state_text(found)}"),
         ]
     )
 
 
 def _storage_text(s: StorageBound) -> str:
     if s.basis in ("none", "undecided"):
-        return "no function of the state will do" if s.basis == "none" else "not decided"
+        return "no storage function exists" if s.basis == "none" else "not decided"
     why = {"positive": "by Thm 7.4", "recoverable": "proved, although μ < 0 somewhere"}
-    return why.get(s.basis, "proved" if s.proven else "known from below only")
+    return why.get(s.basis, "proved" if s.proven else "only a lower bound is known")
 
 
 def _bias_text(found: ModelCertificate) -> str:
@@ -194,7 +194,7 @@ def _initial_state_text(found: ModelCertificate) -> str:
 
 
 def with_subscripts(text: str) -> Html:
-    """A sentence with its indices set low.
+    """A sentence with its indices as subscripts.
 
     >>> with_subscripts("k_e < 2")
     'k<sub>e</sub> &lt; 2'
@@ -203,7 +203,7 @@ def with_subscripts(text: str) -> Html:
 
 
 def velocity_parts(found: ModelCertificate) -> list[Html]:
-    """The sentence of Thm 8.2, and k_e of each controller."""
+    """The statement of Thm 8.2, and k_e of each controller."""
     per = display_unit(found.units.gain)
     rows = [
         (
@@ -228,13 +228,13 @@ def velocity_parts(found: ModelCertificate) -> list[Html]:
 
 
 def limits_table(found: ModelCertificate) -> Html:
-    """How far the certificate reaches."""
+    """The scope of the certificate."""
     rows = [(with_subscripts(limit.about), with_subscripts(limit.text)) for limit in found.limits]
-    return table(("About", "What holds"), rows, f"How far the certificate reaches; see {CONTROL_FINDINGS}.")
+    return table(("Topic", "Statement"), rows, f"Scope of the certificate; see {CONTROL_FINDINGS}.")
 
 
 def other_loops(found: ModelCertificate) -> list[Html]:
-    """Gains on a schedule, and position controllers."""
+    """Statements on scheduled gains and on position controllers."""
     return [
         paragraph(with_subscripts(found.scheduling)),
         paragraph(with_subscripts(found.position_controllers)),
@@ -268,18 +268,18 @@ def _measured_section(further: Further | None) -> list[Section]:
         "Run",
         "From row",
         "Samples",
-        f"Least ∫u dy ({unit})",
-        f"In the end ({unit})",
+        f"Minimum of ∫u dy ({unit})",
+        f"At the end ({unit})",
         f"Bound ({unit})",
         "Bound",
     )
-    words = "Supplied energy of the readings along the predicted input, of every stretch without a gap."
+    words = "Supplied energy of each segment, computed from the readings and the predicted input."
     parts = [paragraph(f"{name}: {m.text}") for name, m in further.measured.items()]
     return [Section("Measured runs", "Measured runs", [*parts, table(header, rows, words)])]
 
 
 def hypotheses_table(found: ModelCertificate) -> Html:
-    """Each hypothesis of both theorems, whether it holds, and why."""
+    """All hypotheses of both theorems, with verdict and reason."""
     rows = [("Thm 8.1", h.name, HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in found.hypotheses]
     rows += [
         ("Thm 8.2", with_subscripts(h.name), HOLDS_TEXT[h.holds], with_subscripts(h.why))
@@ -288,7 +288,7 @@ def hypotheses_table(found: ModelCertificate) -> Html:
     return table(
         ("Theorem", "Hypothesis", "Verdict", "Why"),
         rows,
-        "Hypotheses, each looked at; those of H₁ hold by construction.",
+        "All hypotheses of both theorems. Those on H₁ hold by construction.",
     )
 
 
@@ -306,10 +306,10 @@ def _caption(about: CertifiedModel) -> str:
 
 
 def provenance(about: CertifiedModel) -> Html:
-    """The model file and the runs its data came from, with their hashes."""
+    """The model file and the runs it was identified from, with their hashes."""
     rows: list[tuple[Any, ...]] = [(about.file, "model", "", "", tag("code", about.sha256))]
     rows += [
         (r["run"], r["protocol"].replace("_", " "), r["source"], r["rows"], tag("code", r["sha256"]))
         for r in about.data
     ]
-    return table(("File", "What", "Source", "Rows", "SHA-256"), rows, "Model and data.")
+    return table(("File", "Content", "Source", "Rows", "SHA-256"), rows, "Model and data.")

@@ -1,7 +1,4 @@
-"""A closed loop over time and over the input: wanted against measured, error in counts, current, temperature.
-
-Knows runs and what their loops did; refuses to know controllers and models.
-"""
+"""Figures of a closed loop over time and over the input: reference, position, error in counts, current, temperature."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -36,17 +33,17 @@ _SHARES = (0.34, 0.26, 0.18, 0.22)  # of the height, from above
 _MIN_HALF_RANGE_COUNTS, _QUANTILE_FACTOR = (
     12.0,
     3.0,
-)  # jumps of a reference are cut off at these, the second of what 90 % keep within
+)  # limits of the error axis at jumps of a reference; the factor applies to the 90 % quantile
 BAND = "rgba(107,114,128,.18)"
 
 
 def tracking_figure(run: Run, found: TrackingResult) -> Figure:
-    """Wanted and measured position, the error with the ± 2-count band, current and predicted temperature."""
+    """Reference and measured position, the error with the ± 2-count band, current and predicted temperature."""
     f, words = found.measures, ""
     unit = display_unit(run.unit)
     if f is not None:
-        after = f" from {found.skip_s:g} s on" if found.skip_s else ""
-        words = f"Error {number(f.rms)} {unit} rms, {number(f.largest)} {unit} at most{after}, n = {f.n}."
+        after = f", after the first {found.skip_s:g} s" if found.skip_s else ""
+        words = f"Error: {number(f.rms)} {unit} rms, at most {number(f.largest)} {unit}{after}, n = {f.n}."
     loop = found.loop
     half_range = error_half_range(loop.error[loop.t_s >= found.skip_s]) if loop.count else None
     data, layout = _time_panel(run, loop, half_range)
@@ -59,7 +56,7 @@ def tracking_figure(run: Run, found: TrackingResult) -> Figure:
 
 
 def regulation_figure(run: Run, found: RegulationResult) -> Figure | None:
-    """The same for a set-point, the disturbance shaded; None where the loop was never closed."""
+    """The same for a set-point, with the disturbance shaded; None if the loop was never closed."""
     loop = found.loop
     if loop is None or loop.t_s.size < 2:
         return None
@@ -72,10 +69,10 @@ def regulation_figure(run: Run, found: RegulationResult) -> Figure | None:
         on, off = (t / second for t in found.disturbance_s)
         far = half_range or float(np.nanmax(np.abs(loop.error)))
         data.append(disturbance_shading(on, off, -far, far, yaxis="y2"))
-        words = "Tinted: the disturbance, added to the control input."
+        words = "Shaded: the disturbance, added to the control input."
         if found.transient is not None:
             largest = size_of(found.transient, run.unit, loop.count)
-            words += f" Largest error of the readings from then on: {largest}."
+            words += f" Largest error of the readings after its start: {largest}."
     start = (
         B_ELL
         if found.setpoint_data.get("ell_K") is not None
@@ -83,9 +80,9 @@ def regulation_figure(run: Run, found: RegulationResult) -> Figure | None:
     )
     return Figure(
         [Panel(data, layout, 720)],
-        "The set-point held in closed loop.",
+        "Set-point regulation in closed loop.",
         [
-            joined(["Begun in ", start, "."]),
+            joined(["Initial state: ", start, "."]),
             words,
             _band_text(loop, half_range),
             f"n = {loop.t_s.size} samples in closed loop;",
@@ -96,7 +93,7 @@ def regulation_figure(run: Run, found: RegulationResult) -> Figure | None:
 
 
 def loop_hysteresis_figure(run: Run, loop: LoopSegment, *, moves: bool = True) -> Figure:
-    """Output against input while the loop was closed, and the way there; ``moves``: rising and falling apart."""
+    """Output against input while the loop was closed, and before; ``moves``: rising and falling in two colours."""
     kept = path(loop.input_K, loop.position)
     u, y = loop.input_K[kept], loop.position[kept]
     thinned = _evenly_along_input(run["input"])
@@ -114,7 +111,7 @@ def loop_hysteresis_figure(run: Run, loop: LoopSegment, *, moves: bool = True) -
                 450,
             )
         ],
-        "The way through the hysteresis in closed loop.",
+        "Output against input in closed loop.",
         [
             "The input is the temperature predicted from the measured current.",
             f"Resolution {size:.3g} {display_unit(run.unit)}." if size else "",
@@ -125,7 +122,7 @@ def loop_hysteresis_figure(run: Run, loop: LoopSegment, *, moves: bool = True) -
 
 
 def _evenly_along_input(u: Array) -> NDArray[np.intp]:
-    """Indices at equal parts of the way the input went: quick moves are drawn as finely as slow ones."""
+    """Indices at equal shares of the input's travel, so that fast and slow moves are drawn equally finely."""
     travelled_K = np.cumsum(np.abs(np.nan_to_num(np.diff(u, prepend=u[:1]))))
     return np.unique(
         np.minimum(np.searchsorted(travelled_K, np.linspace(0.0, travelled_K[-1], POINTS)), u.size - 1)
@@ -133,9 +130,10 @@ def _evenly_along_input(u: Array) -> NDArray[np.intp]:
 
 
 def error_half_range(error: Array, least: float = 0.0) -> float:
-    """How far an error's row reaches either way, in counts: all of it, unless jumps would hide the rest.
+    """The half-range of an error axis in counts: the largest error, unless jumps would hide the smaller errors.
 
-    At least three times what nine tenths of the errors keep within, 12 counts and ``least``, or all there is.
+    The result is at least the smaller of two values: the whole range; and the largest of three times the 90 %
+    quantile, 12 counts and ``least``.
     """
     known = np.abs(error[np.isfinite(error)])
     if not known.size:
@@ -148,7 +146,7 @@ def error_half_range(error: Array, least: float = 0.0) -> float:
 
 
 def _time_panel(run: Run, loop: LoopSegment, half_range: float | None) -> tuple[list[Trace], dict[str, Any]]:
-    """Four rows on one time axis, that of the error to ``half_range`` either way."""
+    """Traces and layout of four rows on one time axis; the error row spans ± ``half_range``."""
     size, unit = time_unit(float(loop.t_s[-1]) if loop.t_s.size else 0.0)
     t, error = loop.t_s / size, loop.error
     errors = f"Error ({'counts' if loop.count else display_unit(run.unit)})"
@@ -164,7 +162,7 @@ def _time_panel(run: Run, loop: LoopSegment, half_range: float | None) -> tuple[
         data.append(
             line(t[kept], values[kept], name, colour, width=1.2, yaxis=y_axis, showlegend=name == "measured")
         )
-    data.append(line(t, loop.wanted, "wanted", INK, width=1.3, dash="dot", yaxis="y"))
+    data.append(line(t, loop.wanted, "reference", INK, width=1.3, dash="dot", yaxis="y"))
     titles = (output_title(run), errors, "Current (A)", input_title(run))
     layout = stacked_layout(titles, _SHARES, f"Time since the loop was closed ({unit})")
     if half_range is not None:
@@ -173,7 +171,7 @@ def _time_panel(run: Run, loop: LoopSegment, half_range: float | None) -> tuple[
 
 
 def stacked_layout(titles: Sequence[str], shares: Sequence[float], t_title: str) -> dict[str, Any]:
-    """Rows above each other on one time axis, each with its share of the height."""
+    """The layout of rows that share one time axis, each with its share of the height."""
     last = ROWS[len(titles) - 1]
     layout: dict[str, Any] = {"xaxis": axis(t_title, anchor=last, mirror=False), "showlegend": True}
     top = 1.0
@@ -194,7 +192,7 @@ def stacked_layout(titles: Sequence[str], shares: Sequence[float], t_title: str)
 
 
 def tolerance_band(t: Array, low: float, **more: Any) -> Trace:
-    """From ``low`` to + 2 counts, behind the errors."""
+    """A band from ``low`` to +2 counts behind the errors."""
     left, right = (float(t[0]), float(t[-1])) if t.size else (0.0, 1.0)
     words = f"{'±' if low < 0 else 'within'} {SETTLING_BAND_COUNTS:g} counts"
     return _box(
@@ -210,7 +208,7 @@ def tolerance_band(t: Array, low: float, **more: Any) -> Trace:
 
 
 def disturbance_shading(on: float, off: float, low: float, high: float, **more: Any) -> Trace:
-    """The time of the disturbance over the error's row."""
+    """The shading of the disturbance in the error row."""
     return _box(
         left=on,
         right=off,
@@ -234,15 +232,15 @@ def _box(
 def _band_text(loop: LoopSegment, half_range: float | None) -> str:
     if half_range is None:
         return ""
-    words = f"Error: measured less wanted, in encoder counts; band: ± {SETTLING_BAND_COUNTS:g} counts."
+    words = f"Error: measured − reference, in encoder counts. Band: ± {SETTLING_BAND_COUNTS:g} counts."
     return f"{words}{clipped_text(loop.error, half_range)}"
 
 
 def clipped_text(error: Array, half_range: float) -> str:
-    """What an error's row does not show, in a sentence; "" where it shows all."""
+    """A sentence on the errors beyond the axis; "" if the axis shows all of them."""
     known = np.abs(error[np.isfinite(error)])
     beyond = known > half_range
     if not beyond.any():
         return ""
     share = f"{number(100 * float(beyond.mean()), 2)} % of the readings"
-    return f" Errors beyond {number(half_range)} counts are cut off: {share}, the largest {counts(float(known.max()))}."
+    return f" The axis ends at {number(half_range)} counts; {share} exceed it, up to {counts(float(known.max()))}."

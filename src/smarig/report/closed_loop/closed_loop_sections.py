@@ -1,7 +1,4 @@
-"""Sections of a run's page that only closed loops have: how well it went, over time, in the plane, and the certificate.
-
-Knows runs, and a model where one is at hand. Refuses to run anything.
-"""
+"""The sections of a run's page for closed loops: performance, figures over time and in the plane, certificate."""
 
 import math
 from typing import Any
@@ -32,12 +29,12 @@ from smarig.report.components.run_description import display_unit
 
 
 def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> list[Section]:
-    """The sections of a closed-loop run, none for others; ``certified``: a model, its file's name and hash."""
+    """The sections of a closed-loop run, none for other runs; ``certified``: a model, its file name and hash."""
     if not is_closed_loop(run):
         return []
     found = closed_loop_result(run)
     if found is None:
-        parts = [notice("warning", paragraph("What the record says of its closed loop cannot be read."))]
+        parts = [notice("warning", paragraph("The run file's data on its closed loop cannot be read."))]
         return [Section("Closed loop", "Closed loop", parts)]
     parts = (
         _tracking_parts(run, found) if isinstance(found, TrackingResult) else _regulation_parts(run, found)
@@ -47,7 +44,7 @@ def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> 
 
 def _tracking_parts(run: Run, found: TrackingResult) -> list:
     if found.measures is None or found.loop.t_s.size < 2:
-        return [paragraph("The loop ended before anything could be measured.")]
+        return [paragraph("The loop ended before any error was measured.")]
     if found.velocity is not None:
         return velocity_parts(run, found, found.velocity)
     return [
@@ -62,16 +59,16 @@ def _tracking_cards(run: Run, found: TrackingResult) -> Html:
     f, count, unit = found.measures, found.loop.count, display_unit(run.unit)
     if f is None:
         return Html("")
-    after = f"from {found.skip_s:g} s on, " if found.skip_s else ""
+    after = f"after the first {found.skip_s:g} s, " if found.skip_s else ""
     return cards(
         [
             ("Error, rms", f"{number(f.rms)} {unit}", f"{number(f.rms / count)} counts; {after}n = {f.n}"),
             (
                 "Largest error",
                 f"{number(f.largest)} {unit}",
-                f"{number(f.largest / count)} counts; {after}readings",
+                f"{number(f.largest / count)} counts; {after}n = {f.n}",
             ),
-            ("Controller", found.controller, f"along {found.reference.name}"),
+            ("Controller", found.controller, f"reference: {found.reference.name}"),
             ("Energy", f"{number(f.energy_J)} J", f"in {number(f.seconds)} s"),
             ("Peak temperature", f"{number(f.peak_K)} K", "predicted, above ambient"),
         ]
@@ -94,9 +91,10 @@ def _steps_table(run: Run, found: TrackingResult) -> Html:
             zip(found.reference.position, f.settle_s, f.overshoot), start=1
         )
     ]
-    header = ("Step", f"Goal ({unit})", "Settled after (s)", f"Overshoot ({unit})", "Overshoot (counts)")
+    header = ("Step", f"Target ({unit})", "Settled after (s)", f"Overshoot ({unit})", "Overshoot (counts)")
     words = (
-        f"Settled: within {SETTLING_BAND_COUNTS:g} counts and 5 s there. Readings, encoder noise included."
+        f"Settled: within {SETTLING_BAND_COUNTS:g} counts for 5 s. The values are from readings and include encoder "
+        "noise."
     )
     return table(header, rows, words)
 
@@ -109,7 +107,7 @@ def _regulation_parts(run: Run, found: RegulationResult) -> list:
     ]
     held = regulation_figure(run, found)
     if held is None or found.loop is None:
-        return [*parts, paragraph("The loop was never closed: the run ended on the way.")]
+        return [*parts, paragraph("The run ended during the approach, before the loop was closed.")]
     return [*parts, held, loop_hysteresis_figure(run, found.loop, moves=False)]
 
 
@@ -130,15 +128,15 @@ def _regulation_cards(run: Run, found: RegulationResult) -> Html:
         )
     size = found.loop.count if found.loop else 0.0
     if (error := found.output_error) is not None:
-        note = f"{_counts_text(found, error, sign=True)}off the set-point, before the loop is closed"
+        note = f"{_counts_text(found, error, sign=True)}from the set-point, before the loop is closed"
         items.append(("After the approach", f"{signed(zero_below_resolution(error, size))} {unit}", note))
     if (most := found.transient) is not None:
-        note = f"{_counts_text(found, most)}of the readings, from the disturbance on"
+        note = f"{_counts_text(found, most)}of the readings, after the disturbance starts"
         items.append(("Largest transient", f"{number(most)} {unit}", note))
     if (end := found.end) is not None:
         std = counts(end.std / end.count) if end.count else f"{number(end.std)} {unit}"
         mean = _counts_text(found, end.mean, sign=True)
-        note = f"{mean}mean of the last {number(end.seconds)} s; {std} rms about it"
+        note = f"{mean}mean of the last {number(end.seconds)} s; standard deviation {std}"
         items.append(("At the end", f"{signed(zero_below_resolution(end.mean, end.count))} {unit}", note))
     return cards(items)
 
@@ -154,26 +152,26 @@ def _unsteady_notice(run: Run, found: RegulationResult) -> list[Html]:
 
 
 def _certificate_scope_notice(run: Run, found: TrackingResult | RegulationResult) -> Html:
-    """That the loop on the page is none of those a theorem is about, before the table that says "covered"."""
+    """A notice that no theorem covers the loop on this page; it precedes the table that states "covered"."""
     settings = run.info.settings
     if isinstance(found, TrackingResult) and found.velocity is not None:
         return notice(
             "warning",
             paragraph(
-                tag("b", "This certificate is of the operator, without delay, noise and quantum. "),
-                f"The loop on this page ({found.controller}) has all three: what of the hypotheses it keeps is in the "
-                "table of its own section.",
+                tag("b", "This certificate covers the operator without delay, noise and quantisation. "),
+                f"The loop on this page ({found.controller}) has all three. The table in the section Closed loop "
+                "states which hypotheses it satisfies.",
             ),
         )
     name = found.controller if isinstance(found, TrackingResult) else str(settings.get("controller") or "pi")
-    held = f"followed {found.reference.name}" if isinstance(found, TrackingResult) else "held a set-point"
+    held = f"tracked {found.reference.name}" if isinstance(found, TrackingResult) else "held a set-point"
     return notice(
         "warning",
         paragraph(
-            tag("b", "The loop on this page is not covered by this certificate. "),
-            f"It fed back the position (controller {name}, which {held}); Thm 8.2 and its table below are about "
-            "velocity feedback, which was not run. What applies here is what is said of the model's hysteresis: "
-            "whether it is passive, and by what bias; and the last of its limits, on position loops.",
+            tag("b", "This certificate does not cover the loop on this page. "),
+            f"The loop fed back the position (controller {name}, which {held}). Thm 8.2 and its table below concern "
+            "velocity feedback, which this run did not use. Two statements apply to this run: whether the model's "
+            "hysteresis is passive, and with what bias; and the last of the limits, on position loops.",
         ),
     )
 
@@ -187,7 +185,7 @@ def _certificate_section(
     used = run.info.settings.get("model_sha256")
     parts: list = [_certificate_scope_notice(run, found)]
     if used and used != sha256:
-        words = f"{name} is not the model this loop was run with ({run.info.settings.get('model')})."
+        words = f"This loop did not use {name}. It used {run.info.settings.get('model')}."
         parts.append(notice("warning", paragraph(words)))
     model_certificate = certificate(model.hysteresis, _controllers_run(run, found), certificate_units(model))
     parts += certificate_parts(model_certificate, certified_model(model, name, sha256))
@@ -195,7 +193,7 @@ def _certificate_section(
 
 
 def _controllers_run(run: Run, found: TrackingResult | RegulationResult) -> dict[str, dict[str, Any]] | None:
-    """The velocity controller of the run with its numbers; None, for all of them, where it fed back the position."""
+    """The run's velocity controller with its settings; None (all controllers) if the run fed back the position."""
     if not isinstance(found, TrackingResult) or found.velocity is None:
         return None
     settings = run.info.settings

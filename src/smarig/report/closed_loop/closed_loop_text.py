@@ -1,4 +1,4 @@
-"""What a closed loop did, in sentences: for a terminal, and those that a page shares with it. Computes nothing."""
+"""Results of a closed loop in sentences, for the terminal and for pages."""
 
 import numpy as np
 
@@ -18,10 +18,12 @@ def loop_result_text(found: TrackingResult | RegulationResult, unit: str) -> str
 def _tracking_text(found: TrackingResult, unit: str) -> str:
     f, count = found.measures, found.loop.count
     if f is None:
-        return f"{found.controller} along {found.reference.name}: ended before anything could be measured."
+        return (
+            f"{found.controller} along {found.reference.name}: the loop ended before any error was measured."
+        )
     if found.velocity is not None:
         return _velocity_text(found, found.velocity, unit)
-    after = f", from {found.skip_s:g} s on" if found.skip_s else ""
+    after = f", after the first {found.skip_s:g} s" if found.skip_s else ""
     lines = [
         f"{found.controller} along {found.reference.name}: error {f.rms:.3g} {unit} rms ({f.rms / count:.2f} counts), "
         f"at most {f.largest:.3g} {unit} ({f.largest / count:.1f} counts){after}; {f.energy_J:.0f} J, "
@@ -30,7 +32,7 @@ def _tracking_text(found: TrackingResult, unit: str) -> str:
     lines += [
         f"  step {k}: within {SETTLING_BAND_COUNTS:g} counts "
         + (f"after {settled:.1f} s" if np.isfinite(settled) else "never")
-        + f", {over / count:.1f} counts beyond."
+        + f", overshoot {over / count:.1f} counts."
         for k, (settled, over) in enumerate(zip(f.settle_s, f.overshoot), start=1)
     ]
     return "\n".join(lines)
@@ -48,8 +50,8 @@ def _velocity_text(found: TrackingResult, velocity: VelocityResult, unit: str) -
             f"{found.controller} along {found.reference.name}: {velocity_verdict(velocity)}",
             f"Unfiltered velocity: {number(velocity.raw_ratio)}{clipped}; δ = {number(velocity.delta)}, γ = "
             f"{number(velocity.gamma)} {velocity.gain_unit}, u_o = {number(velocity.offset_K)} K{spent}.",
-            *([f"Hypotheses of Thm 8.2 that this loop does not keep: {broken}."] if broken else []),
-            f"The position is not fed back: at the end {offset_text(off, unit, found.loop.count)} from its path.",
+            *([f"Hypotheses of Thm 8.2 that this loop violates: {broken}."] if broken else []),
+            f"The position is not fed back: at the end {offset_text(off, unit, found.loop.count)} from its reference.",
         ]
     )
 
@@ -59,28 +61,30 @@ def _regulation_text(found: RegulationResult, unit: str) -> str:
     count = found.loop.count if found.loop else 0.0
     if setpoint_data.get("ell_K") is not None:
         shares = (
-            f"{setpoint_data['predicted_distance_K2'] / setpoint_data['area_K2']:.2%} of the plane predicted"
+            f"{setpoint_data['predicted_distance_K2'] / setpoint_data['area_K2']:.2%} of the plane (plan)"
         )
         if found.distance_K2 is not None:
-            shares += f", {found.distance_K2 / setpoint_data['area_K2']:.2%} by the measured current"
+            shares += f", {found.distance_K2 / setpoint_data['area_K2']:.2%} (from the measured current)"
         lines.append(
             f"B_ℓ with ℓ = {setpoint_data['ell_K']:.1f} K, ψ(ℓ) = {setpoint_data['output']:.4g} {unit}; distance "
-            f"{shares}."
+            f"from B_ℓ: {shares}."
         )
     else:
-        lines.append(f"On the {setpoint_data['start']} branch, resting at {setpoint_data['rest_K']:.1f} K.")
+        lines.append(f"State on the {setpoint_data['start']} branch, input {setpoint_data['rest_K']:.1f} K.")
     if found.output_error is not None:
-        lines.append(f"After the approach {offset_text(found.output_error, unit, count)} from the set-point.")
+        lines.append(
+            f"After the approach: {offset_text(found.output_error, unit, count)} from the set-point."
+        )
     if found.transient is not None:
         largest = size(found.transient, unit, count)
-        lines.append(f"Largest transient of the readings from the disturbance on: {largest}.")
+        lines.append(f"Largest transient after the disturbance: {largest}.")
     if found.end is not None:
         lines += [hold_end_text(found.end, unit), *filter(None, [unsteady_text(found.end, unit)])]
     return "\n".join(lines)
 
 
 def offset_text(value: float, unit: str, count: float) -> str:
-    """A difference, its sign told either way: above or below what was wanted.
+    """A difference with its sign, in the unit and in counts.
 
     >>> offset_text(-0.094, "mm", 0.047), offset_text(-5e-5, "mm", 0.047)
     ('−0.094 mm (−2.0 counts)', '0 mm (0.0 counts)')
@@ -90,7 +94,7 @@ def offset_text(value: float, unit: str, count: float) -> str:
 
 
 def zero_below_resolution(value: float, count: float) -> float:
-    """A mean of readings, 0 where it is below a twentieth of a count, which is printed as none.
+    """A mean of readings, or 0 if it is below a twentieth of a count and would be printed as 0.0 counts.
 
     >>> zero_below_resolution(-5e-5, 0.047), zero_below_resolution(-5e-5, 0.0)
     (0.0, -5e-05)
@@ -99,7 +103,7 @@ def zero_below_resolution(value: float, count: float) -> float:
 
 
 def size(value: float, unit: str, count: float) -> str:
-    """How large something is, whichever way.
+    """A magnitude in the unit and in counts.
 
     >>> size(0.094, "mm", 0.047)
     '0.094 mm (2.0 counts)'
@@ -108,21 +112,22 @@ def size(value: float, unit: str, count: float) -> str:
 
 
 def hold_end_text(end: HoldEnd, unit: str) -> str:
-    """Mean and spread of the last stretch, and the current it took."""
+    """Mean error, standard deviation and current range at the end of a hold."""
     least, most = (number(round(current, 3)) for current in end.current_A)
     return (
-        f"In the last {number(end.seconds)} s {offset_text(end.mean, unit, end.count)} from the set-point on average, "
-        f"{size(end.std, unit, end.count)} rms about that; current {least} to {most} A."
+        f"Last {number(end.seconds)} s: mean error {offset_text(end.mean, unit, end.count)}, standard deviation "
+        f"{size(end.std, unit, end.count)}; current {least} to {most} A."
     )
 
 
 def unsteady_text(end: HoldEnd, unit: str) -> str:
-    """That a loop does not rest, or rests off its set-point; "" where it rests there, or nothing can be said."""
+    """A sentence on a loop that has not settled, or settled off its set-point; "" if it settled there or unknown."""
     least, most = (number(round(current, 3)) for current in end.current_A)
     peak_to_peak = size(end.peak_to_peak, unit, end.count)
-    between = f", the current between {least} A and {most} A"
+    between = f"; the current is between {least} A and {most} A"
     return {
-        "swings": f"It does not rest: it swings by {peak_to_peak}{between}.",
-        "moves": f"It does not rest: it still moves, by {peak_to_peak} in {number(end.seconds)} s{between}.",
-        "rests off": f"It rests {size(abs(end.mean), unit, end.count)} off.",
+        "swings": f"The position oscillates at the end of the hold: {peak_to_peak} peak to peak{between}.",
+        "moves": f"The position still moves at the end of the hold: {peak_to_peak} in {number(end.seconds)} s"
+        f"{between}.",
+        "rests off": f"The position settled {size(abs(end.mean), unit, end.count)} from the set-point.",
     }.get(end.verdict, "")

@@ -1,6 +1,6 @@
-"""How a held loop ended: mean error and what is left of movement over its last stretch, not one reading by chance.
+"""The end of a hold in closed loop: mean error and remaining motion over its last segment.
 
-A single reading is count noise, or a random phase of a limit cycle. Knows columns; refuses to know runs.
+A single reading would be count noise, or an arbitrary phase of a limit cycle.
 """
 
 from dataclasses import dataclass
@@ -11,18 +11,18 @@ from numpy.typing import NDArray
 from smarig.control import SETTLED_FOR_S, SETTLING_BAND_COUNTS
 
 Array = NDArray[np.float64]
-LAST_S = 60.0  # or the last quarter, where that is shorter
-MOVES_COUNTS = 1.0  # rms about the mean: twice what rounding to counts and the encoder's noise leave
-_CROSSING_SHARE = 0.9  # of the rms: as far on the other side of the mean counts as having crossed it
-_MIN_CROSSINGS = 2  # a loop that only creeps crosses its mean once
+LAST_S = 60.0  # or the last quarter, if that is shorter
+MOVES_COUNTS = 1.0  # rms about the mean: twice that of rounding to counts and encoder noise
+_CROSSING_SHARE = 0.9  # of the rms: a crossing of the mean must reach this far to the other side
+_MIN_CROSSINGS = 2  # a loop that creeps crosses its mean only once
 
 
 @dataclass(frozen=True)
 class HoldEnd:
-    """Errors (measured less wanted) over the last ``seconds`` of a hold, in the rig's unit; ``count`` 0 if unknown.
+    """Errors (measured − reference) over the last ``seconds`` of a hold, in the rig's unit; ``count`` 0 if unknown.
 
-    ``std`` is the rms about ``mean``, ``peak_to_peak`` from the least reading to the largest, ``current_A`` the
-    least and the largest current.
+    ``std`` is the rms about ``mean``, ``peak_to_peak`` the range of the readings, and ``current_A`` the smallest and
+    the largest current.
     """
 
     mean: float
@@ -35,7 +35,7 @@ class HoldEnd:
 
     @property
     def verdict(self) -> str:
-        """rests, rests off, swings or moves; "" where counts are unknown or the stretch is too short to say."""
+        """rests, rests off, swings or moves; "" if counts are unknown or the segment is too short."""
         if not self.count or self.seconds < SETTLED_FOR_S:
             return ""
         if self.std > MOVES_COUNTS * self.count:
@@ -46,9 +46,9 @@ class HoldEnd:
 def hold_end(
     t_s: Array, error: Array, current_A: Array, count: float, quiet_s: float = 0.0
 ) -> HoldEnd | None:
-    """Of columns (n,) from where the loop was closed; nothing before ``quiet_s`` (a disturbance) counts.
+    """The end of a hold from columns (n,) since the loop was closed, using readings after ``quiet_s`` (a disturbance).
 
-    None without a reading after it.
+    None without such a reading.
     """
     known = np.isfinite(error)
     if not known.any():

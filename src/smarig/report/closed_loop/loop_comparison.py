@@ -1,7 +1,6 @@
-"""The section of a comparison that only closed loops have: how well each went, beside those asked for the same.
+"""The closed-loop section of a comparison page.
 
-What was asked must be the same for errors to be compared, so loops are in groups by it. Refuses to know controllers
-and models.
+Errors are comparable only for the same reference or set-point, so loops are grouped by it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,7 +37,7 @@ _MISSING = "–"
 
 
 def loops_section(runs: Mapping[str, Run], first: int) -> list[Section]:
-    """One section of closed-loop runs by name, none without any; ``first`` is the place of the first one's colour."""
+    """One section of closed-loop runs by name, none without any; ``first`` is the colour index of the first run."""
     result = [
         (k, name, run, closed_loop_result(run)) for k, (name, run) in enumerate(runs.items(), start=first)
     ]
@@ -47,7 +46,7 @@ def loops_section(runs: Mapping[str, Run], first: int) -> list[Section]:
     unreadable = [name for _, name, _, f in result if f is None]
     parts = [*_tracking_parts(tracked), *_regulation_parts(held)]
     if unreadable:
-        words = f"What the record says of its closed loop cannot be read: {', '.join(unreadable)}."
+        words = f"The closed-loop data of these runs cannot be read: {', '.join(unreadable)}."
         parts.append(notice("warning", paragraph(words)))
     return [Section("Closed loops", "Closed loops", parts)] if parts else []
 
@@ -59,17 +58,17 @@ def _tracking_parts(loops: Sequence[ComparedTracking]) -> list[Any]:
     groups, parts = group_by_reference(loops), []
     if len(groups) > 1:
         words = (
-            f"These runs followed {len(groups)} different references. Errors along different references say nothing of "
-            "the controllers, so only runs of one reference are set side by side."
+            f"These runs tracked {len(groups)} different references. Errors along different references do not compare "
+            "controllers, so each table below contains runs of one reference."
         )
         parts.append(notice("warning", paragraph(words)))
     for group in groups:
         follow = group[0].result.reference
         parts += [
-            tag("h3", f"Along {follow.name}, {duration(follow.duration_s)}"),
+            tag("h3", f"Reference {follow.name}, {duration(follow.duration_s)}"),
             _tracking_table(group),
             *_lead_time_note(group),
-            tracking_overlay_figure(group) or paragraph("No loop was closed for long enough to be drawn."),
+            tracking_overlay_figure(group) or paragraph("No loop was closed long enough to draw it."),
         ]
     return parts
 
@@ -91,16 +90,13 @@ def _tracking_table(loops: Sequence[ComparedTracking]) -> Html:
         header += [with_subscripts(f"Velocity, {RATIO}"), with_subscripts("k_e (Thm 8.2)")]
     header += ["Energy (J)", "Peak temperature (K)"]
     skip_s = max(each.result.skip_s for each in loops)
-    words = "Errors are those of readings, encoder noise included; temperatures are predicted, above ambient."
+    words = "Errors are from readings and include encoder noise. Temperatures are predicted, above ambient."
     if skip_s:
-        words += f" Errors from {skip_s:g} s on: the way to the first point is no tracking."
+        words += f" Errors exclude the first {skip_s:g} s, the approach to the first point."
     if held:
-        words += (
-            f" Settled: within {SETTLING_BAND_COUNTS:g} counts and 5 s there; the median is over the steps that "
-            "settled."
-        )
+        words += f" Settled: within {SETTLING_BAND_COUNTS:g} counts for 5 s; the median is over the steps that settled."
     if fed_back:
-        words += " Velocity feedback does not follow the position."
+        words += " Velocity feedback does not feed back the position."
     rows = [_tracking_row(each, held=held, fed_back=fed_back) for each in loops]
     return table(header, rows, words, stacked=True)
 
@@ -124,20 +120,17 @@ def _tracking_row(each: ComparedTracking, *, held: bool, fed_back: bool) -> tupl
 
 
 def _lead_time_note(loops: Sequence[ComparedTracking]) -> list[Html]:
-    """That not all controllers look ahead alike, which is part of what differs between them."""
+    """A note if the controllers have different preview times, which explains part of their differences."""
     lead_times = [(each.name, each.lead_s) for each in loops if each.lead_s is not None]
     if len({lead for _, lead in lead_times}) < 2:
         return []
     ahead = ", ".join(f"{name} {lead:g} s" for name, lead in lead_times)
     words = (
-        f"Not all look ahead by the same time (lead_s): {ahead}. A controller that acts on what will be wanted begins "
-        "before the "
-        "reference moves; part of the difference is that."
+        f"The preview times (lead_s) differ: {ahead}. A controller with preview starts before the reference moves. "
+        "This explains part of the differences."
     )
     if loops[0].result.reference.held:
-        words += (
-            " What it moves before the next step counts as error of the step before, not as its overshoot."
-        )
+        words += " Motion before the next step counts as an error of the present step, not as its overshoot."
     return [paragraph(words)]
 
 
@@ -148,21 +141,21 @@ def _regulation_parts(loops: Sequence[ComparedRegulation]) -> list[Any]:
     groups, parts = group_by_setpoint(loops), []
     if len(groups) > 1:
         words = (
-            "These runs did not all hold the same set-point against the same disturbance: transients are compared only "
-            "among those that did."
+            "These runs differ in set-point or disturbance. Transients are compared only among runs with the same "
+            "set-point and disturbance."
         )
         parts.append(notice("warning", paragraph(words)))
     for group in groups:
         parts += [tag("h3", _setpoint_title(group[0])), _regulation_table(group)]
         measures = [regulation_overlay_figure(group), preisach_plane_figure(group)]
-        parts += [f for f in measures if f] or [paragraph("No loop was closed for long enough to be drawn.")]
+        parts += [f for f in measures if f] or [paragraph("No loop was closed long enough to draw it.")]
     return parts
 
 
 def _setpoint_title(each: ComparedRegulation) -> str:
     y, disturbance_K = each.result.setpoint_data["setpoint"], each.result.disturbance_K
-    against = f", disturbed by {signed(disturbance_K)} K" if disturbance_K else ", not disturbed"
-    return f"Held at {number(y, 4)} {display_unit(each.run.unit)}{against}"
+    against = f", disturbed by {signed(disturbance_K)} K" if disturbance_K else ", without disturbance"
+    return f"Set-point {number(y, 4)} {display_unit(each.run.unit)}{against}"
 
 
 def _regulation_table(loops: Sequence[ComparedRegulation]) -> Html:
@@ -178,7 +171,7 @@ def _regulation_table(loops: Sequence[ComparedRegulation]) -> Html:
         f"After the approach ({unit})",
         f"Largest transient ({unit})",
         "Transient (counts)",
-        "Over the smallest",
+        "Transient / smallest",
         "At the end (counts)",
         "Verdict",
     )
@@ -186,8 +179,9 @@ def _regulation_table(loops: Sequence[ComparedRegulation]) -> Html:
         [
             "Distances from ",
             B_ELL,
-            " are shares of the plane. Transient: the largest error of the readings from the disturbance on, also over "
-            "the smallest of them. At the end: mean error ± rms about it. What has a sign is measured less wanted.",
+            " are shares of the plane. Transient: the largest error of the readings after the disturbance starts, also "
+            "as a ratio to the smallest transient. At the end: mean error ± standard deviation. Signed values are "
+            "measured − reference.",
         ]
     )
     return table(header, [_regulation_row(each, least) for each in loops], words, stacked=True)

@@ -1,7 +1,4 @@
-"""Closed loops over each other: along one reference in time; at one set-point in time, in the plane, over the input.
-
-Knows what loops did; refuses to know controllers and models.
-"""
+"""Overlays of closed loops: over time for one reference; over time, input and the Preisach plane for one set-point."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -32,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:
-    """Wanted and measured positions, errors and currents over each other; None where nothing was measured."""
+    """Overlaid reference, positions, errors and currents; None if nothing was measured."""
     loops = [each for each in loops if each.drawn]
     if not loops:
         return None
@@ -48,23 +45,23 @@ def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:
     data.append(_reference_line(loops[0], size))
     titles = (output_title(run), f"Error ({'counts' if counted else display_unit(run.unit)})", "Current (A)")
     layout = stacked_layout(titles, (0.42, 0.34, 0.24), f"Time since the loop was closed ({unit})")
-    words = "Error: measured less wanted."
+    words = "Error: measured − reference."
     if counted:
         settled_errors = [each.loop.error[each.loop.t_s >= each.result.skip_s] for each in loops]
         half_range = error_half_range(np.concatenate(settled_errors))
         layout["yaxis2"]["range"] = [-half_range, half_range]
-        words = f"Error: measured less wanted, in encoder counts; band: ± {SETTLING_BAND_COUNTS:g} counts."
+        words = f"Error: measured − reference, in encoder counts. Band: ± {SETTLING_BAND_COUNTS:g} counts."
         words += clipped_text(np.concatenate([each.loop.error for each in loops]), half_range)
     return Figure(
         [Panel(data, layout, 680)],
-        f"Closed loops along {loops[0].result.reference.name} over each other.",
+        f"Closed loops along reference {loops[0].result.reference.name}, overlaid.",
         [words, _runs_text(loops)],
         source_label(*(each.run for each in loops)),
     )
 
 
 def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | None:
-    """|measured − set-point| since each loop was closed, and the control; None where none was closed."""
+    """|measured − set-point| since each loop was closed, and the control input; None if none was closed."""
     loops = [each for each in loops if each.drawn]
     if not loops:
         return None
@@ -90,10 +87,10 @@ def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | N
     layout["yaxis"]["range"] = [0.0, half_range]
     return Figure(
         [Panel(data, layout, 560)],
-        "Set-points held in closed loop, over each other.",
+        "Set-point regulation in closed loop, overlaid.",
         [
-            "Every clock begins where its loop was closed.",
-            "Tinted: the disturbance, added to the control input." if disturbances else "",
+            "Each time axis starts when the loop is closed.",
+            "Shaded: the disturbance, added to the control input." if disturbances else "",
             clipped_text(all_errors, half_range).strip() if counted else "",
             _runs_text(loops),
         ],
@@ -102,7 +99,7 @@ def regulation_overlay_figure(loops: Sequence[ComparedRegulation]) -> Figure | N
 
 
 def preisach_plane_figure(loops: Sequence[ComparedRegulation]) -> Figure | None:
-    """The states in which the loops were closed, and the way from there (Figs. 8.5 and 8.6)."""
+    """The states in which the loops were closed, and the output paths from there (Figs. 8.5 and 8.6)."""
     loops = [each for each in loops if each.drawn]
     if not loops:
         return None
@@ -114,14 +111,14 @@ def preisach_plane_figure(loops: Sequence[ComparedRegulation]) -> Figure | None:
     }
     return Figure(
         [_boundary_panel(loops), Panel(output_paths, layout, 460)],
-        "Where the loops were closed in the Preisach plane, and the way through the hysteresis from there on.",
+        "The states in which the loops were closed, and the paths of output against input from there.",
         [
             joined(
                 [
-                    "First panel: the memory when the loop was closed, along the temperature predicted from the "
-                    "measured current; relays above a boundary are down, those below are up",
-                    *(["; grey, ", B_ELL] if any(_goal_boundary(each) is not None for each in loops) else []),
-                    ". Second: output against input in closed loop (thesis, Figs. 8.5 and 8.6).",
+                    "First panel: the boundary when the loop was closed, computed from the temperature predicted from "
+                    "the measured current. Relays above a boundary are down, those below are up",
+                    *(["; grey: ", B_ELL] if any(_goal_boundary(each) is not None for each in loops) else []),
+                    ". Second panel: output against input in closed loop (thesis, Figs. 8.5 and 8.6).",
                 ]
             ),
             _runs_text(loops),
@@ -154,7 +151,7 @@ def _goal_boundary(each: ComparedRegulation) -> float | None:
 
 
 def _output_path(each: ComparedRegulation) -> Trace:
-    """Output against input since the loop was closed, outputs with the model's zero: all begin at the set-point."""
+    """Output against input since the loop was closed, on the model's zero, so that all paths start at the set-point."""
     loop = each.loop
     kept = path(loop.input_K, loop.position)
     return _line(each, loop.input_K[kept], loop.position[kept] + each.result.zero)
@@ -165,7 +162,7 @@ def _disturbances_text(loops: Sequence[ComparedRegulation]) -> list[tuple[float,
 
 
 def _longest_time(loops: Sequence[ComparedLoop]) -> Array:
-    """The times of the loop that was closed longest."""
+    """The times of the longest closed loop."""
     return max((each.loop.t_s for each in loops), key=lambda t: float(t[-1]))
 
 
@@ -175,7 +172,7 @@ def _error_trace(each: ComparedLoop, *, counted: bool) -> Array:
 
 
 def _reference_line(each: ComparedTracking, size: float) -> Trace:
-    """The reference itself; the last point of steps is their end, and none of them."""
+    """The reference; the last point of a sequence of steps is its end, not a step."""
     reference = each.result.reference
     t, y = np.array(reference.t_s) / size, np.array(reference.position)
     if reference.held:

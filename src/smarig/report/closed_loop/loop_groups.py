@@ -1,7 +1,4 @@
-"""Closed loops put in groups in which they can be compared: along one reference, or at one set-point disturbed alike.
-
-Knows runs and what their loops did; refuses to know tables and figures.
-"""
+"""Groups of comparable closed loops: the same reference, or the same set-point and disturbance."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
@@ -18,7 +15,7 @@ _EMPTY_SEGMENT = LoopSegment(*(np.empty(0) for _ in range(5)), count=0.0)
 
 @dataclass(frozen=True, eq=False)
 class ComparedLoop(Generic[Found]):
-    """The loop of a run among others; ``k`` is the run's colour on the page."""
+    """A closed loop in a comparison; ``k`` is the colour index of its run on the page."""
 
     k: int
     name: str
@@ -27,22 +24,22 @@ class ComparedLoop(Generic[Found]):
 
     @property
     def loop(self) -> LoopSegment:
-        """Its samples; none where it was never closed."""
+        """The samples of the loop; none if it was never closed."""
         return self.result.loop or _EMPTY_SEGMENT
 
     @property
     def count(self) -> float:
-        """One count in the run's unit; 0 where the loop was never closed, or the run does not say."""
+        """One count in the run's unit; 0 if the loop was never closed or the count size is unknown."""
         return self.loop.count
 
     @property
     def drawn(self) -> bool:
-        """Whether there is a loop to draw."""
+        """Whether the loop has enough samples to draw."""
         return self.loop.t_s.size >= 2
 
     @property
     def lead_s(self) -> float | None:
-        """How far its controller looks ahead, where the record says so."""
+        """The preview time of its controller, None if the record does not contain it."""
         try:
             return float(self.run.info.settings["lead_s"])
         except (KeyError, TypeError, ValueError):
@@ -54,12 +51,12 @@ ComparedRegulation = ComparedLoop[RegulationResult]
 
 
 def group_by_reference(loops: Sequence[ComparedTracking]) -> list[list[ComparedTracking]]:
-    """Those that followed the same positions at the same times, whatever the references are called."""
+    """Group loops with the same positions at the same times, independent of the reference's name."""
     return _grouped(loops, [(r.t_s, r.position, r.held) for r in (each.result.reference for each in loops)])
 
 
 def group_by_setpoint(loops: Sequence[ComparedRegulation]) -> list[list[ComparedRegulation]]:
-    """Those that held the same set-point against the same disturbance."""
+    """Group loops with the same set-point and the same disturbance."""
     return _grouped(
         loops, [(each.result.setpoint_data["setpoint"], each.result.disturbance_K) for each in loops]
     )

@@ -1,7 +1,7 @@
-"""What a closed-loop run did, read from its record alone: where the loop was closed, and how well it went.
+"""The result of a closed-loop run, computed from its record: the samples in closed loop and the errors.
 
-Runs are recognised by their marks; what a controller wanted and what was foretold of B_ℓ stand in them. Positions are
-the readings, encoder noise and quantum included. Refuses to know models.
+Marks identify closed-loop runs and contain the reference and the predicted distance from B_ℓ. Positions are readings
+and include encoder noise and quantisation.
 """
 
 from collections.abc import Mapping
@@ -32,12 +32,12 @@ from smarig.report.closed_loop.velocity_result import VelocityResult
 from smarig.report.components.run_description import count_size
 
 Array = NDArray[np.float64]
-SKIP_S = 20.0  # the way to the first point of a moving reference is no tracking
+SKIP_S = 20.0  # the approach to the first point of a moving reference is not tracking
 
 
 @dataclass(frozen=True, eq=False)
 class LoopSegment:
-    """The samples of the closed loop, (n,) each; time since it was closed, the predicted temperature as input."""
+    """The samples in closed loop, (n,) each; time since it was closed, predicted temperature as input."""
 
     t_s: Array
     wanted: Array
@@ -48,15 +48,15 @@ class LoopSegment:
 
     @property
     def error(self) -> Array:
-        """Measured less wanted, in counts (in the unit where the run does not say what a count is)."""
+        """Measured − reference, in counts (in the run's unit if the count size is unknown)."""
         return (self.position - self.wanted) / (self.count or 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class TrackingResult:
-    """A run along a reference; ``measures`` is None for one that ended before there were any.
+    """A tracking run; ``measures`` is None if the run ended before any error was measured.
 
-    ``velocity`` is what the loop did by Thm 8.2 where it fed back the velocity, None where it fed back the position.
+    ``velocity`` is the result in terms of Thm 8.2 for velocity feedback, None for position feedback.
     """
 
     controller: str
@@ -67,7 +67,7 @@ class TrackingResult:
     velocity: VelocityResult | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Figures in the rig's unit, and errors in counts besides."""
+        """Results in the rig's unit, and errors also in counts."""
         plain: dict[str, Any] = {
             "controller": self.controller,
             "reference": self.reference.name,
@@ -89,12 +89,12 @@ class TrackingResult:
 
 @dataclass(frozen=True, eq=False)
 class RegulationResult:
-    """A run that held a set-point. ``setpoint_data`` are those of its mark; areas in K², outputs in the rig's unit.
+    """A regulation run. ``setpoint_data`` is the data of its mark; areas in K², outputs in the rig's unit.
 
-    ``distance_K2`` is d(B, B_ℓ) along the predicted temperature of the wire, ``output_error`` the measured output less
-    the set-point after the approach, ``transient`` the largest |error| of the readings from the disturbance on (None
-    without one), ``disturbance_s`` when it began and ended, ``disturbance_K`` how large it was, ``end`` the last
-    stretch. ``zero`` is what the model's scale has more than the encoder's.
+    ``distance_K2`` is d(B, B_ℓ), computed from the predicted temperature of the wire. ``output_error`` is the measured
+    output minus the set-point after the approach. ``transient`` is the largest |error| of the readings after the
+    disturbance starts (None without a disturbance). ``disturbance_s`` gives its start and end, ``disturbance_K`` its
+    size. ``end`` describes the last segment. ``zero`` is added to the encoder's scale to obtain the model's scale.
     """
 
     setpoint_data: dict[str, Any]
@@ -109,7 +109,7 @@ class RegulationResult:
     end: HoldEnd | None
 
     def to_json(self) -> dict[str, Any]:
-        """The figures; ψ's curve and the boundaries stay in the record."""
+        """The results without the curve of ψ and the boundaries, which the record contains."""
         drawn = ("psi_ell_K", "psi", "predicted_boundary")
         return {key: value for key, value in self.setpoint_data.items() if key not in drawn} | {
             "reached_distance_K2": self.distance_K2,
@@ -123,12 +123,12 @@ class RegulationResult:
 
 
 def is_closed_loop(run: Run) -> bool:
-    """Whether a run's loop was closed, or was going to be."""
+    """Whether a run has a closed loop, or was to have one."""
     return _mark(run, TRACKING_LOOP_CLOSED) is not None or _mark(run, REGULATION_PLANNED) is not None
 
 
 def closed_loop_result(run: Run) -> TrackingResult | RegulationResult | None:
-    """What the loop of a run did; None for runs without one, and for marks that are not ours."""
+    """The result of a run's closed loop; None for runs without one and for marks of other programs."""
     try:
         if (mark := _mark(run, TRACKING_LOOP_CLOSED)) is not None:
             return _tracking_result(run, mark)
@@ -147,7 +147,7 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
     reference, start_s = Reference.of(mark.data["reference"]), float(mark.data["start_s"])
     rows = _closed_rows(run, mark, start_s)
     t = run["t_s"][rows] - start_s
-    if reference.held:  # the last point of steps is their end, and none of them
+    if reference.held:  # the last point of a sequence of steps is its end, not a step
         rows = rows[t < reference.duration_s - 1e-6]
         t = run["t_s"][rows] - start_s
     loop = _segment(run, rows, t, np.array([reference.at(v) for v in t.tolist()]))
@@ -167,7 +167,7 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
 
 
 def _lead_time_s(setting: Any) -> float:
-    """How far the controller of a record looked ahead; 0 where that is not said."""
+    """The preview time of the controller of a record; 0 if it is not recorded."""
     try:
         return max(0.0, float(setting))
     except (TypeError, ValueError):
@@ -221,11 +221,11 @@ def _regulation_result(run: Run, mark: Event) -> RegulationResult:
 
 
 def _setpoint_data(data: Mapping[str, Any]) -> dict[str, Any]:
-    """What the mark of a set-point says, as numbers; KeyError or ValueError where it says too little."""
+    """The data of a set-point's mark as numbers; KeyError or ValueError if they are incomplete."""
     plain = {key: float(data[key]) for key in ("setpoint", "rest_K", "lower_K", "upper_K")}
     ell, psi = ([float(v) for v in data[key]] for key in ("psi_ell_K", "psi"))
     if len(ell) != len(psi) or not len(psi) or not plain["lower_K"] < plain["upper_K"]:
-        raise ValueError("ψ is drawn over the range of the inputs")
+        raise ValueError("lengths of ψ and ℓ differ, or the range of inputs is empty")
     found = {**plain, "start": str(data["start"]), "psi_ell_K": ell, "psi": psi}
     if "ell_K" in data:
         found |= {key: float(data[key]) for key in _PLAN_KEYS}
@@ -242,7 +242,7 @@ _PLAN_KEYS = (
 
 
 def _disturbance(run: Run, closed_s: float) -> tuple[tuple[float, float] | None, float]:
-    """When the disturbance began and ended, and its kelvin of source; None and 0 without one."""
+    """Start and end of the disturbance, and its size in K of the source; None and 0 without one."""
     marks = [e for e in run.events if e.kind == "mark" and e.text == SETPOINT_DISTURBED]
     if not marks:
         return None, 0.0
@@ -252,7 +252,7 @@ def _disturbance(run: Run, closed_s: float) -> tuple[tuple[float, float] | None,
 
 
 def _closed_rows(run: Run, mark: Event, start_s: float) -> NDArray[np.intp]:
-    """Rows of the samples from a mark to the opening of the loop, or to the end."""
+    """Rows of the samples from a mark to the opening of the loop, or to the end of the run."""
     opened = next(
         (
             e.t_s

@@ -1,4 +1,4 @@
-"""Set-point regulation in the Preisach plane: ψ with ψʳ of the set-point, B_ℓ wanted, foretold and reached (§8.3)."""
+"""Set-point regulation in the Preisach plane (§8.3): ψ with ψʳ of the set-point, and B_ℓ as target and as reached."""
 
 from collections.abc import Sequence
 
@@ -20,7 +20,7 @@ def regulation_plane_figure(run: Run, found: RegulationResult) -> Figure:
     """ψ(ℓ) with the set-point, and the boundaries over the plane."""
     return Figure(
         [_psi_panel(run, found), _boundaries_panel(run, found)],
-        "ψ(ℓ), and the memory of the wire in the Preisach plane.",
+        "ψ(ℓ), and the state of the wire in the Preisach plane.",
         [_caption(run, found), run_caption(run)],
         source_label(run),
         440,
@@ -33,10 +33,9 @@ def _caption(run: Run, found: RegulationResult) -> Html:
         return joined(
             [
                 f"The set-point {number(setpoint_data['setpoint'], 4)} {unit} was reached on the "
-                f"{setpoint_data['start']} branch, at "
-                f"rest at {number(setpoint_data['rest_K'], 4)} {run.input_unit}. Second panel: blue, the memory along "
-                "the "
-                "temperature predicted from the measured current; relays above it are down, those below are up."
+                f"{setpoint_data['start']} branch at an input of {number(setpoint_data['rest_K'], 4)} "
+                f"{run.input_unit}. Second panel: blue, the boundary computed from the temperature predicted from the "
+                "measured current. Relays above it are down, those below are up."
             ]
         )
     share = number(100 * setpoint_data["predicted_distance_K2"] / setpoint_data["area_K2"])
@@ -49,16 +48,15 @@ def _caption(run: Run, found: RegulationResult) -> Html:
         [
             f"First panel: ψʳ({number(setpoint_data['setpoint'], 4)} {unit}) = "
             f"{number(setpoint_data['ell_K'], 4)} {run.input_unit}, "
-            "ψ being the output of ",
+            "where ψ is the output of ",
             B_ELL,
-            " on the model's scale. Second: black, ",
+            " on the model's scale. Second panel: dashed black, the target ",
             B_ELL,
-            ", dashed; orange, as predicted for the planned currents; blue, along the temperature predicted from the "
-            "measured current. Relays above a boundary are down, those below are up. Distance from ",
+            "; orange, predicted for the planned currents; blue, computed from the measured current. "
+            "Relays above a boundary are down, those below are up. Distance from ",
             B_ELL,
-            f", the area between: predicted {share} %{reached} of the plane, after {setpoint_data['cycles']:.0f} "
-            "cycles of "
-            f"{number(setpoint_data['wave_s'])} s.",
+            f" (the area between, as a share of the plane): predicted {share} %{reached}, after "
+            f"{setpoint_data['cycles']:.0f} cycles of {number(setpoint_data['wave_s'])} s.",
         ]
     )
 
@@ -102,7 +100,7 @@ def _boundaries_panel(run: Run, found: RegulationResult) -> Panel:
         plane = BoundaryPlane(low, high)
         target_boundary = plane.points(plane.target_boundary(float(setpoint_data["ell_K"])))
         data.append(
-            line(*boundary_curve(target_boundary), "wanted, α = 2ℓ − β", INK, width=2.2, dash="7px,5px")
+            line(*boundary_curve(target_boundary), "target, α = 2ℓ − β", INK, width=2.2, dash="7px,5px")
         )
     ends = [low, high]
     layout = {

@@ -1,4 +1,4 @@
-"""What velocity feedback did, read from the record: measured ratio, k_e, hypotheses, and the signals they are of."""
+"""The result of velocity feedback, computed from the record: measured ratio, k_e, hypotheses and signals."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -18,11 +18,11 @@ RATIO = "‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖)"
 
 @dataclass(frozen=True)
 class VelocityResult:
-    """Thm 8.2 beside what was measured; δ, γ and k_e in the units that ``k_e_units`` tells.
+    """The quantities of Thm 8.2 and the measured ratio; δ, γ and k_e in the units given by ``k_e_units``.
 
-    ``rest_ratio`` is that of a wire that stands still, ``bound_share`` the error over the bound that needs no units.
-    ``k_e`` is None where the theorem does not cover model and controller, the ratios and ``clipped_share`` None where
-    the loop ended early or nothing drove it.
+    ``rest_ratio`` is the ratio of a wire at rest. ``bound_share`` is the error divided by the bound, in any units.
+    ``k_e`` is None if the theorem does not cover model and controller. The ratios and ``clipped_share`` are None if
+    the loop ended early or its reference did not move.
     """
 
     ratio: float | None
@@ -43,7 +43,7 @@ class VelocityResult:
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> "VelocityResult":
-        """From a mark; KeyError, TypeError or ValueError where it says too little."""
+        """From the data of a mark; KeyError, TypeError or ValueError if they are incomplete."""
         values: dict[str, Any] = {key: _number_or_none(data.get(key)) for key in MEASURED_KEYS}
         values |= {key: float(data[key]) for key in ("delta", "gamma", "offset_K", "filter_s")}
         units = data["units"]
@@ -60,7 +60,7 @@ class VelocityResult:
 
     @property
     def failing(self) -> tuple[Hypothesis, ...]:
-        """The hypotheses that this loop does not keep, or is not known to."""
+        """The hypotheses that this loop violates, or that are not decided."""
         return failing(self.hypotheses)
 
     @property
@@ -70,7 +70,7 @@ class VelocityResult:
 
     @property
     def better_than_rest(self) -> bool | None:
-        """Whether the wire followed better than one that stands still; None without a ratio."""
+        """Whether the wire tracked better than a wire at rest; None without a ratio."""
         return None if self.ratio is None or self.rest_ratio is None else self.ratio < self.rest_ratio
 
     def to_json(self) -> dict[str, Any]:
@@ -84,9 +84,7 @@ def _number_or_none(value: Any) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class VelocitySignals:
-    """Of a loop's samples, (n,) each: ``rate`` ṙ, ``velocity`` as filtered, ``ratio`` and that of a wire at rest
-    up to each.
-    """
+    """Signals at a loop's samples, (n,) each: ``rate`` ṙ, filtered ``velocity``, and the ratios up to each sample."""
 
     rate: Array
     velocity: Array
@@ -97,7 +95,7 @@ class VelocitySignals:
     def of(
         cls, reference: Reference, t_s: Array, position: Array, found: VelocityResult
     ) -> "VelocitySignals":
-        """Computed again from the readings; ``t_s`` from where the loop was closed."""
+        """Computed from the readings; ``t_s`` since the loop was closed."""
         dt_s = float(np.median(np.diff(t_s)))
         wanted = [(reference.at(t), reference.at(t - dt_s)) for t in t_s.tolist()]
         rate = np.array([(now - before) / dt_s for now, before in wanted])
@@ -109,19 +107,19 @@ class VelocitySignals:
 
 
 def velocity_verdict(velocity: VelocityResult) -> str:
-    """The measured ratio held against k_e, and how far that reaches, in a sentence or two."""
+    """The measured ratio compared with k_e, and the scope of that bound, in one or two sentences."""
     if velocity.ratio is None:
-        return "The loop ended before its ratio was measured."
-    measured = f"Measured {RATIO} = {number(velocity.ratio)} (a wire at rest: {number(velocity.rest_ratio)})"
+        return "The loop ended before the ratio was measured."
+    measured = f"Measured {RATIO} = {number(velocity.ratio)} (wire at rest: {number(velocity.rest_ratio)})"
     if velocity.k_e is None:
         return f"{measured}. Thm 8.2 gives no k_e for this model and controller: {velocity.coverage}."
-    within = "within" if velocity.within else "beyond"
+    within = "within the bound" if velocity.within else "above the bound"
     share = (
         f"; in any units, {number(100 * velocity.bound_share)} % of [(γ + δ)‖ṙ‖ + ‖u_o‖]/δ"
         if velocity.offset_K and velocity.bound_share is not None
         else ""
     )
     return (
-        f"{measured}, {within} k_e = {number(velocity.k_e)}{share}. That bound is proved for the operator without "
-        "delay, noise and quantum, not for this rig."
+        f"{measured}, {within} k_e = {number(velocity.k_e)}{share}. The bound is proved for the operator without "
+        "delay, noise and quantisation; it is not proved for this rig."
     )

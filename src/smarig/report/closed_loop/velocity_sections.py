@@ -1,4 +1,4 @@
-"""Velocity feedback on a run's page: the measured ratio beside k_e, over time, and what of Thm 8.2 the rig keeps."""
+"""Velocity feedback on a run's page: the measured ratio and k_e over time, and the hypotheses of Thm 8.2."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ _SHARES = (0.25, 0.22, 0.19, 0.15, 0.19)  # of the height, from above
 
 
 def velocity_parts(run: Run, found: TrackingResult, velocity: VelocityResult) -> list[Any]:
-    """All of the section; ``found`` has at least two samples."""
+    """The parts of the section; ``found`` has at least two samples."""
     return [
         _cards(run, found, velocity),
         _verdict(velocity),
@@ -39,7 +39,7 @@ def velocity_parts(run: Run, found: TrackingResult, velocity: VelocityResult) ->
 
 def _verdict(velocity: VelocityResult) -> Html:
     broken = [h.name for h in velocity.failing if h.holds is False]
-    words = f" This loop does not keep: {', '.join(broken)}." if broken else ""
+    words = f" This loop violates: {', '.join(broken)}." if broken else ""
     kind = "good" if velocity.within and velocity.better_than_rest else "warning"
     return notice(
         kind, paragraph(tag("b", with_subscripts(velocity_verdict(velocity))), with_subscripts(words))
@@ -48,7 +48,7 @@ def _verdict(velocity: VelocityResult) -> Html:
 
 def _cards(run: Run, found: TrackingResult, velocity: VelocityResult) -> Html:
     f, gain, unit = found.measures, display_unit(velocity.gain_unit), display_unit(run.unit)
-    raw = f"a wire at rest {number(velocity.rest_ratio)}, unfiltered velocity {number(velocity.raw_ratio)}"
+    raw = f"wire at rest {number(velocity.rest_ratio)}, unfiltered velocity {number(velocity.raw_ratio)}"
     law = joined(
         [
             f"δ = {number(velocity.delta)} {gain}, γ = {number(velocity.gamma)} {gain}, ",
@@ -61,24 +61,28 @@ def _cards(run: Run, found: TrackingResult, velocity: VelocityResult) -> Html:
     off = found.loop.position[-1] - found.loop.wanted[-1]
     items = [
         ("Measured ratio", number(velocity.ratio), joined([with_subscripts(RATIO), "; ", raw])),
-        (with_subscripts("k_e (Thm 8.2)"), number(velocity.k_e), "of the operator, not of this rig"),
+        (with_subscripts("k_e (Thm 8.2)"), number(velocity.k_e), "proved for the operator, not for this rig"),
         ("Controller", found.controller, law),
         ("Samples at a limit", clipped, peak),
-        ("Position at the end", f"{signed(float(off))} {unit}", "off the path; it is not fed back"),
+        (
+            "Position at the end",
+            f"{signed(float(off))} {unit}",
+            "from the reference; the position is not fed back",
+        ),
     ]
     return cards(items)
 
 
 def velocity_figure(run: Run, found: TrackingResult, velocity: VelocityResult) -> Figure:
-    """ṙ and the measured velocity, the ratio up to every time beside k_e, position, current and temperature."""
+    """ṙ and the measured velocity, the ratio up to each time with k_e, position, current and temperature."""
     loop = found.loop
     signals = VelocitySignals.of(found.reference, loop.t_s, loop.position, velocity)
     second, t_unit = time_unit(float(loop.t_s[-1]))
     t, unit = loop.t_s / second, display_unit(run.unit)
     rows = (
-        ((signals.velocity, "measured", POSITION, "solid"), (signals.rate, "wanted", INK, "dot")),
-        ((signals.rest_ratio, "a wire at rest", GREY, "dash"), (signals.ratio, "ratio", INK, "solid")),
-        ((loop.position, "measured", POSITION, "solid"), (loop.wanted, "wanted", INK, "dot")),
+        ((signals.velocity, "measured", POSITION, "solid"), (signals.rate, "reference", INK, "dot")),
+        ((signals.rest_ratio, "wire at rest", GREY, "dash"), (signals.ratio, "ratio", INK, "solid")),
+        ((loop.position, "measured", POSITION, "solid"), (loop.wanted, "reference", INK, "dot")),
         ((loop.current_A, "current", CURRENT, "solid"),),
         ((loop.input_K, "predicted temperature", TEMPERATURE, "solid"),),
     )
@@ -86,7 +90,7 @@ def velocity_figure(run: Run, found: TrackingResult, velocity: VelocityResult) -
     for row, y_axis in zip(rows, ROWS):
         for values, name, colour, dash in row:
             kept = envelope(values, POINTS)
-            legend = y_axis == "y" or name == "a wire at rest"
+            legend = y_axis == "y" or name == "wire at rest"
             style = {"width": 1.2, "dash": dash, "yaxis": y_axis, "showlegend": legend}
             data.append(line(t[kept], values[kept], name, colour, **style))
     titles = (f"Velocity ({unit}/s)", "Ratio up to t", output_title(run), "Current (A)", input_title(run))
@@ -98,13 +102,15 @@ def velocity_figure(run: Run, found: TrackingResult, velocity: VelocityResult) -
     layout["yaxis2"] |= {"type": "log", "range": [low, high], "dtick": 1 if high - low > 1.5 else "D2"}
     return Figure(
         [Panel(data, layout, 860)],
-        f"Velocity feedback by {found.controller} along {found.reference.name}.",
+        f"Velocity feedback: controller {found.controller}, reference {found.reference.name}.",
         [
-            f"Velocity: differences of the readings through a filter of {velocity.filter_s:g} s, as the loop had it.",
-            joined(["Ratio: ", with_subscripts(RATIO), " from the closing of the loop up to each time."]),
-            "Grey: that of a wire which stands still.",
-            "The position is not fed back, so an error of it remains.",
-            f"The first {number(velocity.lead_in_s)} s lead there from zero." if velocity.lead_in_s else "",
+            f"Velocity: differences of the readings through the loop's filter of {velocity.filter_s:g} s.",
+            joined(["Ratio: ", with_subscripts(RATIO), " from the closing of the loop to each time."]),
+            "Grey: the ratio of a wire at rest.",
+            "The position is not fed back, so a position error remains.",
+            f"The reference rises from zero in the first {number(velocity.lead_in_s)} s."
+            if velocity.lead_in_s
+            else "",
             f"n = {loop.t_s.size} samples in closed loop;",
             run_caption(run),
         ],
@@ -113,7 +119,7 @@ def velocity_figure(run: Run, found: TrackingResult, velocity: VelocityResult) -
 
 
 def _decades(signals: VelocitySignals, velocity: VelocityResult) -> tuple[float, float]:
-    """Powers of ten that the ratio's row reaches over: k_e, both ratios, but not the first tenth of the samples."""
+    """Range of the ratio's axis as powers of ten: k_e and both ratios without the first tenth of the samples."""
     rows = (signals.ratio, signals.rest_ratio)
     shown = np.concatenate([row[row.size // 10 :] for row in rows] + [[velocity.k_e or 1.0]])
     shown = shown[np.isfinite(shown) & (shown > 0)]
@@ -124,5 +130,5 @@ def _hypotheses_table(velocity: VelocityResult) -> Html:
     rows = [
         (with_subscripts(h.name), HOLDS_TEXT[h.holds], with_subscripts(h.why)) for h in velocity.hypotheses
     ]
-    words = "Hypotheses of Thm 8.2, of model, controller and rig: what this loop keeps of them and what it breaks."
+    words = "Hypotheses of Thm 8.2 on model, controller and rig, and whether this loop satisfies them."
     return table(("Hypothesis", "Verdict", "Why"), rows, words)

@@ -1,1 +1,1 @@
-"""What all pages are built from: escaped HTML, figures, numbers in words, styles."""
+"""Building blocks of all pages: escaped HTML, figures, formatted numbers, styles."""

@@ -1,4 +1,4 @@
-"""What the pages of comparisons share: names that tell things apart, how many can be, whose banner. No figures."""
+"""Parts of all comparison pages: distinct names, the largest number of items, and the banner."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ from smarig.report.components.style import COMPARED
 
 
 def distinct_names(files: Sequence[Path], ending: str) -> list[str]:
-    """Short names that tell the files apart: without their ending, with folders as far as needed.
+    """Short distinct names of files: without their ending, with as many folders as needed.
 
     >>> distinct_names([Path("a/x.run.sqlite"), Path("b/x.run.sqlite"), Path("b/y.run.sqlite")], ".run.sqlite")
     ['a/x', 'b/x', 'y']
@@ -24,15 +24,15 @@ def distinct_names(files: Sequence[Path], ending: str) -> list[str]:
 
 
 def check_comparable_count(things: Sequence[object], kind: str) -> None:
-    """UsageError when there are more of them than colours that can be told apart."""
+    """Raise UsageError if there are more items than distinguishable colours."""
     if len(things) > len(COMPARED):
         raise UsageError(
-            f"{len(things)} {kind} cannot be distinguished in one figure; compare at most {len(COMPARED)}."
+            f"{len(things)} {kind} cannot be distinguished in one figure. Compare at most {len(COMPARED)}."
         )
 
 
 def banner(labels: Sequence[str]) -> tuple[str, str]:
-    """The banner's label and its sentence, from each run's label: all of them simulated, or only some.
+    """The banner's label and its sentence, from the labels of all runs.
 
     >>> banner(["TWIN", "", ""])
     ('TWIN', '1 of the 3 runs on this page come from a software simulation.')

@@ -1,4 +1,4 @@
-"""Fewer points for a screen without losing an extreme: each bucket keeps its least and greatest value."""
+"""Thins traces for the screen without losing an extreme: each bucket keeps its minimum and maximum."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,9 +7,9 @@ POINTS = 1600  # a trace stays under 3000 points
 
 
 def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:
-    """Indices (≤ points, increasing) that keep minimum and maximum of every bucket, and both ends.
+    """Indices (≤ points, increasing) of the minimum and maximum of every bucket, and of both ends.
 
-    NaN is kept only where a whole bucket has nothing else, so that gaps stay gaps.
+    NaN is kept only if a bucket contains nothing else, so that gaps remain gaps.
 
     >>> envelope(np.arange(10.0), 4).tolist()
     [0, 4, 5, 9]
@@ -27,7 +27,7 @@ def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.in
 
 
 def path(u: NDArray[np.float64], y: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:
-    """Indices for a curve (u, y) in order: the envelopes of both coordinates."""
+    """Indices that thin a curve (u, y): the envelopes of both coordinates, in order."""
     if u.size <= points:
         return np.arange(u.size)
     return np.union1d(envelope(u, points // 2), envelope(y, points // 2))

@@ -1,7 +1,6 @@
-"""A figure: panels of plain Plotly traces, a title sentence, and a caption that can be read alone.
+"""A figure: panels of Plotly traces, a title sentence, and a self-contained caption.
 
-Traces and layouts are plain dictionaries in Plotly's own schema, arrays are packed in base64, so a page
-holds no Python objects and no default template. Knows no page and no physics.
+Traces and layouts are plain dictionaries in Plotly's schema, with arrays packed in base64.
 """
 
 import base64
@@ -19,7 +18,7 @@ from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
 
 Trace = dict[str, Any]
-AXIS_MARGIN = 1.15  # how far an axis reaches, over what is drawn
+AXIS_MARGIN = 1.15  # length of an axis relative to the largest value drawn
 WATERMARK = {
     "xref": "paper",
     "yref": "paper",
@@ -36,9 +35,9 @@ WATERMARK = {
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot: traces and layout (Plotly schema), height in CSS pixels; ``wide`` takes a whole row.
+    """One plot: traces and layout (Plotly schema), height in CSS pixels; a ``wide`` panel takes a whole row.
 
-    On pages narrower than ``min_width_px`` it keeps that width and scrolls inside its frame.
+    On pages narrower than ``min_width_px`` the panel keeps that width and scrolls inside its frame.
     """
 
     data: Sequence[Trace]
@@ -50,9 +49,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class Figure:
-    """Panels under one caption; ``label`` says loudly that nothing was measured ("TWIN"), "" on hardware.
+    """Panels under one caption; ``label`` marks simulated data ("TWIN"), "" for hardware.
 
-    ``min_width_px`` is the width below which panels stand under each other.
+    Panels narrower than ``min_width_px`` are stacked.
     """
 
     panels: Sequence[Panel]
@@ -62,7 +61,7 @@ class Figure:
     min_width_px: int = 560
 
     def html(self) -> Html:
-        """The figure as markup; its plots are drawn by the page's script."""
+        """The figure as HTML; the page's script draws its plots."""
         panels = [_panel(panel, self) for panel in self.panels]
         badge = joined([label_badge(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
@@ -74,12 +73,12 @@ class Figure:
 
     @property
     def _is_scrollable(self) -> bool:
-        """Whether a panel may be wider than a small screen: the frame is then one that keys can scroll."""
+        """Whether a panel may be wider than a small screen, so that the frame must scroll by keyboard."""
         return any(panel.min_width_px for panel in self.panels)
 
 
 def label_badge(label: str) -> Html:
-    """The label that a caption begins with."""
+    """The badge at the beginning of a caption."""
     return tag("span", f"{label} · simulated, not hardware", class_="twin")
 
 
@@ -91,7 +90,7 @@ def _panel(panel: Panel, figure: Figure) -> Html:
             WATERMARK | _watermark_position(layout) | {"text": figure.label},
         ]
     text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
-    # "<" must not end the script element it stands in
+    # "<" must not end the enclosing script element
     script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
     size = f"--high:{panel.height}px" + (f";min-width:{panel.min_width_px}px" if panel.min_width_px else "")
     plot = tag("div", script, class_="plot", style=size, role="img", aria_label=alt_text(panel, figure))
@@ -99,13 +98,13 @@ def _panel(panel: Panel, figure: Figure) -> Html:
 
 
 def _watermark_position(layout: Mapping[str, Any]) -> dict[str, str]:
-    """Where the label is put: at the frame, where axes of one scale leave part of the paper empty."""
+    """The watermark's position: at the axes if axes of equal scale leave part of the paper empty."""
     framed = layout.get("xaxis", {}).get("constrain") == "domain"
     return {"xref": "x domain", "yref": "y domain"} if framed else {}
 
 
 def alt_text(panel: Panel, figure: Figure) -> str:
-    """What a plot shows, for those who hear the page: whose it is, its axes with units, and what is drawn."""
+    """The text alternative of a plot for screen readers: label, title, axes with units, and names of the traces."""
     flat = [_title(panel.layout[key]) for key in panel.layout if key.startswith("yaxis")]
     solid = panel.layout.get("scene", {})
     vertical = ", ".join(filter(None, flat)) or _title(solid.get("zaxis", {}))
@@ -126,7 +125,7 @@ def _title(axis: Mapping[str, Any]) -> str:
 
 
 def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
-    """An array as Plotly's typed-array specification; NaN stays NaN. ``single`` halves long traces.
+    """An array as Plotly's typed-array specification; NaN is kept. ``single`` uses single precision.
 
     >>> packed([1.0, 2.0])["dtype"], packed([[1.0, 2.0]])["shape"]
     ('f8', '1, 2')
@@ -139,7 +138,7 @@ def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
 
 
 def unpacked(spec: Mapping[str, str]) -> NDArray[np.float64]:
-    """The array in a typed-array specification.
+    """The array of a typed-array specification.
 
     >>> unpacked(packed([[1.0, 2.0]])).tolist()
     [[1.0, 2.0]]
@@ -178,17 +177,17 @@ def _packed_x(values: ArrayLike) -> dict[str, str]:
 
 
 def plotly_escaped(text: Any) -> Html:
-    """Text for inside a plot, where Plotly would read markup: escaped."""
+    """Escaped text for a plot, because Plotly interprets markup."""
     return joined([text])
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
-    """An axis with its quantity and unit."""
+    """An axis with a title of quantity and unit."""
     return {"title": {"text": plotly_escaped(title)}} | more
 
 
 def log_axis(title: str, low: float, high: float) -> dict[str, Any]:
-    """A logarithmic axis from ``low`` to ``high`` with plain numbers on it, every one written out.
+    """A logarithmic axis from ``low`` to ``high`` with plain numbers at its ticks.
 
     >>> log_axis("rms (mm)", 0.004, 0.6)["ticktext"]
     ['0.005', '0.01', '0.02', '0.05', '0.1', '0.2', '0.5']

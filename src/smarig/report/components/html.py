@@ -1,8 +1,4 @@
-"""HTML built from data: every piece of text is escaped unless it already is HTML.
-
-Knows tags. Refuses to know pages, figures and physics. What a person typed (names, notes, file names)
-can never become markup, because plain ``str`` is always escaped.
-"""
+"""Builds HTML from data. Plain ``str`` (names, notes, file names) is always escaped and never becomes markup."""
 
 import html
 import re
@@ -14,13 +10,13 @@ _VOID = {"br", "meta", "hr", "input"}
 
 
 class Html(str):
-    """Markup that is safe to put into a page as it stands."""
+    """Markup that is safe to insert into a page."""
 
     __slots__ = ()
 
 
 def escaped(value: Any) -> Html:
-    """A value as safe markup: Html as it is, everything else through ``html.escape``.
+    """A value as safe markup: Html unchanged, everything else through ``html.escape``.
 
     >>> escaped("<script>")
     '&lt;script&gt;'
@@ -29,7 +25,7 @@ def escaped(value: Any) -> Html:
 
 
 def tag(element: str, /, *children: Any, **attributes: Any) -> Html:
-    """``<element …>children</element>``; a trailing underscore in an attribute's name is dropped, inner ones are '-'.
+    """``<element …>children</element>``; in attribute names a trailing underscore is dropped, inner ones become '-'.
 
     >>> tag("p", "T < 0", class_="note")
     '<p class="note">T &lt; 0</p>'
@@ -45,7 +41,7 @@ def tag(element: str, /, *children: Any, **attributes: Any) -> Html:
 
 
 def joined(parts: Iterable[Any], between: str = "") -> Html:
-    """Pieces one after the other, each escaped if it is not HTML."""
+    """The parts joined, each escaped unless it is HTML."""
     return Html(between.join(escaped(part) for part in parts))
 
 
@@ -55,7 +51,7 @@ def paragraph(*parts: Any) -> Html:
 
 
 def bullets(items: Iterable[Any]) -> Html:
-    """A list; nothing at all when there are no items."""
+    """A bulleted list; empty if there are no items."""
     rows = [tag("li", item) for item in items]
     return tag("ul", *rows) if rows else Html("")
 
@@ -63,9 +59,9 @@ def bullets(items: Iterable[Any]) -> Html:
 def table(
     header: Sequence[Any], rows: Iterable[Sequence[Any]], caption: Any = "", *, stacked: bool = False
 ) -> Html:
-    """A table with a caption; the first column heads its row. Wide ones scroll in their own frame, by keys too.
+    """A table with a caption; the first column is the row header. Wide tables scroll in their frame, also by keyboard.
 
-    ``stacked``: on a small screen each row stands as a list of its own, every value beside its column's name.
+    ``stacked``: on a small screen each row becomes a list of column names and values.
     """
     head = tag("thead", tag("tr", *(tag("th", cell, scope="col") for cell in header)))
     names = [plain(cell) for cell in header] if stacked else []
@@ -83,7 +79,7 @@ def _row(cells: Sequence[Any], names: Sequence[str]) -> Html:
 
 
 def plain(cell: Any) -> str:
-    """The text of a cell, with its indices after a low line.
+    """The text of a cell, with an underscore before each subscript.
 
     >>> plain(Html("k<sub>e</sub> &lt; 2"))
     'k_e < 2'
@@ -92,7 +88,7 @@ def plain(cell: Any) -> str:
 
 
 def cards(items: Iterable[tuple[Any, Any, Any]]) -> Html:
-    """The few numbers that matter: (label, value, note) each."""
+    """Cards of key figures, given as (label, value, note)."""
     return tag(
         "div",
         *(
@@ -104,5 +100,5 @@ def cards(items: Iterable[tuple[Any, Any, Any]]) -> Html:
 
 
 def notice(kind: str, *parts: Any) -> Html:
-    """A box that stands out; kind is 'good', 'warning' or 'bad'."""
+    """A highlighted box; kind is 'good', 'warning' or 'bad'."""
     return tag("div", *parts, class_=f"notice {kind}")

@@ -1,4 +1,4 @@
-"""Numbers as a page prints them: few digits, a true minus sign, powers of ten written out. Knows no HTML."""
+"""Formats numbers for pages: few digits, a true minus sign, powers of ten written out."""
 
 import math
 
@@ -6,7 +6,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number with ``digits`` significant digits; '–' where there is none.
+    """A number with ``digits`` significant digits; '–' if it is missing.
 
     >>> number(0.012345), number(-1.93e-4), number(None), number(12.5404), number(1234.5), number(-0.0)
     ('0.0123', '−1.93 × 10⁻⁴', '–', '12.5', '1230', '0')
@@ -22,7 +22,7 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def signed(value: float, digits: int = 3) -> str:
-    """A number whose sign is told either way; zero has none.
+    """A number with its sign, also if positive; zero has no sign.
 
     >>> signed(0.0272), signed(-1.5), signed(-0.0)
     ('+0.0272', '−1.5', '0')
@@ -31,7 +31,7 @@ def signed(value: float, digits: int = 3) -> str:
 
 
 def counts(value: float, *, sign: bool = False) -> str:
-    """Encoder counts to a tenth, for beside a length or an angle; ``sign``: told either way.
+    """Encoder counts to a tenth, as an addition to a length or an angle; ``sign``: a plus sign if positive.
 
     >>> counts(7.66), counts(-0.02, sign=True), counts(0.58, sign=True), counts(-13.0, sign=True)
     ('7.7 counts', '0.0 counts', '+0.6 counts', '−13.0 counts')
@@ -50,12 +50,12 @@ def raised(power: int) -> str:
 
 
 def thousands(n: int) -> str:
-    """A count with thin spaces: 26 080."""
+    """An integer with thin spaces between thousands: 26 080."""
     return f"{n:,}".replace(",", "\u202f")
 
 
 def duration(seconds: float) -> str:
-    """A duration for people.
+    """A duration in a readable unit.
 
     >>> duration(43), duration(1700), duration(16400), duration(float("nan"))
     ('43 s', '28.3 min', '4.56 h', 'unknown')

@@ -1,7 +1,6 @@
-"""The page kit: one HTML file with navigation, banners and everything it needs inside.
+"""Assembles a page: one HTML file with navigation, banners, style sheet and scripts.
 
-Plotly's script is embedded once, or stands once beside a whole folder of pages; nothing is ever loaded
-from anywhere else. Nothing on a page moves by itself. Knows no physics.
+Plotly's script is embedded once per page, or stored once in a folder of pages. A page loads nothing from the network.
 """
 
 import json
@@ -17,14 +16,14 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, escaped, joined, tag
 from smarig.report.components.style import CSS, template
 
-LIBRARY = "smarig-figures.js"  # Plotly's script, where a folder of pages shares it
+LIBRARY = "smarig-figures.js"  # Plotly's script, shared by the pages of a folder
 GENERATOR = "smarig"
 SIMULATED_TEXT = "every number on this page comes from a software simulation. No wire was measured."
 
 
 @dataclass(frozen=True)
 class Section:
-    """A titled part of the page; ``short`` is its name in the navigation."""
+    """A section of a page; ``short`` is its name in the navigation."""
 
     title: str
     short: str
@@ -41,10 +40,10 @@ def page(
     notices: Sequence[Html] = (),
     library: str = "",
 ) -> str:
-    """The whole page as text. ``notices`` stand above everything else (incomplete runs, refusals).
+    """The page as HTML. ``notices`` (for example of incomplete runs) precede all sections.
 
-    ``label`` and ``simulated`` are the banner of what was not measured; ``library`` is the address of
-    Plotly's script where that stands beside the page, "" to have it inside.
+    ``label`` and ``simulated`` form the banner of simulated data. ``library`` is the address of Plotly's script in
+    the same folder, "" to embed it.
     """
     words = f"{label}: {simulated}" if label else ""
     banner = tag("aside", words, class_="twinbar", aria_label="Simulated, not measured") if label else ""
@@ -79,23 +78,23 @@ def _section(number: int, section: Section) -> Html:
 
 
 def _scripts(library: str) -> Html:
-    missing = tag("noscript", tag("p", "The figures of this page need JavaScript; the tables do not."))
+    missing = tag("noscript", tag("p", "The figures on this page need JavaScript; the tables do not."))
     plotly = tag("script", src=library) if library else Html(f"<script>{get_plotlyjs()}</script>")
     return joined([missing, plotly, Html(f"\n<script>{figure_script()}</script>")])
 
 
 def _footer(words: str, library: str) -> Html:
     alone = (
-        f"Its figures need {library}, which was written with it"
+        f"Its figures need the file {library}, which was written with it"
         if library
-        else "This file is complete in itself"
+        else "This file is self-contained"
     )
-    footer_text = f"Written by smarig. {alone}; it loads nothing from anywhere{' else' if library else ''}."
+    footer_text = f"Written by smarig. {alone}; the page loads nothing from the network."
     return tag("footer", tag("p", f"{words} {footer_text}".strip()))
 
 
 def write_page(html: str, path: str | Path, force: bool = False) -> Path:
-    """Write a page, all of it or nothing; errors as of ``atomic_file``."""
+    """Write a page atomically; raises the errors of ``atomic_file``."""
     file = Path(path)
     with atomic_file(file, force=force) as part:
         part.write_text(html, encoding="utf-8")
@@ -103,7 +102,7 @@ def write_page(html: str, path: str | Path, force: bool = False) -> Path:
 
 
 def write_library(folder: Path) -> Path:
-    """Plotly's script beside the pages of a folder, written where it is not there yet or is another version's."""
+    """Write Plotly's script into a folder of pages if it is missing or of another version."""
     file, text = folder / LIBRARY, get_plotlyjs()
     if not file.is_file() or file.read_text(encoding="utf-8") != text:
         with atomic_file(file, force=True) as part:
@@ -112,7 +111,7 @@ def write_library(folder: Path) -> Path:
 
 
 def is_smarig_page(path: Path) -> bool:
-    """Whether a file is a page written by smarig, which may be written anew without asking."""
+    """Whether a file is a page written by smarig, which may be overwritten without --force."""
     if not path.is_file():
         return False
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -161,5 +160,5 @@ _DRAW_SCRIPT = """
 
 
 def figure_script() -> str:
-    """The script, with the template all figures share in it."""
+    """The drawing script, with the template of all figures."""
     return _DRAW_SCRIPT.replace("TEMPLATE", json.dumps(template()))

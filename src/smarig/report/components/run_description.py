@@ -1,7 +1,4 @@
-"""What every caption must say of a run: rig, wire, n, seed, unit, where the input comes from; honest counts.
-
-Knows a run's description. Refuses to know figures and HTML.
-"""
+"""Descriptions of a run for captions: rig, wire, n, seed, units, origin of the input, and quality counts."""
 
 from dataclasses import dataclass
 
@@ -15,25 +12,25 @@ _SOURCE_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
 
 
 def source_label(*runs: Run) -> str:
-    """ "TWIN" or "SIMULATION" when any of the runs was not measured, "" for hardware and imports."""
+    """ "TWIN" or "SIMULATION" if any of the runs was not measured, "" for hardware and imports."""
     found = [_SOURCE_LABELS[run.info.source] for run in runs if run.info.source in _SOURCE_LABELS]
     return found[0] if found else ""
 
 
 def protocol_name(run: Run) -> str:
-    """The protocol's name for readers."""
+    """The displayed name of the protocol."""
     return str(run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
 
 
 def capitalised(words: str) -> str:
-    """The words with a capital at the beginning."""
+    """The words with a capital first letter."""
     return words[:1].upper() + words[1:]
 
 
 def run_caption(run: Run) -> str:
-    """Where and how a run was made, as a caption's last sentence.
+    """The last sentence of a caption: n, sample rate, rig, wire, seed, ambient temperature and origin of the input.
 
-    n, sample rate, rig, wire, seed, ambient temperature and the origin of the input, as far as known.
+    Unknown items are omitted.
     """
     settled = len(run.settled)
     n = (
@@ -59,23 +56,23 @@ def _ambient(run: Run) -> str:
 
 
 def duration_s(run: Run) -> float:
-    """From first to last sample; NaN for a run without time."""
+    """The time from first to last sample; NaN for a run without times."""
     known = run["t_s"][np.isfinite(run["t_s"])]
     return float(known[-1] - known[0]) if known.size else float("nan")
 
 
 def display_unit(unit: str) -> str:
-    """A unit as it is written: kg/m³ for kg/m^3, °C for degC."""
+    """A unit as displayed: kg/m³ for kg/m^3, °C for degC."""
     return unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
 
 
 def input_title(run: Run) -> str:
-    """The hysteresis input with its unit, for an axis: "Wire temperature above ambient (K)"."""
+    """The axis title of the hysteresis input with its unit: "Wire temperature above ambient (K)"."""
     return _axis_title(run.info.input.quantity or "input", run.input_unit)
 
 
 def output_title(run: Run) -> str:
-    """The output with its unit, for an axis."""
+    """The axis title of the output with its unit."""
     return _axis_title(run.info.output.quantity or "output", run.unit)
 
 
@@ -85,13 +82,13 @@ def _axis_title(quantity: str, unit: str) -> str:
 
 
 def count_size(run: Run) -> float:
-    """One encoder count in the run's unit, 0 where there is none."""
+    """One encoder count in the run's unit, 0 without an encoder."""
     return run.info.output.resolution
 
 
 @dataclass(frozen=True)
 class QualityCounts:
-    """What is not as it should be in a run: steps by verdict, void steps, samples by quality mark."""
+    """Counts of a run: steps by verdict, void steps, samples by quality mark."""
 
     steps: int
     settled: int
@@ -106,7 +103,7 @@ class QualityCounts:
 
     @property
     def clean(self) -> bool:
-        """Whether nothing is marked."""
+        """Whether no step and no sample is marked."""
         return not any(getattr(self, name) for name in FLAG_NAMES)
 
 
@@ -114,7 +111,7 @@ FLAG_NAMES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated
 
 
 def quality_counts(run: Run) -> QualityCounts:
-    """Count a run's marks."""
+    """The quality counts of a run."""
     quality = np.nan_to_num(run["quality"]).astype(int)
     verdicts = [step.verdict for step in run.steps]
     return QualityCounts(

@@ -1,7 +1,6 @@
-"""The look of every page: one palette, one set of fonts, one plot template.
+"""The style of all pages: palette, fonts, style sheet and plot template.
 
-Colours are those of Okabe & Ito, told apart by colour-blind readers; they keep one meaning everywhere.
-Knows no data.
+The colours are those of Okabe & Ito, which colour-blind readers can distinguish. Each has one meaning on all pages.
 """
 
 from typing import Any
@@ -9,12 +8,12 @@ from typing import Any
 from smarig.preisach import surface_forms
 
 INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
-HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion rises, blue falls
+HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion: rising input, blue: falling input
 CURRENT, TEMPERATURE, POSITION = "#E69F00", "#D55E00", "#0072B2"
 FIRST, SECOND, GOOD, BAD = "#0072B2", "#D55E00", "#009E73", "#D55E00"
 MODEL = "#009E73"
 _OTHER_SURFACES = {"table": "#6b7280", "positive": "#009E73"}
-# Things compared, in the order in which they were named.
+# Compared items, in the order of the command line.
 COMPARED = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1f24", "#6b7280")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot", "solid", "dash")
 SYMBOLS = (
@@ -42,13 +41,13 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, s
 
 
 def surface_colour(kind: str) -> str:
-    """The colour of a kind of surface, the same on every page; that of ink for any other name."""
+    """The colour of a kind of surface, the same on all pages; the ink colour for any other name."""
     form = surface_forms().get(kind)
     return form.colour if form else _OTHER_SURFACES.get(kind, INK)
 
 
 def colours(n: int) -> list[str]:
-    """n colours along cividis, dark to bright (the brightest tenth is left out: unreadable on white)."""
+    """n colours along cividis, dark to bright (without the brightest tenth, which is unreadable on white)."""
     stops = ((0, 34, 78), (60, 77, 110), (124, 123, 120), (187, 173, 108), (233, 205, 75))
     picked = []
     for k in range(n):
@@ -76,7 +75,7 @@ def _axis() -> dict[str, Any]:
 
 
 def template() -> dict[str, Any]:
-    """The Plotly template all figures share; embedded once in a page."""
+    """The Plotly template of all figures, embedded once per page."""
     scene_axis = {"backgroundcolor": "#f7f8fa", "gridcolor": FAINT, "showbackground": True, "zeroline": False}
     return {
         "layout": {
@@ -172,7 +171,7 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .stacked tr{border-top:2px solid var(--ink);padding:4px 0 10px}.stacked tbody th{font-weight:600;padding-right:0}
  .stacked td{display:flex;justify-content:space-between;gap:16px;padding-right:0;text-align:right}
  .stacked td::before{content:attr(data-column);color:var(--grey);text-align:left}}
-/* .printing is set before the figures are fitted to the paper, so that screen and print agree on every width */
+/* The script sets .printing before it fits the figures to the paper, so that widths agree on screen and paper */
 body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
 .printing main,.printing header.top,.printing footer{padding:0;max-width:none}.printing section{margin:20px 0}
 .printing .plot{height:calc(var(--high)*.66);min-width:0!important}

@@ -1,7 +1,4 @@
-"""A hysteresis loop as a small drawing: light inline SVG that needs no script, for lists and notebooks.
-
-Knows how to draw (u, y) in a frame. Refuses to know where the points come from.
-"""
+"""A hysteresis loop as a small inline SVG drawing without script, for lists and notebooks."""
 
 import math
 from collections.abc import Sequence
@@ -22,14 +19,14 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 8, 8, 16, 18
 
 @dataclass(frozen=True)
 class Frame:
-    """What a drawing spans: inputs and outputs from least to greatest. Several drawn in one can be compared."""
+    """The ranges of inputs and outputs of a drawing. Drawings with the same frame can be compared."""
 
     u: tuple[float, float]
     y: tuple[float, float]
 
 
 def frame_of(u: Array, y: Array) -> Frame:
-    """The frame a loop fills; one without extent gets some."""
+    """The frame that a loop fills; a range of zero length is extended by 0.5 to both sides."""
     ends = [(float(np.nanmin(v)), float(np.nanmax(v))) for v in (u, y)]
     known = [(low, high) if high > low else (low - 0.5, low + 0.5) for low, high in ends]
     return Frame(known[0], known[1])
@@ -38,9 +35,9 @@ def frame_of(u: Array, y: Array) -> Frame:
 def thumbnail(
     u: Array, y: Array, words: str, units: tuple[str, str], label: str = "", frame: Frame | None = None
 ) -> Html:
-    """The loop through points u, y (k,), rising in one colour and falling in another; ``words`` say what it shows.
+    """The loop through points u, y (k,), rising and falling in two colours; ``words`` is its text alternative.
 
-    ``units`` are those of input and output, ``label`` is the mark of what was not measured.
+    ``units`` are the units of input and output; ``label`` marks simulated data.
     """
     if not u.size:
         return Html("")
@@ -69,7 +66,7 @@ def _scaled(values: Array, span: tuple[float, float], first: float, last: float)
 
 
 def _svg_path(x: Array, z: Array, chosen: NDArray[np.bool_], colour: str) -> Html:
-    """The chosen segments, in tenths of a unit: neighbours joined, others begun anew."""
+    """The path of the chosen segments in tenths of a pixel; adjacent segments are joined."""
     pieces, at = [], -1
     for k in np.flatnonzero(chosen):
         start = "" if at == k else f"M{x[k]:.1f} {z[k]:.1f}"
@@ -83,7 +80,7 @@ def _dot(x: float, z: float) -> Html:
 
 
 def _texts(shown: Frame, units: tuple[str, str], label: str) -> Sequence[Html]:
-    """The ends of both axes with their units, and the mark."""
+    """The ends of both axes with their units, and the label."""
     below, above = HEIGHT_PX - 5, _TOP - 5
     inputs, outputs = end_labels(shown.u), " to ".join(end_labels(shown.y))
     found = [
@@ -103,7 +100,7 @@ def _texts(shown: Frame, units: tuple[str, str], label: str) -> Sequence[Html]:
 
 
 def end_labels(span: tuple[float, float]) -> tuple[str, str]:
-    """Both ends of a span with as many decimals as the span deserves.
+    """Both ends of a range, with decimals according to its length.
 
     >>> end_labels((-0.0017, 12.6)), end_labels((0.02, 0.0345))
     (('0.0', '12.6'), ('0.0200', '0.0345'))

@@ -1,7 +1,4 @@
-"""Detection: the gain of every candidate against its own nulls and against the threshold of all.
-
-Knows nothing of what is concluded from it.
-"""
+"""Detection figures: the gain of each candidate relative to its null data and to the threshold, and similar effects."""
 
 from collections.abc import Sequence
 
@@ -16,11 +13,11 @@ from smarig.report.components.style import GREY, INK, SEQUENCE
 from smarig.report.diagnosis.candidate_rows import GENERIC, NAMED, candidate_name, nats_text, rows_layout
 from smarig.report.diagnosis.diagnosis_predictions import Array, diagnosis_caption
 
-_MARK_PX = 24  # high is the mark that nothing was measured: a legend stands above it
+_MARK_PX = 24  # height of the label of simulated data; the legend is above it
 
 
 def detection_figure(d: Diagnosis) -> Figure:
-    """Every candidate's gain, standardised by its own null, against the threshold of their largest."""
+    """The gain of each candidate, standardised by its null data, with the threshold for the largest gain."""
     testable = sorted((s for s in d.first.scores if s.candidate.traces.shape[1]), key=lambda s: s.standard)
     top, rows = d.first.threshold, np.arange(float(len(testable)))
     data: list[Trace] = [
@@ -35,7 +32,7 @@ def detection_figure(d: Diagnosis) -> Figure:
         _scores(testable, rows, generic=False),
         _scores(testable, rows, generic=True),
     ]
-    title = "Gain (1: 95 % point of own null)"
+    title = "Gain (1: 95 % point of its nulls)"
     layout = rows_layout(
         [candidate_name(s) for s in testable], rows, title, [-1.0, top, *(s.standard for s in testable)]
     )
@@ -46,17 +43,17 @@ def detection_figure(d: Diagnosis) -> Figure:
     above = sum(s.standard > top for s in testable)
     return Figure(
         [Panel(data, layout, 130 + 17 * len(testable), wide=True)],
-        "Detection: is anything wrong at all?",
+        "Detection: does any candidate exceed the threshold?",
         [
-            f"Each of {len(testable)} candidates by its gain over the base model, (g − median)/(95 % point − "
-            "median) of "
-            f"its own gains on {d.nulls} nulls: the base model's timeline simulated again with noise and nothing "
-            "injected. "
-            f"Band: from a null's median (0) to its 95 % point (1; at least {MIN_SPREAD_NATS:g} nats, units of "
-            "log likelihood).",
-            f"Dashed: {top:.3g}, which the largest of all candidates exceeds in {100 * d.alpha:g} % of nulls, so many "
-            f"candidates do not make a false alarm likelier. Above it: {above}. p = {d.first.p_value:.2g}, "
-            f"where {1 / (d.nulls + 1):.2g} is the least that {d.nulls} nulls can resolve.",
+            f"The gain g of each of {len(testable)} candidates over the base model, as (g − median)/(95 % point − "
+            f"median). Median and 95 % point are those of the candidate's gains on {d.nulls} null data sets, which are "
+            "simulated from the base model with noise and without effects. "
+            f"Band: from the median (0) to the 95 % point (1; at least {MIN_SPREAD_NATS:g} nats, units of log "
+            "likelihood).",
+            f"Dashed: {top:.3g}, the threshold that the largest gain exceeds in {100 * d.alpha:g} % of null data sets. "
+            "The rate of false alarms therefore does not depend on the number of candidates. "
+            f"Above it: {above}. p = {d.first.p_value:.2g}; the smallest value that {d.nulls} null data sets can "
+            f"resolve is {1 / (d.nulls + 1):.2g}.",
             "Axis: linear near 0, logarithmic beyond.",
             *diagnosis_caption(d),
         ],
@@ -65,7 +62,7 @@ def detection_figure(d: Diagnosis) -> Figure:
 
 
 def _scores(testable: Sequence[CandidateScore], rows: Array, *, generic: bool) -> Trace:
-    """The named or the generic candidates as dots, with their numbers to hover over."""
+    """The named or the generic candidates as dots, with their numbers as hover text."""
     mine = [(s, row) for s, row in zip(testable, rows.tolist()) if s.candidate.generic is generic]
     words = [f"{candidate_name(s)}: {s.standard:.3g} of its null, {nats_text(s.net)} nats" for s, _ in mine]
     name, colour = ("depends on a variable", GENERIC) if generic else ("effect of the catalogue", NAMED)
@@ -81,7 +78,7 @@ def _vertical_band(low: float, high: float, rows: int) -> Trace:
 
 
 def similar_effects_figure(v: VisibilityTable, d: Diagnosis) -> Figure | None:
-    """Which effect could take how much of another's evidence, look-alikes side by side; None below two effects."""
+    """The share of each effect's evidence that other effects could explain; None with fewer than two effects."""
     shown = [k for k, delta in enumerate(v.delta) if delta > 0]
     if len(shown) < 2:
         return None
@@ -106,22 +103,22 @@ def similar_effects_figure(v: VisibilityTable, d: Diagnosis) -> Figure | None:
             "textfont": {"size": 10},
             "xgap": 1,
             "ygap": 1,
-            "colorbar": {"title": {"text": "share imitated", "side": "right"}, "thickness": 12},
-            "hovertemplate": "%{x} takes %{z:.2f} of the evidence of %{y}<extra></extra>",
+            "colorbar": {"title": {"text": "share", "side": "right"}, "thickness": 12},
+            "hovertemplate": "%{x} explains %{z:.2f} of the evidence of %{y}<extra></extra>",
         }
     ]
     layout = {
-        "xaxis": axis("… could be taken by this effect", tickangle=-60, ticks="", showgrid=False),
+        "xaxis": axis("… could be explained by this effect", tickangle=-60, ticks="", showgrid=False),
         "yaxis": axis("Evidence of this effect …", autorange="reversed", ticks="", showgrid=False),
     }
     return Figure(
         [Panel(data, layout, 200 + 24 * len(names), wide=True, min_width_px=240 + 20 * len(names))],
-        "Look-alikes: how much of an effect's evidence in these data another effect could take.",
+        "Similar effects: the share of an effect's evidence in these data that another effect could explain.",
         [
-            "0: nothing in common; 1: not distinguishable by these data. Numbers: per cent, from 30. "
-            f"From {100 * IMITATION_THRESHOLD:.0f} % on they count as one group. Computed before any reading was "
-            "looked at, but for "
-            "the size of the noise, at weak strength, after all that a new density could explain.",
+            "0: nothing in common; 1: not distinguishable by these data. Numbers: per cent, from 30 %. "
+            f"Effects with {100 * IMITATION_THRESHOLD:.0f} % or more form one group. Computed for weak effects, after "
+            "removal of everything that a new density could explain, and without the readings except for their noise "
+            "level.",
             *diagnosis_caption(d),
         ],
         source_label(*d.timeline.runs),

@@ -1,7 +1,4 @@
-"""A diagnosis as its figures see it: the story lived by both models, what each misses, noise, slopes.
-
-Also the words that captions share. Knows the diagnosis; refuses to know figures and HTML.
-"""
+"""Data of a diagnosis for its figures: predictions of both models, residuals, noise and slopes; caption texts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class DiagnosisPredictions:
-    """The story as the base model tells it, and as the extended one does (None without one)."""
+    """The predictions of the base model and of the extended model (None without one)."""
 
     d: Diagnosis
     base: Prediction
@@ -29,18 +26,18 @@ class DiagnosisPredictions:
 
     @classmethod
     def of(cls, d: Diagnosis) -> "DiagnosisPredictions":
-        """Predicted once more where there is an extended model."""
+        """The predictions of a diagnosis; those of an extended model are computed here."""
         after = predict(d.timeline, plant_model_of(d.model, d.timeline.runs[0])) if d.extended else None
         return cls(d, predict(d.timeline, d.base), after)
 
     @property
     def labelled(self) -> tuple[tuple[Prediction, str, str], ...]:
-        """(prediction, name of its residuals, colour)."""
+        """(prediction, name of its residuals, colour) of each model."""
         first = (self.base, "measured − base model", INK)
         return (first, (self.extended, "measured − extended model", MODEL)) if self.extended else (first,)
 
     def residuals(self, prediction: Prediction, kind: str) -> Array:
-        """Measured minus predicted (n,) of one kind of reading; its free zero removed (currents have none)."""
+        """Measured − predicted (n,) of one kind of reading, with the free zero removed (currents have none)."""
         timeline = self.d.timeline
         error = readings(timeline, kind).value - prediction.values[kind]
         if kind == "current":
@@ -55,7 +52,7 @@ def readings(timeline: Timeline, kind: str) -> ReadingSeries:
 
 
 def rms_noise(d: Diagnosis, kind: str) -> tuple[float, float]:
-    """Rms noise of one kind of reading: its own, and with the draughts that the hysteresis remembers."""
+    """Rms noise of one kind of reading: without, and with the ambient fluctuation in the state of the hysteresis."""
     critique = d.levels[-1].critique if d.levels else d.first
     fitted, before = critique.refitted, 0
     for r in d.timeline.all_readings[: [r.kind for r in d.timeline.all_readings].index(kind)]:
@@ -74,13 +71,13 @@ def rms_noise(d: Diagnosis, kind: str) -> tuple[float, float]:
 
 
 def input_slopes(d: Diagnosis) -> Array:
-    """∂y/∂u to the input (k,) of the base model at the settled points."""
+    """Slope ∂y/∂u of the base model with respect to the input (k,) at the settled points."""
     states = d.first.prediction.states[: len(d.timeline.settled)]
     return np.array([s[-1] for s in sensitivities(d.first.plant_model.hysteresis, states)])
 
 
 def models_text(predictions: DiagnosisPredictions, half_ranges: Sequence[float]) -> str:
-    """Which colour is which model, and how far its axis reaches (base, extended)."""
+    """The colour of each model, and the ratio of their axes (base, extended)."""
     if predictions.extended is None:
         return ""
     finer = half_ranges[0] / half_ranges[-1]
@@ -89,18 +86,18 @@ def models_text(predictions: DiagnosisPredictions, half_ranges: Sequence[float])
 
 
 def diagnosis_caption(d: Diagnosis, *, dotted: bool = False) -> tuple[str, ...]:
-    """The caption's last sentence: which runs, on what rig; ``dotted`` where a line shows their beginnings."""
+    """The last sentence of a caption: runs and rig; ``dotted`` if dotted lines show the starts of runs."""
     protocols = ", ".join(dict.fromkeys(map(protocol_name, d.timeline.runs)))
     parts = [
         f"{len(d.timeline.runs)} training run{'s' if len(d.timeline.runs) > 1 else ''} ({protocols}"
-        + ("; a dotted line where the next begins)" if dotted and len(d.timeline.runs) > 1 else ")"),
+        + ("; dotted lines: starts of runs)" if dotted and len(d.timeline.runs) > 1 else ")"),
         *rig_text(d),
     ]
     return ("; ".join(part for part in parts if part) + ".",)
 
 
 def rig_text(d: Diagnosis) -> tuple[str, ...]:
-    """Rig, wire and seed, as far as known."""
+    """Rig, wire and seed, if known."""
     run = d.timeline.runs[0]
     rig, wire, seed = run.info.rig, run.info.wire, run.info.seed
     known = (
@@ -112,5 +109,5 @@ def rig_text(d: Diagnosis) -> tuple[str, ...]:
 
 
 def rms(values: ArrayLike, weight: Array | None = None) -> float:
-    """Root of the mean square, weighted if asked for."""
+    """Root of the mean square, weighted if weights are given."""
     return float(np.sqrt(np.average(np.asarray(values, dtype=float) ** 2, weights=weight)))

@@ -1,7 +1,4 @@
-"""The top of a diagnosis page: the verdict in a box, the numbers that matter, the findings in plain sentences.
-
-Draws nothing; decides nothing.
-"""
+"""The top of a diagnosis page: the verdict in a box, key figures on cards, and the findings in sentences."""
 
 from collections.abc import Iterator
 
@@ -11,7 +8,7 @@ from smarig.report.components.run_description import display_unit
 from smarig.report.diagnosis.diagnosis_text import findings, verdict_sentence
 
 _Card = tuple[str, str, str]
-_WORSE_RATIO = 1.02  # times the base model's error: no gain but a loss
+_WORSE_RATIO = 1.02  # times the base model's error: a larger error is a loss
 _BOX_STYLES = {
     "silent": "good",
     "named": "good",
@@ -22,39 +19,37 @@ _BOX_STYLES = {
 
 
 def summary(d: Diagnosis) -> Iterator[Html]:
-    """Box, cards, sentences."""
+    """The box, the cards and the sentences."""
     doubt = d.verdict.word == "silent" and not d.first.silent
     yield notice(
         "warning" if doubt or _held_out_worse(d) else _BOX_STYLES[d.verdict.word],
         paragraph(tag("b", verdict_sentence(d))),
     )
     if _held_out_worse(d):
-        words = (
-            "The extended model predicts the held-out runs worse than the base model does: do not use it yet."
-        )
+        words = "The extended model predicts the held-out runs worse than the base model. Do not use it yet."
         yield notice("bad", paragraph(words))
     if d.extended and d.error.extended > _WORSE_RATIO * d.error.base:
-        words = "The extended model misses even the points it was identified from by more than the base model does."
+        words = "The extended model has a larger error than the base model even on its own training points."
         yield notice("bad", paragraph(words))
     yield cards([_detection_card(d), _error_card(d), *_gain_cards(d), _points_card(d)])
     yield bullets(findings(d))
 
 
 def _held_out_worse(d: Diagnosis) -> bool:
-    """Whether the effects that were added cost on held-out data."""
+    """Whether the added effects increase the error on held-out data."""
     return d.extended and d.gain is not None and d.gain.extended > _WORSE_RATIO * d.gain.base
 
 
 def _detection_card(d: Diagnosis) -> _Card:
     least = 1 / (d.nulls + 1)
     p = f"≤ {least:.2g}" if d.first.p_value <= least * 1.001 else f"= {d.first.p_value:.2g}"
-    return "Chance of such an alarm", f"p {p}", f"by {d.nulls} nulls; an alarm needs p < {d.alpha:g}"
+    return "Probability by chance", f"p {p}", f"{d.nulls} null data sets; an alarm needs p < {d.alpha:g}"
 
 
 def _error_card(d: Diagnosis) -> _Card:
     e, unit = d.error, display_unit(d.error.unit)
     after = f" → {e.extended:.3g}" if d.extended else ""
-    note = f"{'base → extended; ' if d.extended else ''}noise floor {e.noise_floor:.2g}; as given {e.original:.3g}"
+    note = f"{'base → extended; ' if d.extended else ''}noise floor {e.noise_floor:.2g}; given model {e.original:.3g}"
     return f"Settled points, rms ({unit})", f"{e.base:.3g}{after}", note
 
 
@@ -66,7 +61,7 @@ def _gain_cards(d: Diagnosis) -> Iterator[_Card]:
         yield (
             f"Held-out error, rms ({unit})",
             f"{g.base:.3g}",
-            f"{g.blocks} blocks; floor {g.floor:.2g}; nothing was added",
+            f"{g.blocks} blocks; floor {g.floor:.2g}; no effect was added",
         )
     else:
         yield _removed_error_card(d)
@@ -74,12 +69,12 @@ def _gain_cards(d: Diagnosis) -> Iterator[_Card]:
 
 def _removed_error_card(d: Diagnosis) -> _Card:
     g, unit = d.gain, display_unit(d.error.unit)
-    assert g is not None  # noqa: S101 - asked only with held-out runs
+    assert g is not None  # noqa: S101 - called only with held-out runs
     ends = g.interval()
     share = "at the floor" if g.removable_share is None else f"R = {share_text(g.removable_share)}"
     between = f"95 %: {share_text(ends[0])} to {share_text(ends[1])}; " if ends else ""
     note = f"{between}{g.blocks} blocks; {g.base:.3g} → {g.extended:.3g} {unit} rms, floor {g.floor:.2g}"
-    return "Removable error removed, held out", share, note
+    return "Removable share, held-out runs", share, note
 
 
 def _points_card(d: Diagnosis) -> _Card:

@@ -1,7 +1,4 @@
-"""Tables of a diagnosis: rival explanations, single candidates, what could have been seen.
-
-Knows nothing of figures and of the page's order.
-"""
+"""Tables of a diagnosis: competing explanations, single candidates, and visibility of effects."""
 
 from collections.abc import Mapping
 
@@ -16,7 +13,7 @@ from smarig.report.diagnosis.diagnosis_text import explanation_text, unit_suffix
 
 
 def explanations_table(d: Diagnosis) -> Html:
-    """The explanations that competed last, all their parameters, nats and probabilities."""
+    """The explanations of the last level, with all parameters, nats and probabilities."""
     level, effect_types = d.levels[-1], dict(d.verdict.explanations)
     rivals = [
         (
@@ -31,13 +28,13 @@ def explanations_table(d: Diagnosis) -> Html:
     return table(
         ("Explanation", "Nats behind the best", "Probability"),
         [(tag("b", best), "0", _probability_text(effect_types.get(level.best.names))), *rivals],
-        "Explanations that competed last, best first, every parameter fitted to all readings at once. The best gains "
-        f"{nats_text(level.gain)} nats over {_smaller_explanations(d)}.",
+        "Competing explanations, best first. All parameters are fitted to all readings jointly. The best explanation "
+        f"gains {nats_text(level.gain)} nats over {_smaller_explanations(d)}.",
     )
 
 
 def _smaller_explanations(d: Diagnosis) -> str:
-    return "the best with one effect less" if len(d.levels) > 1 else "the base model"
+    return "the best one with one effect fewer" if len(d.levels) > 1 else "the base model"
 
 
 def _probability_text(p: float | None) -> str:
@@ -47,7 +44,7 @@ def _probability_text(p: float | None) -> str:
 
 
 def candidates_table(d: Diagnosis) -> Html:
-    """The candidates that gain most by themselves, beside what chance gains."""
+    """The single candidates with the largest gains, with their gains by chance."""
     rows = [
         (
             candidate_name(s),
@@ -59,19 +56,19 @@ def candidates_table(d: Diagnosis) -> Html:
     ]
     return table(
         (
-            "Candidate by itself",
-            "Gain beyond chance (nats)",
-            "Chance: 95 % of nulls stay below (nats)",
-            "In spreads",
+            "Single candidate",
+            "Gain above chance (nats)",
+            "95 % point of nulls (nats)",
+            "Standardised gain",
         ),
         rows,
-        "The candidates that gain most by themselves, on the first critique. A generic one that gains much more than "
-        "any name is the sign of a cause that is not in the catalogue.",
+        "The single candidates with the largest gains in the first critique. If a generic candidate gains much more "
+        "than any named effect, the cause is probably not in the catalogue.",
     )
 
 
 def visibility_table(d: Diagnosis, effect_types: Mapping[str, EffectType]) -> Html:
-    """Every effect of the catalogue: size of its trace, least strength found, who imitates it."""
+    """All effects of the catalogue: size of the trace, smallest detectable strength, similar effects."""
     v = d.visibility
     rows = []
     for k in np.argsort(-v.delta).tolist():
@@ -85,15 +82,20 @@ def visibility_table(d: Diagnosis, effect_types: Mapping[str, EffectType]) -> Ht
                 f"{number(abs(p.typical))}{unit}",
                 number(float(v.delta[k])) if detectable else "0",
                 f"{number(float(v.least_strength[k]), 2)}{unit}" if detectable else "none",
-                ", ".join(v.group(name)) or "no one",
+                ", ".join(v.group(name)) or "none",
             )
         )
     return table(
-        ("Effect", "Typical strength", "δ at typical strength", "Least strength seen", "Who imitates it"),
+        (
+            "Effect",
+            "Typical strength",
+            "δ at typical strength",
+            "Smallest detectable strength",
+            "Similar effects",
+        ),
         rows,
-        f"What these data could have shown. δ: size of an effect's trace in noise σ per reading (rms over "
-        f"{d.first.refitted.data.size} readings), after everything a density could explain has been taken out. Least: "
-        f"the strength that would stand {DETECTION_SD:g} σ out of the noise, in proportion from a weak trace. "
-        "Imitates: could "
-        f"take {100 * IMITATION_THRESHOLD:.0f} % or more of the evidence.",
+        "Visibility of the effects in these data. δ: size of an effect's trace in noise σ per reading (rms over "
+        f"{d.first.refitted.data.size} readings), without the part that a density could explain. Smallest detectable "
+        f"strength: the strength at which the trace exceeds the noise by {DETECTION_SD:g} σ, extrapolated from a weak "
+        f"effect. Similar effects: those that could explain {100 * IMITATION_THRESHOLD:.0f} % or more of the evidence.",
     )

@@ -1,7 +1,4 @@
-"""Rivals: the explanations that competed last, and the candidates that gain most by themselves.
-
-Knows nothing of the data that they explain.
-"""
+"""The figure of competing explanations and of the single candidates with the largest gains."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -24,26 +21,26 @@ from smarig.report.diagnosis.diagnosis_predictions import Array, diagnosis_capti
 
 
 def explanations_figure(d: Diagnosis) -> Figure:
-    """Explanations of the last level by nats behind the best; single candidates by gain beyond chance."""
+    """Explanations of the last level by nats behind the best; single candidates by gain above chance."""
     panels, explanations_text = [_candidates_panel(top_candidates(d))], ""
     if d.levels:
         level = d.levels[-1]
         lead = [level.lead(k) for k in range(len(level.explanations))]
         panels.insert(0, _explanations_panel([" + ".join(r.names) for r in level.explanations], lead))
         explanations_text = (
-            "First panel: the explanations that competed last, all parameters fitted, by how many nats (units of log "
-            f"likelihood) they fit worse than the best; {LEAD_SCALE_NATS:g} nats cost a factor e in probability. "
-            "Second panel, by another measure (the noise as believed before any effect was in):"
+            "First panel: the explanations of the last level with all parameters fitted, and how many nats (units of "
+            f"log likelihood) they fit worse than the best one; {LEAD_SCALE_NATS:g} nats are a factor e in "
+            "probability. Second panel (with the noise estimated without effects):"
         )
-    each = "each candidate by itself" if explanations_text else "Each candidate by itself"
+    each = "each single candidate" if explanations_text else "Each single candidate"
     return Figure(
         panels,
-        "Rivals: what else could explain it.",
+        "Competing explanations.",
         [
             explanations_text,
-            f"{each} on the first critique, weak and in proportion: gain in log likelihood beyond the median of its "
-            "gain on nulls. Blue: an effect of the catalogue; vermilion: a smooth function of a variable, which names "
-            "no cause. Axes: linear near 0, logarithmic beyond.",
+            f"{each} in the first critique, linearised at weak strength: gain in log likelihood above the median of "
+            "its gains on null data. Blue: an effect of the catalogue; vermilion: a smooth function of a variable, "
+            "which does not name a cause. Axes: linear near 0, logarithmic beyond.",
             *diagnosis_caption(d),
         ],
         source_label(*d.timeline.runs),
@@ -69,7 +66,7 @@ def _candidates_panel(scores: Sequence[CandidateScore]) -> Panel:
     data = [_bar(net, rows, colour, [nats_text(v) for v in net])]
     names = [candidate_name(s) for s in scores]
     return Panel(
-        data, rows_layout(names, rows, "Gain beyond chance (nats)", [0.0, *net]), _panel_height_px(len(names))
+        data, rows_layout(names, rows, "Gain above chance (nats)", [0.0, *net]), _panel_height_px(len(names))
     )
 
 

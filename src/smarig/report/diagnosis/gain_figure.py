@@ -1,7 +1,4 @@
-"""Gain where nothing was fitted: errors at held-out points, block by block, before and after the effects.
-
-Knows nothing of the runs that were learned from.
-"""
+"""The figure of the gain on held-out runs: errors by block, with the base and the extended model."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -21,7 +18,7 @@ from smarig.report.runs.representation_figure import noise_band
 _ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors
 _MARKER_SHIFT = 0.13  # blocks: distance of the two models' marks
 _PALE_OPACITY = 0.35  # opacity
-_LOG_AXIS_RATIO = 20  # times: where an axis from 0 would hide the smaller ones
+_LOG_AXIS_RATIO = 20  # ratio of sizes from which a linear axis would hide the smaller ones
 
 
 def gain_figure(gain: HeldOutGain, d: Diagnosis) -> Figure:
@@ -33,7 +30,7 @@ def gain_figure(gain: HeldOutGain, d: Diagnosis) -> Figure:
     unit = display_unit(d.timeline.unit)
     return Figure(
         [_error_panel(gain, models, x, unit), _rms_panel(gain, models, x, unit)],
-        "Gain where nothing was fitted: held-out positions by block.",
+        "Gain on held-out runs: errors of positions by block.",
         _caption(gain, d, unit),
         source_label(*d.timeline.runs),
         440,
@@ -42,13 +39,13 @@ def gain_figure(gain: HeldOutGain, d: Diagnosis) -> Figure:
 
 def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
     return [
-        f"n = {gain.block.size} points in {gain.blocks} blocks; a block is one excursion out and back. The zero is "
-        "that of the training runs, and both densities are from those runs alone. First panel: every error; second: "
-        f"rms of each block. Floor {gain.floor:.2g} {unit}: noise, and what training leaves open of the density.",
+        f"n = {gain.block.size} points in {gain.blocks} blocks; a block is one excursion out and back. The zero and "
+        "both densities come from the training runs. First panel: all errors. Second panel: rms of each block. "
+        f"Floor {gain.floor:.2g} {unit}: the noise and the uncertainty of the density after training.",
         ""
         if gain.weight is None
-        else "Each reading counts by how well it can be predicted (1/σ²), in every rms and in the floor.",
-        "Pale: readings of more than twice the least σ, such as positions on their way."
+        else "Each rms and the floor weight each reading by 1/σ² of its prediction.",
+        "Pale: readings with more than twice the smallest σ, such as positions during motion."
         if _pale_readings(gain).any()
         else "",
         gain_text(gain, d),
@@ -84,14 +81,14 @@ def _rms_panel(gain: HeldOutGain, models: _ModelErrors, x: dict[str, Any], unit:
 
 
 def _block_rms(gain: HeldOutGain, error: Array) -> Array:
-    """Rms of each block, as the whole's: every reading by its weight."""
+    """Rms of each block, with the weights of the readings."""
     block = _blocks(gain)
     weight = np.ones(error.size) if gain.weight is None else gain.weight
     return np.array([rms(error[block == b], weight[block == b]) for b in np.unique(block)])
 
 
 def _error_trace(gain: HeldOutGain, x: Array, error: Array, name: str, colour: str) -> Iterator[Trace]:
-    """Every error; those of readings with more than twice the least σ pale."""
+    """All errors; those of readings with more than twice the smallest σ are pale."""
     pale = _pale_readings(gain)
     if pale.any():
         yield dots(
@@ -105,7 +102,7 @@ def _pale_readings(gain: HeldOutGain) -> NDArray[np.bool_]:
 
 
 def _rms_axis(title: str, sizes: Sequence[Array]) -> dict[str, Any]:
-    """An axis from 0; logarithmic where sizes are many times apart."""
+    """An axis from 0, or a logarithmic axis if the sizes differ by a large factor."""
     every = np.concatenate(sizes)
     if every.min() > 0 and every.max() > _LOG_AXIS_RATIO * every.min():
         return log_axis(title, every.min() / AXIS_MARGIN**2, every.max() * AXIS_MARGIN**2)
@@ -113,7 +110,7 @@ def _rms_axis(title: str, sizes: Sequence[Array]) -> dict[str, Any]:
 
 
 def _block_links(x: Array, sizes: Sequence[Array]) -> list[Trace]:
-    """A line from before to after, block by block."""
+    """A line from the base to the extended model's rms for each block."""
     gaps = np.full(x.size, np.nan)
     return [
         line(

@@ -1,7 +1,4 @@
-"""What a model misses, as the offset of its input that would make it (K), where the wire is steep enough to tell.
-
-Knows nothing of other channels and of why the model misses it.
-"""
+"""Residuals as the equivalent offset of the input (K), at points where the slope is large enough."""
 
 from typing import Any
 
@@ -30,11 +27,11 @@ from smarig.report.diagnosis.residual_axes import (
     symmetric_layout,
 )
 
-_STEEP_SHARE = 0.25  # of a steep place's slope: where a residual is worth telling as a temperature
+_STEEP_SHARE = 0.25  # of the 90 % quantile of the slope: below it the equivalent offset is too uncertain
 
 
 def input_offset_figure(predictions: DiagnosisPredictions) -> Figure | None:
-    """Residuals as the offset of the input that would make them, where the wire is steep enough to tell."""
+    """Residuals as the equivalent offset of the input, at points where the slope is large enough."""
     d = predictions.d
     slope = input_slopes(d)
     steep = slope > _STEEP_SHARE * float(np.quantile(slope, 0.9))
@@ -64,15 +61,15 @@ def input_offset_figure(predictions: DiagnosisPredictions) -> Figure | None:
     sizes = " → ".join(number(rms(offset)) for offset in offsets)
     return Figure(
         panels,
-        f"The same as an offset of the input: how many {u} more at the input would make each residual.",
+        f"The same residuals as the equivalent offset of the input ({u}).",
         [
-            f"Residual of a settled position over the base model's slope ∂y/∂u to its input, where that is more than "
+            "Residual of a settled position divided by the base model's slope ∂y/∂u, at points where the slope exceeds "
             f"{100 * _STEEP_SHARE:.0f} % of its 90 % quantile: {int(steep.sum())} of {steep.size} points, slopes "
             f"{slope[steep].min():.2g} to {slope[steep].max():.2g} {unit}/{u}; "
             f"rms {sizes} {u}{models_text(predictions, half_range)}.",
-            f"Bars: ± 2 σ of a reading over that slope. Noise of the temperature ({_fluctuation_text(d)} {u}) is "
-            "not in the "
-            "bars. A disturbance of the input would lie on one curve here, but for what the density has taken up.",
+            f"Bars: ± 2 σ of a reading divided by the slope, without the noise of the temperature "
+            f"({_fluctuation_text(d)} {u}). The points of a disturbance of the input lie on one curve, apart from the "
+            "part that the density absorbs.",
             *diagnosis_caption(d, dotted=True),
         ],
         source_label(*d.timeline.runs),

@@ -1,7 +1,4 @@
-"""What a diagnosis says of noise: the table of readings and draughts, their sum, the error of the time steps.
-
-Knows nothing of figures.
-"""
+"""The noise in a diagnosis: a table of readings and ambient fluctuations, their sum, and the time step error."""
 
 from collections.abc import Iterator
 
@@ -15,7 +12,7 @@ from smarig.report.diagnosis.diagnosis_predictions import input_slopes, rms_nois
 
 
 def noise_budget(d: Diagnosis) -> Iterator[Html]:
-    """A table and two sentences."""
+    """The table and its sentences."""
     size = count_size(d.timeline.runs[0])
     unit, u = display_unit(d.timeline.unit), display_unit(d.timeline.runs[0].input_unit)
     critiques = [d.first, *[level.critique for level in d.levels[-1:]]]
@@ -43,19 +40,19 @@ def noise_budget(d: Diagnosis) -> Iterator[Html]:
     yield table(
         header,
         rows,
-        "Noise of largest likelihood beside any smooth density, the likeliest suspects set aside.",
+        "Maximum-likelihood noise, jointly with a smooth density and the most likely effects.",
     )
     yield paragraph(
-        f"Together, with the ambient fluctuation as the hysteresis remembers it until it is wiped out: "
-        f"{number(whole, 2)} {unit} rms at a settled point{_counts_text(whole, size, unit)}."
+        f"Total noise at a settled point: {number(whole, 2)} {unit} rms{_counts_text(whole, size, unit)}. It includes "
+        "past ambient fluctuations that remain in the state of the hysteresis until they are wiped out."
     )
     if size and critiques[-1].refitted.noise.settled <= 1.001 * MIN_COUNT_SD * size:
         yield paragraph(
-            f"σ of a reading stands at the least that is allowed, {MIN_COUNT_SD:g} counts: the scatter is no larger."
+            f"σ of a reading is at its lower bound of {MIN_COUNT_SD:g} counts: the scatter is not larger."
         )
     yield paragraph(
-        f"The critic's own time steps: settled points move by at most {number(d.numerics, 2)} {unit} when every "
-        f"step is divided by four, {_relative_to_noise(d.numerics, d.error.noise_floor)}."
+        f"Error of the time steps: settled points change by at most {number(d.numerics, 2)} {unit} if each step is "
+        f"divided by four, {_relative_to_noise(d.numerics, d.error.noise_floor)}."
     )
 
 
@@ -79,5 +76,5 @@ def _fluctuation_effect(d: Diagnosis, critiques: list[Critique]) -> list[float]:
 
 def _relative_to_noise(numerics: float, floor: float) -> str:
     if numerics < 1e-3 * floor:
-        return "nothing beside the noise"
+        return "which is negligible compared with the noise"
     return f"{numerics / floor:.2g} of the noise floor"

@@ -1,7 +1,4 @@
-"""Axes of residuals: the variables they are drawn against, with their units; how far upright axes reach.
-
-Knows the story; knows nothing of models and captions.
-"""
+"""Axes of residual figures: the variables on the abscissa with their units, and the range of the ordinate."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,11 +13,11 @@ from smarig.report.components.run_description import display_unit
 from smarig.report.components.style import GREY
 from smarig.report.diagnosis.diagnosis_predictions import Array, readings
 
-_FINER_RATIO = 4  # times: where what is left would be a mere line on the axis of what was missed
+_FINER_RATIO = 4  # ratio from which the smaller residuals would be a flat line on the axis of the larger ones
 
 
 def best_position_variable(d: Diagnosis) -> str:
-    """The name of the variable that explains most of the positions ("time" if none does)."""
+    """The name of the variable that explains the positions best ("time" if none does)."""
     scores = [
         s for s in d.first.scores if s.candidate.generic and " of " not in s.candidate.name and s.net > 0
     ]
@@ -34,13 +31,13 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
     before = np.concatenate([target[:1], target[:-1]])
     if name == "cycle":
         travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
-        return travel[r.step], axis(f"Travel so far, there and back ({unit})")
+        return travel[r.step], axis(f"Accumulated travel, both directions ({unit})")
     if name == "level" and kind in ("settled", "moving"):
         return base.values[kind], axis(f"Predicted position ({unit})")
     if name == "level":
         return target[r.step], axis(f"Target of the step ({u})")
     if name == "step":
-        return (target - before)[r.step], axis(f"Change of target that led here ({u})")
+        return (target - before)[r.step], axis(f"Change of target in this step ({u})")
     if name == "hold":
         return np.maximum(timeline.hold_s, 1.0)[r.step], axis("Length of the hold (s)", type="log")
     if name == "rate":
@@ -57,14 +54,14 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
 
 
 def _display_time(timeline: Timeline, t_s: Array) -> tuple[Array, str]:
-    """Times in hours or minutes with the unit, or samples where there is no clock."""
+    """Times in hours or minutes with the unit, or sample numbers without a clock."""
     if not timeline.drive.has_clock:
         return t_s, "samples"
     return (t_s / 3600, "h") if timeline.drive.end_s[-1] > 7200 else (t_s / 60, "min")
 
 
 def run_start_lines(timeline: Timeline) -> list[dict[str, Any]]:
-    """A dotted upright line where a run begins."""
+    """A dotted vertical line at the start of each run."""
     at = _display_time(
         timeline,
         np.array([timeline.settled.t_s[np.argmax(timeline.run == k)] for k in range(1, len(timeline.runs))]),
@@ -78,15 +75,15 @@ def run_start_lines(timeline: Timeline) -> list[dict[str, Any]]:
 def residual_layout(
     d: Diagnosis, name: str, x_axis: dict[str, Any], y_layout: dict[str, Any]
 ) -> dict[str, Any]:
-    """A panel's layout; against time with a mark where each run begins."""
+    """A panel's layout; against time with a line at the start of each run."""
     marks = {"shapes": run_start_lines(d.timeline)} if name == "time" else {}
     return {"xaxis": x_axis} | y_layout | marks
 
 
 def half_ranges(errors: Sequence[Array], least: float) -> list[float]:
-    """How far up and down each panel's axis reaches: as far as the first, but its own where that is many times finer.
+    """The half-range of each panel's axis: that of the first panel, or its own if that is several times smaller.
 
-    What is worse than the first is drawn on the same axis.
+    Errors larger than those of the first panel are drawn on the axis of the first panel.
     """
     each = [AXIS_MARGIN * max(least, float(np.abs(error).max())) for error in errors]
     whole = max(each)
@@ -94,7 +91,7 @@ def half_ranges(errors: Sequence[Array], least: float) -> list[float]:
 
 
 def symmetric_layout(title: str, half_range: float, all_half_ranges: Sequence[float]) -> dict[str, Any]:
-    """A layout with a symmetric upright axis; a mark says so where it is finer than that beside it."""
+    """A layout with a symmetric vertical axis, with an annotation if it is finer than that of the other panel."""
     layout: dict[str, Any] = {"yaxis": axis(title, range=[-half_range, half_range])}
     if max(all_half_ranges) > half_range:
         words = f"axis {number(max(all_half_ranges) / half_range, 2)} × finer"

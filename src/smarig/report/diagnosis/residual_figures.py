@@ -1,7 +1,4 @@
-"""What a model misses, in the rig's unit: residuals against the variable that shows most and against time.
-
-Before and after the effects, side by side. Knows nothing of why the model misses it.
-"""
+"""Figures of residuals against time and against the variable that explains most, before and after the effects."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -30,18 +27,20 @@ from smarig.report.diagnosis.residual_axes import (
 )
 from smarig.report.runs.representation_figure import noise_band
 
-_FLUCTUATION_RATIO = 1.02  # noise with draughts over that without: worth a band of its own
+_FLUCTUATION_RATIO = (
+    1.02  # noise with ambient fluctuation over that without, from which a second band is drawn
+)
 _READING_NAMES = {
     "settled": "settled positions",
     "moving": "positions while the wire moves",
     "resistance": "the wire's resistance",
     "current": "measured current − command",
-    "room": "the thermometer in the box",
+    "room": "ambient temperature in the box",
 }
 
 
 def residual_figure(predictions: DiagnosisPredictions) -> Figure:
-    """Residuals in the rig's unit: against the variable that shows most and against time, before and after."""
+    """Residuals in the rig's unit against the variable that explains most and against time, before and after."""
     d = predictions.d
     name = best_position_variable(d)
     kind = (
@@ -53,23 +52,26 @@ def residual_figure(predictions: DiagnosisPredictions) -> Figure:
         predictions,
         kind,
         list(dict.fromkeys((name, "time"))),
-        f"What the model misses: {_READING_NAMES[kind]}.",
+        f"Residuals: {_READING_NAMES[kind]}.",
     )
 
 
 def channel_figure(predictions: DiagnosisPredictions) -> Figure | None:
-    """The same for another channel, where that is the one that tells most."""
+    """The same for another channel, if that channel has the largest gain."""
     best = best_variable(predictions.d)
     _, of, kind = best.candidate.name.partition(" of ") if best else ("", "", "")
     if best is None or not of:
         return None
     return _residual_channel_figure(
-        predictions, kind, [best.candidate.depends_on], f"Where it shows most: {_READING_NAMES[kind]}."
+        predictions,
+        kind,
+        [best.candidate.depends_on],
+        f"The channel with the largest gain: {_READING_NAMES[kind]}.",
     )
 
 
 def best_variable(d: Diagnosis) -> CandidateScore | None:
-    """The variable that explains most beyond chance, if any explains anything."""
+    """The variable with the largest gain above chance, None if no variable gains."""
     best = d.first.best(1, generic=True)
     return best[0] if best else None
 
@@ -96,10 +98,10 @@ def _residual_channel_figure(
         for name in names
         for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.labelled)
     ]
-    zero = "" if kind == "current" else ", less its mean (the zero is free)"
+    zero = "" if kind == "current" else ", minus the mean (the zero is free)"
     fluctuation_text = (
         f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms); "
-        f"light band: ± 2 σ with noise of the temperature as the hysteresis remembers it (σ = {whole:.2g} {unit}, rms)."
+        f"light band: ± 2 σ including ambient fluctuation (σ = {whole:.2g} {unit}, rms)."
         if whole > _FLUCTUATION_RATIO * own
         else f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms)."
     )
@@ -108,10 +110,10 @@ def _residual_channel_figure(
         panels,
         title,
         [
-            f"Measured minus predicted{zero}, n = {len(r)}, rms {sizes} "
+            f"Measured − predicted{zero}, n = {len(r)}, rms {sizes} "
             f"{unit}{models_text(predictions, half_range)}.{fluctuation_text}",
-            "Every density was identified anew from these very readings, so what a density can take up is not in the "
-            "picture."
+            "Each density was refitted to these readings, so residuals that a density can absorb are not "
+            "shown."
             if kind in OUTPUT_DEPENDENT_KINDS
             else "",
             _count_text(d) if kind in ("settled", "moving") else "",

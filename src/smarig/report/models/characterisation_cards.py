@@ -1,4 +1,4 @@
-"""The five numbers that matter of a characterisation, each with what it means; and which model to build on."""
+"""The key figures of a characterisation on cards, and the recommendation of a model."""
 
 import shlex
 
@@ -17,7 +17,7 @@ _Card = tuple[str, str | Html, str | Html]
 
 
 def characterisation_cards(e: Evidence) -> Html:
-    """Travel, held-out error with its noise floor, class of μ, duration, points."""
+    """Cards of travel, held-out error with noise floor, class of μ, duration and points."""
     return cards([_travel_card(e), _error_card(e), _class_card(e), _duration_card(e), _points_card(e)])
 
 
@@ -26,11 +26,11 @@ def _travel_card(e: Evidence) -> _Card:
     if not outputs:
         return "Travel", "unknown", "no settled points"
     run = next(r for r in e.runs.values() if len(r.settled) >= 2)
-    # Runs of one sitting may be zeroed differently: the widest single run counts.
+    # Runs of one session may have different zeros, so travel is that of the widest single run.
     travel = max(float(np.ptp(y)) for y in outputs)
     size = count_size(run)
     counts = f"{travel / size:.0f} counts, " if size else ""
-    return "Travel", f"{travel:.4g} {run.unit}", f"{counts}settled points, widest run"
+    return "Travel", f"{travel:.4g} {run.unit}", f"{counts}settled points of the widest run"
 
 
 def _error_card(e: Evidence) -> _Card:
@@ -80,7 +80,7 @@ def _used_text(e: Evidence) -> str:
         return ""
     data = e.best.data
     if e.best.positive is not None:
-        return f"{e.best.model.fit['points']} of known memory used; "
+        return f"{e.best.model.fit['points']} with known memory used; "
     return f"{len(data)} FOD points on {data.curves} curves; "
 
 
@@ -88,29 +88,31 @@ def _used_text(e: Evidence) -> str:
 
 
 def model_recommendation(e: Evidence) -> Html:
-    """Which model is in M_P, and whether it predicts as well as the chosen one; nothing without a model."""
+    """A box on which model is in M_P and how well it predicts compared with the chosen one; empty without a model."""
     if e.best is None:
         return Html("")
     if density_report_of(e.best).M_P:
-        apply = ": the stability results of chapter 8 apply to it."
+        apply = ". The stability results of chapter 8 apply to it."
         return notice("good", paragraph(f"The {e.chosen} model is in ", M_P, apply))
     words = [f"The {e.chosen} model is not in ", M_P]
     if POSITIVE_KIND not in e.identifications:
         return notice(
-            "warning", paragraph(*words, ": the stability results of chapter 8 do not apply to it.")
+            "warning", paragraph(*words, ". The stability results of chapter 8 do not apply to it.")
         )
-    words += [". The positive model is, by construction, so the stability results of chapter 8 apply to it. "]
+    words += [
+        ". The positive model is in it by construction, so the stability results of chapter 8 apply to that model. "
+    ]
     names = " ".join(shlex.quote(p.run) for p in e.best.model.provenance)
     command = tag("code", f"smarig identify {names} --surface positive -o positive.model.json")
     return notice(
         "good",
         paragraph(*words, *_prediction_verdict(e, e.best.model.unit)),
-        paragraph("To use it: ", command),
+        paragraph("To identify the positive model: ", command),
     )
 
 
 def _prediction_verdict(e: Evidence, unit: str) -> list[str | Html]:
-    """Does the positive model predict as well as the chosen one? Empty where nothing was held out."""
+    """Sentences comparing the errors of the positive and the chosen model; empty without held-out data."""
     compared = _compared_errors(e)
     if not compared:
         return []
@@ -118,12 +120,12 @@ def _prediction_verdict(e: Evidence, unit: str) -> list[str | Html]:
     errors = "; ".join(
         f"{where} {positive:.3g} against {chosen:.3g} {unit} rms" for where, positive, chosen in compared
     )
-    verdict = "It predicts as well" if equivalent else "It predicts less well"
+    verdict = "The positive model predicts as well" if equivalent else "The positive model predicts less well"
     return [tag("b", verdict), f": {errors}. {'' if equivalent else _other_models_text(e, unit)}"]
 
 
 def _compared_errors(e: Evidence) -> list[tuple[str, float, float]]:
-    """(on what, rms of the positive model, rms of the chosen one)."""
+    """(data, rms of the positive model, rms of the chosen one)."""
     found = []
     rms = e.choice.held_out_rms if e.choice else {}
     if POSITIVE_KIND in rms and e.chosen in rms:
@@ -135,7 +137,7 @@ def _compared_errors(e: Evidence) -> list[tuple[str, float, float]]:
 
 
 def _other_models_text(e: Evidence, unit: str) -> str:
-    """How the other models in M_P do on the held-out run, where there are any."""
+    """The held-out error of the best other model in M_P, if there is one."""
     others = {
         name: pooled_rms(e.verifications.get(name))
         for name, one in e.identifications.items()
@@ -145,4 +147,4 @@ def _other_models_text(e: Evidence, unit: str) -> str:
     if not known:
         return ""
     name = min(known, key=lambda k: known[k])
-    return f"The best other model with μ ≥ 0, {name}, has {known[name]:.3g} {unit} there."
+    return f"The best other model with μ ≥ 0, {name}, has an error of {known[name]:.3g} {unit} on the held-out run."

@@ -1,4 +1,4 @@
-"""The weighting function μ(α, β) as map and surface, and the reversible part g (Figs. 5.19, 5.20)."""
+"""Figures of the weighting function μ(α, β) as map and surface, and of the reversible part g (Figs. 5.19, 5.20)."""
 
 from collections.abc import Mapping
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
-    """One map of μ a surface, white at zero, red positive, blue negative; the zero line and the minimum marked."""
+    """A map of μ per surface: white zero, red positive, blue negative, with the zero line and the minimum."""
     return Figure(
         [
             map_panel(name, density_map(one), density_report_of(one), (run.unit, run.input_unit))
@@ -32,10 +32,10 @@ def maps_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         "Weighting function μ(α, β) = ½ ∂²y/∂α∂β.",
         [
             "White is zero, red positive, blue negative; each map has its own scale, symmetric about zero. "
-            "Outlined and tinted: where μ < 0, however little; cross: the minimum. "
+            "Outlined and tinted: μ < 0, even if small; cross: the minimum. "
             + "; ".join(_minimum_text(name, one, run) for name, one in found.items())
-            + ". A table's μ is the mass of each cell over its area: noise of the readings is in it.",
-            "The positive measure's cells are never negative, and vary smoothly where the data is silent."
+            + ". For a table, μ is the mass of each cell divided by its area and includes the noise of the readings.",
+            "The cells of the positive measure are never negative, and vary smoothly where there are no data."
             if "positive" in found
             else "",
             run_caption(run),
@@ -56,7 +56,7 @@ def per_square(unit: str, input_unit: str) -> str:
 
 
 def readable_scale(top: float, unit: str) -> tuple[float, str]:
-    """A power of ten that makes ``top`` readable, and the unit with it: (1e-3, "10⁻³ mm/K²")."""
+    """A power of ten that makes ``top`` readable, and the unit that includes it: (1e-3, "10⁻³ mm/K²")."""
     power = int(np.floor(np.log10(top))) if top > 0 else 0
     if -2 < power < 3:
         return 1.0, unit
@@ -76,7 +76,7 @@ def map_panel(
     units: tuple[str, str],
     top: float | None = None,
 ) -> Panel:
-    """μ over the half plane, coloured up to ``top`` (default: its own greatest size); units of output and input."""
+    """μ over the Preisach plane, coloured up to ``top`` (default: max |μ|); ``units`` of output and input."""
     alpha, beta, mu = grid
     top = top or float(np.nanmax(np.abs(mu))) or 1.0
     size, unit = readable_scale(top, per_square(*units))
@@ -112,7 +112,7 @@ def map_panel(
 
 _NEGATIVE: Trace = {
     "type": "contour",
-    # Plotly tints what a constraint leaves out
+    # Plotly tints the region that a constraint excludes
     "contours": {"type": "constraint", "operation": ">", "value": 0},
     "fillcolor": "rgba(33,102,172,.14)",
     "line": {"color": INK, "width": 1.6},
@@ -122,7 +122,7 @@ _NEGATIVE: Trace = {
 
 
 def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure | None:
-    """μ in three dimensions with g(β) beside it; None when only tables were identified."""
+    """μ in three dimensions, and g(β); None if only tables were identified."""
     grids = {name: grid for name, one in found.items() if (grid := density_grid(one)) is not None}
     if not grids:
         return None
@@ -144,10 +144,9 @@ def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         [Panel(data, layout, 500, min_width_px=SURFACE_MIN_PX), _reversible(found, grids, run)],
         f"μ(α, β) of the {first} surface, and the reversible part g.",
         [
-            "First panel: the same as the map, colours centred at zero; buttons change the surface. Second: "
-            "g(β) = ∂y/∂β on α = β, the relays without width that μ leaves out: simulating with μ alone misses their "
-            "part of the travel "
-            f"({shares}).",
+            "First panel: μ as in the map, with colours centred at zero; use the buttons to select a surface. Second "
+            "panel: g(β) = ∂y/∂β on α = β, the relays of zero width, which μ does not contain. A simulation with μ "
+            f"alone lacks their part of the travel ({shares}).",
             run_caption(run),
         ],
         source_label(run),

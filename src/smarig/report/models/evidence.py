@@ -1,4 +1,4 @@
-"""Everything a characterisation found, in one value: what its page is made of. Computes nothing."""
+"""The record of evidence of a characterisation, from which its page is made."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,12 +10,12 @@ from smarig.record import Run
 
 @dataclass(frozen=True)
 class Evidence:
-    """Runs by name in the order they were made, and what was concluded from them.
+    """Runs by name in the order of execution, and the conclusions from them.
 
-    ``identifications`` and ``verifications`` (on held-out runs) are by surface name, ``chosen`` is the one
-    the model file holds, ``choice`` how the kinds predict held-out curves (None: too few to hold any out).
-    ``diagnosis`` judges the chosen model (None: there was nothing to judge). ``discoveries`` and ``warnings``
-    are plain sentences; ``seconds`` is computing time.
+    ``identifications`` and ``verifications`` (on held-out runs) are keyed by surface name. ``chosen`` is the surface
+    in the model file. ``choice`` holds the errors of all kinds on held-out curves (None: too few curves). ``diagnosis``
+    is that of the chosen model (None: not made). ``discoveries`` and ``warnings`` are sentences; ``seconds`` is
+    computing time.
     """
 
     title: str
@@ -34,9 +34,9 @@ class Evidence:
 
     @property
     def best(self) -> Identification | None:
-        """The identification the model file holds; None when nothing could be identified."""
+        """The identification in the model file; None if no model was identified."""
         return self.identifications.get(self.chosen)
 
     def of(self, *protocols: str) -> tuple[Run, ...]:
-        """The runs of some protocols, in order."""
+        """The runs of the given protocols, in order."""
         return tuple(run for run in self.runs.values() if run.info.protocol in protocols)

@@ -1,4 +1,4 @@
-"""First-order curves: measured and modelled, one by one and re-simulated, and as a surface (Figs. 5.12 to 5.22)."""
+"""Figures of first-order curves: measured, modelled, re-simulated, and their parameters (Figs. 5.12 to 5.22)."""
 
 from collections.abc import Mapping
 
@@ -29,12 +29,12 @@ from smarig.report.models.identification_plot_data import (
 )
 from smarig.report.runs.representation_figure import count_lines, count_text, noise_band
 
-_MOST_CURVES = 30  # more are drawn every so many, and the caption says so
-_BANDS = "bands: 90 % intervals of a new reading, wide where the data is silent; "
+_MOST_CURVES = 30  # of more curves every n-th is drawn, and the caption states n
+_BANDS = "bands: 90 % intervals of a new reading, wide where there are no data; "
 
 
 def curves_figure(found: Identification, run: Run) -> Figure:
-    """Measured first-order curves with the chosen model's, and what is left between them."""
+    """Measured first-order curves with those of the chosen model, and the differences."""
     measured, model = measured_curves(found), model_curves(found)
     every = -(-len(model) // _MOST_CURVES)
     shown = {curve.reversal: shade for curve, shade in zip(model, colours(len(model)))}
@@ -71,7 +71,7 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
         [
             f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; "
-            f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: model minus "
+            f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: model − "
             f"measured at all {len(found.data)} points of {found.data.curves} curves, "
             f"rms {_curve_rms(found):.3g} {found.model.unit}{_noise_text(found)}."
             f"{count_text(size, _residual_half_range(found), run.unit)}",
@@ -83,7 +83,7 @@ def curves_figure(found: Identification, run: Run) -> Figure:
 
 
 def _interval_band(found: Identification, curve: FirstOrderCurve, colour: str) -> Trace | None:
-    """The 90 % interval of new readings along a model curve, in the curve's colour; None without intervals."""
+    """The 90 % interval of new readings along a model curve, in the colour of the curve; None without intervals."""
     ends = interval(found, curve)
     if ends is None:
         return None
@@ -95,7 +95,7 @@ def _interval_band(found: Identification, curve: FirstOrderCurve, colour: str) -
 
 
 def _curve_rms(found: Identification) -> float:
-    """Of the points on the curves: a positive measure is fitted to others besides."""
+    """The rms over the points of the curves; a positive measure is fitted to further points."""
     return float(np.sqrt(np.mean(residuals(found)[2] ** 2)))
 
 
@@ -136,7 +136,7 @@ def _model_label(name: str) -> str:
 
 
 def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
-    """The identification input simulated with every surface, over the data (Figs. 5.21, 5.22)."""
+    """The identification input simulated with each surface, with the data (Figs. 5.21, 5.22)."""
     inputs, outputs = run.points()
     panels = []
     for name, one in found.items():
@@ -152,8 +152,8 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         panels,
         "The identification input, re-simulated with each surface.",
         [
-            "Dashed: the measured points, joined in order; coloured: the Preisach operator driven through the same "
-            "sequence, densely between the points. "
+            "Dashed: the measured points, joined in order. Coloured: the Preisach operator with the same sequence of "
+            "inputs, also between the points. "
             + "; ".join(_error_text(n, f) for n, f in found.items())
             + ".",
             run_caption(run),
@@ -168,7 +168,7 @@ def _error_text(name: str, found: Identification) -> str:
 
 
 def parameters_figure(found: Identification, run: Run) -> Figure | None:
-    """b₁, b₂, b₃ of each curve's own sigmoid against α (Fig. 5.16); None when no curve determines them."""
+    """b₁, b₂, b₃ of the sigmoid of each curve against α (Fig. 5.16); None if no curve determines them."""
     fits = fit_curves(found.data)
     alpha, b, error = fits.against_alpha()
     if not alpha.size:
@@ -193,7 +193,7 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
         )
     short = fits.too_short
     left_out = (
-        f" Not determined by their few points, left out: α = {', '.join(number(a, 4) for a in short)}."
+        f" Curves with too few points are omitted: α = {', '.join(number(a, 4) for a in short)}."
         if short
         else ""
     )
@@ -201,10 +201,11 @@ def parameters_figure(found: Identification, run: Run) -> Figure | None:
     mirror = " Ascending curves: parameters of the mirrored data (−u, −y)." if found.data.mirrored else ""
     return Figure(
         panels,
-        "Each curve by itself: its sigmoid's parameters against α.",
+        "Sigmoid parameters of each curve against α.",
         [
             f"ȳ(β) = b₁/(1 + e^(−b₂(β + b₃))) + b₄ fitted to each of {alpha.size} curves (§5.4.2); bars are standard "
-            f"errors. What b₃ does decides between the {', '.join(others)} and {last} surface.{left_out}{mirror}",
+            f"errors. The dependence of b₃ on α decides between the {', '.join(others)} and {last} surface."
+            f"{left_out}{mirror}",
             run_caption(run),
         ],
         source_label(run),

@@ -1,7 +1,7 @@
-"""An identification as a reader sees it: mirrored fits turned back, values on grids, the input re-simulated.
+"""Plot data of an identification: curves, residuals, grids and the re-simulated input.
 
-Surfaces are fitted to first-order curves that fall; rising ones are fitted in the mirror (u, y) → (−u, −y).
-Here everything is in the units and signs of the measurement.
+Surfaces are fitted to descending first-order curves; ascending ones are fitted in the mirror image
+(u, y) → (−u, −y). All values here have the units and signs of the measurement.
 """
 
 from dataclasses import dataclass
@@ -29,16 +29,16 @@ class FirstOrderCurve:
 
 
 def image(found: Identification) -> FittedImage:
-    """The hysteresis as its first-order curves were taken: itself for descending ones, else its mirror image."""
+    """The hysteresis for descending first-order curves, its mirror image for ascending ones."""
     return _descending(found.model.hysteresis, found.data.mirrored)
 
 
 @singledispatch
 def _descending(hysteresis: Everett, mirrored: bool) -> FittedImage:
-    """What has descending curves; ``mirrored`` where the curves of a hysteresis that is not were ascending."""
+    """The hysteresis or image that has descending curves; ``mirrored`` if the measured curves were ascending."""
     del mirrored
     raise DataError(
-        f"A {type(hysteresis).__name__} has no first-order curves to draw; identify a surface or a table."
+        f"A {type(hysteresis).__name__} has no first-order curves to draw. Identify a surface or a table."
     )
 
 
@@ -61,7 +61,7 @@ def _image_of_itself(hysteresis: FodSurface | ForcTable, mirrored: bool) -> Fitt
 
 
 def mirrored_table(table: FodTable) -> FodTable:
-    """The mirror image (u, y) → (−u, −y) of a table, exact: its cells are those of the table, reflected."""
+    """The exact mirror image (u, y) → (−u, −y) of a table; its cells are the reflected cells of the table."""
     turned, nodes = Mirrored(table), -table.nodes[::-1]
     rising = turned.y_lower + turned.swept(nodes, np.full(nodes.size, nodes[0]))
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
@@ -70,24 +70,24 @@ def mirrored_table(table: FodTable) -> FodTable:
 
 
 def sign(found: Identification) -> float:
-    """−1 for fits in the mirror."""
+    """−1 for fits to the mirror image, 1 otherwise."""
     return -1.0 if found.data.mirrored else 1.0
 
 
 def axis_symbols(found: Identification) -> tuple[str, str]:
-    """Names of the input where a curve turns and of the present input: falling curves turn at α, rising ones at β."""
+    """Symbols of the reversal input and of the present input: α and β for descending curves, else β and α."""
     return ("β", "α") if found.data.mirrored else ("α", "β")
 
 
 def measured_curves(found: Identification) -> list[FirstOrderCurve]:
-    """The measured curves, reversal inputs rising."""
+    """The measured curves in order of increasing reversal inputs."""
     s = sign(found)
     curves = [FirstOrderCurve(s * d.alpha, s * d.beta, s * d.y) for d in found.data.descending_curves()]
     return sorted(curves, key=lambda c: c.reversal)
 
 
 def model_curves(found: Identification, points: int = 60) -> list[FirstOrderCurve]:
-    """The model's curves from the same reversals, over the whole range."""
+    """The curves of the model from the same reversal inputs, over the whole range."""
     s, surface = sign(found), image(found)
     curves = []
     for alpha in np.unique([d.alpha for d in found.data.descending_curves()]):
@@ -97,10 +97,10 @@ def model_curves(found: Identification, points: int = 60) -> list[FirstOrderCurv
 
 
 def interval(found: Identification, curve: FirstOrderCurve, level: float = 0.9) -> tuple[Array, Array] | None:
-    """(low, high) of new readings on a model curve; None where the fit gives none.
+    """(low, high) of new readings on a model curve; None if the fit gives no intervals.
 
-    A positive measure gives them for curves of the kind it was fitted to. Its curves never fall as the input
-    rises, so an interval reaches no lower than one at a lower input, and no higher than one at a higher.
+    A positive measure gives intervals for curves of the kind it was fitted to. Its curves increase with the input.
+    Therefore the lower end is at least that at any lower input, and the upper end at most that at any higher input.
     """
     if found.positive is None or found.model.mirrored != found.data.mirrored:
         return None
@@ -112,7 +112,7 @@ def interval(found: Identification, curve: FirstOrderCurve, level: float = 0.9) 
 
 
 def residuals(found: Identification) -> tuple[Array, Array, Array]:
-    """Reversal input, input and model minus measured, (k,) each, over the points of the curves."""
+    """Reversal input, input, and model − measured, (k,) each, at the points of the curves."""
     d, s = found.data, sign(found)
     return s * d.alpha, s * d.beta, s * (np.asarray(image(found).y(d.alpha, d.beta)) - d.y)
 
@@ -120,7 +120,7 @@ def residuals(found: Identification) -> tuple[Array, Array, Array]:
 def resimulated(
     found: Identification, inputs: Array, between: int = 12, initial: Start = "negative"
 ) -> tuple[Array, Array]:
-    """The model along the identification input, densely (§5.5), from an initial state."""
+    """Dense input and output of the model along the identification input (§5.5), from an initial state."""
     dense = np.concatenate([np.linspace(a, b, between + 1)[1:] for a, b in zip(inputs, inputs[1:])])
     u = np.concatenate([inputs[:1], dense])
     operator = Preisach(found.model.hysteresis, initial)
@@ -128,7 +128,7 @@ def resimulated(
 
 
 def output_grid(found: Identification, n: int = 41) -> tuple[Array, Array, Array]:
-    """Grids (n, n) of reversal input, input, and output over the half plane, for a surface plot."""
+    """Grids (n, n) of reversal input, input, and output over the Preisach plane, for a surface plot."""
     s, lower, upper = sign(found), found.data.lower, found.data.upper
     alpha, t = np.meshgrid(np.linspace(lower, upper, n), np.linspace(0, 1, n), indexing="ij")
     beta = lower + t * (alpha - lower)
@@ -136,7 +136,7 @@ def output_grid(found: Identification, n: int = 41) -> tuple[Array, Array, Array
 
 
 def density_grid(found: Identification, n: int = 81) -> tuple[Array, Array, Array] | None:
-    """Grids of α, β, μ(α, β) over the half plane α ≥ β; None for tables, whose μ is a matter of cells."""
+    """Grids of α, β, μ(α, β) over the half-plane α ≥ β; None for tables, whose μ is constant on cells."""
     surface = _analytic(image(found))
     if surface is None:
         return None
@@ -148,7 +148,7 @@ def density_grid(found: Identification, n: int = 81) -> tuple[Array, Array, Arra
 
 @singledispatch
 def _analytic(hysteresis: Everett) -> FodSurface | None:
-    """The hysteresis where its density is a formula, else None."""
+    """The hysteresis if its density is a formula, else None."""
     del hysteresis
     return None
 
@@ -159,14 +159,14 @@ def _itself(hysteresis: FodSurface) -> FodSurface | None:
 
 
 def density_map(found: Identification) -> tuple[Array, Array, Array]:
-    """μ on a grid, as ``density_of`` the hysteresis whose first-order curves were taken."""
+    """μ of the identified hysteresis on a grid, as returned by ``density_of``."""
     return density_of(image(found), mirrored=found.data.mirrored)
 
 
 def density_of(hysteresis: Everett, *, mirrored: bool = False, n: int = 121) -> tuple[Array, Array, Array]:
-    """Edges or nodes of α and of β, and μ[α, β] with NaN outside α ≥ β: surfaces on nodes, tables by cells.
+    """Nodes (surfaces) or cell edges (tables) of α and β, and μ[α, β] with NaN outside α ≥ β.
 
-    A cell's μ is its mass over its area, [F(α₂,β₁) − F(α₁,β₁) − F(α₂,β₂) + F(α₁,β₂)] / (2 Δα Δβ).
+    μ of a cell is its mass divided by its area, [F(α₂,β₁) − F(α₁,β₁) − F(α₂,β₂) + F(α₁,β₂)] / (2 Δα Δβ).
     """
     u, mu = _density(hysteresis, n)
     if mirrored:  # μ(α, β) = μ̃(−β, −α)
@@ -176,7 +176,7 @@ def density_of(hysteresis: Everett, *, mirrored: bool = False, n: int = 121) -> 
 
 @singledispatch
 def _density(hysteresis: Everett, n: int) -> tuple[Array, Array]:
-    """Edges u of cells, or nodes, and μ[α, β] on them."""
+    """Edges u of cells, or nodes, and μ[α, β]."""
     del n
     u = lattice(hysteresis, _MAP_CELLS)
     inputs = u.tolist()
@@ -201,7 +201,7 @@ def _density_of_mirrored(hysteresis: Mirrored, n: int) -> tuple[Array, Array]:
 
 @singledispatch
 def hysteresis_description(hysteresis: Everett) -> str:
-    """What a model's hysteresis is, for readers: "exponential surface", "relays"."""
+    """The displayed kind of a model's hysteresis: "exponential surface", "relays"."""
     del hysteresis
     return "relays"
 
@@ -229,7 +229,7 @@ def _mirrored_description(hysteresis: Mirrored) -> str:
 
 
 def density_report_of(found: Identification) -> DensityReport:
-    """μ's extremes in the measurement's own signs."""
+    """Extremes and classes of μ, in the signs of the measurement."""
     return density_report(found.model.hysteresis)
 
 

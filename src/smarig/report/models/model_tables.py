@@ -21,7 +21,7 @@ def errors_table(
     chosen: str,
     choice: SurfaceChoice | None = None,
 ) -> Html:
-    """Errors over the identification points (as Table 5.1) and on held-out data, and negative mass, by surface."""
+    """Errors at the identification points (as Table 5.1) and on held-out data, and negative part of μ, by surface."""
     rows = []
     for name, one in found.items():
         fit = one.model.fit
@@ -43,10 +43,10 @@ def errors_table(
             "points",
         ),
         rows,
-        "Errors of each surface over the identification points, in the manner of Table 5.1 (2-norms over the points; "
-        "major loop weighted twice), on the held-out run, and on curves held out of the fit"
+        "Errors of each surface at the identification points as in Table 5.1 (2-norms; major loop weighted twice), on "
+        "the held-out run, and on curves held out of the fit"
         + (f" ({choice.curves} curves; 90 % intervals by resampling them). " if choice else ". ")
-        + "A table goes through its points, so only held-out data judges it. Negative part: ∬μ⁻/∬|μ|.",
+        + "A table interpolates its points, so only held-out data measure its error. Negative part: ∬μ⁻/∬|μ|.",
     )
 
 
@@ -70,7 +70,7 @@ def pooled_rms(verification: Verification | None) -> float | None:
 
 
 def parameters_table(found: Identification) -> Html:
-    """Fitted parameters with 95 % intervals; what is known of a positive measure; a sentence for tables."""
+    """Fitted parameters with 95 % intervals; key figures of a positive measure; a sentence for tables."""
     if found.positive is not None:
         return _measure_table(found.positive, found)
     if found.fit is None:
@@ -82,7 +82,7 @@ def parameters_table(found: Identification) -> Html:
     for name, value in zip(found.fit.names, found.fit.values):
         low, high = found.fit.intervals[name]
         known = np.isfinite([low, high]).all()
-        interval = f"{number(low, 5)}…{number(high, 5)}" if known else "not determined by this data"
+        interval = f"{number(low, 5)}…{number(high, 5)}" if known else "not determined by these data"
         rows.append((_display_name(name), number(float(value), 5), interval, units.get(name, "")))
     converged = "" if found.fit.converged else " The fit did not converge."
     return table(
@@ -94,14 +94,14 @@ def parameters_table(found: Identification) -> Html:
 
 
 def _measure_table(fit: PositiveFit, found: Identification) -> Html:
-    """A positive measure in numbers: smoothness, what the data fixes, what non-negativity costs."""
+    """Key figures of a positive measure: smoothness, degrees of freedom, cost of non-negativity."""
     unit, determined_text = found.model.unit, fit.held_out
-    by = "by held-out curves" if fit.by_smoothing else "not chosen by the data: too few curves"
+    by = "chosen by held-out curves" if fit.by_smoothing else "default: too few curves to choose it by data"
     rows = [
         ("Smoothing λ", number(fit.smoothing), by),
         ("Effective parameters", f"{fit.freedom:.0f}", f"residual σ {fit.sigma:.3g} {unit}"),
-        ("Cells", str(fit.cells), f"{fit.at_zero} held at zero by μ ≥ 0"),
-        ("Directions fixed by data", str(fit.rank), f"smoothness alone: {fit.null_space}"),
+        ("Cells", str(fit.cells), f"{fit.at_zero} at the bound μ = 0"),
+        ("Directions determined by data", str(fit.rank), f"by smoothness alone: {fit.null_space}"),
         (
             "Reversible share",
             f"{100 * fit.reversible_share:.1f} %",
@@ -113,12 +113,12 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
             f"{number(determined_text.signed_rms)} with masses of any sign",
         ),
         (
-            "Stretch of intervals",
+            "Scale factor of intervals",
             number(determined_text.spread_factor),
-            "90 % of held-out points in 90 % intervals",
+            "so that 90 % of held-out points are in the 90 % intervals",
         ),
     ]
-    mirror = " Mirror symmetry was asked for." if fit.symmetric else ""
+    mirror = " Mirror symmetry was imposed." if fit.symmetric else ""
     return table(
         ("Positive measure", "Value", "Meaning"),
         rows,
@@ -183,18 +183,18 @@ def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
     )
 
 
-_CLASS_TEXT = ": besides, μ ≥ 0 everywhere; passivity and the stability theorems need it."
+_CLASS_TEXT = ": in addition μ ≥ 0 everywhere, as passivity and the stability theorems require."
 
 
 def calibration_table(found: Calibration) -> Html:
-    """The wire's own constants with intervals, and what the data cannot give."""
+    """The calibrated constants of the wire with intervals, and the constants that the data do not determine."""
     rows = [
         (name, f"{e.value:.4g}", f"{e.ci95[0]:.4g} to {e.ci95[1]:.4g}", e.unit, e.source, thousands(e.n))
         for name, e in found.parameters.items()
     ]
     rows += [(name, "—", "—", "", why, "") for name, why in found.not_available.items()]
     return table(
-        ("Constant", "Value", "95 % interval", "Unit", "From", "n"),
+        ("Constant", "Value", "95 % interval", "Unit", "Source", "n"),
         rows,
-        "Constants of the wire, calibrated.",
+        "Calibrated constants of the wire.",
     )

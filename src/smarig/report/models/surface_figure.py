@@ -1,4 +1,4 @@
-"""Three-dimensional surfaces over the half plane: the FOD surface with its data, and what all of them share."""
+"""Three-dimensional surfaces over the Preisach plane: the FOD surface with its data, and shared parts."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,11 +10,11 @@ from smarig.report.components.run_description import run_caption, source_label
 from smarig.report.components.style import INK, SEQUENCE
 from smarig.report.models.identification_plot_data import axis_symbols, output_grid, sign
 
-SURFACE_MIN_PX = 520  # a narrower figure in three dimensions would lose its sides and buttons
+SURFACE_MIN_PX = 520  # a narrower three-dimensional figure would lose its sides and buttons
 
 
 def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -> Figure:
-    """The FOD surface in three dimensions with its data points; buttons change the surface."""
+    """The FOD surface in three dimensions with its data points; buttons select the surface."""
     one = found[chosen]
     d, s = one.data, sign(one)
     points = {
@@ -41,9 +41,9 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         [Panel([points, *surfaces], layout, 520, min_width_px=SURFACE_MIN_PX)],
         f"FOD surface y(α, β), {chosen}.",
         [
-            f"Output after the input turns at {turn} and comes to {here}; "
-            f"{f'black: the {len(d)} points measured on such curves' if d.curves else 'no such curve was measured'}. "
-            "Buttons show the other surfaces; drag to turn.",
+            f"Output after the input turns at {turn} and reaches {here}. "
+            f"{f'Black: the {len(d)} measured points of these curves' if d.curves else 'No such curve was measured'}. "
+            "Use the buttons to select a surface. Drag to rotate.",
             run_caption(run),
         ],
         source_label(run),
@@ -51,13 +51,13 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
 
 
 def surface_trace(x: Any, y: Any, z: Any, name: str, visible: bool) -> Trace:
-    """A surface from grids (n, n) of x, y and z."""
+    """A surface trace from grids (n, n) of x, y and z."""
     grids = {key: packed(v, single=True) for key, v in (("x", x), ("y", y), ("z", z))}
     return {"type": "surface", "name": name, "visible": visible, "showscale": False, **grids}
 
 
 def scene(x: str, y: str, z: str) -> dict[str, Any]:
-    """Axes of a three-dimensional plot, seen from over the β axis."""
+    """The layout of a three-dimensional plot, viewed from above the β axis."""
     titles = {
         "xaxis": {"title": {"text": x}},
         "yaxis": {"title": {"text": y}},
@@ -72,7 +72,7 @@ def scene(x: str, y: str, z: str) -> dict[str, Any]:
 
 
 def buttons(names: list[str], chosen: str, *, keep: int) -> dict[str, Any]:
-    """Buttons that show one of the surfaces; the first ``keep`` traces stay."""
+    """Buttons that show one surface at a time; the first ``keep`` traces are always visible."""
     return {
         "type": "buttons",
         "direction": "right",

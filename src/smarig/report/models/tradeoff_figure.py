@@ -1,7 +1,4 @@
-"""A good fit or passivity? The thesis had to choose (Tables 5.1 and 5.2); here each kind has its place.
-
-Error on data a kind was not fitted to, against the part of its μ that is negative. Knows no fit.
-"""
+"""The figure of the trade-off between held-out error and the negative part of μ (thesis, Tables 5.1 and 5.2)."""
 
 from collections.abc import Mapping
 
@@ -15,7 +12,7 @@ from smarig.report.models.identification_plot_data import density_report_of
 from smarig.report.models.model_tables import M_P, pooled_rms
 
 Coordinates = dict[str, tuple[float, float]]
-_MARGIN_SHARE = 0.12  # of the largest share, left of zero and right of it
+_MARGIN_SHARE = 0.12  # of the largest share, on both sides
 
 
 def tradeoff_figure(
@@ -24,7 +21,7 @@ def tradeoff_figure(
     held_out: Mapping[str, Verification],
     run: Run,
 ) -> Figure:
-    """Error on held-out curves with intervals, and on held-out runs, against ∬μ⁻/∬|μ|: one mark per kind."""
+    """Errors on held-out curves with intervals and on held-out runs against ∬μ⁻/∬|μ|, one mark per kind of model."""
     shares = {name: 100 * share for name, share in choice.negative_share.items() if name in found}
     by_curve: Coordinates = {name: (share, choice.held_out_rms[name]) for name, share in shares.items()}
     run_rms = {name: pooled_rms(held_out.get(name)) for name in shares}
@@ -35,13 +32,12 @@ def tradeoff_figure(
         panels.append(_panel(by_run, in_M_P, f"rms on the held-out run ({run.unit})"))
     return Figure(
         panels,
-        "Good prediction or μ ≥ 0? One mark for each kind of model.",
+        "Prediction error and negative part of μ, one mark for each kind of model.",
         [
-            "Across: the part of μ that is negative, ∬μ⁻/∬|μ|, in the fit to all curves; up: the error on data the "
-            "kind was not fitted to. Low is good, and filled marks are in",
-            joined([M_P, ":"]),
-            "the good corner is at the lower left. "
-            f"First panel: {choice.curves} curves held out in groups, bars {100 * INTERVAL_LEVEL:.0f} % intervals by "
+            "Abscissa: the negative part of μ, ∬μ⁻/∬|μ|, in the fit to all curves. Ordinate: the error on held-out "
+            "data. The best corner is at the lower left. Filled marks are in",
+            joined([M_P, "."]),
+            f"First panel: {choice.curves} curves, held out in groups; bars: {100 * INTERVAL_LEVEL:.0f} % intervals by "
             f"resampling the curves{_held_out_text(by_run, held_out)}.",
             *_conclusion(by_curve, in_M_P, run),
             run_caption(run),
@@ -59,16 +55,16 @@ def _held_out_text(by_run: Coordinates, held_out: Mapping[str, Verification]) ->
 
 
 def _conclusion(by_curve: Coordinates, in_M_P: set[str], run: Run) -> tuple[str | Html, ...]:
-    """The least error with μ ≥ 0 and without, in words."""
+    """A sentence on the smallest errors with and without μ ≥ 0."""
     best = min(by_curve, key=lambda name: by_curve[name][1])
-    least = f"The least error on held-out curves, {by_curve[best][1]:.3g} {run.unit}, is that of {best}"
+    least = f"The smallest error on held-out curves is {by_curve[best][1]:.3g} {run.unit} ({best})"
     allowed = [name for name in by_curve if name in in_M_P]
     if not allowed:
         return (least + "; none of these kinds is in", joined([M_P, "."]))
     safe = min(allowed, key=lambda name: by_curve[name][1])
     if safe == best:
-        return (least + ", in", joined([M_P, ": nothing has to be given up."]))
-    return (least + "; the least in", joined([M_P, f", {by_curve[safe][1]:.3g} {run.unit}, that of {safe}."]))
+        return (least + ", and this kind is in", joined([M_P, "."]))
+    return (least + "; the smallest in", joined([M_P, f" is {by_curve[safe][1]:.3g} {run.unit} ({safe})."]))
 
 
 def _panel(
@@ -93,7 +89,7 @@ def _panel(
         "xanchor": "left",
         "yanchor": "bottom",
         "showarrow": False,
-        "text": "good corner",
+        "text": "best corner",
         "font": {"color": GOOD, "size": 12},
     }
     layout = {

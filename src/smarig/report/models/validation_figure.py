@@ -1,4 +1,4 @@
-"""A model against a run it never saw: measured, predicted, and the residual with its noise floor."""
+"""The figure of a model on a held-out run: measured, predicted, and the error with the noise floor."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from smarig.report.runs.representation_figure import noise_band
 
 
 def validation_figure(verification: RunVerification, run: Run, surface: str) -> Figure:
-    """Measured and model in order of time; the residual against time and against the input."""
+    """Measured and model in order of time; the error against time and against the input."""
     order = np.arange(verification.input.size, dtype=float)
     t, t_title = _times(run, order)
     colour = surface_colour(surface)
@@ -38,17 +38,17 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         else "; noise floor unknown"
     )
     zero = (
-        "The encoder's zero is that of the training runs: nothing was fitted to this run."
+        "The encoder's zero is that of the training runs. Nothing was fitted to this run."
         if verification.offset_kind == "known"
-        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted, because the encoder's zero is not "
+        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted because the encoder's zero is not "
         "known."
     )
     return Figure(
         [Panel(data, first, 380, wide=True), by_time, by_input],
         f"Held-out run against the {surface} model.",
         [
-            f"{e.n} settled points in order of time; then model minus measured against time and against the input. "
-            f"rms {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at most "
+            f"First panel: {e.n} settled points in order of time. Other panels: model − measured against time and "
+            f"against the input. rms {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at most "
             f"{e.max_abs:.3g} {unit}{floor}. {zero}",
             run_caption(run),
         ],
@@ -62,7 +62,7 @@ def _times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
     if len(ends) != order.size or not ends or any(end is None for end in ends) or not run.has("t_s"):
         return order, "Point, in order of measurement"
     begin = float(run["t_s"][np.isfinite(run["t_s"])][0])
-    return (np.array(ends, dtype=float) - begin) / 60, "Time since the run began (min)"
+    return (np.array(ends, dtype=float) - begin) / 60, "Time since the start of the run (min)"
 
 
 def _residual(x: np.ndarray, error: np.ndarray, verification: RunVerification, run: Run, title: str) -> Panel:

@@ -1,6 +1,6 @@
-"""Input against output: settled points joined in order, with the direction of travel (Figs. 5.7 to 5.13).
+"""The figure of output against input: settled points joined in order, with the direction (Figs. 5.7 to 5.13).
 
-Runs without steps (reversal curves, thermal cycles) are drawn from their samples. Knows no model.
+Runs without steps (reversal curves, thermal cycles) are drawn from their samples.
 """
 
 from typing import Any
@@ -23,8 +23,8 @@ from smarig.report.components.run_description import (
 from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
 
 Array = NDArray[np.float64]
-_GROUPS = 8  # colours that can be told apart
-_MOST = 200  # settled points up to which each is drawn
+_GROUPS = 8  # number of distinguishable colours
+_MOST = 200  # largest number of settled points with a mark each
 
 
 def hysteresis_figure(run: Run) -> Figure:
@@ -48,7 +48,7 @@ def hysteresis_figure(run: Run) -> Figure:
 def direction_traces(
     u: Array, y: Array, *, width: float = 1.3, names: tuple[str, str] = ("rising input", "falling input")
 ) -> list[Trace]:
-    """Points joined in order, rising and falling in their own colours, an arrow amid each long segment."""
+    """Points joined in order, rising and falling in two colours, with an arrow in the middle of each long segment."""
     du = np.diff(u)
     long = np.hypot(du / (np.ptp(u) or 1), np.diff(y) / (np.ptp(y) or 1)) > 0.06
     traces = []
@@ -92,13 +92,13 @@ def _step_traces(run: Run) -> tuple[list[Trace], str]:
                 text=_safe(shown),
             )
         )
-    words = f"Each point is {what}; lines join points in order."
+    words = f"Each point is {what}. Lines join the points in order."
     if not good.all():
         late = int(np.sum(~good))
         data.append(
             dots(u[~good], y[~good], f"{late} points not settled", BAD, symbol="circle-open", size=11)
         )
-        words += f" {late} of {u.size} points did not settle in time and are ringed."
+        words += f" Circles: {late} of {u.size} points that did not settle in time."
     return data, words
 
 
@@ -111,11 +111,11 @@ def _sample_traces(run: Run) -> tuple[list[Trace], str]:
     for (name, rows), shade in zip(curves, shades):
         x, z = np.where(rows >= 0, u[rows], np.nan), np.where(rows >= 0, y[rows], np.nan)
         data.append(line(x, z, name, shade, width=1.1))
-    order = "by reversal input" if _reversal(run) else "by order of measurement"
+    order = "reversal input" if _reversal(run) else "order of measurement"
     thinned = sum(rows.size for _, rows in curves) < known.size
-    words = f"{thousands(known.size)} readings; colours run {order}, dark first."
+    words = f"{thousands(known.size)} readings, coloured by {order} from dark to bright."
     return data, words + (
-        " Thinned for drawing; every extreme of input and output is kept." if thinned else ""
+        " The drawing is thinned but keeps all extremes of input and output." if thinned else ""
     )
 
 

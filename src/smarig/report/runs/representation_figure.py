@@ -1,4 +1,4 @@
-"""Wiping-out and congruency: two curves superposed, and their difference against its noise (Figs. 5.7 to 5.10)."""
+"""Figures of wiping-out and congruency: two curves, and their difference with its noise (Figs. 5.7 to 5.10)."""
 
 import numpy as np
 
@@ -9,17 +9,17 @@ from smarig.report.components.run_description import input_title, output_title, 
 from smarig.report.components.style import FIRST, GREY, INK, SECOND
 
 _NAMES = {
-    "wiping_out": ("segment A", "segment B", "Wiping-out: segment B over segment A."),
-    "congruency": ("minor loop A", "minor loop B", "Congruency: two minor loops over the same inputs."),
+    "wiping_out": ("segment A", "segment B", "Wiping-out: segments A and B."),
+    "congruency": ("minor loop A", "minor loop B", "Congruency: two minor loops between the same inputs."),
 }
 
 
 def representation_figure(test: Representation, run: Run) -> Figure:
-    """Both curves on the left, second minus first with the noise band on the right."""
+    """Both curves in the first panel, second − first with the noise band in the second."""
     first, second, title = _NAMES[test.name]
     relative = test.name == "congruency"
-    y_title = f"{output_title(run)}{', from the lower corner' if relative else ''}"
-    # A minor loop's points are its falling, then its rising branch: the last one is the corner they begin at.
+    y_title = f"{output_title(run)}{', relative to the lower corner' if relative else ''}"
+    # The points of a minor loop are its falling branch, then its rising branch, which ends at the upper corner.
     k = np.arange(test.input.size) if not relative else np.append(-1, np.arange(test.input.size))
     curves = [
         line(test.input[k], test.first[k], first, FIRST, mode="lines+markers", width=2),
@@ -28,7 +28,7 @@ def representation_figure(test: Representation, run: Run) -> Figure:
     curves[1]["marker"] = {"symbol": "circle-open", "size": 9}
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(y_title)}
     shift = (
-        f" The corners lie {test.offset:.3g} {test.unit} apart; Preisach memory allows that, only the shape must agree."
+        f" The corners differ by {test.offset:.3g} {test.unit}. Congruency permits that; only the shapes must agree."
         if relative
         else ""
     )
@@ -36,9 +36,8 @@ def representation_figure(test: Representation, run: Run) -> Figure:
         [Panel(curves, layout), _difference(test, run, f"{second} − {first}")],
         title,
         [
-            f"First panel: both curves; second: their difference ({test.input.size} pairs of points) against the "
-            f"input. Band: ± 2 standard deviations of a difference by the points' own noise "
-            f"({test.noise:.2g} {test.unit})"
+            f"First panel: both curves. Second panel: their difference ({test.input.size} pairs of points) against the "
+            f"input. Band: ± 2 σ, where σ = {test.noise:.2g} {test.unit} is the noise of a difference"
             + f".{count_text(test.per_count, _half_range(test), test.unit)}{shift}",
             run_caption(run),
         ],
@@ -71,7 +70,7 @@ def _difference(test: Representation, run: Run, title: str) -> Panel:
 
 
 def count_lines(low: float, high: float, count: float, half_range: float) -> list[Trace]:
-    """Dotted lines at ± 1 count, where they would not squeeze what is shown up to ± reach."""
+    """Dotted lines at ± 1 count, unless they are far outside ± ``half_range``."""
     if not 0 < count < 3 * half_range:
         return []
     return [
@@ -81,14 +80,14 @@ def count_lines(low: float, high: float, count: float, half_range: float) -> lis
 
 
 def count_text(count: float, half_range: float, unit: str) -> str:
-    """The same in words; off the scale where the lines are left out."""
+    """A sentence on the lines at ± 1 count, or on the count size if they are outside the axis."""
     if not count:
         return ""
     return f" {'Dotted: ±' if count < 3 * half_range else 'Off the scale:'} 1 count ({count:.3g} {unit})."
 
 
 def noise_band(low: float, high: float, half: float, name: str) -> Trace:
-    """A grey band of ± half from low to high."""
+    """A grey band of ± ``half`` from ``low`` to ``high``."""
     edge = np.array([low, high, high, low, low])
     return line(
         edge,

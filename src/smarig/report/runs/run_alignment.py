@@ -1,7 +1,7 @@
-"""Runs put over each other: time from each run's beginning, one zero, and differences where histories agree.
+"""Aligns runs for comparison: time since the start of each run, a common zero, and differences at common steps.
 
-A wire remembers how it was approached, so outputs are subtracted only while two runs have made the same
-steps in the same order. Knows runs; refuses to know figures.
+The output depends on the history of the input, so outputs are subtracted only as long as two runs have the same steps
+in the same order.
 """
 
 from collections.abc import Mapping
@@ -16,16 +16,16 @@ from smarig.record import Run
 from smarig.replay import provenance
 
 Array = NDArray[np.float64]
-_SAME = 1e-6  # of the input's range: one target is the other, rounded
+_SAME = 1e-6  # of the input's range: tolerance of equal targets
 
 
 @dataclass(frozen=True, eq=False)
 class AlignedRun:
-    """A run beside the first one: ``offset`` is added to its outputs to meet the first one's zero.
+    """A run aligned with the first one: ``offset`` is added to its outputs to match the zero of the first run.
 
-    ``offset_kind`` is "reference", "known" (one sitting, one zero), "fitted", or "unknown" (nothing in common).
-    ``input``, ``difference`` (k,) are the common points and this run minus the first there; ``noise`` is the
-    standard deviation of one such difference, None where nothing was repeated.
+    ``offset_kind`` is "reference", "known" (same session, same zero), "fitted", or "unknown" (no common step).
+    ``input`` and ``difference`` (k,) are the inputs of the common points and this run − first run at these points.
+    ``noise`` is the standard deviation of one such difference, None if no state was repeated.
     """
 
     name: str
@@ -55,14 +55,14 @@ def aligned(runs: Mapping[str, Run]) -> list[AlignedRun]:
 
 
 def check_same_units(runs: Mapping[str, Run]) -> None:
-    """UsageError when runs are not all in the units of the first."""
+    """Raise UsageError unless all runs have the units of the first."""
     names = list(runs)
     first = runs[names[0]]
     for name, run in runs.items():
         if (run.unit, run.input_unit) != (first.unit, first.input_unit):
             raise UsageError(
-                f"Run {name} is in {run.unit} against {run.input_unit}, run {names[0]} in {first.unit} against "
-                f"{first.input_unit}; only runs in the same units can be drawn over each other."
+                f"Run {name} has the units {run.unit} and {run.input_unit}, run {names[0]} has {first.unit} and "
+                f"{first.input_unit}. Only runs in the same units can be compared."
             )
 
 
@@ -93,7 +93,7 @@ def _aligned_run(name: str, run: Run, first: Run) -> AlignedRun:
 
 
 def common_steps(first: Run, run: Run) -> int:
-    """How many settled steps two runs have made alike, from their beginning on."""
+    """The number of settled steps from the start that two runs have in common."""
     a, b = (np.array([step.target for step in each.settled], dtype=float) for each in (first, run))
     n = min(a.size, b.size)
     if not n:

@@ -1,4 +1,4 @@
-"""Runs over each other: hysteresis graphs, differences to the first one, and time series. Computes no alignment."""
+"""Figures of runs overlaid: hysteresis, differences from the first run, and time series."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,11 +22,11 @@ from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.time_figures import time_unit
 
-_MOST_MARKS = 150  # points up to which each has its mark
+_MOST_MARKS = 150  # largest number of points with a mark each
 
 
 def overlay_figure(runs: Sequence[AlignedRun]) -> Figure:
-    """Output against input of every run, in one frame and with one zero."""
+    """Output against input of all runs, on common axes and with a common zero."""
     data: list[Trace] = []
     for k, each in enumerate(runs):
         u, y = each.run.points()
@@ -40,9 +40,9 @@ def overlay_figure(runs: Sequence[AlignedRun]) -> Figure:
     layout = {"xaxis": axis(input_title(runs[0].run)), "yaxis": axis(output_title(runs[0].run))}
     return Figure(
         [Panel(data, layout, 520)],
-        "Hysteresis of the runs over each other.",
+        "Hysteresis of the runs, overlaid.",
         [
-            "Settled points joined in order (samples where there are no steps).",
+            "Settled points joined in order (samples for runs without steps).",
             offsets_text(runs),
             runs_text(runs),
         ],
@@ -51,7 +51,7 @@ def overlay_figure(runs: Sequence[AlignedRun]) -> Figure:
 
 
 def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
-    """Each run minus the first, against the input and in order; None where no two have a step in common."""
+    """Each run − the first, against the input and in order; None if no run has a step in common with the first."""
     others = [(k, each) for k, each in enumerate(runs) if k and each.difference.size]
     if not others:
         return None
@@ -66,15 +66,15 @@ def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
     ]
     return Figure(
         panels,
-        f"Differences to {runs[0].name}, step by step.",
+        f"Differences from {runs[0].name} at each common step.",
         [
-            "Only steps that both runs reached by the same inputs in the same order, because a wire remembers: "
+            "Only steps that both runs reached by the same inputs in the same order, because of the hysteresis: "
             + "; ".join(
                 f"{e.name}: n = {e.difference.size}, rms {number(e.rms)}, at most {number(e.max_abs)} {e.run.unit}"
                 for _, e in others
             )
             + ".",
-            words or "The noise of a difference is unknown: no run repeated a state.",
+            words or "The noise of a difference is unknown, because no run repeated a state.",
             offsets_text(runs),
             runs_text(runs),
         ],
@@ -99,7 +99,7 @@ def _difference_panel(
 
 
 def time_overlay_figure(runs: Sequence[AlignedRun]) -> Figure | None:
-    """Current, input and output of every run against the time since it began; None without any clock."""
+    """Current, input and output of each run against the time since its start; None if no run has times."""
     timed = [(k, each) for k, each in enumerate(runs) if each.run.has("t_s")]
     rows = [
         (name, title)
@@ -117,7 +117,9 @@ def time_overlay_figure(runs: Sequence[AlignedRun]) -> Figure | None:
     data: list[Trace] = []
     layout: dict[str, Any] = {
         "xaxis": axis(
-            f"Time since each run began ({unit})", anchor=f"y{_axis_suffix(len(rows) - 1)}", mirror=False
+            f"Time since the start of each run ({unit})",
+            anchor=f"y{_axis_suffix(len(rows) - 1)}",
+            mirror=False,
         )
     }
     for r, (name, title) in enumerate(rows):
@@ -133,8 +135,8 @@ def time_overlay_figure(runs: Sequence[AlignedRun]) -> Figure | None:
         data += [_timed(k, each, name, size, r) for k, each in timed if each.run.has(name)]
     return Figure(
         [Panel(data, layout, 170 * len(rows) + 60)],
-        "The runs over each other in time.",
-        ["Each run's clock begins with its first sample.", offsets_text(runs), runs_text(runs)],
+        "Time series of the runs, overlaid.",
+        ["Time is measured from the first sample of each run.", offsets_text(runs), runs_text(runs)],
         source_label(*(each.run for each in runs)),
     )
 
@@ -157,30 +159,30 @@ def _line(k: int, each: AlignedRun, x: Any, y: Any, **more: Any) -> Trace:
 
 
 def offsets_text(runs: Sequence[AlignedRun]) -> str:
-    """How the encoders' zeros were brought together, in a sentence."""
+    """Sentences on how the zeros of the encoder were aligned."""
     unit = display_unit(runs[0].run.unit)
     fitted = [f"{e.name} {number(e.offset)} {unit}" for e in runs if e.offset_kind == "fitted"]
     unknown = [e.name for e in runs if e.offset_kind == "unknown"]
     sentences = []
     if fitted:
         sentences.append(
-            f"Every session has a zero of its own, so one additive offset each was fitted to the common steps: "
+            f"Each session has its own zero, so one additive offset per run was fitted to the common steps: "
             f"{', '.join(fitted)}."
         )
     if unknown:
         sentences.append(
-            f"No step in common with the first run, so drawn with its own zero: {', '.join(unknown)}."
+            f"Drawn with their own zero, because no step is common with the first run: {', '.join(unknown)}."
         )
-    return " ".join(sentences) or "All share one encoder zero: nothing was shifted."
+    return " ".join(sentences) or "All runs share one encoder zero. None was shifted."
 
 
 def runs_text(runs: Sequence[AlignedRun]) -> Html:
-    """Where each run was made, with the colour that it is drawn in; what all share is said once."""
+    """Caption text on each run with its colour; common properties appear once."""
     return runs_caption([(k, each.name, each.run) for k, each in enumerate(runs)])
 
 
 def runs_caption(runs: Sequence[tuple[int, str, Run]]) -> Html:
-    """The same of (colour, name, run)."""
+    """Caption text on runs given as (colour index, name, run)."""
     captions = [run_caption(run).removesuffix(".").split("; ") for _, _, run in runs]
     shared = [part for part in captions[0] if all(part in other for other in captions)]
     own = ["; ".join(part for part in parts if part not in shared) for parts in captions]
@@ -192,6 +194,6 @@ def runs_caption(runs: Sequence[tuple[int, str, Run]]) -> Html:
 
 
 def coloured_name(k: int, name: str) -> Html:
-    """The name of the k-th thing compared, with its colour."""
+    """The name of the k-th compared item, with its colour."""
     colour = tag("span", class_="swatch", style=f"color:{COMPARED[k]}", aria_hidden="true")
     return tag("span", colour, name, class_="named")

@@ -1,6 +1,6 @@
-"""A run in a few words and one small drawing: what a list of many runs and a notebook show of it.
+"""A summary of a run with a small drawing, for lists of runs and notebooks.
 
-Light: of the samples only a thinned loop is kept. Knows runs; refuses to know lists and pages.
+Of the samples, only a thinned loop is kept in memory.
 """
 
 from dataclasses import dataclass
@@ -25,12 +25,12 @@ from smarig.report.components.run_description import (
 from smarig.report.components.thumbnail import Frame, frame_of, thumbnail
 
 Array = NDArray[np.float64]
-_POINTS = 160  # a loop of this many points is a few kilobytes
+_POINTS = 160  # per loop, a few kilobytes
 
 
 @dataclass(frozen=True, eq=False)
 class RunSummary:
-    """One run for a list: identity, size, ending, settings, and its thinned loop u, y (k,)."""
+    """A run in a list: identity, size, ending, settings, and its thinned loop u, y (k,)."""
 
     file: str
     protocol: str
@@ -57,14 +57,14 @@ class RunSummary:
 
     @property
     def scale_group(self) -> tuple[str, str, str, str]:
-        """Runs that can be drawn to one scale: the same rig and wire in the same units."""
+        """The key of runs that share one scale: rig, wire and units."""
         return self.rig, self.wire, self.input_unit, self.unit
 
     @property
     def words(self) -> str:
-        """What the drawing shows, in a sentence."""
+        """The text alternative of the drawing."""
         if not self.u.size:
-            return f"{self.protocol}: nothing to draw."
+            return f"{self.protocol}: no data to draw."
         n = f"n = {self.steps} steps" if self.steps else f"n = {thousands(self.samples)} samples"
         low, high = number(float(self.u.min())), number(float(self.u.max()))
         return (
@@ -78,7 +78,7 @@ class RunSummary:
 
     @property
     def size(self) -> str:
-        """Duration and travel for people."""
+        """Duration and travel in readable units."""
         took = (
             duration(self.duration_s)
             if np.isfinite(self.duration_s)
@@ -88,7 +88,7 @@ class RunSummary:
 
 
 def summary_of(run: Run) -> RunSummary:
-    """Read off a run what a list says of it."""
+    """The summary of a run."""
     u, y = loop(run, _POINTS)
     m, known = quality_counts(run), run["position"][np.isfinite(run["position"])]
     epoch, seed = run.info.start_epoch, run.info.seed
@@ -119,16 +119,16 @@ def summary_of(run: Run) -> RunSummary:
 
 
 def loop(run: Run, points: int) -> tuple[Array, Array]:
-    """Input and output (k,): settled points, else samples; thinned, every extreme kept."""
+    """Input and output (k,) of the settled points, else of the samples, thinned with all extremes kept."""
     u, y = run.points()
     kept = path(u, y, points)
     return u[kept], y[kept]
 
 
 def shared_frames(runs: list[RunSummary]) -> list[Frame | None]:
-    """A frame for each run: one input axis for a family, and as much output for each as the widest needs.
+    """A frame for each run: runs of one ``scale_group`` share the input axis and the length of the output axis.
 
-    Outputs of different sittings have zeros of their own, so each frame begins at its run's least output.
+    Outputs of different sessions have different zeros, so each frame begins at the minimum output of its run.
     """
     spans: dict[tuple[str, str, str, str], list[Frame]] = {}
     for run in runs:

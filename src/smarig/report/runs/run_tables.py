@@ -1,4 +1,4 @@
-"""Tables about runs: rig and conditions, honest counts, steps, events, provenance. Knows no model."""
+"""Tables about runs: rig and conditions, data quality, steps, events, provenance."""
 
 import hashlib
 import tomllib
@@ -28,7 +28,7 @@ Row = Sequence[Any]
 
 
 def conditions_table(run: Run) -> Html:
-    """What was measured, on what, and where every constant comes from: quantity, value, unit, source."""
+    """Rig, conditions and constants of a run: quantity, value, unit, source."""
     rows = [*_run_rows(run), *_rig_rows(run), *_actuator_rows(run)]
     return table(("Quantity", "Value", "Unit", "Source"), rows, "Rig and conditions.")
 
@@ -53,7 +53,7 @@ def _run_rows(run: Run) -> Iterable[Row]:
         moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
         yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
     if info.effects:
-        yield "Injected effects", ", ".join(map(str, info.effects)), "", "given to the twin"
+        yield "Injected effects", ", ".join(map(str, info.effects)), "", "twin settings"
     if info.wire_history:
         yield "Wire before this run", info.wire_history, "", "wire history"
     for key in ("initial", "encoder_zero", "seed", "notes"):
@@ -81,7 +81,7 @@ def _rig_rows(run: Run) -> Iterable[Row]:
 
 
 def _name_and_unit(key: str) -> tuple[str, str]:
-    """``current_rate_A_per_s`` → ("current rate", "A/s"): names end in their unit."""
+    """``current_rate_A_per_s`` → ("current rate", "A/s"): the name of a setting ends in its unit."""
     units = {"_A_per_s": "A/s", "_A": "A", "_V": "V", "_K": "K", "_s": "s", "_counts": "counts"}
     for ending, unit in units.items():
         if key.endswith(ending):
@@ -93,7 +93,7 @@ def _actuator_rows(run: Run) -> Iterable[Row]:
     try:
         actuator = Actuator.named(run.info.actuator) if run.info.actuator else None
     except SmarigError:
-        yield "Actuator", run.info.actuator, "", "its parameter file is not here"
+        yield "Actuator", run.info.actuator, "", "parameter file not available"
         return
     if actuator is None:
         return
@@ -111,11 +111,11 @@ def _actuator_rows(run: Run) -> Iterable[Row]:
     yield "Heat loss hA", f"{actuator.hA_W_per_K:.3g}", "W/K", "derived: R I²/T"
 
 
-# --- honest numbers -----------------------------------------------------------------------------------------
+# --- data quality -------------------------------------------------------------------------------------------
 
 
 def quality_table(runs: Mapping[str, Run]) -> Html:
-    """Steps and samples of each run, and how many of them are marked."""
+    """Numbers of steps and samples of each run, and how many of them are marked."""
     rows = []
     for name, run in runs.items():
         m = quality_counts(run)
@@ -128,16 +128,16 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
     return table(
         (*header, "Retried", "Stale", "Saturated", "Tripped", "Ended"),
         rows,
-        "Honest numbers: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
+        "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
         "steps need not settle.",
     )
 
 
-# --- what happened, and where it comes from ---
+# --- provenance, events and steps ---
 
 
 def provenance_table(runs: Mapping[str, Run]) -> Html:
-    """Which files this page was made from: name, protocol, hash, start, versions."""
+    """The files of a page: name, protocol, source, start, seed, versions, hash."""
     rows = []
     for run in runs.values():
         versions = ", ".join(f"{k} {v}" for k, v in run.info.versions.items())
@@ -154,9 +154,9 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
             )
         )
     return table(
-        ("Run file", "Protocol", "Source", "Session began", "Seed", "Versions", "SHA-256"),
+        ("Run file", "Protocol", "Source", "Session start", "Seed", "Versions", "SHA-256"),
         rows,
-        "Where it all comes from.",
+        "Files from which this page was made.",
     )
 
 
@@ -166,7 +166,7 @@ def _start(run: Run) -> str:
 
 
 def sha256(run: Run) -> str:
-    """Hash of the run file; says so when it is no longer there."""
+    """Hash of the run file, or "file not found"."""
     try:
         with run.path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -175,14 +175,14 @@ def sha256(run: Run) -> str:
 
 
 def events_table(run: Run, most: int = 60) -> Html:
-    """What happened in a run; the first ``most`` events."""
+    """The first ``most`` events of a run."""
     rows = [(f"{e.t_s:g}", e.level, e.kind, e.text) for e in run.events[:most]]
     more = f" The first {most} of {len(run.events)}." if len(run.events) > most else ""
-    return table(("t (s)", "Level", "Kind", "What"), rows, f"Events.{more}") if rows else Html("")
+    return table(("t (s)", "Level", "Kind", "Event"), rows, f"Events.{more}") if rows else Html("")
 
 
 def steps_table(run: Run, most: int = 400) -> Html:
-    """The steps as recorded; the first ``most``."""
+    """The first ``most`` recorded steps."""
     rows = [
         (
             s.index,
@@ -197,7 +197,7 @@ def steps_table(run: Run, most: int = 400) -> Html:
     ]
     more = f" The first {most} of {len(run.steps)}." if len(run.steps) > most else ""
     header = ("Step", "Branch", f"Target ({run.input_unit})", f"Position ({run.unit})", "n", "Verdict", "")
-    words = f"Steps; position is the mean over the last n samples.{more}"
+    words = f"Steps. The position is the mean of the last n samples.{more}"
     return (
         tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
         if rows
@@ -206,7 +206,7 @@ def steps_table(run: Run, most: int = 400) -> Html:
 
 
 def settings_text(run: Run) -> Html:
-    """A run's settings in a line."""
+    """The settings of a run in one line."""
     settings = run.info.settings
     return (
         paragraph("Settings: ", joined([tag("code", f"{k}={v}") for k, v in settings.items()], ", "), ".")

@@ -1,7 +1,4 @@
-"""Figures over time: what each run did, and whether initialisation reached the wire (Figs. 5.4, 5.6).
-
-Knows runs. Refuses to know models.
-"""
+"""Figures over time: the channels of a run, and its initialisation (Figs. 5.4, 5.6)."""
 
 from typing import Any
 
@@ -27,7 +24,7 @@ from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TE
 Array = NDArray[np.float64]
 _ROWS = (
     ("current_A", "Current (A)", CURRENT),
-    ("current_command_A", "Current asked for (A)", CURRENT),
+    ("current_command_A", "Commanded current (A)", CURRENT),
     ("voltage_V", "Voltage (V)", GREY),
     ("temperature_degC", "Measured temperature (°C)", "#CC79A7"),
     ("input", "", TEMPERATURE),
@@ -42,24 +39,24 @@ _QUALITY_MARKERS = (
 
 
 def time_axis(run: Run) -> tuple[Array, str]:
-    """Time from the run's first sample and its axis title; sample numbers where there is no time."""
+    """Time since the first sample of a run, and the axis title; sample numbers if no time was recorded."""
     t = run["t_s"]
     if not np.isfinite(t).any():
         return np.arange(len(run), dtype=float), "Sample number (no time recorded)"
     t = t - t[np.isfinite(t)][0]
     size, unit = time_unit(float(np.nanmax(t)))
-    return t / size, f"Time since the run began ({unit})"
+    return t / size, f"Time since the start of the run ({unit})"
 
 
 def time_unit(span_s: float) -> tuple[float, str]:
-    """The unit a span is best read in: its seconds, and its name."""
+    """A readable unit for a time span: its length in seconds, and its name."""
     return (3600.0, "h") if span_s > 6 * 3600 else (60.0, "min") if span_s > 600 else (1.0, "s")
 
 
 def time_series_figure(run: Run, points: int = POINTS) -> Figure:
-    """Current, hysteresis input and output against time, one above the other, marks included.
+    """Current, hysteresis input and output against time in stacked rows, with quality marks.
 
-    At most ``points`` points a channel, of every stretch its least and greatest value.
+    Each channel has at most ``points`` points: the minimum and the maximum of equal segments.
     """
     t, t_title = time_axis(run)
     names = [row for row in _ROWS if run.has(row[0])]
@@ -100,7 +97,7 @@ def time_series_figure(run: Run, points: int = POINTS) -> Figure:
     for trace in data:
         trace["showlegend"] = False
     thinned = (
-        f"Drawn from {thousands(len(run))} samples as the least and greatest of equal segments, so no peak is lost."
+        f"{thousands(len(run))} samples, drawn as minimum and maximum of equal segments, so that all peaks remain."
         if len(run) > points
         else ""
     )
@@ -121,7 +118,7 @@ def _axis_suffix(k: int) -> str:
 
 def _rows_text(run: Run) -> str:
     return (
-        "The plateaus are the holds until the output stood still (§5.2.1)."
+        "The plateaus are holds that last until the output settles (§5.2.1)."
         if 2 * sum(step.verdict == "settled" for step in run.steps) > len(run.steps)
         else ""
     )
@@ -152,9 +149,9 @@ def _quality_markers(run: Run, t: Array, y_axis: str) -> list[Trace]:
 
 
 def initialisation_figure(run: Run) -> Figure | None:
-    """The decaying sinusoid of §5.2.2: what was asked of the wire and what its temperature did.
+    """The decaying sinusoid of §5.2.2: the steady temperature of the current, and the temperature of the wire.
 
-    None for runs without one (a one-wire rig only cools down).
+    None for runs without a sinusoid (a one-wire rig initialises by cooling).
     """
     step = next((s for s in run.steps if s.branch == "decay"), None)
     rows = run.rows(step) if step else slice(0, 0)
@@ -166,7 +163,7 @@ def initialisation_figure(run: Run) -> Figure | None:
     steady = gain * np.sign(current) * current**2
     kept, also = envelope(steady), envelope(wire)
     data = [
-        line(t[rows][kept], steady[kept], "asked: steady temperature of the current", CURRENT, width=1.2),
+        line(t[rows][kept], steady[kept], "steady temperature of the current", CURRENT, width=1.2),
         line(t[rows][also], wire[also], "wire temperature", INK, width=1.6),
     ]
     cycles = int(np.sum((wire[1:] > 0) & (wire[:-1] <= 0)))
@@ -174,11 +171,12 @@ def initialisation_figure(run: Run) -> Figure | None:
     layout = {"xaxis": axis(t_title), "yaxis": axis(input_title(run))}
     return Figure(
         [Panel(data, layout, 430)],
-        "Initialisation: the wire's temperature swings against the asked one.",
+        "Initialisation: steady temperature of the current and temperature of the wire.",
         [
-            f"In {cycles} cycles the wire's swing decays from {np.nanmax(wire):.0f} to {last:.0f} {run.input_unit}, "
-            f"where the current asks for {np.nanmax(steady):.0f} {run.input_unit} at first: the wire lags by its time "
-            "constant. What must decay evenly to leave the anhysteretic state (§5.2.2) is the black curve.",
+            f"In {cycles} cycles the amplitude of the wire's temperature decays from {np.nanmax(wire):.0f} to "
+            f"{last:.0f} {run.input_unit}. The steady temperature of the current starts at {np.nanmax(steady):.0f} "
+            f"{run.input_unit}, because the wire lags by its time constant. The black curve must decay evenly to reach "
+            "the anhysteretic state (§5.2.2).",
             run_caption(run),
         ],
         source_label(run),
