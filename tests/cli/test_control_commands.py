@@ -149,7 +149,7 @@ def test_from_a_notebook(one, tmp_path):
     run = smarig.track(one, "ramps", rig="one_wire_twin", out=tmp_path / "t.run.sqlite", seconds=5)
     assert run.cause == "done"
     assert run.meta["closed_loop"]
-    with pytest.raises(UsageError, match="start is .*diagonal.*, not 'diagnal'"):
+    with pytest.raises(UsageError, match="start must be one of .*diagonal.*, not 'diagnal'"):
         smarig.regulate(one, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", start="diagnal")
 
 
@@ -234,7 +234,7 @@ def test_a_stopped_loop_does_not_offer_a_resume(capsys, one, tmp_path, monkeypat
     out_file = tmp_path / "t.run.sqlite"
     status, _, err = call(capsys, "track", one, *RAMPS, "-o", out_file, *ON)
     assert status == 130
-    assert "close it anew" in err
+    assert "Start it again" in err
     assert "smarig resume" not in err
     monkeypatch.undo()
     status, _, err = call(capsys, "resume", out_file, "--quiet")
@@ -288,13 +288,13 @@ MISTAKES = [
     (2, ["check", "one_wire_twin", "--protocol", "regulate"], "'smarig regulate MODEL …'"),
     (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),
     (2, ["track", "ONE", *RAMPS, "--controller", "leaky_p", "-o", "x", *ON], "did you mean leaky_pi"),
-    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "that of steps is infinite where they jump"),
+    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "which is infinite where steps jump"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "500", "-o", "x", *ON], "whole range, 174.1 K"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "nan", "-o", "x", *ON], "not a finite number"),
     (2, ["track", "ONE", *RAMPS, "--offset-K", "5", "-o", "x", *ON], "'inverse' feeds back the position"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--controller-set", "gane=1", "-o", "x", *ON], "did you mean gain"),
-    (2, ["track", "ONE", "--reference", "STILL", *LEAKY, "-o", "x", *ON], "nothing drives a loop"),
-    (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "speaks in deg"),
+    (2, ["track", "ONE", "--reference", "STILL", *LEAKY, "-o", "x", *ON], "Nothing drives a loop"),
+    (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "is in deg"),
     (2, ["track", "ONE", "--reference", "stepps", "-o", "x", *ON], "did you mean steps"),
     (2, ["track", "ONE", "--reference", "nowhere.csv", "-o", "x", *ON], "nowhere.csv"),
     (2, ["track", "ONE", "--reference", "BROKEN", "-o", "x", *ON], "time_s"),

@@ -167,6 +167,6 @@ def test_a_reader_who_stops_costs_lines_not_time():
     writer.close()
     assert (
         json.loads(dropped_lines_json(7999))["event"]["text"]
-        == "7999 lines were dropped: nobody read them in time."
+        == "7999 lines were dropped because they were not read in time."
     )
     assert heard == [*map(str, range(2001)), "7999 lost", "again", "closed"]
