@@ -138,7 +138,7 @@ def test_the_driver_talks(made):
         assert source.off() == ""
         assert not supply.on
         supply.takes = 1.1
-        with pytest.raises(Exception, match=r"took 0\.55 A, not 0\.5 A"):
+        with pytest.raises(Exception, match=r"set 0\.55 A instead of 0\.5 A"):
             source.set(0.5)
         source.close()
     finally:
