@@ -18,7 +18,7 @@ Examples:
   smarig track wire.model.json --reference steps --rig one_wire_twin -o steps.run.sqlite
   smarig track wire.model.json --reference multisine --set low=2 --set high=8 --set seconds=240 \\
       --controller pi --controller-set gain_share=10 --rig one_wire_twin -o pi.run.sqlite
-  smarig track wire.model.json --reference wanted.csv --rig one_wire_serial -o wanted.run.sqlite
+  smarig track wire.model.json --reference reference.csv --rig one_wire_serial -o reference.run.sqlite
   smarig track wire.model.json --reference ramps --controller ./mine.py --rig one_wire_twin -o mine.run.sqlite
   smarig track wire.model.json --reference multisine --controller leaky_pi --controller-set gain=300 \\
       --rig one_wire_twin -o velocity.run.sqlite
