@@ -196,7 +196,7 @@ def references(seed: int, shapes: Sequence[str] = SHAPES, speed: float = 1.0) ->
 def _cost(
     assumed_model: ControllerModel, name: str, wires: Mapping[int, Everett], most_A: float, speed: float
 ) -> Callable[[Mapping[str, float]], float]:
-    """Rms error over the tuning wires and references; infinite for a loop that trips or is not calm."""
+    """Rms error over the tuning wires and references, with a penalty for trips and for currents that are not calm."""
 
     def cost(numbers: Mapping[str, float]) -> float:
         loops = [

@@ -1,4 +1,4 @@
-"""What every chapter shares: private locks and wire histories, deterministic properties, others' data."""
+"""Fixtures for all tests: private locks and wire histories, deterministic Hypothesis tests, data of others."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""``smarig check`` brings a bench up: a list to sign, and an exit status that tells."""
+"""``smarig check`` on a bench: a checklist to sign, and an exit status that shows the result."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""``smarig certify``, ``track``, ``regulate`` and ``list controllers``: their objects, files and refusals."""
+"""``smarig certify``, ``track``, ``regulate`` and ``list controllers``: JSON objects, files and errors."""
 
 import json
 

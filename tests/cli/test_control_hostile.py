@@ -1,4 +1,5 @@
-"""What an attacker gave to ``certify``, ``track`` and ``regulate``: each is one sentence now, before current flows."""
+"""Hostile arguments of ``certify``, ``track`` and ``regulate``: each gives one error message before current
+flows."""
 
 import json
 from dataclasses import replace

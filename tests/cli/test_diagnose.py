@@ -1,4 +1,4 @@
-"""``smarig diagnose``: the object of its JSON, its files, and what it refuses."""
+"""``smarig diagnose``: its JSON object, its files and its errors."""
 
 import contextlib
 import io

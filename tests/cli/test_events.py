@@ -1,4 +1,4 @@
-"""What stands on stderr when nobody draws: a few lines for people, JSON lines for programs, nothing when asked."""
+"""stderr without the panel: a few lines for people, JSON lines for programs, nothing with --quiet."""
 
 import json
 import os

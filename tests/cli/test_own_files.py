@@ -1,4 +1,4 @@
-"""Own protocols, effects and drivers by their paths: they run, they are recorded, and nothing loads them unasked."""
+"""Own protocols, effects and drivers given by path: they run, are recorded, and are loaded only on request."""
 
 import json
 import shutil

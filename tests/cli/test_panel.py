@@ -1,4 +1,4 @@
-"""The panel as text: what stands in it, whatever the width and height, without colours and without Unicode."""
+"""The panel as text: its content at any width and height, without colours and without Unicode."""
 
 from io import StringIO
 from pathlib import Path

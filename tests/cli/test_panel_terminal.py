@@ -1,4 +1,4 @@
-"""The panel at real terminals: captured from tmux while it runs, pauses, trips and is stopped; and one that hangs."""
+"""The panel in tmux: while a run is on, paused, tripped and stopped, and in a terminal that hangs."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""`smarig resume`, `--notify` and the keys, as a person in the lab meets them."""
+"""``smarig resume``, ``--notify`` and the keys, as used in the lab."""
 
 import json
 import os

@@ -1,4 +1,5 @@
-"""Closed loops over real bytes: sample by sample those of the twin in process, and safe when the link is lost."""
+"""Closed loops over real bytes equal those of the twin in process, sample by sample, and are safe on loss of
+the link."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""Passivity of measured runs: a sound wire keeps its bound within noise, one that gives energy back is found out."""
+"""Passivity of measured runs: a passive wire keeps its bound within noise, and a wire that returns energy is
+detected."""
 
 from dataclasses import replace
 

@@ -1,4 +1,5 @@
-"""Closed loops on the twin: they follow, keep limits whatever they ask for, and end at zero when they diverge."""
+"""Closed loops on the twin: they track, keep the limits for any command, and end at zero current if they
+diverge."""
 
 import math
 

@@ -1,4 +1,5 @@
-"""Velocity feedback as a protocol on the full twin: the theorem's loop where it can be, honest where not."""
+"""Velocity feedback as a protocol on the full twin: satisfied hypotheses of the theorem, and a list of
+violated ones."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""When a closed loop must give up: it swings, cannot reach, or reads what cannot be true. And when it must not."""
+"""When a closed loop must end: it oscillates, cannot reach the reference, or has implausible readings; and
+when not."""
 
 import math
 

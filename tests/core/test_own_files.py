@@ -1,4 +1,5 @@
-"""An own file joins its catalogue when a person names it; what is wrong with it is one sentence with file and line."""
+"""An own file joins its catalogue when a user gives its path; its errors are one sentence with file and
+line."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The words parts exchange: errors by blame, samples, commands. Small, but everything leans on them."""
+"""The values exchanged between packages: errors, samples and commands."""
 
 import copy
 import pickle

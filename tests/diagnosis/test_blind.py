@@ -1,4 +1,4 @@
-"""An effect is hidden by code of its own, and must be found; nothing is hidden, and nothing may be said."""
+"""An effect injected by independent code is found, and without an effect there is no finding."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Explanations as whitened traces: who takes up how much of what is left, and at which strength."""
+"""Candidates as whitened traces: the part of the residual that each explains, and its strength."""
 
 from typing import Any
 

@@ -1,7 +1,9 @@
-"""Every effect of the catalogue, hidden by code of its own: found where it can be seen, passed over where it cannot.
+"""Every effect of the catalogue, injected by independent code, is found where it is identifiable, and only
+there.
 
-Box 16 has a wide hysteresis and box 1 a narrow one, both are quiet; 21 and 29 have two wires. What a classical density
-takes up whole (the gauge theorem), no record of settled positions at one load can show.
+Box 16 has a wide hysteresis and box 1 a narrow one; both have low noise. Boxes 21 and 29 have two wires.
+What a classical density represents completely (the gauge theorem), no record of settled positions at one
+load can show.
 """
 
 import os

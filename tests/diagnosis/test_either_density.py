@@ -1,4 +1,4 @@
-"""Which density is believed: a positive one, unless one that is negative somewhere is likelier than all it explains."""
+"""The choice of the density: positive, unless a signed density is likelier than all explanations."""
 
 from dataclasses import replace
 from types import SimpleNamespace

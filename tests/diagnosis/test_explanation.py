@@ -1,4 +1,4 @@
-"""An explanation at its best: strengths where the evidence says, and what one effect less leaves."""
+"""Explanations at their maximum: strengths by the evidence, and the loss when one effect is removed."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,4 +1,4 @@
-"""Outputs of any smooth density, and of grains: what memories have in common, whatever the density is."""
+"""Outputs of any smooth density and of grains: what memory states have in common for every density."""
 
 import numpy as np
 import pytest

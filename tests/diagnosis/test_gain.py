@@ -1,4 +1,4 @@
-"""The removable share of the error's square, and what it may be when other blocks had been drawn."""
+"""The removable share of the squared error, and its interval over resampled blocks."""
 
 from dataclasses import replace
 

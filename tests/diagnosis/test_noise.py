@@ -1,4 +1,4 @@
-"""Temperature noise at a reversal is in every later reading, until the reversal is wiped out."""
+"""Temperature noise at a turning point affects every later reading until the turning point is wiped out."""
 
 from dataclasses import replace
 

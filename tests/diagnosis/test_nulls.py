@@ -1,4 +1,4 @@
-"""Lives in which nothing is hidden: their noise is as large as the refitted one, and the hysteresis remembers it."""
+"""Null data: their noise equals the refitted noise, and the hysteresis stores its temperature part."""
 
 from types import SimpleNamespace
 from typing import Any

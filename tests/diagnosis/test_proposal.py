@@ -1,4 +1,4 @@
-"""Which run to do next: the quickest that settles it, else the one that gains most an hour; and its campaign file."""
+"""The proposed run: the shortest decisive one, otherwise the largest gain per hour; and its campaign file."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""An explanation at its best: where a fit ends, and how much farther one may go."""
+"""Refinement of an explanation: where a fit ends, and when it may continue."""
 
 from dataclasses import replace
 

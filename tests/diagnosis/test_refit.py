@@ -1,4 +1,4 @@
-"""Readings refitted at once: the likelihood is of what was read, and the density that comes with it foretells it."""
+"""The joint refit of readings: the likelihood is that of the readings, and the fitted density predicts them."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What is searched where something stands out, what an effect must be worth, and when that is enough."""
+"""The search for explanations: its candidates, the required gain of an effect, and its end."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,4 +1,4 @@
-"""What may pass for noise is found and set aside, and nothing is where nothing is wrong."""
+"""Readings that look like outliers of noise are found and set aside; with correct data none are."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""The generated reference leaves nothing out: every key, column, option and name has its text, and is as documented."""
+"""The generated reference is complete: every key, column, option and name has its text and agrees with the
+code."""
 
 import importlib
 

@@ -1,4 +1,4 @@
-"""The examples run as printed, each in a folder of its own, and say what they promise."""
+"""The examples run as printed, each in its own folder, and print the documented results."""
 
 import os
 import re

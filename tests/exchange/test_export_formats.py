@@ -1,4 +1,4 @@
-"""Runs in other programs' formats, read back by those programs' own readers: equal numbers, units, steps, events."""
+"""Exported runs, read back by other programs' readers: equal numbers, units, steps and events."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Runs go out and come back: the same numbers, no half files, nothing overwritten unasked."""
+"""Runs exported and imported again: equal numbers, no partial files, nothing overwritten without --force."""
 
 import json
 import sys

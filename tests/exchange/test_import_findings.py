@@ -1,4 +1,4 @@
-"""Planted faults are found and said; a healthy record is silent."""
+"""Injected faults in a file are reported; a correct file gives no warnings."""
 
 import re
 

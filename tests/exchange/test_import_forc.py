@@ -1,4 +1,4 @@
-"""Reversal-curve files: header, units, order, calibration points, files that break their promises, drift."""
+"""Reversal-curve files: header, units, order, calibration points, inconsistent files, drift."""
 
 import numpy as np
 import pytest

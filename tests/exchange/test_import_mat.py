@@ -1,4 +1,4 @@
-"""MATLAB files: variables become columns, matrices become numbered loops, and nothing else gets in."""
+"""MATLAB files: variables become columns, matrices become numbered loops, and everything else is refused."""
 
 import io
 import struct

@@ -1,4 +1,5 @@
-"""A running MCU: the AVR firmware's ELF under simavr, its serial line a pty, its hardware told by the test."""
+"""A running MCU: the AVR firmware's ELF under simavr, with its serial line as a pty and its hardware set by
+the test."""
 
 import contextlib
 import os

@@ -1,4 +1,4 @@
-"""Builds the C firmware, once per session, and gives its devices in Python; skips by name what is not installed."""
+"""Builds the C firmware once per session and wraps its devices in Python; skips if tools are not installed."""
 
 import ctypes
 import shutil

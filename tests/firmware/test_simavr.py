@@ -1,6 +1,6 @@
-"""The AVR firmware as it would run on its chip: an ELF under simavr, spoken to over a pty.
+"""The AVR firmware as an ELF under simavr, used over a pty.
 
-Time is the chip's own, in its ticks; how long they take is looked at where ``SMARIG_LONG`` is set.
+Time is counted in the chip's ticks. Their real duration is checked with ``SMARIG_LONG``.
 """
 
 import os

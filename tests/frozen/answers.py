@@ -1,4 +1,4 @@
-"""All questions by name, and the file that keeps their answers."""
+"""All questions by name, and the file of their stored answers."""
 
 import json
 import lzma

@@ -1,6 +1,6 @@
-"""Asks smarig as somebody outside would: the command line, its JSON, and the tables of run files.
+"""Uses smarig from the outside: the command line, its JSON, and the tables of run files.
 
-Nothing here imports the package: whatever moves inside it, these questions stay as they are.
+Nothing here imports the package, so internal changes do not affect these questions.
 """
 
 import contextlib

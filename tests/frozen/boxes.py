@@ -1,4 +1,4 @@
-"""Questions about sealed boxes: what is recorded in each, and all that can be computed of it."""
+"""Questions about sealed boxes: the recorded data of each, and everything computed from them."""
 
 from collections.abc import Callable, Mapping
 from functools import cached_property

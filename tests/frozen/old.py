@@ -1,6 +1,7 @@
-"""Questions about files of before: do they open, report, export, resume, verify and simulate, with the same numbers?
+"""Questions about old files: do they open, report, export, resume, verify and simulate with the same
+numbers?
 
-The files lie in ``old_files``, most of them compressed; each question works on a copy.
+The files are in ``old_files``, most of them compressed. Each question works on a copy.
 """
 
 import json

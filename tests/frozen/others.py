@@ -1,4 +1,4 @@
-"""Questions about others' measurements (beside the repository, or left out), and about the hysteresis alone."""
+"""Questions about measurements by others (skipped without them) and about the hysteresis alone."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Questions about rigs: twins, benches over bytes, protocols, planted effects, closed loops."""
+"""Questions about rigs: twins, benches over bytes, protocols, injected effects, closed loops."""
 
 from collections.abc import Callable, Iterator
 from functools import cached_property

@@ -1,4 +1,5 @@
-"""Coverage-guided fuzzing of every Python parser of bytes, with atheris: they find a reply, refuse, or find nothing.
+"""Coverage-guided fuzzing of every Python parser of bytes with atheris: each finds a reply, refuses, or
+finds nothing.
 
 python tests/fuzz/parsers.py CORPUS -max_total_time=60
 """

@@ -1,4 +1,4 @@
-"""The wire's constants: known truth is inside the intervals as often as they promise; the rest gets a sentence."""
+"""The wire's constants: intervals cover known values as stated; undetermined constants give a reason."""
 
 import math
 from dataclasses import replace

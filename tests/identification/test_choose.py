@@ -1,4 +1,5 @@
-"""The choice among kinds: held-out curves are held out, intervals and negative mass are what they say."""
+"""The choice of the surface: held-out curves are not used for fitting, and intervals and negative mass are
+correct."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the curves themselves say: sigmoids one by one, noise, merging, crossing, the range."""
+"""Properties of the curves themselves: single sigmoids, noise, merging, crossing, range."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""The density by local regression: right where it can be known, honest about noise, silent where it must be."""
+"""The density by local regression: correct where it is determined, with correct standard errors, NaN
+elsewhere."""
 
 import importlib
 import importlib.util

@@ -1,7 +1,7 @@
-"""A hysteresis straight from irregular first-order curves: exact where measured, good where not.
+"""A hysteresis from irregular first-order curves: exact at measured points, accurate between them.
 
-The magnetic files are measurements by others (../shared/data/forc_magnetic); a minimal reader stands here so
-that these tests lean on no importer.
+The magnetic files are measurements by others (../shared/data/forc_magnetic). A minimal reader is included,
+so that these tests do not depend on an importer.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""``identify(runs, "positive")``: a measure without negative mass, from first-order curves or from anything else."""
+"""``identify(runs, "positive")``: a measure without negative mass, from first-order curves or from any runs."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""A model survives its file bit for bit; anything else is refused in one sentence."""
+"""A model is equal after saving and loading, bit for bit; any other file is refused with one sentence."""
 
 import json
 

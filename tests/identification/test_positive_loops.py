@@ -1,4 +1,5 @@
-"""Nested loops of a symmetric hysteresis: what they say of a measure, and how well the loops between follow."""
+"""Nested loops of a symmetric hysteresis: what they determine of a measure, and predictions of loops in
+between."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Steady loops: every swing that closes is found, with its tips, its branches and what is wrong with it."""
+"""Steady loops: every closing loop is found with its tips, branches and faults."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The surface (5.5) is found again from encoder readings, and the intervals are honest."""
+"""The surface (5.5) is recovered from encoder readings, with correct intervals."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""How far a model is from runs: settled points along the whole history, the encoder's zero made explicit."""
+"""Verification: errors of a model at settled points along the whole history, with the encoder's zero as an
+offset."""
 
 from dataclasses import replace
 

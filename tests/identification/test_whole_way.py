@@ -1,4 +1,4 @@
-"""From a recorded run to a verified model, on the twin and on others' magnetic data."""
+"""From a recorded run to a verified model, on the twin and on magnetic data of others."""
 
 import json
 

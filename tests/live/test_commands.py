@@ -1,4 +1,4 @@
-"""``--live``, ``--web`` and ``view`` from the command line: a listener more, a sentence where it cannot be."""
+"""``--live``, ``--web`` and ``view`` on the command line: one more listener, or an error message."""
 
 import signal
 import subprocess

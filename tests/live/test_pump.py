@@ -1,4 +1,4 @@
-"""The tick never waits: whatever the drawing does, ``put`` returns, memory is bounded, and losses are counted."""
+"""The tick never waits for drawing: ``put`` returns at once, memory is bounded, and lost items are counted."""
 
 import threading
 

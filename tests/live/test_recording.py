@@ -1,4 +1,4 @@
-"""An .rrd read back by Rerun's own reader holds the same samples as the run, with their times, and stays small."""
+"""An .rrd file, read back by Rerun's reader, holds the samples of the run with their times and stays small."""
 
 import json
 

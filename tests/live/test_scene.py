@@ -1,4 +1,5 @@
-"""What is drawn is what was measured: values, units, places, axes up, and the twin's label; without any viewer."""
+"""The drawn values are the measured ones: values, units, positions, axes up, and the twin's label; without a
+viewer."""
 
 import json
 

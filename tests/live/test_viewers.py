@@ -1,7 +1,7 @@
-"""What viewers make of it: the native one without a screen, and the web one in a headless browser.
+"""The live view in real viewers: the native one without a screen, and the web one in a headless browser.
 
-Asked for their own state (views, complaints, recordings), photographed, and the pictures looked at for what a blank
-page has not. Skipped by name where the tools are absent.
+The tests read the viewers' state (views, errors, recordings) and check that screenshots are not blank. They
+are skipped if the tools are absent.
 """
 
 import io

@@ -1,4 +1,4 @@
-"""Joule heating (5.1)–(5.3): exact for piecewise constant currents, and its energy adds up."""
+"""Joule heating (5.1)–(5.3): exact for piecewise constant currents, with a closed energy balance."""
 
 import math
 

@@ -1,4 +1,5 @@
-"""The inverse: there and back, with the least move, exactly where it can be, and refused where there is none."""
+"""The inverse: a round trip with the least move, exact where possible, and an error where there is no
+inverse."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The one loop, plain and compiled: relays, steps, runs in pieces and restored states all say the same."""
+"""The kernel, plain and compiled: relays, steps, runs in pieces and restored states give the same output."""
 
 import json
 import tracemalloc

@@ -1,4 +1,4 @@
-"""The memory: what is wiped out leaves no trace, comparable loops are congruent, and time plays no part."""
+"""Memory: wiping-out, congruency of comparable loops, and independence of time."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""The contract of every protocol in the folder: inert, within limits, documented, ends cold, previewable."""
+"""The contract of every protocol: no side effects, within limits, documented, ends cold, can be previewed."""
 
 import pytest
 

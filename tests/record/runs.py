@@ -1,4 +1,4 @@
-"""Phrases of this chapter: samples that say their own tick, and waiting for what must come."""
+"""Helpers for tests of records: samples that carry their own tick, and waiting for a condition."""
 
 import time
 from collections.abc import Callable

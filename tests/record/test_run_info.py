@@ -1,4 +1,5 @@
-"""The typed description of a run: every key has its attribute, nothing is lost, and nothing odd breaks it."""
+"""The typed description of a run: every key has an attribute, nothing is lost, and unusual values do no
+harm."""
 
 import json
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""A wire's history: what is counted, that it adds up over runs, and that a wire can be worn out."""
+"""A wire's history: what is counted, the sum over runs, and the limit of cycles."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""Short sittings at a twin: real run files, with a fine encoder where rounding would hide what is tested."""
+"""Short sessions on a twin: real run files, with a fine encoder where quantisation would hide the tested
+property."""
 
 from smarig.config import locate
 from smarig.plant.actuator import Actuator

@@ -1,4 +1,4 @@
-"""Two ways through a story: along a path that is known beforehand, and tick by tick with the whole plant."""
+"""Two ways to simulate a timeline: along a known path, and tick by tick with the complete plant."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A story retold on coarse ticks: what the plant would have shown, with the plant's own effects in it."""
+"""Prediction of a timeline on coarse ticks: what the plant would have shown, including its effects."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Several sittings as one story: each is lived anew, on its own clock and from its own zero."""
+"""Several sessions in one timeline: each is simulated on its own clock and from its own zero."""
 
 from dataclasses import replace
 

@@ -1,6 +1,6 @@
-"""A page in a real browser: headless Chromium over its own protocol, with every name made unresolvable.
+"""A page in headless Chromium over its own protocol, with all host names unresolvable.
 
-Knows tabs, what they log, what they ask the network for, and axe-core. Refuses to know smarig's pages.
+It reads what tabs log and request from the network, and runs axe-core.
 """
 
 import base64

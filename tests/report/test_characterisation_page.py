@@ -1,4 +1,4 @@
-"""The characterisation page holds the numbers that were found, in the promised order, in one small file."""
+"""The characterisation page holds the computed numbers in the documented order in one small file."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Pages of closed loops and of certificates: what is drawn is what was recorded, and what is said is what is proved."""
+"""Pages of closed loops and certificates: figures show the record, and texts state what is proved."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Runs over each other, and models on the same runs: what is subtracted, what is refused, what is said."""
+"""Comparison of runs, and of models on the same runs: offsets, errors and texts."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""Closed loops beside each other: what is compared was asked for the same, and is what the records say."""
+"""Comparison of closed loops: only loops with the same reference are compared, with the figures of their
+records."""
 
 from dataclasses import replace
 

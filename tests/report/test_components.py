@@ -1,4 +1,4 @@
-"""The page kit: escaping, packed arrays, decimation that keeps peaks, writing all or nothing."""
+"""The components of pages: escaping, packed arrays, decimation that keeps peaks, and atomic writing."""
 
 import json
 import os

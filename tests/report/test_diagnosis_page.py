@@ -1,6 +1,7 @@
-"""The page of a diagnosis: what it says and draws of evidence from a twin with a hidden drift, under every verdict.
+"""The page of a diagnosis: its texts and figures of evidence from a twin with an injected drift, for every
+verdict.
 
-The search is not run here: the explanation is the drift that was hidden, with made standard deviations.
+The search is not run here. The explanation is the injected drift, with made-up standard deviations.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""A folder of runs: its index finds every run, stays small, and is renewed without touching what is not ours."""
+"""The index of a folder finds every run, stays small, and is renewed without touching other files."""
 
 import os
 import sqlite3

@@ -1,4 +1,4 @@
-"""Every kind of page as people meet it: in a browser without a network, by mouse, by keys, by ear, on a phone."""
+"""Every kind of page in a browser without a network: with mouse, keyboard and screen reader, and on a phone."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""How a held loop ended, on columns made so that the answer is known, and the sentences said of it."""
+"""The end of a held loop, on columns with a known answer, and its sentences."""
 
 from dataclasses import replace
 

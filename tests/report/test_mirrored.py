@@ -1,4 +1,4 @@
-"""Ascending curves are fitted in the mirror and drawn as they were measured."""
+"""Ascending curves are fitted as mirror images and drawn as measured."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a notebook shows: light, labelled, escaped; and one figure of each when asked."""
+"""The representations in a notebook: small, labelled and escaped; with one figure each on request."""
 
 from dataclasses import replace
 

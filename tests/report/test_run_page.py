@@ -1,4 +1,4 @@
-"""The page of one run: of any kind, however it ended, whatever it lacks."""
+"""The page of a run of any kind, with any ending and with missing data."""
 
 import numpy as np
 import plotly.graph_objects as go

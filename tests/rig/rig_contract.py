@@ -1,4 +1,4 @@
-"""What every rig must do, whatever it is made of: a suite over a maker of rigs, ``make(seed)``."""
+"""The contract of every rig: a suite over a function that makes rigs, ``make(seed)``."""
 
 import math
 

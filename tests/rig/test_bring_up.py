@@ -1,4 +1,4 @@
-"""Bring-up of rigs that do not obey: it says so, and heats no further."""
+"""Bring-up of rigs that do not respond correctly: it reports this and stops heating."""
 
 import pytest
 

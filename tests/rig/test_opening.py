@@ -1,4 +1,4 @@
-"""What could not be told to a device is told to the person, on every ending."""
+"""An unconfirmed shutdown is reported to the user on every ending."""
 
 import pytest
 

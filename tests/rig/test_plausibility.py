@@ -1,4 +1,4 @@
-"""Readings that cannot be trip; readings that can be, of every twin and every protocol, do not."""
+"""Implausible readings trip; plausible readings of every twin and every protocol do not."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Runs as a dead process leaves them: a finished run, cut at a tick, its end unwritten."""
+"""Runs as a killed process leaves them: a finished run cut at a tick, without its end."""
 
 import shutil
 import sqlite3

@@ -1,4 +1,4 @@
-"""An interrupted run goes on as hysteresis allows: its table is that of a run nobody disturbed."""
+"""A resumed run has the table of an uninterrupted run."""
 
 import json
 import os

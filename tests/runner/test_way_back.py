@@ -1,4 +1,4 @@
-"""The way back to what a wire remembers: few inputs, and the same memory as after the whole history."""
+"""The input path to the remembered extrema: few inputs, and the same memory as after the whole history."""
 
 import random
 

@@ -1,4 +1,4 @@
-"""A bench without physics: a wire of 5 ohm whose encoder moves as it is told, and devices on it."""
+"""A bench without physics: a wire of 5 ohm, an encoder that moves as prescribed, and the devices."""
 
 from collections.abc import Sequence
 

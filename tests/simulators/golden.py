@@ -1,7 +1,7 @@
-"""Exchanges as bytes, written down once: what each reply says is stated by hand and checked when it is recorded.
+"""Exchanges as bytes: the expected content of each reply is written by hand and checked when it is recorded.
 
-``python tests/simulators/write_golden.py`` writes firmware_protocol/golden; the C firmware and the Python devices
-both reproduce what stands there. ``why`` and ``title`` are for readers.
+``python tests/simulators/write_golden.py`` writes firmware_protocol/golden. The C firmware and the Python
+devices both reproduce these exchanges. ``why`` and ``title`` are for readers.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The server's round, by a clock of the test's own: what waits to be heard is heard before time is taken for passed."""
+"""One round of the server with a simulated clock: waiting requests are read before elapsed time is counted."""
 
 import os
 import tty

@@ -1,6 +1,6 @@
-"""The whole thing as a process: ports that open, time that passes, hosts that die.
+"""The simulators as a process: ports that open, time that passes, hosts that end.
 
-Waits for what must come, and times nothing but where ``SMARIG_LONG`` is set.
+The tests wait for conditions and measure times only with ``SMARIG_LONG``.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""Faults of wire, shunt, encoder, clock and power, as a host sees them in the registers."""
+"""Faults of wire, shunt, encoder, clock and power, as seen in the registers."""
 
 import pytest
 from benches import Bench

@@ -1,4 +1,4 @@
-"""The blind benchmark on a real Dask cluster of this machine: the same answers as without one."""
+"""The blind benchmark on a local Dask cluster gives the same answers as without one."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""A blind benchmark that is stopped goes on where it was, and its table does not mind how it came about."""
+"""A stopped blind benchmark can be continued, and its table does not depend on the interruption."""
 
 import json
 import sys

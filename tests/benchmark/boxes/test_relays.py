@@ -1,4 +1,4 @@
-"""Relays switched in sorted order against an array of relays switched one by one, exactly."""
+"""Relays switched in sorted order equal an array of relays switched one by one, exactly."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A laboratory supply of another make behind a pty, which keeps what it is told. Knows SCPI, and no driver."""
+"""A laboratory supply of another make behind a pty: it speaks SCPI and stores its commands."""
 
 import contextlib
 import os

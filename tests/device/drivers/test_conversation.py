@@ -1,4 +1,5 @@
-"""A conversation is fresh, done once, repeated a few times, and blames the right one."""
+"""An exchange with a device: fresh replies, executed once, repeated a few times, and errors that blame the
+right device."""
 
 import pytest
 

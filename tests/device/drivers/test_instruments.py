@@ -1,4 +1,4 @@
-"""The amplifier and the encoder as a bench sees them, and the supply that shows how a foreign one is added."""
+"""The amplifier and the encoder as seen by a bench, and a foreign supply as an example of another driver."""
 
 import pytest
 

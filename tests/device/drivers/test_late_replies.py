@@ -1,7 +1,8 @@
-"""A reply that comes after its timeout is never taken for the answer to another request, on any line.
+"""A reply that arrives after its timeout is never taken for the reply to another request, on any line.
 
-First on a line with its own clock, where replies are as late as Hypothesis likes; then over real ptys and sockets,
-where the test says when the host's patience ends and what comes then: nothing here rests on how quickly anybody is.
+The tests use a line with a simulated clock, on which Hypothesis chooses the delays, and then real ptys and
+sockets, on which the test decides when the timeout expires and what arrives afterwards. Nothing depends on
+the speed of a machine.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Modbus TCP against a server that answers what a test says: blame in our own words, and in them alone."""
+"""Modbus TCP against a server that replies as the test prescribes: errors have smarig's own messages only."""
 
 import socket
 import struct

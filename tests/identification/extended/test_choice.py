@@ -1,4 +1,4 @@
-"""``identify(extension=…)``: the catalogue, what a model file keeps of it, and the choice on runs left out."""
+"""``identify(extension=…)``: the catalogue, the extension in a model file, and the choice by runs left out."""
 
 import numpy as np
 import pytest

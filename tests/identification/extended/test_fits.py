@@ -1,6 +1,8 @@
-"""Each extension's parameters come back from noisy records of an independent truth, with intervals that cover.
+"""The parameters of each extension are recovered from noisy records of an independent truth, with correct
+coverage.
 
-Ten records each, seeds fixed; at least eight intervals of 95 % must hold the truth (fewer has probability 1 %).
+There are ten records each, with fixed seeds; at least eight intervals of 95 % must contain the truth (fewer
+has probability 1 %).
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Every settled point is one linear equation: against the operator, which sums no surface values."""
+"""Every settled point is one linear equation, checked against the operator, which sums no surface values."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the positive identification promises: the thesis's trade-off is gone, on the twin and on real curves."""
+"""Claims of the positive identification: it avoids the thesis's trade-off, on the twin and on real curves."""
 
 import os
 from dataclasses import dataclass, replace

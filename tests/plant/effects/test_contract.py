@@ -1,4 +1,4 @@
-"""What every effect promises, run over the folder: nothing at zero, something when planted, bounds, words."""
+"""The contract of every effect: identity at zero strength, a change otherwise, bounds, texts."""
 
 import math
 

@@ -1,8 +1,9 @@
-"""What each effect says about physics, against closed forms and against the gauge theorem.
+"""The physics of each effect, against closed forms and against the gauge theorem.
 
-The theorem (steady states, constant room and load): whatever maps the current monotonically to the local
-temperature, adds relays in parallel or scales the output is another classical Preisach operator in current.
-So such an effect keeps return-point memory and congruency exactly, and no refitted density can show it.
+The theorem (steady states, constant room and load): an effect that maps the current monotonically to the
+local temperature, adds relays in parallel or scales the output gives another classical Preisach operator in
+current. Such an effect keeps return-point memory and congruency exactly, and no refitted density can show
+it.
 """
 
 import numpy as np

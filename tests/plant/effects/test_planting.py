@@ -1,4 +1,4 @@
-"""Effects from command lines, model files and seeds; the rig that hides one."""
+"""Effects from command lines, model files and seeds, and the rig with a hidden effect."""
 
 import json
 from dataclasses import replace

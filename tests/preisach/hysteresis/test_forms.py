@@ -1,4 +1,4 @@
-"""What every form of the surface (5.5) owes, and that a new one is one file: from its fit to its page."""
+"""The contract of every form of the surface (5.5); a new form is one file, from its fit to its page."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A rig file for one cell of the fault table: which link, which faults from when on, and where the trace goes."""
+"""A rig file for one cell of the fault table: link, faults with their start, and path of the trace."""
 
 from pathlib import Path
 

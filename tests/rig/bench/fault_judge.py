@@ -1,4 +1,4 @@
-"""Is a cell safe and clear? Every demand that what was seen does not meet, as a sentence."""
+"""Checks that the result of a cell is safe and clear, and returns each violation as a sentence."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Rows that are alike: lost devices, noisy lines, devices that start anew. Made for fault_rows.py."""
+"""Similar rows of the fault table: lost devices, noisy lines, rebooting devices. Used by fault_rows.py."""
 
 from rig.bench.fault_table import AMPLIFIER, DONE, ENCODER, Fault, Outcome
 

@@ -1,7 +1,8 @@
-"""The fault table's form: faults, phases, links, and how each cell ends. The rows are in fault_rows.py.
+"""The format of the fault table: faults, phases, links, and the ending of each cell. The rows are in
+fault_rows.py.
 
-``test_fault_table.py`` tries every cell; ``fault_page.py`` prints the table into docs/reference/faults.md. In a
-sentence … stands for what differs: names of ports, numbers; | stands between two that may come.
+``test_fault_table.py`` tests every cell; ``fault_page.py`` prints the table into docs/reference/faults.md.
+In a sentence, … stands for varying text such as ports and numbers, and | separates two alternatives.
 """
 
 import re

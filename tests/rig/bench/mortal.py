@@ -1,4 +1,5 @@
-"""A host that is killed in the middle of an identification, and devices that live on: what must be true afterwards."""
+"""A host that is killed during an identification while the devices continue, and the required state
+afterwards."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""A bench joins two instruments by their ticks, keeps time, tells what it lost, and is safe."""
+"""A bench joins two instruments by their ticks, keeps time, reports lost samples, and is safe."""
 
 import pytest
 

@@ -1,6 +1,6 @@
-"""A bench on the firmware under simavr, in real time: what every rig must do, and the twin's positions.
+"""A bench on the firmware under simavr in real time: the rig contract, and the twin's positions.
 
-Part of .ci/long, for a machine that keeps real time; the same firmware in lock-step is a rig of tests/rig.
+Part of .ci/long, for a machine that keeps real time. The same firmware in lock-step is a rig of tests/rig.
 """
 
 import contextlib

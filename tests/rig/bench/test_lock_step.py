@@ -1,4 +1,4 @@
-"""The bench over real bytes is the twin in process, sample by sample: one clock, one wire, one noise."""
+"""The bench over real bytes equals the twin in process, sample by sample: one clock, one wire, one noise."""
 
 from pathlib import Path
 

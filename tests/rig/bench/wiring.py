@@ -1,4 +1,4 @@
-"""Devices wired otherwise than the rig file thinks: lines exchanged, another firmware, network ports between."""
+"""Devices that differ from the rig file: lines exchanged, other firmware, network ports in between."""
 
 import contextlib
 import os

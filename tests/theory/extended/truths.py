@@ -1,7 +1,8 @@
-"""Wires made of relays, one by one, with what each extension adds: the independent truths of this chapter.
+"""Wires of single relays with each extension: the independent truths of these tests.
 
-Shares no code with smarig: no staircase, no Everett function, no root finder. Relays (n,) spread evenly over
-a smooth density (a Sobol sequence through inverse distributions), each carrying the same share of the stroke.
+No code is shared with smarig: no staircase, no Everett function, no root finder. Relays (n,) are spread
+evenly over a smooth density (a Sobol sequence through inverse distributions), each with the same share of
+the stroke.
 """
 
 import numpy as np

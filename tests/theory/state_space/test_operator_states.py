@@ -1,4 +1,4 @@
-"""States of the operator as boundaries and back: the same memory, so the same outputs ever after.
+"""States of the operator as boundaries and back: the same memory, so the same outputs for all future inputs.
 
 The zero state of a one-sided actuator is its negative saturation (theory.md §1): same output, same future.
 """
