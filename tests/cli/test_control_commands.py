@@ -96,7 +96,7 @@ def test_a_model_with_effects_is_certified_for_its_hysteresis_alone(capsys, tmp_
     assert "effects (backlash): they are not covered" in out
 
 
-def test_a_tables_certificate_speaks_in_the_models_units(capsys, tmp_path):
+def test_a_tables_certificate_uses_the_models_units(capsys, tmp_path):
     """A table of relays, or of anything, may not know its unit: the model file does."""
     nodes = np.array([0.0, 50.0, 100.0, 174.0])
     y = np.where(np.tri(4, dtype=bool), nodes[:, None] / 20 - 2 + nodes / 100, np.nan)

@@ -49,7 +49,7 @@ def test_the_rig_opens_as_a_twin(capsys, made):
     assert Twin.named(str(made["rig"])).step(0.5)
 
 
-def test_the_rig_becomes_a_bench_by_taking_hashes_away(made):
+def test_the_rig_becomes_a_bench_by_uncommenting_lines(made):
     text = made["rig"].read_text().replace('kind = "twin"', 'kind = "bench"').replace('"/dev/', '"/tmp/')
     head, _, tail = text.partition("# --- hardware")
     bench = "\n".join(line.removeprefix("# ") for line in tail.splitlines()[1:] if "[simulator]" not in line)
@@ -57,7 +57,7 @@ def test_the_rig_becomes_a_bench_by_taking_hashes_away(made):
     assert inconsistencies(load_rig(str(made["rig"]))) == []
 
 
-def test_the_actuator_is_found_beside_the_rig(capsys, made, tmp_path, monkeypatch):
+def test_the_actuator_is_found_in_the_folder_of_the_rig(capsys, made, tmp_path, monkeypatch):
     assert load_actuator(str(made["actuator"])).name == "first_actuator"
     rig = made["rig"].read_text().replace('"gorbet_one_wire"', '"./first_actuator.toml"')
     made["rig"].write_text(rig)

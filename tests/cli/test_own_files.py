@@ -123,7 +123,7 @@ def test_what_fails_in_it_is_reported_with_its_line(capsys, here):
     assert not (here / "h.run.sqlite").exists()
 
 
-def test_resuming_asks_for_the_same_file_again(capsys, killed, here):
+def test_resuming_needs_the_same_own_file(capsys, killed, here):
     before = killed.read_bytes()
     status, _, err = call(capsys, "resume", killed.name)
     assert status == 2
@@ -249,7 +249,7 @@ def test_a_model_brings_no_driver_and_moves_no_hardware(capsys, here):
     assert not (here / "executed").exists()
 
 
-def test_a_campaign_knows_two_files_of_one_name(capsys, here):
+def test_a_campaign_distinguishes_two_files_of_one_name(capsys, here):
     (here / "other").mkdir()
     (here / "other" / "two_holds.py").write_text(PROTOCOL)
     step = '[[step]]\nprotocol = "{}"\nname = "{}"\n'

@@ -134,7 +134,7 @@ def test_a_warning_is_a_sign_and_a_word_too():
         (RuntimeError(), "✖ FAULT validation (BENCH)"),
     ],
 )
-def test_the_summary_line_says_how_it_ended(error, words):
+def test_the_summary_line_states_how_the_run_ended(error, words):
     status = fed([264] * 10)
     status.end(error)
     line = summary(status).plain
@@ -173,7 +173,7 @@ def test_time_left_accounts_for_pauses_and_resumed_runs():
     assert later.step_number == 12
 
 
-def test_what_a_twin_runs_is_labelled_so_whatever_it_speaks():
+def test_data_of_a_twin_are_labelled_as_such_over_any_link():
     cost = Preview("validation", 60.0, 3, 1.0, 100.0, 0, 1000)
     for rig, source in (("one_wire_serial", "twin"), ("two_wire_twin", "simulation")):
         found = run_info(load_rig(rig), cost, Path("x"), wire="w", source=source)

@@ -155,7 +155,7 @@ def test_readings_on_one_count_err_together():
     assert 0.5 / np.sqrt(12) * noise_weight(u, rounded)[-1] > 3 * independent
 
 
-def test_what_cannot_be_judged_is_refused(run):
+def test_what_cannot_be_evaluated_is_refused(run):
     model = model_of("one_e")
     with pytest.raises(DataError, match="no sample with both"):
         passivity_of_run(with_columns(run, position=np.full(len(run), np.nan)), model)

@@ -111,7 +111,7 @@ def test_the_positive_density_is_kept_where_its_explanation_is_as_likely(monkeyp
 
 
 @pytest.mark.parametrize("more", [-20.0, 17.0, 18.0])
-def test_it_is_kept_with_nothing_beside_it_where_the_signed_one_is_worth_no_name(monkeypatch, more):
+def test_it_is_kept_alone_if_the_signed_density_gains_too_little(monkeypatch, more):
     """That takes more than 18 nats."""
     seen, searches = World(monkeypatch, PLAIN + more, single=PLAIN + 5.0).find_explanations()
     assert (seen.base.hysteresis, seen.levels) == ("positive", [])
@@ -166,7 +166,7 @@ def test_a_density_below_its_rival_is_searched_in_full_where_something_is_left_w
     [(1024.0, True), (1100.0, False)],
     ids=["nothing is found", "what is found is not loud"],
 )
-def test_what_is_silent_stays_so_whatever_the_signed_density_is_worth(monkeypatch, single, loud):
+def test_a_verdict_without_finding_stays_so_for_any_gain_of_the_signed_density(monkeypatch, single, loud):
     """Unless wary eyes find something beyond doubt, which stands out of the noise that it leaves."""
     world = World(monkeypatch, 9999.0, single, silent=True, loud=loud)
     seen, searches = world.find_explanations()

@@ -109,7 +109,7 @@ def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
     assert times[J.toarray()[3] != 0].tolist() == [30.0, 40.0]
 
 
-def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
+def test_each_reading_remembers_a_repeated_level_from_its_own_visit():
     """From saturation to 60, up to 95 and down, read; much later, from saturation, once more."""
     hysteresis = thesis_surface("one_e")
     inputs = [200.0, 60.0, 95.0, 75.0, 200.0, 60.0, 95.0, 76.0]

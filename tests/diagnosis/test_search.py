@@ -179,7 +179,7 @@ def test_no_more_effects_are_tried_than_requested(monkeypatch):
     assert world.search_explanations(tried=3) == [("walking", 60.0)]
 
 
-def test_what_stood_out_at_first_is_tried_beside_an_effect_that_hides_it(monkeypatch):
+def test_a_candidate_that_stood_out_is_tried_together_with_an_effect_that_hides_it(monkeypatch):
     """Beside walking nothing but slip stands out."""
     world = World(monkeypatch, {"walking": 100.0, "settling walking": 200.0}, enough=("settling walking",))
     first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))

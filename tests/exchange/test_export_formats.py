@@ -181,7 +181,7 @@ def test_netcdf_has_the_time_of_day_where_there_is_one(runs, tmp_path):
 
 
 @needs_xarray
-def test_netcdf_holds_only_what_every_reader_knows(run, tmp_path):
+def test_netcdf_holds_only_types_that_every_reader_supports(run, tmp_path):
     """In the file itself: numbers and single characters, attributes of fixed length; nothing ragged."""
     import h5py
 

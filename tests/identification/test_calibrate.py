@@ -102,7 +102,7 @@ def test_steps_of_several_runs_share_one_time_constant():
     assert narrow.ci95[1] - narrow.ci95[0] < 0.7 * (wide.ci95[1] - wide.ci95[0])
 
 
-def test_a_hold_too_short_for_its_time_constant_is_said_to_be():
+def test_a_hold_too_short_for_its_time_constant_is_reported():
     found = calibrate([heated(0, 60.0, 0.0, 6.0)])
     assert "hold the step longer" in found.not_available["tau"]
 

@@ -132,7 +132,7 @@ def test_the_positive_errors_are_those_of_fits_without_the_curves():
     assert choose_surface(data).held_out_rms["positive"] == pytest.approx(np.sqrt(np.mean(squares)), rel=0.01)
 
 
-def test_one_spoilt_curve_spoils_its_own_prediction_not_the_fit_that_knows_it():
+def test_a_wrong_curve_shows_in_the_held_out_error():
     data = fod_data(fod_run("one_c", seed=1))
     alpha = np.unique(data.alpha)[5]
     spoilt = data.y + 2.0 * ((data.alpha == alpha) & (data.beta < alpha) & (data.beta > data.lower))
@@ -168,7 +168,7 @@ def test_a_ninety_percent_interval_holds_the_true_rms_nine_times_in_ten():
 # --- negative mass ----------------------------------------------------------------------------------------
 
 
-def test_the_share_of_planted_masses_is_met_exactly():
+def test_the_share_of_injected_masses_is_met_exactly():
     masses = np.zeros((4, 4))
     masses[2, 0], masses[3, 1], masses[3, 0], masses[1, 0] = 3.0, 2.0, -1.0, -0.5
     masses[2, 2] = 40.0  # reversible, on the diagonal: no part of μ
@@ -198,7 +198,7 @@ def test_positive_has_no_negative_mass_and_what_crosses_has(compared):
 
 
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(5, 200))
-def test_thinning_keeps_about_as_many_as_asked_evenly_and_the_ends_of_long_curves(lengths, most):
+def test_thinning_keeps_about_the_requested_number_evenly_and_the_ends_of_long_curves(lengths, most):
     curve = np.repeat(np.arange(len(lengths)), lengths)
     kept = np.flatnonzero(thinning_mask(curve, most))
     stride = max(1, -(-curve.size // most))

@@ -160,7 +160,7 @@ def test_an_encoder_zero_elsewhere_moves_the_ends_only():
     )
 
 
-def test_what_cannot_be_fitted_is_said():
+def test_what_cannot_be_fitted_is_reported():
     data = fod_data(fod_run("one_e"))
     with pytest.raises(DataError, match="needs 9 FOD points or more; there are 6"):
         fit_surface(select(data, "curve == 0 or curve == 2"), "exponential")

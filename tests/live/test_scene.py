@@ -93,7 +93,7 @@ def test_what_stands_still_costs_nothing(one_wire):
     assert 50 < frames < len(one_wire) / 5
 
 
-def test_axes_point_up_and_say_their_units(one_wire):
+def test_axes_point_up_and_have_units(one_wire):
     screen, scene_renderer = drawn(one_wire)
     (place,) = [m for m in screen.at("graph/plot") if isinstance(m, Transform)]
     assert place.scale is not None
@@ -218,7 +218,7 @@ def ticked(k: int, u: float, y: float) -> SampleItem:
     return SampleItem(Sample(k, 0.1 * k, 0.5, 0.5, 2.4, np.nan, round(y / 0.047), y, 22.0, 0), 0, u)
 
 
-def test_after_a_gap_the_model_is_silent_until_saturation_wiped_it_out():
+def test_after_a_gap_the_model_predicts_nothing_until_saturation():
     screen, display_info = RecordingOutput(), planned_run_info()
     assert display_info.twin_hysteresis is not None
     upper = display_info.twin_hysteresis.upper

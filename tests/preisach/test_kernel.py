@@ -161,7 +161,7 @@ def test_a_look_ahead_changes_nothing_that_comes_later(name: str, initial, befor
     assert [op.step(u) for u in path] == other.follow(path).tolist()
 
 
-def test_a_growing_oscillation_from_the_diagonal_leaves_it_anew_at_each_turn():
+def test_a_growing_oscillation_from_the_diagonal_leaves_it_again_at_each_turn():
     """Every second sample asks the integral along B_ℓ; outputs are those of a swing from B_ℓ in one move."""
     h = thesis_surface("two_e")
     reach = np.linspace(1.0, 180.0, 40)

@@ -130,7 +130,7 @@ def test_the_trade_off_has_one_mark_a_kind_and_positive_in_the_good_corner(evide
     assert f"the least in MP, {choice.held_out_rms['positive']:.3g} mm, that of positive" in caption
 
 
-def test_the_summary_says_which_model_the_theorems_apply_to(evidence, page):
+def test_the_summary_names_the_model_that_the_theorems_apply_to(evidence, page):
     at = page.visible.index("The exponential model is not in MP")
     words = page.visible[at : at + 700]
     rms, verification = evidence.choice.held_out_rms, evidence.verifications
@@ -224,7 +224,7 @@ def test_the_replayed_model_passes_the_measured_peaks(evidence, page):
     assert np.abs(y[::12] - outputs).max() < 0.02  # a twentieth of what the constant surface misses
 
 
-def test_every_caption_says_twin_n_and_rig(page):
+def test_every_caption_gives_twin_n_and_rig(page):
     assert len(page.captions) > 15
     for caption in page.captions:
         assert caption.startswith("TWIN")

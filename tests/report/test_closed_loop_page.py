@@ -156,7 +156,7 @@ def test_the_end_of_the_last_step_is_none(runs):
     assert found.loop.wanted[-1] == found.reference.position[-2]
 
 
-def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_model(runs, closed_loop_model):
+def test_the_loops_page_has_the_certificate_and_states_when_it_is_of_another_model(runs, closed_loop_model):
     same = Page(
         run_page(
             runs["track"],
@@ -209,7 +209,7 @@ MARKED = {
         Event(0.0, "info", "mark", "regulate", {"lower_K": 0.0, "upper_K": 100.0}),
     ],
 )
-def test_marks_that_say_too_little_cost_the_section_and_not_the_page(mark):
+def test_incomplete_marks_cost_the_section_and_not_the_page(mark):
     odd = {
         "setpoint": 1,
         "rest_K": 2,

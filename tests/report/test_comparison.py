@@ -64,7 +64,7 @@ def test_what_differs_is_listed_and_what_does_not_is_not():
     assert not [row for table in page.tables for row in table if row[0] == "seed"]
 
 
-def test_a_twin_beside_a_bench_is_named_in_the_banner():
+def test_a_twin_compared_with_a_bench_is_named_in_the_banner():
     text = comparison_page({"a": made((0, 5, 2, 4)), "b": made((0, 5, 2, 4), source="twin")})
     assert "TWIN: 1 of the 2 runs" in Page(text).visible
     assert "TWIN" not in Page(comparison_page({"a": made((0, 5, 2, 4)), "b": made((0, 5, 2, 4))})).visible

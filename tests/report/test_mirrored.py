@@ -55,7 +55,7 @@ def test_the_replayed_model_goes_through_the_measured_points(both):
         assert np.abs(y[::3] - outputs).max() < 0.005 * np.ptp(outputs)
 
 
-def test_a_page_of_ascending_curves_says_so(both):
+def test_a_page_of_ascending_curves_states_that_they_are_ascending(both):
     from smarig.report.components.surface_figure import surface_figure
     from smarig.report.models.first_order_figures import curves_figure, parameters_figure
 

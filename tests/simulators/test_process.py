@@ -85,7 +85,7 @@ def test_lock_step_then_the_host_dies_and_the_lease_trips(devices, tmp_path):
         assert all(0.03 < b - a < 0.3 for a, b in zip(wall_s, wall_s[1:]))
 
 
-def test_a_host_that_falls_silent_trips_the_lease_while_its_ports_are_open(devices, tmp_path):
+def test_a_host_that_sends_nothing_trips_the_lease_while_its_ports_are_open(devices, tmp_path):
     trace = tmp_path / "trace.csv"
     amplifier = Talk(devices("--lock-step", "--gone-after", "1", "--trace", str(trace)).url("amplifier"))
     amplifier.ask(settings())

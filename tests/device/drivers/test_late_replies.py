@@ -142,7 +142,7 @@ ON_TIME = [
 
 
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_a_sitting_on_a_good_line_is_what_the_others_are_compared_with(late, framing):
+def test_a_session_on_a_good_line_is_the_reference_for_the_others(late, framing):
     talk, device, _ = late(framing, ())
     assert sit(talk, device) == ON_TIME
     assert device.state == "off"
@@ -150,7 +150,7 @@ def test_a_sitting_on_a_good_line_is_what_the_others_are_compared_with(late, fra
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 @pytest.mark.parametrize("timeouts", [1.2, 2.5, 4.5])
-def test_one_late_reply_is_believed_by_nobody_it_is_not_for(late, framing, timeouts):
+def test_one_late_reply_never_answers_another_request(late, framing, timeouts):
     """Whichever it is, and however late: the sitting goes on as on a good line."""
     for which in range(30):
         talk, device, _ = late(framing, [0.0] * which + [timeouts * TIMEOUT_S])
@@ -161,7 +161,7 @@ DELAYS = st.lists(st.sampled_from([0.0, 0.0, 0.0, 0.5, 1.2, 2.5, 4.5, 7.5, LOST]
 
 
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_many_late_and_lost_replies_are_believed_by_nobody_they_are_not_for(late, framing):
+def test_many_late_and_lost_replies_never_answer_another_request(late, framing):
     @given(DELAYS)
     @example([0, 0, 0, 0, 1.2, 0, 0, LOST, 1.2, 1.2, LOST])
     def holds(timeouts):
@@ -332,7 +332,7 @@ def test_a_number_is_the_answer_to_its_own_question(timeouts):
     assert answered or LOST in timeouts or 4.5 in timeouts or len(timeouts) > 3
 
 
-def test_numbers_that_another_process_asked_for_are_no_identity():
+def test_replies_requested_by_another_process_are_not_an_identity():
     meter = Meter()
     port = LatePort(meter.reply, [0.1, 0.1])
     port.timeout = TIMEOUT_S
@@ -344,7 +344,7 @@ def test_numbers_that_another_process_asked_for_are_no_identity():
     assert line.number("MEAS?") == meter.asked == 3
 
 
-def test_a_late_zero_does_not_say_that_a_supply_is_off():
+def test_a_late_zero_does_not_confirm_that_a_supply_is_off():
     """The current that was measured while it was off, heard late, is no answer to whether it is off now."""
     supply = Supply()
     line = TextLine(supply.port, 9600, NEVER_S)

@@ -131,7 +131,7 @@ def test_a_record_without_repeats_is_refused_with_what_is_missing():
         identify_accommodation([record(u, truths.classical(u, m=9))], relays())
 
 
-def test_repeats_of_saturation_alone_tell_of_no_accommodation():
+def test_repeats_of_saturation_alone_show_no_accommodation():
     u = [0.0, 150.0] * 6
     with pytest.raises(DataError, match="cannot drift"):
         identify_accommodation([record(u, truths.classical(u, m=9), 1)], relays())

@@ -53,7 +53,7 @@ def test_a_model_file_gives_back_what_was_written():
             effects_from_json([record])
 
 
-def test_what_is_there_twice_or_has_more_to_say_is_no_effect():
+def test_duplicate_or_longer_entries_are_no_effects():
     creep = {"name": "creep", "parameters": {"percent_per_decade": 1.0}}
     with pytest.raises(DataError, match="creep is there twice"):
         effects_from_json([creep, creep])

@@ -186,7 +186,7 @@ def test_an_unknown_kind_of_surface_is_an_error_that_lists_the_known_ones():
         ),
     ],
 )
-def test_a_file_that_is_no_form_says_why(tmp_path, text, sentence):
+def test_a_file_that_is_no_form_is_refused_with_the_reason(tmp_path, text, sentence):
     (tmp_path / "odd.py").write_text(text, encoding="utf-8")
     with pytest.raises(UsageError, match=sentence):
         resolve_name(FORMS, str(tmp_path / "odd.py"))
