@@ -54,7 +54,7 @@ def solve_seed(seed: int) -> dict[str, Any]:
         wire = f"mystery {folder}"
         evidence = characterise(RIG, Path(folder) / "wire", seed=seed, wire=wire).evidence
         first = evidence.diagnosis
-        assert first is not None  # noqa: S101 - the twin's runs can always be judged
+        assert first is not None  # noqa: S101 - the runs of the twin can always be evaluated
         proposal, last = propose_run(first), first
         if proposal is not None:
             best = proposal.best

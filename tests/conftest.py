@@ -57,7 +57,8 @@ def _private_locks(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
-    """Measurements by others, beside the repository; tests that need them are skipped without."""
+    """Measurements by others in a folder next to the repository; tests that need them are skipped without
+    it."""
     folder = Path(__file__).resolve().parents[2] / "shared" / "data"
     if not folder.is_dir():
         pytest.skip(

@@ -243,7 +243,8 @@ def test_a_stopped_loop_does_not_offer_a_resume(capsys, one, tmp_path, monkeypat
 
 
 def test_a_loop_that_diverges_ends_at_zero_with_status_3(capsys, one, tmp_path, monkeypatch):
-    """Half a minute late, an encoder shows a loop what was; the preview knows no planted effect."""
+    """An encoder that is half a minute late shows old positions; the preview does not include the injected
+    effect."""
     monkeypatch.setattr(loop, "DivergenceLimits", lambda: IMPATIENT)
     out_file = tmp_path / "t.run.sqlite"
     far = (

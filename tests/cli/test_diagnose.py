@@ -75,7 +75,7 @@ def test_its_object_has_the_keys_others_rely_on(found):
 
 
 def test_it_names_the_injected_effect(found):
-    """A twin's readings are so fine that a small second effect beside it may be claimed with it."""
+    """A twin's readings are so precise that a small second effect may be reported as well."""
     assert found["verdict"] in ("named", "ambiguous")
     walking = next(e for e in found["effects"] if e["name"] == "walking")
     assert walking["probability"] > 0.9

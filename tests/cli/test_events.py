@@ -142,7 +142,7 @@ def test_nan_is_null_in_json_lines():
 
 
 def test_a_reader_who_stops_costs_lines_not_time():
-    """The speaker takes on more lines than fit, drops what nobody reads, and says how many."""
+    """The writer accepts more lines than fit, drops those that are not read, and reports their number."""
     taken, hear, caught_up, heard = threading.Event(), threading.Event(), threading.Event(), []
 
     class Deaf:

@@ -355,7 +355,7 @@ def test_a_wrong_controller_is_one_sentence_before_anything_flows(capsys, tracke
 
 
 def test_what_was_measured_before_a_controller_failed_is_kept(capsys, tracked, here):
-    """It fails in the run only: the preview has gone well."""
+    """The error occurs only in the run; the preview succeeds."""
     fails = CONTROLLER.replace("def push", "ROUNDS = []\ndef push").replace(
         "    while True:",
         "    ROUNDS.append(0)\n    for k in range(10**6):\n        if len(ROUNDS) == 2 and k == 50: return",

@@ -72,7 +72,7 @@ def screen(tmp_path, tmp_path_factory):
 
 
 def _kept(name, text):
-    """Captures are kept where $SMARIG_CAPTURES says, for people to look at."""
+    """Store screenshots in $SMARIG_CAPTURES, for inspection by people."""
     folder = os.environ.get("SMARIG_CAPTURES")
     if folder:
         Path(folder, f"panel_{name}.txt").write_text(text, encoding="utf-8")

@@ -93,7 +93,7 @@ def holding(setup):
 
 
 def recorded(rig, folder, wire):
-    """Every controller in one sitting."""
+    """Every controller in one session."""
     loops = {name: following(name, rig) for name in CONTROLLERS}
     loops |= {name: velocity_following(name, rig) for name in VELOCITY_CONTROLLERS}
     with Session(rig, seed=3, wire=wire) as session:

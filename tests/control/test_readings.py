@@ -62,7 +62,8 @@ def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
 
 
 def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
-    """A two_p wire around its breaking loop, judged by a model that says it is passive; and by its own."""
+    """A two_p wire around its loop with negative area, evaluated with a model that is passive, and with its
+    own."""
     broken, count = counterexample(thesis_surface("two_p"), "anhysteretic"), 0.18
     cosine = (1 - np.cos(np.linspace(0, np.pi, 20, endpoint=False))) / 2
     turns = broken.inputs(2000)

@@ -65,7 +65,7 @@ def test_a_loop_that_holds_or_comes_is_left_alone(errors):
 
 
 def sensed(sources, position, *, rest=40.0, wanted=6.0):
-    """Feed a sense that begins on the rising branch at ``rest``; what it said, or nothing."""
+    """Feed a monitor that starts on the rising branch at ``rest``; returns its message, or nothing."""
     operator = Preisach(H, "negative")
     operator.step(rest)
     sensor_plausibility = SensorPlausibility(SETUP, H, operator.state)

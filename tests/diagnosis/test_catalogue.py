@@ -114,7 +114,8 @@ def test_without_its_name_in_the_catalogue_the_variable_is_reported(effect):
 
 @where_there_is_time
 def test_without_its_name_a_lag_is_taken_for_a_similar_effect_only():
-    """A late sensor and a slow wire are one group: what is said is in it, or that it depends on the rate."""
+    """A late sensor and a slow wire form one group: the verdict names one of the group, or the dependence on
+    rate."""
     number, times, channels = VISIBLE["sensor_lag"]
     found = answer(number, "sensor_lag", channels, ("sensor_lag",), times=times)
     if found.verdict.word == "unknown":

@@ -27,13 +27,7 @@ NEVER = float("-inf")
 
 
 class World:
-    """How likely the densities are, and what a search finds beside each.
-
-    ``signed``: nats of the density that may be negative. ``single`` and ``several``: those that one effect and that
-    more of them reach beside the positive density, ``beside`` beside the signed one. ``silent``: nothing stands out,
-    unless noise is as little as may be, and what is found then is ``loud`` or not in the noise that it leaves.
-    Searches, densities, critiques and what is said are kept.
-    """
+    """Likelihoods of the densities, and the results of a search with each."""
 
     def __init__(
         self,
@@ -89,7 +83,7 @@ class World:
         return [SimpleNamespace(critique=after, explanations=(SimpleNamespace(evidence=best),))]
 
     def find_explanations(self) -> Any:
-        """What is found, and the densities beside which was searched, in turn."""
+        """The result, and the densities that were searched, in order."""
         plant_model = PlantModel(WIRE, ORIGINAL, "negative")
         seen = find_explanations(self.timeline, plant_model, self.criticise, self.said.append)
         assert seen.base.signed == (seen.base.hysteresis == "signed")
@@ -152,7 +146,7 @@ def test_with_a_density_below_its_rival_no_more_is_searched_where_the_other_leav
 def test_a_density_below_its_rival_is_searched_in_full_where_something_is_left_with_the_other(
     monkeypatch, several, density
 ):
-    """And then the likelier wins: several effects beside the one, or the other by itself."""
+    """The likelier one wins: several effects with one density, or the other density alone."""
     world = World(monkeypatch, 1500.0, single=1100.0, several=several, beside=1600.0)
     seen, searches = world.find_explanations()
     assert seen.base.hysteresis == density

@@ -125,7 +125,7 @@ def test_each_reading_remembers_a_repeated_level_from_its_own_visit():
 
 
 def two_sittings(first, second, initial):
-    """Every tick is read, and the second sitting begins anew, much later."""
+    """Every tick is read, and the second session starts again from the initial state, much later."""
     hysteresis = thesis_surface("one_e")
     one = prediction_for_inputs(hysteresis, first, initial=initial)
     other = prediction_for_inputs(hysteresis, second, 1e5 + np.arange(1.0, len(second) + 1), initial)
@@ -143,7 +143,7 @@ def two_sittings(first, second, initial):
 
 
 def test_an_input_of_an_earlier_session_is_not_remembered_from_there():
-    """90 and 70 are in the memory that both begin with; the first sitting feels them again, the second never."""
+    """90 and 70 are in the memory at both starts; the first session reaches them again, the second never does."""
     operator = Preisach(thesis_surface("one_e"))
     operator.simulate([90.0, 70.0])
     hysteresis, prediction = two_sittings([110.0, 90.0, 70.0, 85.0, 75.0], [80.0, 75.0], operator.state)

@@ -154,7 +154,7 @@ def test_there_are_no_more_effects_than_may_be(monkeypatch, most):
 
 @pytest.mark.parametrize(("rival", "outdone"), [(117.0, False), (119.0, True)])
 def test_a_much_likelier_rival_ends_the_search(monkeypatch, rival, outdone):
-    """Not within 18 nats; nothing is judged once more then."""
+    """The rival is more than 18 nats ahead, so nothing is evaluated again."""
     world = World(monkeypatch, {"walking": 100.0})
     if outdone:
         with pytest.raises(BelowRivalEvidence):

@@ -77,7 +77,7 @@ def printed_objects(commands: str) -> list[tuple[str, dict]]:
 
 
 def main() -> None:
-    """Make them all anew."""
+    """Generate all examples again."""
     with tempfile.TemporaryDirectory() as folder:
         os.environ |= {"SMARIG_LOCK_DIR": f"{folder}/.locks", "SMARIG_HISTORY_DIR": f"{folder}/.wires"}
         os.chdir(folder)

@@ -39,14 +39,14 @@ unit = "T"
 
 
 def _twin(rig, path):
-    """The second run of a sitting: its clock does not begin at zero."""
+    """The second run of a session: its clock does not start at zero."""
     with Session(rig, seed=3) as session:
         session.run("validation", {"points": "2"}, path.with_name("before.run.sqlite"), force=True)
         return load_run(session.run("validation", {"points": "2"}, path))
 
 
 def _incomplete(path):
-    """A run that nobody closed: a sample lost, a flag set, an event with figures, a step without a position."""
+    """A run that was never closed: a lost sample, a flag, an event with data, a step without a position."""
     meta = {
         "protocol": "föhn",
         "rig": "bench",

@@ -279,7 +279,7 @@ def test_what_was_found_goes_into_an_actuator_file(tmp_path):
 
 
 def test_runs_of_one_session_share_their_ends(tmp_path):
-    """A run that stops short of saturation borrows the ends from the run beside it."""
+    """A run that stops short of saturation uses the ends of the other run."""
     with Session("one_wire_twin", seed=2, wire=str(tmp_path)) as session:
         settings = {"partition_K": "0,40,80,174.1"}
         fod = session.run("first_order_descending", settings, tmp_path / "fod.run.sqlite")

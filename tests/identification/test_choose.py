@@ -213,7 +213,7 @@ def test_thinning_keeps_about_the_requested_number_evenly_and_the_ends_of_long_c
 
 
 def test_curves_of_one_point_in_thousands_do_not_decide_anything():
-    """Thinning may drop a very short curve from the fit; it is still judged, and no score is empty."""
+    """Thinning may remove a very short curve from the fit; it is still evaluated, and no score is empty."""
     u = np.linspace(0.0, 1.0, 60)
     rows = [(k, u[k], u[j]) for k in range(2, 60) for j in range(k + 1)] + [
         (60, 0.011, 0.011),

@@ -50,7 +50,7 @@ def literal_loess(a, b, y, place, width, steps, degree):
     return row @ y, np.linalg.norm(row)
 
 
-# --- the estimator is what it says -------------------------------------------------------------------
+# --- properties of the estimator ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("degree", "width"), [(2, 5.0), (3, 6.0), (4, 8.0)])

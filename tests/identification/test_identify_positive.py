@@ -35,7 +35,7 @@ def swept(*turns, points=8):
 
 
 def without_steps(run):
-    """The same samples, but as a record that knows no settled steps."""
+    """The same samples as a record without settled steps."""
     return Run(run.path, run.meta, run.columns, (), ())
 
 

@@ -17,7 +17,7 @@ SEEDS = range(20)
 
 @pytest.fixture(scope="module")
 def fits():
-    """Fits of noisy FOD data, by surface name: one per seed, with the noise-free truth beside it."""
+    """Fits of noisy FOD data by surface name, one per seed, together with the noise-free truth."""
     return {
         name: [fit_surface(fod_data(fod_run(name, seed=seed)), FORM[name[-1]]) for seed in SEEDS]
         for name in ("one_e", "two_c", "two_e")

@@ -110,7 +110,7 @@ def test_points_before_the_memory_is_known_do_not_count(one):
 
 
 def later(run, by_s):
-    """The same run on a clock that had gone so far."""
+    """The same run with its clock shifted."""
     steps = [replace(s, t_start_s=s.t_start_s + by_s, t_end_s=s.t_end_s + by_s) for s in run.steps]
     return replace(run, columns={**run.columns, "t_s": run["t_s"] + by_s}, steps=tuple(steps))
 

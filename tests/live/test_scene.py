@@ -138,7 +138,7 @@ def test_hardware_is_not_called_a_twin(one_wire):
     )
     screen.show(scene_renderer.opening())
     assert "TWIN" not in json.dumps([str(m) for m in screen.primitives]) + str(scene_renderer.layout)
-    assert not [m for m in screen.primitives if isinstance(m, Pixels)]  # nobody knows this wire's μ
+    assert not [m for m in screen.primitives if isinstance(m, Pixels)]  # the μ of this wire is unknown
 
 
 def test_the_boundary_is_that_of_the_inputs(one_wire):
@@ -261,7 +261,7 @@ def test_axes_grow_with_the_data():
 
 
 def test_a_replay_at_a_pace_keeps_it():
-    """With a clock of its own, so that nobody waits: at twice real time ten seconds take five."""
+    """With a simulated clock: at twice real time, ten seconds take five."""
     clock = [0.0]
     shown: list[tuple[float, float]] = []
 

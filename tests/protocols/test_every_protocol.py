@@ -52,7 +52,7 @@ def test_it_is_inert_documented_and_refuses_unknown_settings(name):
 
 
 def targets(name, rig="one_wire_twin", **settings):
-    """The inputs a protocol asks for, in order; nothing is run (answers are not needed)."""
+    """The inputs of a protocol in order; nothing is run, since no results are needed."""
     return [c.target for c in build_protocol(name, Setup.of(rig), settings) if isinstance(c, Hold)]
 
 

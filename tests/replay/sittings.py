@@ -17,7 +17,7 @@ FINER = 100  # times the encoder's counts
 
 
 def session_runs(folder, *protocols, rig="one_wire_twin", effects=(), seed=1, noise=True, fine=False):
-    """Runs of one sitting, in the order they were made; protocols are (name, settings)."""
+    """Runs of one session in order; protocols are (name, settings)."""
     if fine:
         coarse = locate("rigs", rig).read_text(encoding="utf-8")
         rig = str(folder / "fine.toml")

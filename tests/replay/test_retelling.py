@@ -25,7 +25,7 @@ TRANSIENT_EFFECTS = {"sensor_lag": ("sensor_lag=5",)}  # shows only while the wi
 
 @pytest.fixture(scope="module")
 def case_with_effect(tmp_path_factory):
-    """The story of a noise-free sitting, with the subject that is the twin itself; made once for each effect."""
+    """The timeline of a noise-free session with the plant model of the twin; made once for each effect."""
     kept = {}
 
     def make(name):

@@ -28,7 +28,7 @@ def page(text):
     return Page(text)
 
 
-DIAGNOSIS = "diagnosis/report.html"  # a page of its own, beside this one
+DIAGNOSIS = "diagnosis/report.html"  # a separate page in the same folder
 
 
 def test_it_is_one_small_file_that_loads_nothing(page, text):

@@ -31,7 +31,7 @@ def closed_loop_model():
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory, closed_loop_model):
-    """Twenty seconds of steps, and a set-point held against a disturbance, in one sitting."""
+    """Twenty seconds of steps, and a set-point held against a disturbance, in one session."""
     folder = tmp_path_factory.mktemp("loops")
     with Session("one_wire_twin", seed=2) as session:
         loops = {
@@ -118,7 +118,7 @@ def test_a_loop_that_swings_or_rests_off_is_reported(runs):
 
 
 def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
-    """Also of a loop that is far off all the time; jumps of a reference are cut, and that is said."""
+    """Also for a loop that is far off all the time; jumps of a reference are cut and reported."""
     elsewhere = moved(runs["regulate"], lambda t: 0 * t + 40)
     page = Page(run_page(elsewhere))
     ranges = [

@@ -80,7 +80,7 @@ def test_what_cannot_be_compared_is_refused_in_a_sentence():
 
 @pytest.fixture(scope="module")
 def wire(tmp_path_factory):
-    """Curves, a run to judge by, and one of a wire that walks."""
+    """Curves, a held-out run, and a run of a wire with the effect walking."""
     folder = tmp_path_factory.mktemp("wire")
     with Session("one_wire_twin", seed=3) as session:
         curves = {"partition_K": (0, 50, 70, 90, 110, 160)}

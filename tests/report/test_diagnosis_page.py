@@ -39,7 +39,7 @@ NAMED = DiagnosisVerdict("named", ((("ambient_drift",), 0.97), (("slip",), 0.03)
 
 
 def lived(folder, seed, *effects, with_validation=False):
-    """First-order curves of a one-wire twin, and a run to judge by if asked for."""
+    """First-order curves of a one-wire twin, with a held-out run on request."""
     with Session("one_wire_twin", twin=TwinSettings(seed=seed, effects=effects)) as session:
         curves = {"partition_K": LEVELS}
         runs = [session.run("first_order_descending", curves, folder / f"{seed}f.run.sqlite")]

@@ -7,7 +7,7 @@ import pytest
 from smarig.core.errors import LeaseExpired, RigFault
 from smarig.core.sample import Quality
 
-BACKLOG = 50  # steps that may still tell of the time before
+BACKLOG = 50  # steps that may still contain earlier samples
 TRAVEL = 300  # ticks: six time constants
 
 

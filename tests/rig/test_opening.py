@@ -10,7 +10,7 @@ SHUTDOWN_UNCONFIRMED = "The amplifier could not be told."
 
 
 class Deaf:
-    """A rig that cannot be told to be off."""
+    """A rig that does not accept the command to switch off."""
 
     shutdown_unconfirmed = ""
 

@@ -4,7 +4,7 @@ import shutil
 import sqlite3
 from pathlib import Path
 
-# What is written when a run is closed, and by nobody when its process dies.
+# What is written when a run is closed, and is missing when its process is killed.
 AT_THE_END = ("end", "history_until_tick")
 
 

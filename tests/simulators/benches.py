@@ -21,7 +21,7 @@ class FiveOhms:
         self.counts = 0
 
     def advance(self, output_A: float) -> RawReading:
-        """As asked."""
+        """Advance as prescribed."""
         self.counts += 10
         flowed_uA = round(output_A * 1e6)
         return RawReading(flowed_uA, 5 * flowed_uA, self.counts, 2200, -32768, False)

@@ -109,7 +109,7 @@ def test_time_passes_by_itself_and_ends_by_a_signal(devices):
 
 
 def test_unplugged_and_plugged_in_again_under_the_same_name(devices, tmp_path):
-    """From tick 300 to 600, which the encoder is asked for meanwhile."""
+    """From tick 300 to 600; the test requests these samples meanwhile."""
     faults = tmp_path / "faults.toml"
     faults.write_text('[[fault]]\nkind = "unplugged"\ndevice = "amplifier"\nfrom_s = 30\nto_s = 60\n')
     started = devices("--lock-step", "--faults", str(faults), "--folder", str(tmp_path / "ports"))
@@ -141,7 +141,8 @@ def _wait(condition) -> None:
 
 
 def test_late_and_lost_replies_over_a_real_line(devices, tmp_path):
-    """What is asked in one breath is answered in its order, a late reply before the next; a lost one is done."""
+    """Requests sent together are answered in order, a late reply before the next; a lost one has been
+    executed."""
     faults = tmp_path / "faults.toml"
     late = '[[fault]]\nkind = "delayed"\ndevice = "amplifier"\ndelay_s = 0.2\nfrom_exchange = 2\nto_exchange = 3\n'
     lost = '[[fault]]\nkind = "dropped"\ndevice = "amplifier"\nfrom_exchange = 4\nto_exchange = 5\n'

@@ -178,7 +178,7 @@ def _separation_nats(
     for k, truth in enumerate(rivals[:2]):
         model = replace(
             result.model,
-            name=f"imagined {k}",
+            name=f"explanation {k}",
             hysteresis=truth.plant_model.hysteresis,
             effects=tuple(e.to_json() for e in truth.plant_model.catalogue_effects),
         )

@@ -34,7 +34,7 @@ from smarig.device.wire.register import load_register_map
 
 MAP = load_register_map("amplifier")
 TIMEOUT_S = 0.3
-NEVER_S = 30.0  # patience that only the test ends
+NEVER_S = 30.0  # time-out that only the test ends
 FRAMINGS = {"lines": (TextFraming(), TEXT), "modbus_rtu": (Rtu(65), rtu_framing(65))}
 SAFE = {r.name: r.safe for r in MAP.blocks["settings"]} | {"current_max": 1_000_000, "slew_max": 100_000}
 NONE, ARM, OFF = 0, 1, 2
@@ -82,7 +82,8 @@ class Watched(Conversation):
 
 
 def operations(talk):
-    """What a host does in a sitting: granted, refused for two reasons, with and without sequence words."""
+    """The operations of a host in a session: accepted, refused for two reasons, with and without sequence
+    words."""
     settings = partial(talk.settings, SAFE)
     return (
         talk.handshake,
@@ -123,7 +124,7 @@ def late(monkeypatch):
 
 
 def sit(talk, device) -> list[str]:
-    """The whole sitting; every command is done once at most."""
+    """Execute the whole session; every command is executed at most once."""
     told = []
     for operation in operations(talk):
         try:
@@ -151,7 +152,7 @@ def test_a_session_on_a_good_line_is_the_reference_for_the_others(late, framing)
 @pytest.mark.parametrize("framing", FRAMINGS)
 @pytest.mark.parametrize("timeouts", [1.2, 2.5, 4.5])
 def test_one_late_reply_never_answers_another_request(late, framing, timeouts):
-    """Whichever it is, and however late: the sitting goes on as on a good line."""
+    """For any late reply and any delay, the session continues as on a good line."""
     for which in range(30):
         talk, device, _ = late(framing, [0.0] * which + [timeouts * TIMEOUT_S])
         assert sit(talk, device) == ON_TIME, which
@@ -192,7 +193,8 @@ def test_switching_off_does_not_wait_for_a_line_to_be_resynchronised(late, frami
     assert (device.state, device.output_uA) == ("off", 0)
 
 
-# --- real ptys: the test ends the host's patience, and says what comes then -----------------------------------------
+# --- real ptys: the test ends the host's time-out and decides what arrives then
+# --------------------------------
 
 
 class Held:
@@ -265,9 +267,7 @@ def test_a_late_refusal_is_not_the_next_commands_over_a_real_line(held, framing)
     there.script = [False, 1]  # refused twice; the first refusal comes late, the second is kept
     with pytest.raises(Refused):
         talk.command({"current": 1})
-    there.script = [
-        1
-    ]  # to the next request comes that refusal, and its own reply only when something else is asked
+    there.script = [1]  # the next request gets that refusal, and its own reply only with a later request
     status = talk.command({"order": ARM})
     assert status.values["state"] == 1
     assert there.device.done.count(status.values["echo"]) == 1
@@ -275,7 +275,8 @@ def test_a_late_refusal_is_not_the_next_commands_over_a_real_line(held, framing)
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 def test_a_late_status_is_not_the_next_handshakes_over_a_real_line(held, framing):
-    """Else the first command after it might carry the word that the device has just heard, and not be done."""
+    """Otherwise the first command after it could carry the word that the device has just received, and be
+    ignored."""
     talk, there = held(framing)
     there.script = [False, 1]
     talk.handshake()  # by the late reply to its first attempt
@@ -297,7 +298,7 @@ def test_late_settings_are_not_the_next_ones_over_a_real_line(held, framing):
 
 
 class Meter:
-    """Counts what it is asked; every answer is another."""
+    """Counts requests; every reply is different."""
 
     def __init__(self) -> None:
         self.asked = 0
@@ -345,7 +346,7 @@ def test_replies_requested_by_another_process_are_not_an_identity():
 
 
 def test_a_late_zero_does_not_confirm_that_a_supply_is_off():
-    """The current that was measured while it was off, heard late, is no answer to whether it is off now."""
+    """A late reading of the current from the time when it was off does not confirm that it is off now."""
     supply = Supply()
     line = TextLine(supply.port, 9600, NEVER_S)
     try:

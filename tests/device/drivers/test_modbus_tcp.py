@@ -14,7 +14,7 @@ ASKED = Exchange(0, 2, 0x100, (1,))  # function 23
 
 
 class Server:
-    """Answers each request with the next of ``pdus``; None: hangs up, b"": says nothing."""
+    """Answers each request with the next of ``pdus``; None: closes the connection, b"": no reply."""
 
     def __init__(self, *pdus):
         self._listening = socket.create_server(("127.0.0.1", 0))

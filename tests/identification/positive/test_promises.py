@@ -36,7 +36,7 @@ class PredictionErrors:
 
 @cache
 def cost(rig) -> Preview:
-    """The same for every truth: it is the rig's own model that is asked."""
+    """The same for every truth, because the preview uses the rig's own model."""
     return preview(PROTOCOL, load_rig(rig))
 
 

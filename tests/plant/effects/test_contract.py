@@ -115,7 +115,7 @@ def test_composition_does_not_depend_on_the_order_given():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_time_passes_in_steps_of_any_length(name):
-    """``advance`` is ``step`` for other times: the same ticks, told one by one."""
+    """``advance`` is ``step`` for other durations: the same ticks, one by one."""
     actuator, hysteresis, initial = WIRES[wire_of(name)]
     one, other = (Plant(actuator, hysteresis, initial, 0.01, [effect_of(name)]) for _ in range(2))
     for i in FALLS_AND_RISES:
@@ -138,7 +138,7 @@ def test_where_heat_depends_on_the_output_a_long_tick_is_no_coarse_one(name):
 
 
 def test_the_delay_of_a_sensor_does_not_depend_on_the_heat():
-    """Ticks are cut where heat depends on the output; the sensor is asked once a tick all the same."""
+    """Ticks are divided where heat depends on the output, but the sensor is read once per tick."""
     actuator, hysteresis, initial = WIRES["one_wire"]
 
     def seen(tick_s):

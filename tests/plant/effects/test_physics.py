@@ -255,7 +255,7 @@ def test_latent_heat_does_not_mind_how_long_a_tick_is(grains, short, growing):
     """Relays switch one by one: in a short tick none or one does, in a long one many."""
 
     def told(t, *effects):
-        """Positions at the ends of ticks (s), both ways through the loop."""
+        """Positions at the ends of ticks (s), computed both ways."""
         plant = Plant(*WIRES["one_wire"], 0.1, effects)
         if grains:
             plant = Plant(WIRES["one_wire"][0], _grains(grains), "negative", 0.1, effects)
@@ -275,7 +275,8 @@ def test_latent_heat_does_not_mind_how_long_a_tick_is(grains, short, growing):
 
 
 def test_latent_heat_is_none_where_friction_holds_the_wire():
-    """The wire cools within the play: what is felt stands, so nothing transforms and nothing is given back."""
+    """The wire cools within the play: the hysteresis input is constant, so there is no transformation and no
+    latent heat."""
     wire = WIRES["one_wire"][0]
     effects = [kind("latent_heat")(40.0), kind("coulomb_friction")(8.0)]
     plant = Plant(*WIRES["one_wire"], 0.1, effects)

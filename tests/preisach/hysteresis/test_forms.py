@@ -36,7 +36,7 @@ RANGES = {"one_c": (0.0, 174.1), "two_c": (-185.0, 185.0)}
 
 @pytest.fixture(autouse=True)
 def own_form():
-    """The form of one's own is loaded as a person would name it, and gone after each test."""
+    """The own form is loaded by its path, and removed after each test."""
     with own_files():
         yield resolve_name(FORMS, str(OWN))
 

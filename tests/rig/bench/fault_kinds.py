@@ -73,7 +73,7 @@ def restarted_message(device: str) -> Outcome:
 
 
 def anew(name: str, kind: str, device: str, does: str, **more) -> Fault:
-    """The amplifier may have started anew by the time it is switched off: it is off then."""
+    """The amplifier may have rebooted before it is switched off; it is off then."""
     said = restarted_message(device)
     phases = {"opening": DONE} | ({"zeroing": DONE, "end": DONE} if device == AMPLIFIER else {})
     host = "sees another boot count in the next reply, sets 0 A and closes the run"

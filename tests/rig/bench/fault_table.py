@@ -49,8 +49,8 @@ class Fault:
     real_time: bool = False
     by_bytes: bool = False  # not on Modbus TCP, which has checks of its own
     loses_control: bool = False  # of the current: 0 A counts from the fault on, not from when it is noticed
-    same_data: bool = False  # the run goes on and holds what a sound one holds
-    retries: bool = False  # and says which samples took several attempts
+    same_data: bool = False  # the run continues and holds the data of a run without faults
+    retries: bool = False  # the samples that took several attempts are reported
     usual: str = "in a hold"  # the phase that is tried in everyday CI
     phases: dict[str, Outcome | None] = field(default_factory=dict)
     maybe_done: tuple[str, ...] = ()  # phases in which the run may be over before it is noticed

@@ -5,7 +5,7 @@ from smarig.device.drivers._roles import CurrentReading, PositionReading
 
 
 class FakeClock:
-    """Time that passes only when somebody sleeps."""
+    """A clock whose time passes only in sleep()."""
 
     def __init__(self):
         self.now = 100.0

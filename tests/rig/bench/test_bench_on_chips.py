@@ -60,7 +60,7 @@ def kept_waiting():
 
 
 def in_real_time(check, make):
-    """A check that means nothing where nobody could keep real time: it is made once more then."""
+    """Repeat a check once if the machine did not keep real time."""
     for _ in range(2):
         with kept_waiting() as late_ms:
             try:

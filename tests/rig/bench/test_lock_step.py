@@ -18,7 +18,7 @@ RIGS = ("serial", "modbus_tcp", "modbus_rtu")
 
 
 def record(rig, folder):
-    """Two runs of one sitting, the encoder zeroed between them."""
+    """Two runs of one session with the encoder zeroed in between."""
     with Session(rig, seed=3, wire=f"lock step {Path(rig).name}") as session:
         return [
             load_run(session.run("validation", {"points": 3}, folder / f"{k}.run.sqlite", force=True))

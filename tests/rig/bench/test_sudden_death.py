@@ -29,7 +29,7 @@ def devices(tmp_path):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A run that nobody killed, in lock-step."""
+    """An uninterrupted run in lock-step."""
     folder = tmp_path_factory.mktemp("whole")
     devices = SimulatedDevices(folder, 0.0, LEASE_S)
     try:

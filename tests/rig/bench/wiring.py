@@ -122,7 +122,7 @@ def _passed(source: object, host: socket.socket, device: int, manager: rfc2217.P
 
 
 class _Connection:
-    """What a PortManager says goes to the host."""
+    """Passes the data of a PortManager to the host."""
 
     def __init__(self, host: socket.socket) -> None:
         self.write = host.sendall

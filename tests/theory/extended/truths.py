@@ -102,7 +102,7 @@ def past_extrema(inputs):
 
 
 def weights(wire, extrema, strength):
-    """Each extremum weights the relays of its triangle anew, by where they sit; the triangle keeps its sum."""
+    """Each extremum weights the relays of its triangle again by their position; the triangle keeps its sum."""
     w, corner = np.full(wire.alpha.size, wire.share), LOWER
     for j, e in enumerate(extrema):
         inside = (wire.alpha <= max(e, corner)) & (wire.beta >= min(e, corner))

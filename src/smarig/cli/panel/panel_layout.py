@@ -176,7 +176,7 @@ def _time(status: RunStatus, wide: bool, plain: bool) -> Text:
 
 def _event(status: RunStatus, plain: bool) -> Text:
     entry = status.last_event
-    assert entry is not None  # noqa: S101 - asked before
+    assert entry is not None  # noqa: S101 - the caller checks it
     text = Text(f"{clock_text(status.since_s(entry.t_s))} {entry.kind}: {entry.text}")
     if entry.level not in ("warning", "error"):
         return text
