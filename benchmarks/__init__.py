@@ -1,1 +1,1 @@
-"""Measured ratios and recoveries, one module per question: ``run(quick) -> dict``."""
+"""Benchmarks, one module per question. Each has ``run(quick) -> dict``."""

@@ -1,8 +1,8 @@
-"""How much rig time does choosing save? ``adaptive_fod`` against the thesis's fixed partition, on the twin.
+"""Rig time saved by choosing the points: ``adaptive_fod`` against the thesis's fixed partition, on the twin.
 
-Ten random truths outside every surface family (``truths``), encoder noise as in the rig's file, holds settled
-alike. Both runs are fitted by ``positive``; the error is the rms of y(α, β) over a dense triangle against the
-truth itself. The time is the twin's clock. Knows no chooser's inside.
+The ten random truths lie outside every surface family (``random_truths``). The encoder has the noise of the
+rig's file, and holds settle by the same rule. Both runs are fitted by ``positive``. The error is the rms of
+y(α, β) over a dense triangle against the truth. The time is that of the twin's clock.
 """
 
 from dataclasses import dataclass, replace
@@ -23,20 +23,20 @@ from smarig.runner import Preview, Session
 RIG = "one_wire_twin"
 TRUTHS = 10
 TARGET_SHARE = 0.60
-_GRID = 61  # inputs of the grid on which the error is taken
-_EVERY = 2  # holds between two looks at the error of the adaptive run
-_FIRST = 16  # holds before the first look
+_GRID = 61  # inputs of the grid for the error
+_EVERY = 2  # holds between two evaluations of the adaptive run
+_FIRST = 16  # holds before the first evaluation
 
 
 @dataclass(frozen=True)
 class ErrorTrace:
-    """Validation error (k,) in the rig's unit after k looks at a run, and the twin's time (k,) at each."""
+    """Validation error (k,) in the rig's unit at k evaluations of a run, and the twin's time (k,) at each."""
 
     hours: tuple[float, ...]
     rms: tuple[float, ...]
 
     def first_h(self, rms: float) -> float | None:
-        """Time at which the error is at or below ``rms`` for the first time; None if it never is."""
+        """Time at which the error is first at or below ``rms``; None if it never is."""
         return next((hours for hours, error in zip(self.hours, self.rms) if error <= rms), None)
 
     def stays_h(self, rms: float) -> float | None:
@@ -50,10 +50,10 @@ def run(quick: bool = False) -> dict[str, Any]:
     """Share of the fixed partition's rig time after which the adaptive error is at or below the fixed one's.
 
     ``{"rig", "truths", "wanted", "median_share", "median_first_share", "median_uninformed_share", "reached",
-    "results": [{"truth", "fixed_h", "fixed_rms", "share", "first_share", "uninformed_share", "rms_at_wanted",
-    "predicted_over_true", "unit"}]}``. ``share``: from there on the error stays below; ``first_share``: it is
-    below once. None where that is not reached within the fixed run's time, counted in medians as more than 1
-    (None again where the median itself is). ``quick`` takes two truths.
+    "results": [{"truth", "fixed_h", "fixed_rms", "share", "first_share", "uninformed_share",
+    "rms_at_wanted", "predicted_over_true", "unit"}]}``. ``share``: the error stays below from there on;
+    ``first_share``: it is below once. None if that is not reached within the fixed run's time; medians count
+    this as more than 1 (and are None if the median itself is not reached). ``quick`` takes two truths.
     """
     seeds = range(2 if quick else TRUTHS)
     with TemporaryDirectory() as folder:
@@ -117,7 +117,7 @@ def _measured(
         peak_temperature_K=0.0,
         timed_out=0,
         bytes=0,
-    )  # nothing to ask before the first ampere of a twin
+    )  # a twin needs no preview
     with Session(RIG, twin=twin, wire=f"{out.stem} of the benchmark") as session:
         return load_run(session.run(protocol, settings, out, expected=no_preview, chooser=chooser))
 
@@ -134,7 +134,7 @@ def _hours(run: Run, holds: int) -> float:
 
 
 def _error(run: Run, holds: int, truth: FodTable) -> float:
-    """rms over the triangle of what ``positive`` makes of the first ``holds`` holds."""
+    """rms error over the triangle of the fit of ``positive`` to the first ``holds`` holds."""
     first_holds = replace(run, steps=run.steps[:holds])
     fit = fit_positive(Observations.of_runs([first_holds]))
     u = np.linspace(truth.lower, truth.upper, _GRID)
@@ -150,7 +150,7 @@ def _trace(run: Run, truth: FodTable) -> ErrorTrace:
 
 
 def _predicted_over_true(run: Run, truth: FodTable) -> float:
-    """Error the chooser predicted at its last choice, over the error there."""
+    """The error that the chooser predicted at its last choice, divided by the true error there."""
     predictions = [e.data for e in run.events if "predicted_share" in e.data]
     span = truth.everett(truth.upper, truth.lower)
     return span * predictions[-1]["predicted_share"] / _error(run, predictions[-1]["holds"], truth)

@@ -1,8 +1,7 @@
-"""How long does a diagnosis of the thesis's largest record take: 407 steps, all effects, 400 nulls?
+"""Duration of a diagnosis of the thesis's largest record: 407 steps, all effects, 400 null data sets.
 
-The two-wire twin's first-order descending curves, once with nothing hidden and once with each of a few effects, from
-the run file to the verdict. Seconds are those of the clock, because that is what a person waits; memory is the most
-that the process has held.
+The records are the two-wire twin's first-order descending curves, once without an effect and once with each
+of a few effects. Times are wall times from run file to verdict. Memory is the peak of the process.
 """
 
 import os
@@ -24,11 +23,15 @@ from smarig.runner import Session
 
 HIDDEN = ("", "settling", "resistance_phase")
 RIG = "two_wire_twin"
-LEVELS, REACH_K = 28, 184.0  # of the partition, to either side: 407 steps
+LEVELS, REACH_K = 28, 184.0  # of the partition, on each side: 407 steps
 
 
 def run(quick: bool = False, seed: int = 0) -> dict[str, Any]:
-    """``{"rig", "nulls", "results": [{"hidden", "steps", "readings", "seconds", "verdict", "names"}], "peak_MB"}``."""
+    """Measure times and verdicts of the diagnoses.
+
+    Returns ``{"rig", "nulls", "results": [{"hidden", "steps", "readings", "seconds", "verdict", "names"}],
+    "peak_MB"}``.
+    """
     rows = [_row(LEVELS // 2 if quick else LEVELS, hidden, seed) for hidden in HIDDEN]
     return {"rig": RIG, "nulls": NULL_DATA_SETS, "results": rows, "peak_MB": _peak_MB()}
 

@@ -1,8 +1,9 @@
-"""How well is a known density recovered from noisy curves? Ours without the truth, the peer's tuned by it.
+"""Recovery of a known density from noisy curves: estimators that do not use the truth, and a peer tuned with
+it.
 
-Five seeds of the published curves (``generator``) at 0.1 % and 0.5 % noise; the score is the relative L2
-error of μ over the nodes. Our estimators choose their smoothing themselves. PmagPy, where installed, gets
-the smoothing factor that is best against the truth: its best case. Knows no data of others.
+Five seeds of the published curves (``synthetic_curves``) at 0.1 % and 0.5 % noise. The score is the relative
+L2 error of μ over the nodes. The estimators of smarig choose their own smoothing. PmagPy, if installed, gets
+the smoothing factor that is best against the truth: its best case.
 """
 
 from collections.abc import Callable
@@ -20,27 +21,27 @@ from smarig.identification import forc_density
 
 Array = NDArray[np.float64]
 Estimator = Callable[[Array, Array, Array], Array]
-"""(α, β, y) (k,) of curves → μ (k,), NaN where it does not say."""
+"""(α, β, y) (k,) of curves → μ (k,), NaN where there is no estimate."""
 
 NOISES = (0.001, 0.005)
 SEEDS = 5
-MARGIN = 3  # steps from every edge: an interior node
+MARGIN = 3  # steps from every edge to an interior node
 _FACTORS = range(6, 16)
 
 
 def estimators() -> dict[str, Estimator]:
-    """What is compared, by name: estimators that know no truth. Add one here."""
+    """The compared estimators by name; none uses the truth. Add one here."""
     found: dict[str, Estimator] = {"loess": _loess, "loess_degree_2": _quadratic}
     positive = _positive()
     return found if positive is None else found | {"positive": positive}
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """Mean and standard deviation of the error per noise and estimator; ``quick`` runs one seed.
+    """Mean and standard deviation of the error by noise and estimator; ``quick`` runs one seed.
 
-    ``{"nodes", "seeds", "margin_steps", "results": [{"noise", "estimator", "oracle", "interior", "interior_sd",
-    "all", "coverage", "seconds"}], "peer": "pmagpy …" | None}``; errors are relative, seconds of
-    processor time per data set.
+    ``{"nodes", "seeds", "margin_steps", "results": [{"noise", "estimator", "oracle", "interior",
+    "interior_sd", "all", "coverage", "seconds"}], "peer": "pmagpy …" | None}``; errors are relative, seconds
+    are processor time per data set.
     """
     seeds = range(1 if quick else SEEDS)
     peer = _pmagpy()
@@ -61,7 +62,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 def score(mu: Array, interior: bool = True) -> float:
-    """Relative L2 error ‖μ − truth‖/‖truth‖ over the nodes (interior ones, or all off the diagonal)."""
+    """Relative L2 error ‖μ − truth‖/‖truth‖ over the interior nodes, or over all nodes off the diagonal."""
     alpha, beta, _ = curves()
     margin = (MARGIN if interior else 1) * 2 / (NODES - 1) - 1e-9
     counted = (alpha - beta > margin) & np.isfinite(mu)
@@ -97,7 +98,7 @@ def _row(
 
 
 def _tuned(noise: float, loess: Callable[[int], Estimator], seeds: range) -> dict[str, Any]:
-    """The row of the smoothing factor whose mean interior error over the seeds is least."""
+    """The row of the smoothing factor with the least mean interior error over the seeds."""
     rows = [
         _row(
             noise, "pmagpy_loess", [_estimator_scores(loess(sf), noise, seed) for seed in seeds], oracle=True
@@ -117,7 +118,7 @@ def _quadratic(alpha: Array, beta: Array, y: Array) -> Array:
 
 
 def _positive() -> Estimator | None:
-    """The non-negative identification, where there is one: cell masses over areas, linear between the cells."""
+    """The non-negative identification, if available: cell masses over areas, linear between the cells."""
     try:
         from smarig.identification import Observations, fit_positive
     except ImportError:
@@ -139,7 +140,7 @@ def _positive() -> Estimator | None:
 
 
 def _pmagpy() -> tuple[str, Callable[[int], Estimator]] | None:
-    """PmagPy's version and its LOESS by smoothing factor; None where it is not installed."""
+    """PmagPy's version and its LOESS by smoothing factor; None if it is not installed."""
     try:
         loess = import_module("pmagpy.forc").loess_rho_from_grid_fast
     except ImportError:
@@ -148,11 +149,11 @@ def _pmagpy() -> tuple[str, Callable[[int], Estimator]] | None:
     def of(factor: int) -> Estimator:
         def estimate(alpha: Array, beta: Array, y: Array) -> Array:
             field = np.linspace(-1.0, 1.0, NODES)
-            # Magnetic curves are the mirror: reversal field −α, field −β, moment −y.
+            # Magnetic curves are mirrored: reversal field −α, field −β, moment −y.
             row, column = (NODES - 1 - np.rint((u + 1) / 2 * (NODES - 1)).astype(int) for u in (alpha, beta))
             moment = np.full((NODES, NODES), np.nan)
             moment[row, column] = -y
-            span = factor * (field[1] - field[0]) * (1 - 1e-9)  # it rounds up to whole steps
+            span = factor * (field[1] - field[0]) * (1 - 1e-9)  # PmagPy rounds up to whole steps
             return loess(field, field, moment, span, span)[row, column]
 
         return estimate

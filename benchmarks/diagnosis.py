@@ -1,8 +1,8 @@
-"""How often is a blind diagnosis right? Sealed boxes with nothing, one or two effects, or one it does not know.
+"""Success rate of the diagnosis on sealed boxes with no effect, one or two effects, or an unknown effect.
 
-The boxes' generator shares no code with the diagnosis; a box's label is opened only after its answer is written.
-Answers are kept as they come, so a run that was stopped goes on where it was; the number of workers changes
-nothing but the time.
+The generator of the boxes shares no code with the diagnosis. The label of a box is opened only after the
+answer is written. Each answer is stored at once, so a stopped benchmark can be continued. The number of
+workers affects only the time.
 """
 
 import gc
@@ -35,8 +35,9 @@ def run(
 ) -> dict[str, Any]:
     """The table of ``score_table`` over boxes 0 … ``boxes`` − 1 of a seed.
 
-    ``workers`` processes, or the scheduler at address ``dask``; ``out``: a file of answers, one JSON line a box,
-    that is gone on with when it exists. ``left_out``: only those boxes whose effect the diagnosis does not know.
+    ``workers``: processes, unless ``dask`` gives the address of a scheduler. ``out``: a file of answers, one
+    JSON line per box, continued if it exists. ``left_out``: only boxes whose effect is left out of the
+    catalogue.
     """
     if boxes < 1 or workers < 1:
         raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
@@ -52,23 +53,23 @@ def run(
 
 
 def _append(out: Path, record: Record) -> None:
-    """One line more, on a line of its own whatever was written before."""
+    """Append a line, also after an incomplete last line."""
     whole = not out.exists() or not out.stat().st_size or out.read_bytes()[-1:] == b"\n"
     with out.open("a", encoding="utf-8") as file:
         file.write(("" if whole else "\n") + json.dumps(record) + "\n")
 
 
 def _stored_answers(out: Path | None, seed: int, nulls: int) -> dict[int, Record]:
-    """Answers of this seed, by so many nulls, in a file; a half-written last line is not one."""
+    """The answers in a file with this seed and number of null data sets. An incomplete last line is ignored."""
     found: dict[int, Record] = {}
     if out is None or not out.exists():
         return found
     if not out.is_file():
-        raise UsageError(f"{out} is no file that answers could be kept in.")
+        raise UsageError(f"{out} is not a file that can hold answers.")
     lines = out.read_bytes().splitlines()
     answers = [record for line in lines if (record := _answer_of(line)) is not None]
     if lines and not answers:
-        raise UsageError(f"{out} holds something else than answers; give another name.")
+        raise UsageError(f"{out} holds something other than answers. Give another name.")
     for record in answers:
         if (record["seed"], record["nulls"]) == (seed, nulls):
             found[record["number"]] = record
@@ -76,7 +77,7 @@ def _stored_answers(out: Path | None, seed: int, nulls: int) -> dict[int, Record
 
 
 def _answer_of(line: bytes) -> Record | None:
-    """An answer as it was written, None where the line is none."""
+    """The answer in a line, or None if the line holds none."""
     try:
         record = json.loads(line)
     except ValueError:
@@ -112,11 +113,11 @@ def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Ite
         ValueError,
         TypeError,
         AssertionError,
-    ) as error:  # the last: its own loop did not start in time
+    ) as error:  # the last kind: its event loop did not start in time
         reason_text = str(error) or "its client did not start"
     if client is None:
-        gc.collect()  # what was begun is closed now: in the middle of another client's start that would wait for ever
-        raise UsageError(f"No Dask scheduler answers at '{address}': {reason_text}.")
+        gc.collect()  # close the objects now; during another client's start this would block for ever
+        raise UsageError(f"No Dask scheduler responds at '{address}': {reason_text}.")
     with client:
         for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
             yield answer.result()

@@ -1,16 +1,18 @@
-"""Figs 8.5 and 8.6 as numbers: what a disturbance costs at B_ℓ, and at other states of the same output.
+"""Figs 8.5 and 8.6 as numbers: the cost of a disturbance at B_ℓ and at other states with the same output.
 
-The control input is pushed by ±d. Two things may then be meant by "corrected":
+The control input is disturbed by ±d. The correction is computed in two senses:
 
-* the *output* is brought back, by the least monotone move. A rise undone by a fall takes another branch, but stops at
-  y_d: the largest |y − y_d| is the push itself, and again when the pulse ends and pushes back;
+* the *output* is brought back by the least monotone move. A rise that is undone by a fall takes another branch, but
+  stops at y_d. The largest |y − y_d| is that of the disturbance, and again that at the end of the pulse;
 * the *state* is brought back ("the area which must be swept to recover the initial boundary", Fig. 8.5; "to return to
-  the original point", Fig. 8.6), so that the next disturbance finds it as the last one did. B_ℓ is recovered by an
-  oscillation that decays from ±d, a state of an outer branch pushed forwards only by way of the saturation it left.
+  the original point", Fig. 8.6), so that the next disturbance finds the same state. B_ℓ is recovered by an oscillation
+  that decays from ±d. A state of an outer branch that was pushed forwards is recovered only through the saturation it
+  left.
 
-Both are computed; ``swing`` is the farthest the input goes from where it stood. B_o is the state of that output on an
-outer branch: rising from negative saturation (ascending), or falling from positive saturation (descending).
-Quasi-static: knows no time, no lag and no controller; ``loop.regulate`` is for those.
+``swing`` is the largest distance of the input from its initial value. B_o is the state with that output on
+an outer branch: rising from negative saturation (ascending), or falling from positive saturation
+(descending). The computation is quasi-static, without time, lag and controller; ``regulation`` includes
+these.
 """
 
 from dataclasses import dataclass
@@ -25,15 +27,16 @@ StateKind = Literal["diagonal", "ascending", "descending"]
 STATE_KINDS: tuple[StateKind, ...] = ("diagonal", "ascending", "descending")
 FIGURES = ("push", "pulse", "swing", "recovery", "recovery_swing")
 RECOVERY_CYCLES = 8
-_SAMPLES_PER_MOVE = 16  # places along a move, should the output turn back on the way
+_SAMPLES_PER_MOVE = 16  # points along a move, in case the output turns on the way
 
 
 @dataclass(frozen=True)
 class DisturbanceCost:
-    """What one push costs: largest |y − y_d| of the push, of the whole pulse and of recovering the state; swings.
+    """The cost of one disturbance: largest |y − y_d| of the push, of the whole pulse and of the recovery;
+    swings.
 
-    ``push`` and ``pulse`` belong to bringing the output back (``swing``), ``recovery`` to bringing the state back
-    (``recovery_swing``). Outputs and inputs in the model's units.
+    ``push`` and ``pulse`` belong to the correction of the output (``swing``), ``recovery`` to that of the
+    state (``recovery_swing``). Outputs and inputs in the model's units.
     """
 
     push: float
@@ -43,14 +46,14 @@ class DisturbanceCost:
     recovery_swing: float
 
     def worse(self, other: "DisturbanceCost") -> "DisturbanceCost":
-        """The worse of two, figure by figure."""
+        """The worse of two costs in each figure."""
         own_values, other_values = (tuple(vars(c).values()) for c in (self, other))
         return DisturbanceCost(*map(max, own_values, other_values))
 
 
 @dataclass(frozen=True)
 class DisturbanceComparison:
-    """One set-point: where each kind of state rests, and its cost for −d, +d and the worse of both."""
+    """One set-point: the rest input of each kind of state, and its costs for −d, +d and the worse of both."""
 
     setpoint: float
     rests: dict[StateKind, float]
@@ -63,12 +66,12 @@ class DisturbanceComparison:
         return {kind: self.falling[kind].worse(self.rising[kind]) for kind in STATE_KINDS}
 
     def ratio(self, figure: str, kind: StateKind) -> float:
-        """B_ℓ's figure over that of the same output's B_o."""
+        """The figure of B_ℓ divided by that of B_o with the same output."""
         return getattr(self.worst["diagonal"], figure) / getattr(self.worst[kind], figure)
 
 
 def setpoints(hysteresis: Everett, n: int = 20) -> list[float]:
-    """n outputs spread evenly over [y₋, y₊], the ends left out."""
+    """n outputs spread evenly over [y₋, y₊], without the ends."""
     span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
     return [hysteresis.y_lower + (k + 0.5) / n * span for k in range(n)]
 
@@ -89,7 +92,7 @@ def disturbance_comparison(
 
 
 def state_of_output(hysteresis: Everett, y: float, kind: StateKind, psi: Psi | None = None) -> State:
-    """B_ℓ with ψ(ℓ) = y, or the state of output y on an outer branch."""
+    """B_ℓ with ψ(ℓ) = y, or the state with output y on an outer branch."""
     operator = Preisach(hysteresis, "positive" if kind == "descending" else "negative")
     if kind == "diagonal":
         operator.go_to_diagonal(float((psi or Psi(hysteresis)).right_inverse(y)))
@@ -99,7 +102,7 @@ def state_of_output(hysteresis: Everett, y: float, kind: StateKind, psi: Psi | N
 
 
 def disturbance_cost(hysteresis: Everett, state: State, kind: StateKind, push: float) -> DisturbanceCost:
-    """What a push of the input (signed) costs at a state of this kind."""
+    """The cost of a signed disturbance of the input at a state of this kind."""
     operator, target = Preisach(hysteresis, state), state.y
     first = _largest_deviation(operator, state.u + push, target)
     pushed = operator.state
@@ -107,7 +110,7 @@ def disturbance_cost(hysteresis: Everett, state: State, kind: StateKind, push: f
     operator.step(corrected)
     second = _largest_deviation(
         operator, corrected - push, target
-    )  # the pulse ends: the control input is pushed back
+    )  # the end of the pulse disturbs the control input in the other direction
     restoring_input = operator.inverse(target)
     reached = [abs(u - state.u) for u in (pushed.u, corrected, corrected - push, restoring_input)]
     recovering = _recovery_inputs(hysteresis, state, kind, push)
@@ -123,14 +126,14 @@ def disturbance_cost(hysteresis: Everett, state: State, kind: StateKind, push: f
 
 
 def _largest_deviation(operator: Preisach, u: float, target: float) -> float:
-    """Move to u; the largest |y − y_d| on the way, the start left out."""
+    """Move to u; returns the largest |y − y_d| on the way, without the start."""
     return float(
         np.max(np.abs(operator.follow(np.linspace(operator.u, u, _SAMPLES_PER_MOVE + 1)[1:]) - target))
     )
 
 
 def _recovery_inputs(hysteresis: Everett, state: State, kind: StateKind, push: float) -> list[float]:
-    """Inputs that bring the boundary back to where it was before the push (B_ℓ: as near as the cycles allow)."""
+    """Inputs that restore the boundary before the disturbance (B_ℓ: as closely as the cycles allow)."""
     u = state.u
     if kind == "diagonal":
         sides = [(-1) ** (k + 1) for k in range(2 * RECOVERY_CYCLES)]

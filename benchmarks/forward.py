@@ -1,11 +1,11 @@
-"""``smarig benchmark forward``: the operator's speed, memory and exactness, as ratios measured in one run.
+"""``smarig benchmark forward``: speed, memory and exactness of the operator, as ratios measured in one run.
 
-The measure: 5050 relays on a 100 × 100 grid over [−1, 1] (α ≥ β at cell centres, masses uniform on [0, 1),
-seed 0). The random walk: steps uniform on ±3 grid cells, so that each crosses a few thresholds, reflected at
-±1 so that the whole range is visited some thirty times in 10⁵ samples (``random_walk``). The decaying sine:
-200 periods, the deepest memory there is. Baseline: the same relays as one NumPy array, the strongest simple
-version known to us (``relay_array``). Rates are samples per second of processor time (all here is one
-thread, and machines are shared), best of three; nothing is asserted here.
+The measure has 5050 relays on a 100 × 100 grid over [−1, 1] (α ≥ β at cell centres, masses uniform on [0,
+1), seed 0). The random walk has steps uniform on ±3 grid cells, so each step crosses a few thresholds. It is
+reflected at ±1, so the whole range is visited about thirty times in 10⁵ samples (``random_walk``). The
+decaying sine has 200 periods, which gives the deepest memory. The baseline holds the same relays in one
+NumPy array (``relay_array``), the fastest simple version known to us. Rates are samples per second of
+processor time (one thread, since machines are shared), best of three. Nothing is asserted here.
 """
 
 import time
@@ -32,18 +32,16 @@ CELL = 2.0 / SIDE
 
 
 def random_walk(n: int, seed: int = 0) -> Array:
-    """Inputs (n,) in [−1, 1]: a sum of steps uniform on ±3 cells, folded back at both ends.
+    """Inputs (n,) in [−1, 1]: a sum of steps uniform on ±3 cells, reflected at both ends.
 
-    >>> u = random_walk(100_000)
-    >>> bool(u.min() < -0.999 and u.max() > 0.999)
-    True
+    >>> u = random_walk(100_000) >>> bool(u.min() < -0.999 and u.max() > 0.999) True
     """
     path = np.random.default_rng(seed).uniform(-3 * CELL, 3 * CELL, n).cumsum()
     return np.abs((path + 1.0) % 4.0 - 2.0) - 1.0
 
 
 def decaying_sine(n: int) -> Array:
-    """Inputs (n,): 200 periods whose amplitude falls linearly from 1 to 0."""
+    """Inputs (n,): 200 periods with an amplitude that falls linearly from 1 to 0."""
     part = np.arange(n) / n
     return (1.0 - part) * np.sin(400 * np.pi * part)
 
@@ -56,7 +54,7 @@ def relays() -> RelayMeasure:
 
 
 def relay_array(measure: RelayMeasure, u: Array) -> Array:
-    """y = Σ mass γ with every relay kept and switched by a mask at each step; the baseline."""
+    """y = Σ mass γ with every relay stored and switched by a mask at each step; the baseline."""
     alpha, beta, mass = measure.alpha, measure.beta, measure.mass
     gamma, switched = np.full(alpha.size, -1.0), np.empty(alpha.size, dtype=bool)
     y = np.empty(u.size)
@@ -70,7 +68,7 @@ def relay_array(measure: RelayMeasure, u: Array) -> Array:
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """All figures; ``quick`` a tenth of the samples."""
+    """All figures; ``quick`` takes a tenth of the samples."""
     n = 10_000 if quick else 100_000
     measure = relays()
     few = random_walk(n // 10)
@@ -124,7 +122,7 @@ def _rates(h: Everett, n: int) -> dict[str, float]:
 
 
 def _peak_MB(measure: RelayMeasure, n: int) -> float:
-    """Most memory at once during a run, its inputs and outputs included; in a pass of its own."""
+    """Peak memory of a run including its inputs and outputs, measured in a separate pass."""
     tracemalloc.start()
     try:
         Preisach(measure, compiled=False).simulate(random_walk(n))
@@ -134,7 +132,7 @@ def _peak_MB(measure: RelayMeasure, n: int) -> float:
 
 
 def _numba(measure: RelayMeasure, scale: int) -> dict[str, Any]:
-    """The compiled loop at three sizes, each on inputs it has not seen; the first call compiles."""
+    """The compiled loop at three sizes, each with new inputs; the first call compiles."""
     operator = Preisach(measure, compiled=True)
     begin = time.process_time()
     operator.simulate(random_walk(1000))
@@ -156,7 +154,7 @@ def _numba(measure: RelayMeasure, scale: int) -> dict[str, Any]:
 
 
 def _best(job: Callable[[], Any], times: int = 3) -> float:
-    """Least processor seconds of some runs (one thread): what others do on the machine only adds."""
+    """The least processor seconds of several runs in one thread, since other processes only add to it."""
     least = float("inf")
     for _ in range(times):
         begin = time.process_time()

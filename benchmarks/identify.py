@@ -1,9 +1,10 @@
-"""How well, and how fast, does ``positive`` predict curves it has not seen, beside plain non-negative least squares?
+"""Accuracy and speed of ``positive`` on unseen curves, compared with plain non-negative least squares.
 
-About 600 points on 20 of the published curves (``generator``) at 0.1 % noise; the other curves, noise-free, are
-predicted. The baseline is ``scipy.optimize.nnls`` on the raw masses of a regular grid, each size of grid for
-itself, as relays in the middle of the cells and as cells of constant density: no prior, and the size is a choice
-that the table makes visible. Seconds are processor time. Besides: convergence when the triangle is refined.
+The training data are about 600 points on 20 of the published curves (``synthetic_curves``) at 0.1 % noise.
+The other curves, noise-free, are predicted. The baseline is ``scipy.optimize.nnls`` on the raw masses of
+regular grids of several sizes, as relays at the centres of cells and as cells of constant density. It has no
+prior, so its result depends on the grid. Seconds are processor time. The table also shows the convergence
+when the triangle is refined.
 """
 
 from time import process_time
@@ -20,15 +21,16 @@ Array = NDArray[np.float64]
 NOISE = 0.001
 EVERY, SEEDS, REPEATS = 5, 5, 3
 GRIDS = (15, 30, 40)  # intervals of the raw grids: 120, 465 and 820 cells
-FINE = 24  # intervals of ours: what a fifth of a second pays for
+FINE = 24  # intervals of the triangle, computed in a fifth of a second
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """Mean held-out rms over the seeds, best of ``REPEATS`` times, and ratios to the best raw grid.
+    """Mean held-out rms error over the seeds, best of ``REPEATS`` times, and ratios to the best raw grid.
 
     ``{"training_points", "held_out_points", "noise", "seeds", "results": [{"method", "unknowns", "rms",
-    "seconds"}], "rms_ratio", "refinement": [{"intervals", "change"}]}``; rms in output units, where the range is
-    about 2 × saturation; ``change`` is the rms difference to the next finer triangle's predictions.
+    "seconds"}], "rms_ratio", "refinement": [{"intervals", "change"}]}``; rms in output units, where the
+    range is about 2 × saturation; ``change`` is the rms difference to the predictions of the next finer
+    triangle.
     """
     seeds = range(1 if quick else SEEDS)
     rows = [_row("positive", _positive, seeds)]
@@ -51,7 +53,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 def _split(seed: int) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
-    """Every fifth curve, every second point of it, noisy; and all points of the other curves, exact."""
+    """Every second point of every fifth curve, with noise; and all points of the other curves without noise."""
     alpha, beta, y = curves(NOISE, seed)
     exact = curves()[2]
     row, column = (np.rint((u + 1) / 2 * (NODES - 1)).astype(int) for u in (alpha, beta))
@@ -85,14 +87,14 @@ def _positive(alpha: Array, beta: Array, y: Array):
 
 
 def _relays(intervals: int, alpha: Array, beta: Array) -> Array:
-    """1 where the relay in the middle of a cell is on: y = y₋ + Σ ν of those."""
+    """1 if the relay at the centre of a cell is on: y = y₋ + Σ ν of those."""
     middle = (np.arange(intervals) + 0.5) * 2 / intervals - 1
     i, j = np.tril_indices(intervals)
     return ((middle[i] <= alpha[:, None]) & (middle[j] < beta[:, None])).astype(float)
 
 
 def _cells(intervals: int, alpha: Array, beta: Array) -> Array:
-    """The part of each cell below and left of (α, β); on the diagonal the part of its length."""
+    """The part of each cell below and left of (α, β); on the diagonal, the part of its length."""
     edges = np.linspace(-1.0, 1.0, intervals + 1)
     i, j = np.tril_indices(intervals)
     share_a, share_b = (np.clip((u[:, None] - edges[:-1]) * intervals / 2, 0.0, 1.0) for u in (alpha, beta))

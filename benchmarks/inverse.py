@@ -1,8 +1,9 @@
-"""``smarig benchmark inverse``: speed and exactness of the inverse, against a root finder outside the operator.
+"""``smarig benchmark inverse``: speed and exactness of the inverse, compared with an external root finder.
 
-Targets are the outputs of another random walk (``forward.random_walk``), so each is reachable; every one is
-inverted from the state the one before left. The baseline does the same with scipy's brentq on ``peek``, the
-best one can do without knowing the stack. Errors are of the output range, after driving with the found inputs.
+The targets are the outputs of another random walk (``forward.random_walk``), so each is reachable. Each is
+inverted from the state that the previous one left. The baseline applies scipy's brentq to ``peek``, the best
+method without access to the stack. Errors are relative to the output range, after the found inputs are
+applied.
 """
 
 import time
@@ -16,7 +17,7 @@ from smarig.preisach import Everett, Preisach
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """Figures for the measure, a table and two surfaces; ``quick`` a tenth of the targets."""
+    """Figures for the measure, a table and two surfaces; ``quick`` takes a tenth of the targets."""
     n = 300 if quick else 3000
     return {"targets": n, **{name: _measured(h, n) for name, h in example_hystereses(relays()).items()}}
 
@@ -24,7 +25,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 def _measured(h: Everett, n: int) -> dict[str, float]:
     targets = Preisach(h).simulate(random_walk(n, seed=7) * h.upper)
     operator = Preisach(h)
-    operator.inverse(targets[0].item())  # monotonicity is looked at once for each operator
+    operator.inverse(targets[0].item())  # the monotonicity check runs once per operator
     begin = time.process_time()
     u = operator.inverse_trajectory(targets)
     smarig_s = time.process_time() - begin

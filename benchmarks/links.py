@@ -1,6 +1,7 @@
-"""How much slower is an experiment over real bytes? The same run in process and over each link, in lock-step.
+"""Slow-down of an experiment over real bytes: the same run in process and over each link, in lock-step.
 
-Hours of device time per hour of the clock, and what eight hours would take; the samples must be the same.
+The figures are hours of device time per hour of real time, and the time for eight hours. The samples must be
+equal.
 """
 
 import tempfile
@@ -20,7 +21,11 @@ DAY_H = 8.0
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """``{"protocol", "results": [{"rig", "hours", "seconds", "seconds_for_8_h", "times_twin", "equal_to_twin"}]}``."""
+    """Measure the links.
+
+    Returns ``{"protocol", "results": [{"rig", "hours", "seconds", "seconds_for_8_h", "times_twin",
+    "equal_to_twin"}]}``.
+    """
     protocol, settings = (SHORT, {"points": 3}) if quick else (LONG, {})
     rows: list[dict[str, Any]] = []
     twin: Run | None = None

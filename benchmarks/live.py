@@ -1,8 +1,8 @@
-"""What the live view costs the tick: a run in real time over a serial pty, watched by a viewer that is not there,
-attached, stopped, killed and started again, a fifth of the time each.
+"""Time that the live view takes from the ticks of a run in real time over a serial pty.
 
-Time in the tick is that of the runner's calls into the view, whatever else the processor does meanwhile; beside it the
-processor's time in them, and what a bare call takes: on a busy machine the three differ. Memory is this process's.
+The viewer is absent, attached, stopped, killed and restarted, each for a fifth of the time. The time in a
+tick is the wall time of the runner's calls into the view. The table also gives the processor time of these
+calls and the time of a bare call, since the three differ on a busy machine. Memory is that of this process.
 """
 
 import os
@@ -27,13 +27,17 @@ from smarig.runner import CallbackListener, Listener, Session, twin_source
 
 MINUTES, QUICK_MINUTES = 10.0, 0.7
 PHASES = ("absent", "attached", "stopped", "killed", "restarted")
-WALL, PROCESSOR, BARE = 1, 2, 3  # columns of what is timed
+WALL, PROCESSOR, BARE = 1, 2, 3  # columns of the measured times
 WINDOW = "1600x900"
 TIMEOUT_S = 30.0
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """``{"rig", "minutes", "samples", "lost", "tick_us": {phase: {"p50", "p99", "max"}}, "rss_MB", …}``."""
+    """Measure the ticks.
+
+    Returns ``{"rig", "minutes", "samples", "lost", "tick_us": {phase: {"p50", "p99", "max"}}, "rss_MB",
+    …}``.
+    """
     minutes = QUICK_MINUTES if quick else MINUTES
     port, viewer_port = free_port(), free_port()
     scenario = _ViewerScenario(viewer_address(port), viewer_port, 60 * minutes / len(PHASES))
@@ -73,7 +77,7 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 class _ViewerScenario:
-    """A viewer's fates, one after the other, from a thread of its own; ``phase`` is the present one."""
+    """The states of a viewer one after the other, controlled by a thread; ``phase`` is the present one."""
 
     def __init__(self, url: str, viewer_port: int, each_s: float) -> None:
         self._url, self._viewer_port, self._each_s = url, viewer_port, each_s
@@ -121,7 +125,7 @@ class _ViewerScenario:
             self._viewer.close()
 
     def viewer_state(self) -> dict[str, Any]:
-        """What the viewer that was started last shows: a latecomer must see the beginning."""
+        """What the viewer that was started last shows. A late viewer must show the run from its start."""
         if self._viewer is None or not self._viewer.running:
             return {"running": False, "why": self._viewer.complaint if self._viewer else "never started"}
         from smarig.live import viewer_state
@@ -138,14 +142,14 @@ class _ViewerScenario:
                         "views": len(found["views"]),
                         "complaints": found["complaints"],
                     }
-            except Exception as error:  # not up yet: it says so in many ways
+            except Exception as error:  # not ready yet, which raises several kinds of error
                 failure = str(error)
             sleep(0.5)
         return {"running": True, "why": failure}
 
 
 class _TimedListener:
-    """A listener around another: how long each call took, in which phase."""
+    """A listener around another that measures the duration of each call by phase."""
 
     def __init__(self, inner: Listener, scenario: _ViewerScenario) -> None:
         self._inner, self._scenario = inner, scenario
@@ -154,12 +158,12 @@ class _TimedListener:
         self._bare_us = 0.0
 
     def bare(self, *_: Any) -> None:
-        """What a call and two looks at the clock take."""
+        """The duration of a call and of two clock readings."""
         began = perf_counter()
         self._bare_us = 1e6 * (perf_counter() - began)
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """Pass it on, timed."""
+        """Pass the sample on and measure the duration."""
         began, worked = perf_counter(), thread_time()
         self._inner.sample(s, step, input_value)
         worked, took = thread_time() - worked, perf_counter() - began
@@ -168,15 +172,15 @@ class _TimedListener:
             self._memory.append((self._scenario.phase, _rss_MB()))
 
     def step(self, *what: Any, **more: Any) -> None:
-        """Pass it on."""
+        """Pass the step on."""
         self._inner.step(*what, **more)
 
     def event(self, *what: Any, **more: Any) -> None:
-        """Pass it on."""
+        """Pass the event on."""
         self._inner.event(*what, **more)
 
     def figures(self, phase: str | None, what: int = WALL) -> dict[str, float] | None:
-        """p50, p99 and max of a phase, of all where None; None where there was none."""
+        """p50, p99 and max of a phase, or of all if None; None without data."""
         took = np.array([row[what] for row in self._took if phase in (row[0], None)])
         if not took.size:
             return None
@@ -188,6 +192,6 @@ class _TimedListener:
         }
 
     def memory(self, phase: str) -> float | None:
-        """The most this process held in a phase."""
+        """The peak memory of this process in a phase."""
         found = [m for p, m in self._memory if p == phase]
         return max(found) if found else None

@@ -1,7 +1,7 @@
-"""Does one proposed run settle a mystery? The rig ``mystery`` end to end, as a newcomer would go about it.
+"""Diagnosis of the rig ``mystery`` with one proposed run, as a new user would do it.
 
-characterise → diagnose → propose → run what was proposed → diagnose again, a seed at a time; the twin's secret is
-looked at last. Knows no wire but that twin.
+For each seed: characterise, diagnose, propose, execute the proposed run, diagnose again. The hidden effect
+of the twin is read last.
 """
 
 import tempfile
@@ -24,10 +24,11 @@ QUICK = 2
 
 
 def run(quick: bool = False, boxes: int = 20, seed: int = 0, workers: int = 1) -> dict[str, Any]:
-    """``{"right", "wrong", "rows": [...]}``: shares of seeds ``seed`` … ``seed + boxes − 1``, and a row for each.
+    """``{"right", "wrong", "rows": [...]}``: shares of seeds ``seed`` … ``seed + boxes − 1``, and a row for
+    each.
 
-    Right: silent where nothing is hidden, or nothing that these channels could show; else the hidden effect's name.
-    Wrong: a name, and not the hidden one.
+    Right: no finding if nothing is hidden or these channels cannot show it; otherwise the name of the hidden effect.
+    Wrong: the name of another effect.
     """
     if boxes < 1 or workers < 1:
         raise UsageError(f"At least one seed and one worker are needed, not {boxes} and {workers}.")
@@ -48,12 +49,12 @@ def _rows(seeds: Sequence[int], workers: int) -> Iterator[dict[str, Any]]:
 
 
 def solve_seed(seed: int) -> dict[str, Any]:
-    """What was said at first, what was proposed, what was said then, and what was hidden."""
+    """The first result, the proposal, the second result, and the hidden effects of one seed."""
     with tempfile.TemporaryDirectory() as folder:
         wire = f"mystery {folder}"
         evidence = characterise(RIG, Path(folder) / "wire", seed=seed, wire=wire).evidence
         first = evidence.diagnosis
-        assert first is not None  # noqa: S101 - the twin's runs can always be judged
+        assert first is not None  # noqa: S101 - the runs of the twin can always be evaluated
         proposal, last = propose_run(first), first
         if proposal is not None:
             best = proposal.best
@@ -79,7 +80,7 @@ def _verdict_record(found: Diagnosis) -> dict[str, Any]:
 
 
 def outcome(found: Diagnosis, hidden: Sequence[str]) -> str:
-    """``right``, ``wrong`` (a name that is not the hidden one's), or ``open``."""
+    """``right``, ``wrong`` (another name than the hidden one), or ``open``."""
     answer = found.verdict
     if answer.word in NO_ALARM:
         return "right" if set(hidden) <= set(found.visibility.invisible) else "open"

@@ -1,8 +1,8 @@
-"""Random wires whose hysteresis lies outside every surface family: a fixed, published generator.
+"""Random wires with a hysteresis outside every surface family, from a fixed, published generator.
 
-A truth is a positive measure on the triangle β ≤ α: Gaussians turned at random, one feature that is lognormal
-in the half width (α − β)/2 and normal in the centre (α + β)/2, and a reversible part g that changes along the
-diagonal. No exponential of §5.4 and no constant density can follow it. Knows no fit and no protocol.
+A truth is a positive measure on the triangle β ≤ α. It consists of Gaussians with random orientation, one
+feature that is lognormal in the half width (α − β)/2 and normal in the centre (α + β)/2, and a reversible
+part g that varies along the diagonal. No exponential of §5.4 and no constant density can represent it.
 """
 
 import numpy as np
@@ -12,21 +12,18 @@ from smarig.preisach import FodTable, thesis_surface
 from smarig.protocols import Setup
 
 Array = NDArray[np.float64]
-CELLS = 233  # prime: no partition of a fit falls onto the truth's own
+CELLS = 233  # prime, so that no partition of a fit coincides with that of the truth
 
 
 def random_truth(seed: int, rig: str = "one_wire_twin", *, cells: int = CELLS) -> FodTable:
-    """A random hysteresis with a rig's ranges of input and output; one seed, one truth, for ever.
+    """A random hysteresis with a rig's ranges of input and output. A seed always gives the same truth.
 
     ν = (1 − r) Σ w_k ρ_k/∬ρ_k + r g/∫g over the rig's output range: 2 to 4 Gaussians and one lognormal
     feature ρ_k with random weights w_k, and a reversible share r of 3 to 15 %. Its density is constant on
     each of the ``cells``² / 2 cells, so a twin's output is exact.
 
-    >>> truth = random_truth(1)
-    >>> truth.lower, truth.upper, round(truth.everett(truth.upper, truth.lower), 2)
-    (0.0, 174.1, 12.54)
-    >>> bool(np.diff(truth.values[-1]).min() > 0)
-    True
+    >>> truth = random_truth(1) >>> truth.lower, truth.upper, round(truth.everett(truth.upper, truth.lower),
+    2) (0.0, 174.1, 12.54) >>> bool(np.diff(truth.values[-1]).min() > 0) True
     """
     setup = Setup.of(rig)
     nominal = thesis_surface(setup.actuator.file.hysteresis.surface)
@@ -39,7 +36,7 @@ def random_truth(seed: int, rig: str = "one_wire_twin", *, cells: int = CELLS) -
 
 
 def _shares(rng: np.random.Generator, cells: int) -> Array:
-    """Part of the output range on each cell (α, β), (cells, cells), zero above the diagonal; sum 1."""
+    """Share of the output range in each cell (α, β), (cells, cells), zero above the diagonal; sum 1."""
     middle = (np.arange(cells) + 0.5) / cells
     alpha, beta = middle[:, None], middle[None, :]
     area = np.tri(cells) - 0.5 * np.eye(cells)  # half of a cell on the diagonal lies below it
@@ -53,7 +50,7 @@ def _shares(rng: np.random.Generator, cells: int) -> Array:
 
 
 def _gaussian(rng: np.random.Generator, alpha: Array, beta: Array) -> Array:
-    """exp(−(p²/s² + q²/t²)/2), p and q along axes turned at random; centred inside the triangle."""
+    """exp(−(p²/s² + q²/t²)/2), with p and q along axes of random orientation; centred inside the triangle."""
     at = rng.uniform(0.25, 0.95)
     da, db = alpha - at, beta - rng.uniform(0.05, at - 0.1)
     angle = rng.uniform(0.0, np.pi)

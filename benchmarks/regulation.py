@@ -1,9 +1,10 @@
-"""``smarig benchmark regulation``: §8.3 as numbers, both rigs, on the operator and on the twin.
+"""``smarig benchmark regulation``: §8.3 as numbers for both rigs, on the operator and on the twin.
 
-Set-points spread over the output range; from B_ℓ and from both states of the outer branches a disturbance of ±d is
-corrected. On the operator as ``disturbance_comparison`` defines it, on the twin as the protocol ``regulate``
-through runner and guard, with lag, noise, quantisation and the gentle PI; deviations there are the wire's own, not the
-encoder's. ``approach`` compares predicted with reached distances from B_ℓ, with the right τ and with a wrong one.
+Set-points cover the output range. A disturbance of ±d is corrected from B_ℓ and from both states of the
+outer branches. On the operator this follows ``disturbance_comparison``. On the twin the protocol
+``regulate`` runs through runner and guard, with lag, noise, quantisation and a PI controller with a small
+gain; deviations there are those of the wire, not of the encoder. ``approach`` compares predicted and reached
+distances from B_ℓ, with the right τ and with a wrong one.
 """
 
 from collections.abc import Sequence
@@ -36,14 +37,15 @@ PUSH = 0.03  # d, as a share of the input range
 PUSHES = (0.02, PUSH, 0.05)
 SETPOINTS, QUICK_SETPOINTS = 20, 4
 QUIET_S, HOLD_S = 60.0, 420.0
-STATES = 25  # of no particular history, for each set-point
+STATES = 25  # with random histories, for each set-point
 WRONG_TAU = 1.1
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """``{"push_share", RIG: {"operator", "any_state", "twin", "approach"}, "operator_other_pushes"}``.
+    """Compare the states on both rigs.
 
-    Ratios are B_ℓ's figure over B_o's, each the worse of both signs.
+    Returns ``{"push_share", RIG: {"operator", "any_state", "twin", "approach"}, "operator_other_pushes"}``.
+    Ratios are the figure of B_ℓ divided by that of B_o, each the worse of both signs.
     """
     n = QUICK_SETPOINTS if quick else SETPOINTS
     found: dict[str, Any] = {"setpoints": n, "push_share": PUSH}
@@ -82,7 +84,7 @@ def _summary(ratios: Sequence[float]) -> dict[str, float]:
 
 
 def _lost(rows: Sequence[DisturbanceComparison], figure: str) -> list[dict[str, Any]]:
-    """Set-points at which an outer branch does better in the worse of both signs."""
+    """Set-points at which an outer branch is better in the worse of both signs."""
     return [
         {"setpoint": row.setpoint, "kind": kind, "rests": row.rests, "ratio": row.ratio(figure, kind)}
         for row in rows
@@ -92,7 +94,7 @@ def _lost(rows: Sequence[DisturbanceComparison], figure: str) -> list[dict[str, 
 
 
 def _one_sign(rows: Sequence[DisturbanceComparison], figure: str) -> dict[str, int]:
-    """How often B_o does better against one sign alone: −d for what rose, +d for what fell. Ties are none."""
+    """How often B_o is better for one sign alone: −d after a rise, +d after a fall. Ties do not count."""
     found = {}
     for kind, sign, name in (("ascending", "falling", "-d"), ("descending", "rising", "+d")):
         pairs = [
@@ -104,7 +106,8 @@ def _one_sign(rows: Sequence[DisturbanceComparison], figure: str) -> dict[str, i
 
 
 def _any_state(h: Everett, n: int) -> dict[str, Any]:
-    """Against states of random histories with the same output: the thesis's 'any', which is not proved."""
+    """Comparison with states of random histories and the same output: the thesis's 'any', which is not
+    proved."""
     rng, push, psi = np.random.default_rng(8), PUSH * (h.upper - h.lower), Psi(h)
     ratios, lost = [], []
     for y in setpoints(h, n):
@@ -124,7 +127,7 @@ def _any_state(h: Everett, n: int) -> dict[str, Any]:
 
 
 class _TruePosition:
-    """What the wire does while the loop is closed; the disturbance cuts it in two."""
+    """The true position of the wire while the loop is closed, separated by the disturbance."""
 
     def __init__(self, twin: Twin) -> None:
         self.twin, self.quiet, self.disturbed = twin, [], []
@@ -135,7 +138,7 @@ class _TruePosition:
             self.current_part.append(self.twin.specimen.plant.position)
 
     def event(self, kind: str, _t_s: float) -> None:
-        """Marks come in order: closed, disturbance on, disturbance off, opened."""
+        """Store the marks, which come in this order: closed, disturbance on, disturbance off, opened."""
         if kind == "mark":
             self.current_part = self.quiet if self.current_part is None else self.disturbed
 
@@ -149,7 +152,7 @@ def regulate_on_twin(
     marks = iter(range(1000))
 
     def event(kind: str, t_s: float) -> None:
-        if kind == "mark" and next(marks) > 0:  # the first says what is to come
+        if kind == "mark" and next(marks) > 0:  # the first mark announces the loop
             truth.event(kind, t_s)
 
     runner = Runner(
@@ -200,7 +203,8 @@ def _twin(rig: str, h: Everett, n: int) -> dict[str, Any]:
 
 
 def _approaches(rig: str, h: Everett, n: int) -> list[dict[str, float]]:
-    """Predicted and reached distance from B_ℓ, as shares of 2û²; the last with a lag the plan did not know of."""
+    """Predicted and reached distance from B_ℓ, as shares of 2û²; the last with a lag that the plan does not
+    include."""
     setup, plane = Setup.of(rig), BoundaryPlane.of(h)
     rows = []
     for share in (np.arange(n) + 0.5) / n:
@@ -224,7 +228,7 @@ def _approaches(rig: str, h: Everett, n: int) -> list[dict[str, float]]:
 
 
 def _reached(rig: str, currents_A: Sequence[float], plane: BoundaryPlane, ell: float, tau: float) -> float:
-    """The twin's own distance from B_ℓ after the currents, ``tau`` times slower than its file says."""
+    """The twin's distance from B_ℓ after the currents, with a time constant ``tau`` times that of its file."""
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     wire = actuator.file.wire

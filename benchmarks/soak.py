@@ -1,6 +1,7 @@
-"""Does a run keep time? Real time at 10 Hz over a serial pty, the recorder and a slow listener attached.
+"""Timing of a run in real time at 10 Hz over a serial pty, with the recorder and a slow listener.
 
-How late each tick's sample arrives against its own clock, how long the host thinks, and whether memory grows.
+The figures are the delay of each sample against its own clock, the computing time of the host, and the
+growth of memory.
 """
 
 import resource
@@ -18,7 +19,7 @@ from smarig.runner import BoundedListener, CallbackListener, Session
 
 RIG = "one_wire_serial"
 MINUTES, QUICK_MINUTES = 10.0, 0.25
-SLOW_S = 0.5  # of a listener, five ticks long
+SLOW_S = 0.5  # of a listener, five ticks
 QUEUE = 100  # samples that wait for it
 LEVELS_A = (0.3, 0.6, 0.9, 0.5, 0.0)
 
@@ -67,12 +68,12 @@ def run(quick: bool = False) -> dict[str, Any]:
 
 
 def _fixed_length_holds(hold_s: float) -> dict[str, float]:
-    """Holds of a fixed length."""
+    """Holds of a fixed duration."""
     return {"settle.band_counts": 1e-9, "settle.window_s": min(25.0, hold_s), "settle.timeout_s": hold_s}
 
 
 def _rss_MB() -> float:
-    """What the process holds now where the system tells, the most it has held elsewhere."""
+    """The present memory of the process if the system reports it, otherwise its peak."""
     status = Path("/proc/self/statm")
     if status.is_file():
         return int(status.read_text().split()[1]) * resource.getpagesize() / 1e6

@@ -1,8 +1,8 @@
-"""The fixed, published synthetic reversal curves on which estimators of the density are compared.
+"""The fixed, published synthetic reversal curves on which density estimators are compared.
 
-A positive density on the triangle −1 ≤ β ≤ α ≤ 1 made of two features, a broad and a narrower one, each a
-lognormal law of the half width b = (α − β)/2 times a normal law of the centre c = (α + β)/2. The output at
-the nodes is its exact integral (Gauss-Legendre in every cell): nothing is differentiated. Knows no estimator.
+The truth is a positive density on the triangle −1 ≤ β ≤ α ≤ 1 with two features, a broad and a narrow one.
+Each is a lognormal law of the half width b = (α − β)/2 times a normal law of the centre c = (α + β)/2. The
+output at the nodes is its exact integral (Gauss-Legendre in every cell), so nothing is differentiated.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ FEATURES = (
     Feature(1.0, 0.50, 0.55, 0.00, 0.37),
     Feature(0.7, 0.43, 0.32, -0.10, 0.22),
 )
-"""A broad and a narrower feature; published: a change would be a different benchmark."""
+"""A broad and a narrow feature. They are published; other values are another benchmark."""
 
 
 def truth_density(alpha: ArrayLike, beta: ArrayLike) -> Array:
@@ -85,7 +85,7 @@ def curves(noise: float = 0.0, seed: int = 0, nodes: int = NODES) -> tuple[Array
     """α, β, y (k,) of the curves falling from every node α of [−1, 1]; k = nodes·(nodes + 1)/2.
 
     y(α, β) = −Y + 2∬_{α' ≤ α} μ − 2∬_{β ≤ β' ≤ α' ≤ α} μ [(3.2), (3.5)], plus normal noise whose standard
-    deviation is ``noise`` times the output Y of saturation. One seed, one noise: the same for ever.
+    deviation is ``noise`` times the output Y of saturation. A seed always gives the same noise.
     """
     alpha, beta, y = _exact(nodes)
     sd = noise * (y.max() - y.min()) / 2

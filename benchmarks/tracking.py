@@ -1,11 +1,13 @@
-"""Position tracking compared: feed-forward with feedback, PI and gain scheduling, on wires the model is wrong about.
+"""Position tracking with feed-forward and feedback, PI and gain scheduling, on wires that differ from the
+model.
 
-Truths: the nominal surface with all its parameters off at random, so far that the rms difference of the two FOD
-surfaces is 10 % of the output range. Every controller knows the nominal surface, is tuned by the same simplex with
-the same budget on wires of other seeds, and runs through the same runner and guard on the same references; once
-freely, once with currents that may move by no more than ``CALM_A`` a tick on average: a hard gain buys its small error
-with a current that jumps from end to end in every tick; once freely on references ``FAST`` times as fast.
-Errors are those of the twin's own position, which no encoder rounds; those of the readings stand beside.
+The truths are the nominal surface with all parameters changed at random, so that the rms difference of the
+two FOD surfaces is 10 % of the output range. Every controller has the nominal surface. Every controller is
+tuned by the same simplex with the same budget on wires of other seeds, and runs through the same runner and
+guard on the same references. This is done three times: freely; with currents that move by at most ``CALM_A``
+per tick on average, since a high gain gets its small error with a current that jumps between its limits; and
+freely on references ``FAST`` times as fast. Errors are those of the twin's true position, without
+quantisation. Errors of the readings are listed too.
 """
 
 import math
@@ -35,15 +37,15 @@ from smarig.rig import Guard, Twin, TwinSettings
 from smarig.runner import CallbackListener, Runner
 
 RIG = "one_wire_twin"
-LOW, HIGH = 2.0, 8.0  # mm: what every one of these wires reaches, of 12.5
+LOW, HIGH = 2.0, 8.0  # mm: within reach of each of these wires, of 12.5
 SHAPES = ("multisine", "ramps")
-SECONDS, SKIP_S = 200.0, 20.0  # the way to the first point is no tracking
+SECONDS, SKIP_S = 200.0, 20.0  # the way to the first point is not counted
 ERROR_SHARE = 0.10
 TUNING_SEEDS = (101, 102, 103)
 NODES = 25
 PREVIEW_S = (0.02, 2.0)
 CALM_A = 0.015  # no more than the inverse needs
-FAST = 2.0  # some of these wires cool too slowly in air for it: medians tell more than means there
+FAST = 2.0  # some of these wires cool too slowly in air for it, so medians are more useful than means
 
 
 def run(quick: bool = False) -> dict[str, Any]:
@@ -76,7 +78,7 @@ def _compared(
     most_A: float,
     speed: float,
 ) -> dict[str, Any]:
-    """Every controller, tuned and judged; gains are ratios of mean rms errors to the inverse's."""
+    """Every controller, tuned and evaluated; gains are ratios of mean rms errors to that of the inverse."""
     found = {}
     for name in catalogue_names(TRACKING_CONTROLLERS):
         numbers = tuned_numbers(name, _cost(assumed_model, name, wires, most_A, speed), budget)
@@ -90,7 +92,7 @@ def _compared(
 
 
 def controller_model() -> ControllerModel:
-    """What every controller believes."""
+    """The model that every controller is given."""
     file = load_rig(RIG)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
@@ -100,7 +102,8 @@ def controller_model() -> ControllerModel:
 
 
 def perturbed_surface(seed: int, share: float = ERROR_SHARE) -> FodSurface:
-    """The nominal surface with parameters off at random: rms difference of both is ``share`` of the output range."""
+    """The nominal surface with changed parameters: the rms difference of both is ``share`` of the output
+    range."""
     nominal = thesis_surface(Actuator.named(load_rig(RIG).actuator).file.hysteresis.surface)
     levels = np.linspace(nominal.lower, nominal.upper, NODES)
     alpha, beta = (m[np.tri(NODES, dtype=bool)] for m in np.meshgrid(levels, levels, indexing="ij"))
@@ -128,7 +131,8 @@ def perturbed_surface(seed: int, share: float = ERROR_SHARE) -> FodSurface:
 
 @dataclass(frozen=True)
 class SimulatedLoop:
-    """What a closed loop did: by the wire's own position, by the readings, largest current, its mean move a tick."""
+    """Figures of a closed loop: errors of the wire's position and of the readings, largest current, mean
+    move per tick."""
 
     true: TrackingPerformance
     read: TrackingPerformance
@@ -146,7 +150,7 @@ def simulate_loop(
     seed: int,
     effects: Sequence[SupportsHooks] = (),
 ) -> SimulatedLoop:
-    """One loop through runner and guard on a twin with noise; a trip is told, and ends it."""
+    """One loop through runner and guard on a twin with noise. A trip is reported and ends it."""
     file = load_rig(RIG)
     twin = Twin(file, assumed_model.setup.actuator, TwinSettings(seed=seed, hysteresis=wire, effects=effects))
     rows: list[tuple[float, float, float, float, float]] = []
@@ -162,7 +166,9 @@ def simulate_loop(
     except RigFault as error:
         fault = str(error)
     t, own, read, current, temperature = np.array(rows).T
-    rest = assumed_model.plant().position  # a twin's wire begins where its own rest is: all of them at 0 mm
+    rest = (
+        assumed_model.plant().position
+    )  # the twin's wire starts at its own rest position; all of them are shifted to 0 mm
     figures = [
         tracking_performance(
             reference=target,
@@ -183,14 +189,14 @@ def simulate_loop(
 
 
 def references(seed: int, shapes: Sequence[str] = SHAPES, speed: float = 1.0) -> list[Reference]:
-    """What the wire of a seed shall follow."""
+    """The references for the wire of a seed."""
     return [reference(shape, LOW, HIGH, seconds=SECONDS, seed=seed, speed=speed) for shape in shapes]
 
 
 def _cost(
     assumed_model: ControllerModel, name: str, wires: Mapping[int, Everett], most_A: float, speed: float
 ) -> Callable[[Mapping[str, float]], float]:
-    """Rms error over the tuning wires and references; a loop that trips, or is not calm, is worth nothing."""
+    """Rms error over the tuning wires and references, with a penalty for trips and for currents that are not calm."""
 
     def cost(numbers: Mapping[str, float]) -> float:
         loops = [

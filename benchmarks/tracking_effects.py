@@ -1,8 +1,10 @@
-"""Tracking with an effect hidden in the wire: what it costs each controller, and what a diagnosis is worth in the loop.
+"""Tracking with an effect in the wire: its cost for each controller, and the gain of a diagnosis in the
+loop.
 
-A twin of the nominal surface with one effect more is characterised (wiping-out, congruency, FOD, validation); a
-positive measure is identified, and diagnosed. The feed-forward then drives the same wire by that model as identified,
-and as the diagnosis extended it; beside them by the nominal surface with the effect as injected, which no lab knows.
+A twin of the nominal surface with one more effect is characterised (wiping-out, congruency, FOD,
+validation). A positive measure is identified and diagnosed. The feed-forward then drives the same wire with
+the identified model and with the model that the diagnosis extended. For comparison it also uses the nominal
+surface with the injected effect, which no lab knows.
 """
 
 import tempfile
@@ -29,7 +31,11 @@ NULLS, QUICK_NULLS = 100, 40
 
 
 def run(quick: bool = False) -> dict[str, Any]:
-    """``{"rms": {effect: {controller: counts, "verdict", "inverse, identified", "inverse, diagnosed", …}}}``."""
+    """Track with each effect.
+
+    Returns ``{"rms": {effect: {controller: counts, "verdict", "inverse, identified", "inverse, diagnosed",
+    …}}}``.
+    """
     seeds = range(1, 3) if quick else range(1, 9)
     nominal = controller_model()
     found: dict[str, Any] = {"none": _row(nominal, (), seeds)}
@@ -56,7 +62,7 @@ def _rms(
     injected: Sequence[Effect],
     seeds: Sequence[int],
 ) -> float | None:
-    """Mean rms error of the wire's own position, counts; None when a loop tripped."""
+    """Mean rms error of the wire's true position in counts; None if a loop tripped."""
     count = nominal.setup.actuator.position_per_count(nominal.counts_per_rev)
     loops = [
         simulate_loop(
@@ -99,7 +105,7 @@ def _diagnosed(
 
 
 def identified_model(nominal: ControllerModel, model: Model) -> ControllerModel:
-    """A controller's knowledge by a model file: its hysteresis and its effects."""
+    """The controller model with the hysteresis and the effects of a model file."""
     return ControllerModel(
         nominal.setup, model.hysteresis, nominal.counts_per_rev, effects_from_json(model.effects)
     )

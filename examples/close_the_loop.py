@@ -15,7 +15,7 @@ MODEL = "loop.model.json"
 def loop_summary(run: Run) -> str:
     """The result of the loop as text; the figures are attributes of ``closed_loop_result(run)``."""
     found = closed_loop_result(run)
-    return loop_result_text(found, run.unit) if found else f"{run.path.name} holds no closed loop"
+    return loop_result_text(found, run.unit) if found else f"{run.path.name} has no closed loop"
 
 
 # A short identification: fewer curves than the default of the protocol.
@@ -29,7 +29,8 @@ curves = smarig.run(
 )
 smarig.identify(curves, surface="exponential").model.save(MODEL, force=True)
 
-# A set-point: the state B_ℓ of this output withstands disturbances best. Then a gentle loop and a disturbance of 5 K.
+# A set-point: the state B_ℓ of this output is the least sensitive to disturbances.
+# Then a PI loop with a small gain, and a disturbance of 5 K.
 held = smarig.regulate(
     MODEL, 6.0, rig=RIG, out="loop_held.run.sqlite", seed=SEED, force=True, hold_s=150.0, disturbance_K=5.0
 )

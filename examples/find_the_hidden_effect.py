@@ -22,12 +22,12 @@ with Session("one_wire_twin", twin=TwinSettings(seed=2, effects=effects_from_pai
     for name, settings in PLAN.items():
         session.run(name, settings, files[name])
 
-curves, judge = files["first_order_descending"], files["validation"]
+curves, held_out = files["first_order_descending"], files["validation"]
 model = smarig.identify(curves, surface="positive").model
-print(f"The model fits its own points to {model.fit['rms']:.4f} mm rms. Is that all there is to know?")
+print(f"The model fits its own points with an rms error of {model.fit['rms']:.4f} mm. Is it correct?")
 
 # Only 60 sets of null data, to be quick: they resolve p = 1/61 at best. Use 400 for real data.
-found = smarig.diagnose(model, curves, judge, nulls=60)
+found = smarig.diagnose(model, curves, held_out, nulls=60)
 print(found.text())
 print(f"Hidden in the twin was {HIDDEN[0]}.")
 if found.extended:

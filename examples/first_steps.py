@@ -24,4 +24,4 @@ for temperature_K, position_mm in zip(*run.points()):
     print(f"  {temperature_K:6.1f} K above ambient → {position_mm:7.3f} mm")
 
 page = write_page(run_page(run), "first_steps.html", force=True)
-print(f"In a notebook, run.plot() draws it; here is a page: {page}")
+print(f"Report: {page}. In a notebook, run.plot() draws the run.")

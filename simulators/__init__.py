@@ -1,4 +1,4 @@
-"""The rig's two devices in software, behind real bytes: what a bench without hardware talks to.
+"""The two devices of a rig in software, behind real bytes, for a bench without hardware.
 
-The rules are in firmware_protocol/README.md; the physics is the twin's (``smarig.rig.specimen``).
+The rules are in firmware_protocol/README.md. The physics is that of the twin (``smarig.rig.specimen``).
 """

@@ -1,6 +1,6 @@
 """``python -m simulators --rig one_wire_twin``: both devices of a rig on ports of this machine.
 
-Says on one line of JSON where they are, serves until standard input ends, then lets the lease run out.
+Prints their addresses as one line of JSON. Serves until standard input ends, then lets the lease expire.
 """
 
 import json
@@ -31,7 +31,7 @@ from smarig.device import load_register_map
 from smarig.plant import Actuator, effects_from_arguments
 from smarig.rig import Specimen, TwinSettings
 
-AFTER_LEASE = 5  # ticks for which the trip may be watched once the host is gone
+AFTER_LEASE = 5  # ticks in which the trip can be observed after the host has ended
 FRAMINGS = ("lines", "modbus_tcp", "modbus_rtu")
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)
@@ -40,24 +40,34 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
 @click.command()
 @click.option("--rig", required=True, help="Rig file, by name or path.")
 @click.option(
-    "--framing", type=click.Choice(FRAMINGS), help="Of both devices; else the rig file's, or lines."
+    "--framing",
+    type=click.Choice(FRAMINGS),
+    help="Framing of both devices (default: that of the rig file, or lines).",
 )
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
-@click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="As in smarig simulate.")
-@click.option("--lock-step", is_flag=True, help="Time waits for the host to ask for samples.")
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="NAME=STRENGTH",
+    help="Effect of the twin, as in smarig run; repeatable.",
+)
+@click.option("--lock-step", is_flag=True, help="Advance the time only when the host requests samples.")
 @click.option(
     "--gone-after",
     "host_timeout_s",
     type=click.FloatRange(min=0.1),
     default=HOST_TIMEOUT_s,
     show_default=True,
-    help="Seconds of silence in lock-step after which time passes by itself.",
+    help="Lock-step: seconds without a request after which time follows the clock.",
 )
-@click.option("--speed", type=click.FloatRange(min=1e-3, max=1e6), help="Times real time; 1 if not given.")
-@click.option("--faults", "faults_file", type=FILE, help="What goes wrong: TOML, see faults.py.")
-@click.option("--folder", type=FOLDER, help="Where ptys get names that outlive unplugging.")
-@click.option("--trace", "trace_file", type=FILE, help="CSV of every tick.")
-@click.option("--device-library", type=FILE, help="The C firmware in place of the Python devices.")
+@click.option("--speed", type=click.FloatRange(min=1e-3, max=1e6), help="Real time × SPEED (default: 1).")
+@click.option("--faults", "faults_file", type=FILE, help="TOML file of faults, see faults.py.")
+@click.option("--folder", type=FOLDER, help="Folder with permanent names for the ptys.")
+@click.option("--trace", "trace_file", type=FILE, help="CSV file to write, one row per tick.")
+@click.option(
+    "--device-library", type=FILE, help="Use this build of the C firmware instead of the Python devices."
+)
 def main(
     rig: str,
     framing: str | None,
@@ -71,10 +81,12 @@ def main(
     trace_file: Path | None,
     device_library: Path | None,
 ) -> None:
-    """Simulated amplifier and encoder DAQ behind real bytes."""
+    """Simulate an amplifier and an encoder DAQ behind real bytes."""
     try:
         if lock_step and speed is not None:
-            raise UsageError("Time waits for the host (--lock-step) or passes by itself (--speed), not both.")
+            raise UsageError(
+                "Give either --lock-step or --speed: time either waits for the host or follows the clock."
+            )
         file = load_rig(rig)
         faults = load_faults(faults_file) if faults_file else ()
         framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
@@ -133,9 +145,7 @@ def _line(
     if framing.name == "modbus_tcp":
         port = TcpPort()
     elif folder is None and any(isinstance(f, Unplugged) for f in mine):
-        raise UsageError(
-            "A pty that is unplugged comes back under another name; give --folder for a lasting one."
-        )
+        raise UsageError("An unplugged pty returns under another name. Give --folder for a permanent name.")
     elif folder is None:
         port = Pty()
     else:

@@ -1,7 +1,5 @@
-"""The current amplifier as a state machine: ticks and exchanges in, output and registers out.
-
-Refuses to know bytes, clocks and wires.
-"""
+"""The current amplifier as a state machine. Inputs are ticks and exchanges, outputs are current and
+registers."""
 
 from simulators.layout import BAD_VALUE, NOT_NOW
 from simulators.protection import Protection, lease_ticks
@@ -16,17 +14,17 @@ _STATE = {name: int(number) for number, name in _MAP["state"].values.items()}
 _ORDER = {int(number): name for number, name in _MAP["order"].values.items()}
 _FAULT = {fault.name: code for code, fault in _MAP.faults.items()}
 _MARK = {name: 1 << int(bit) for bit, name in _MAP["ring"].field[-1].flags.items()}
-_MAY_FOLLOW = {"arm": ("off",), "rearm": ("off", "tripped")}  # orders that are not allowed always
+_MAY_FOLLOW = {"arm": ("off",), "rearm": ("off", "tripped")}  # orders that are allowed in some states only
 
 
 class Amplifier(RegisterDevice):
-    """Off at boot; drives only while armed, and stays tripped until it is re-armed."""
+    """An amplifier that is off at boot, drives only while armed, and stays tripped until it is re-armed."""
 
     def __init__(self, boot_count: int = 1) -> None:
         super().__init__("amplifier", boot_count, RING_SAMPLES)
 
     def boot(self, boot_count: int) -> None:
-        """Off, output 0, safe settings."""
+        """Boot: off, output 0, safe settings."""
         super().boot(boot_count)
         self.state, self.trip = "off", ""
         self.output_uA = 0
@@ -34,7 +32,7 @@ class Amplifier(RegisterDevice):
         self._protection = Protection()
 
     def tick(self, current_uA: int, voltage_uV: int, temperature: int, hardware: int) -> None:
-        """The output flowed for a period, and this was measured."""
+        """Process the readings of a period in which the output flowed."""
         self._protection.add_heat(self.stored, current_uA)
         self._silent_ticks += 1
         if self.state == "armed":
@@ -59,7 +57,7 @@ class Amplifier(RegisterDevice):
         }
 
     def refuses_command(self, values: dict[str, int]) -> Refusal | None:
-        """An order that cannot follow this state, or a current that must not flow."""
+        """Refuse an order that is not allowed in this state, and a current that must not flow."""
         order, current_uA = _ORDER[values.get("order", 0)], values.get("current", 0)
         follows = self.state in _MAY_FOLLOW.get(order, (self.state,))
         drives = self.state == "armed" or order in _MAY_FOLLOW
@@ -69,11 +67,11 @@ class Amplifier(RegisterDevice):
         return None if within else Refusal(BAD_VALUE)
 
     def refuses_settings(self) -> Refusal | None:
-        """Not while current may flow."""
+        """Refuse settings while current may flow."""
         return Refusal(NOT_NOW) if self.state == "armed" else None
 
     def carry_out(self, values: dict[str, int]) -> None:
-        """First the order, then the current."""
+        """Carry out the order, then set the current."""
         order = _ORDER[values.get("order", 0)]
         if order == "off":
             self._switch_off("off")
@@ -88,7 +86,7 @@ class Amplifier(RegisterDevice):
             self.output_uA = values["current"]
 
     def on_command(self) -> None:
-        """The lease begins anew."""
+        """Restart the lease."""
         self._silent_ticks = 0
 
     def _switch_off(self, state: str) -> None:

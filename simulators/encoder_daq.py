@@ -1,7 +1,4 @@
-"""The encoder's data acquisition as a state machine: counts by its own clock, kept in a ring.
-
-Refuses to know bytes, clocks and wires.
-"""
+"""The data acquisition of the encoder as a state machine: counts sampled by its own clock, kept in a ring."""
 
 from simulators.register_device import RegisterDevice
 from smarig.device import Refusal, from_words, load_register_map, to_words
@@ -16,19 +13,19 @@ _MARK = {name: 1 << int(bit) for bit, name in _MAP["ring"].field[-1].flags.items
 
 
 class EncoderDaq(RegisterDevice):
-    """Position since the last zero, sampled in every tick and readable at any moment."""
+    """An encoder whose position since the last zero is sampled in every tick and can be read at any time."""
 
     def __init__(self, boot_count: int = 1) -> None:
         super().__init__("encoder_daq", boot_count, RING_SAMPLES)
 
     def boot(self, boot_count: int) -> None:
-        """Zero is where the encoder counts 0; nothing is seen yet."""
+        """Boot: the zero is at count 0, and there are no samples."""
         super().boot(boot_count)
         self._raw_counts = self._zero_counts = 0
         self._index_count = self._fault = 0
 
     def tick(self, raw_counts: int, ambient: int, hardware: int) -> None:
-        """A sample of a period that has passed."""
+        """Store the sample of the period that has passed."""
         self._raw_counts = raw_counts
         self._index_count = (self._index_count + bool(hardware & INDEX)) & 0xFFFF
         self._fault = _FAULT["no_supply"] if hardware & NO_SUPPLY else 0
@@ -37,22 +34,22 @@ class EncoderDaq(RegisterDevice):
         self.ring.put([*to_words(raw_counts - self._zero_counts, 2), ambient & 0xFFFF, marks])
 
     def now(self, raw_counts: int) -> None:
-        """Where the encoder stands at this moment, between two samples."""
+        """Update the present position between two samples."""
         self._raw_counts = raw_counts
 
     def status(self) -> dict[str, int]:
-        """Fault, position now and index pulses."""
+        """Fault, present position and index pulses."""
         counts = from_words(
             to_words(self._raw_counts - self._zero_counts, 2), "i32"
-        )  # goes round as the register
+        )  # wraps around like the register
         return {"fault": self._fault, "counts": counts, "index_count": self._index_count}
 
     def refuses_command(self, values: dict[str, int]) -> Refusal | None:
-        """Whatever is in range can be done."""
+        """Refuse nothing: every value in range is allowed."""
         del values
         return None
 
     def carry_out(self, values: dict[str, int]) -> None:
-        """The place of this moment becomes zero."""
+        """Set the zero at the present position."""
         if _ORDER[values.get("order", 0)] == "zero":
             self._zero_counts = self._raw_counts

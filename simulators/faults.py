@@ -1,4 +1,4 @@
-"""What can go wrong on a bench, as values: kind, device, when it begins and ends. Read from a TOML file.
+"""Faults of a bench as values: kind, device, start and end. They are read from a TOML file.
 
     [[fault]]
     kind = "garbled"
@@ -8,9 +8,8 @@
     from_s = 10
     to_s = 60
 
-Times are seconds of device time since power-up; exchanges are requests that the device's line carried, counted from 1.
-Refuses to know how a fault is brought about: line_troubles.py (bytes), reading_troubles.py (what is measured),
-world.py (power).
+Times are seconds of device time since power-up. Exchanges are requests on the device's line, counted from 1.
+The faults take effect in line_troubles.py (bytes), reading_troubles.py (readings) and world.py (power).
 """
 
 from pathlib import Path
@@ -24,7 +23,8 @@ DeviceName = Literal["amplifier", "encoder_daq"]
 
 
 class SimulatedFault(TomlTable):
-    """Any fault: from a time or an exchange on, until a time or before an exchange; for ever where no end is given."""
+    """A fault from a time or an exchange on, until a time or before an exchange; without an end it lasts for
+    ever."""
 
     device: DeviceName
     from_s: Number = Field(default=0, ge=0)
@@ -33,7 +33,7 @@ class SimulatedFault(TomlTable):
     to_exchange: int | None = None
 
     def active(self, time_s: float, exchange: int) -> bool:
-        """Whether it is there now."""
+        """Whether the fault is active."""
         return (
             time_s >= self.from_s
             and exchange >= self.from_exchange
@@ -58,57 +58,57 @@ class Dropped(_DirectedFault):
 
 
 class GarbledBytes(_DirectedFault):
-    """One bit of what arrives is another."""
+    """One bit of the message is inverted."""
 
     kind: Literal["garbled"]
 
 
 class Repeated(_DirectedFault):
-    """It arrives twice."""
+    """The message arrives twice."""
 
     kind: Literal["repeated"]
 
 
 class Delayed(_RandomFault):
-    """The reply is late, by wall time, and so are those after it until then: what it answers has been done at once."""
+    """The reply and those after it are late by a wall time. The request has been executed without delay."""
 
     kind: Literal["delayed"]
     delay_s: Number = Field(gt=0, le=60)
 
 
 class ForeignBytes(_RandomFault):
-    """Noise before a reply."""
+    """Noise bytes before a reply."""
 
     kind: Literal["foreign_bytes"]
     bytes: int = Field(default=3, ge=1, le=1000)
 
 
 class DeadLine(SimulatedFault):
-    """The line carries nothing either way; the port stays open."""
+    """The line carries nothing in either direction; the port stays open."""
 
     kind: Literal["dead_line"]
 
 
 class Unplugged(SimulatedFault):
-    """The port itself is gone, and back at the end under the same name."""
+    """The port disappears, and returns at the end under the same name."""
 
     kind: Literal["unplugged"]
 
 
 class Reboot(SimulatedFault):
-    """The device begins anew, once."""
+    """The device reboots once."""
 
     kind: Literal["reboot"]
 
 
 class BrownOut(SimulatedFault):
-    """No power: no output, no answers, no ticks; the device boots at the end."""
+    """Power failure: no output, no replies, no ticks. The device boots at the end."""
 
     kind: Literal["brown_out"]
 
 
 class ClockDrift(SimulatedFault):
-    """The device's clock is faster than the bench's by so many parts in a million."""
+    """The device's clock is faster than the bench's by so many parts per million."""
 
     kind: Literal["clock_drift"]
     ppm: Number = Field(ge=-500_000, le=500_000)
@@ -119,20 +119,20 @@ class _EncoderFault(SimulatedFault):
 
 
 class StuckEncoder(_EncoderFault):
-    """The counts stay where they were; at the end they are true again."""
+    """The counts stay constant; at the end they are correct again."""
 
     kind: Literal["stuck_encoder"]
 
 
 class SlippingEncoder(_EncoderFault):
-    """A share of every movement is lost, for good."""
+    """A share of every movement is lost permanently."""
 
     kind: Literal["slipping_encoder"]
     share: Number = Field(gt=0, le=1)
 
 
 class JumpingEncoder(_EncoderFault):
-    """The counts jump once, for good."""
+    """The counts jump once, permanently."""
 
     kind: Literal["jumping_encoder"]
     counts: int = Field(ge=-1_000_000, le=1_000_000)
@@ -143,14 +143,14 @@ class _AmplifierFault(SimulatedFault):
 
 
 class OpenWire(_AmplifierFault):
-    """No current flows, and the supply's whole voltage stands where the wire was."""
+    """No current flows, and the voltage is that of the supply."""
 
     kind: Literal["open_wire"]
     supply_V: Number = Field(default=12.0, ge=0, le=1000)
 
 
 class DriftingShunt(_AmplifierFault):
-    """The measured current is too large, by a share that grows from the beginning on."""
+    """The measured current is too large by a share that grows from the start of the fault."""
 
     kind: Literal["drifting_shunt"]
     gain_per_s: Number = Field(ge=-1, le=1)
@@ -181,5 +181,5 @@ class _FaultsFile(TomlTable):
 
 
 def load_faults(path: Path) -> tuple[SimulatedFault, ...]:
-    """The faults of a file; ConfigError names what is wrong in it."""
+    """Read the faults of a file. Raises ConfigError with the reason if an entry is wrong."""
     return load_toml(_FaultsFile, path).fault

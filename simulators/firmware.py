@@ -1,4 +1,4 @@
-"""The C firmware in place of the Python devices, through its shared library. The only module that knows ctypes."""
+"""The C firmware in place of the Python devices, called through its shared library."""
 
 import ctypes
 from pathlib import Path
@@ -7,13 +7,13 @@ from simulators.framing import ServerFraming
 from smarig.core import UsageError
 from smarig.device import from_words, load_register_map
 
-_RTU, _LINE = 0, 1  # the library's numbers for framings
+_RTU, _LINE = 0, 1  # the library's numbers of the framings
 _NUMBERS = {"modbus_rtu": _RTU, "lines": _LINE}
-_ROOM = 2048  # bytes for a reply; the longest line has under 700
+_ROOM = 2048  # bytes for a reply; the longest line is shorter than 700
 
 
 def open_library(path: Path) -> ctypes.CDLL:
-    """The library with its functions declared; UsageError where it is none."""
+    """Load the library and declare its functions. Raises UsageError if it is not the firmware's library."""
     try:
         library = ctypes.CDLL(str(path.resolve()))
         for short, ticked in (("amp", (ctypes.c_int32,) * 2), ("daq", (ctypes.c_int32,))):
@@ -34,12 +34,12 @@ def open_library(path: Path) -> ctypes.CDLL:
 
 
 class _Firmware:
-    """One device in memory of its own."""
+    """One device with its own memory."""
 
     def __init__(self, library: ctypes.CDLL, short: str, name: str, framing: ServerFraming) -> None:
         if framing.name not in _NUMBERS:
             raise UsageError(
-                f"The C firmware does not speak {framing.name}; take one of {', '.join(_NUMBERS)}."
+                f"The C firmware does not support {framing.name}. Use one of {', '.join(_NUMBERS)}."
             )
         self.framing, self._library, self._short = framing, library, short
         self._map = load_register_map(name)
@@ -48,11 +48,11 @@ class _Firmware:
         self.boot(1)
 
     def boot(self, boot_count: int) -> None:
-        """Begin anew."""
+        """Boot the device."""
         self._call("boot", self._memory, boot_count & 0xFFFF)
 
     def answer(self, request: bytes) -> bytes | None:
-        """The reply to one request, or silence."""
+        """The reply to one request, or None."""
         number = _NUMBERS[self.framing.name]
         return self._answer(number, request + b"\n" if number == _LINE else request)
 
@@ -66,7 +66,7 @@ class _Firmware:
         return getattr(self._library, f"{self._short}_{what}")(*arguments)
 
     def _register(self, name: str) -> int:
-        """Asked as a person would at a terminal: reading changes nothing."""
+        """The value of a register, read over the text framing; reading changes nothing."""
         r = self._map[name]
         line = self._answer(_LINE, b"r %X %X\n" % (r.address, r.words)) or b""
         return from_words([int(word, 16) for word in line.split()[1:-1]], r.type)
@@ -89,22 +89,22 @@ class FirmwareAmplifier(_Firmware):
         super().__init__(library, "amp", "amplifier", framing)
 
     def tick(self, current_uA: int, voltage_uV: int, temperature: int, hardware: int) -> None:
-        """A period has passed."""
+        """Process the readings of a period."""
         self._call("tick", self._memory, current_uA, voltage_uV, temperature, hardware)
 
     @property
     def output_uA(self) -> int:
-        """What it drives."""
+        """The present output."""
         return self._call("output", self._memory)
 
     @property
     def state(self) -> str:
-        """By the map's name."""
+        """The state by its name in the register map."""
         return self._map["state"].values[str(self._register("state"))]
 
     @property
     def trip(self) -> str:
-        """By the map's name, "" for none."""
+        """The trip by its name in the register map, "" for none."""
         code = self._register("trip")
         return self._map.faults[code].name if code else ""
 
@@ -116,9 +116,9 @@ class FirmwareDaq(_Firmware):
         super().__init__(library, "daq", "encoder_daq", framing)
 
     def tick(self, raw_counts: int, ambient: int, hardware: int) -> None:
-        """A period has passed."""
+        """Store the sample of a period."""
         self._call("tick", self._memory, raw_counts, ambient, hardware)
 
     def now(self, raw_counts: int) -> None:
-        """Where the encoder stands."""
+        """Update the present position."""
         self._call("now", self._memory, raw_counts)

@@ -1,6 +1,6 @@
-"""What every framing offers: exchanges from the bytes of one request, and the bytes of its reply.
+"""The interface of every framing: exchanges from the bytes of requests, and bytes of replies.
 
-Knows devices by ``accept`` alone, so that any of them answers in any framing.
+A device is used through ``accept`` alone, so every device works with every framing.
 """
 
 from typing import NamedTuple, Protocol
@@ -9,29 +9,29 @@ from smarig.device import Exchange, Refusal
 
 
 class ParsedRequest(NamedTuple):
-    """One request that is for this device: what it asks, and what its framing needs to answer it."""
+    """A request addressed to this device: its exchange, and what the framing needs for the reply."""
 
     requested: Exchange | Refusal
     envelope: bytes = b""
 
 
 class ExchangeHandler(Protocol):
-    """A device's state machine."""
+    """The state machine of a device."""
 
     def accept(self, exchange: Exchange) -> list[int] | Refusal:
-        """Carry out and answer, or refuse."""
+        """Carry out the exchange and return the reply, or refuse it."""
         ...
 
 
 class Receiver(Protocol):
-    """Cuts what comes over a line into requests."""
+    """Splits the bytes of a line into requests."""
 
     def take(self, data: bytes) -> list[bytes]:
-        """Bytes as they come; the requests that are whole now."""
+        """Add bytes; returns the requests that are now complete."""
         ...
 
     def silence(self) -> list[bytes]:
-        """The line is quiet: what is left is as long as it will get."""
+        """End a request because the line is silent; returns what was received."""
         ...
 
     @property
@@ -41,25 +41,25 @@ class Receiver(Protocol):
 
 
 class ServerFraming(Protocol):
-    """One way of writing exchanges as bytes."""
+    """A way of writing exchanges as bytes."""
 
     name: str
 
     def receiver(self) -> Receiver:
-        """A fresh one, for a fresh line."""
+        """A new receiver for a new line."""
         ...
 
     def decode(self, request: bytes) -> ParsedRequest | None:
-        """What one request asks; None where it is not to be answered."""
+        """The exchange of a request; None if the request must not be answered."""
         ...
 
     def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
-        """The reply."""
+        """The bytes of the reply."""
         ...
 
 
 def answer(device: ExchangeHandler, framing: ServerFraming, request: bytes) -> bytes | None:
-    """The reply to the bytes of one request, or silence; no bytes at all make it raise."""
+    """The reply to the bytes of one request, or None. Raises an error if there are no bytes."""
     parsed = framing.decode(request)
     if parsed is None:
         return None

@@ -1,7 +1,5 @@
-"""Which words of a device may be read and written together: a request is judged here before any of it is done.
-
-Knows a register map; no values, states or framings.
-"""
+"""Which words of a device can be read and written together. Requests are checked here before any part is
+executed."""
 
 from collections.abc import Iterator
 
@@ -12,7 +10,7 @@ MOST_READ, MOST_WRITTEN = 125, 121  # words in one exchange
 
 
 class RegisterLayout:
-    """The blocks of a map and where values begin and end in them."""
+    """The blocks of a register map and the boundaries of the values in them."""
 
     def __init__(self, m: RegisterMap) -> None:
         self._map = m
@@ -26,7 +24,7 @@ class RegisterLayout:
         self._limits = {r.name: r.limits for r in m.registers.values() if r.access == "rw"}
 
     def refuses(self, e: Exchange) -> Refusal | None:
-        """Why the addresses of an exchange cannot be; words are judged by ``values``."""
+        """Why the addresses of an exchange are not allowed, or None. ``values`` checks the words."""
         if not fits(e):
             return Refusal(BAD_VALUE)
         if e.count and not self._readable(e.read_at, e.count):
@@ -36,7 +34,7 @@ class RegisterLayout:
         return None
 
     def values(self, e: Exchange) -> RawValues | Refusal:
-        """What is written, by register; refused where one word is out of its range."""
+        """The written values by register, or a refusal if a word is out of range."""
         values = self._map.decode(self._written[e.write_at], e.words)
         for name, raw in values.items():
             low, high = self._limits[name]
@@ -45,11 +43,11 @@ class RegisterLayout:
         return values
 
     def block(self, address: int) -> str:
-        """Name of the block that an address is in."""
+        """Name of the block that contains an address."""
         return next(name for name, start, end in self._spans if start <= address < end)
 
     def _readable(self, at: int, count: int) -> bool:
-        """From the border of one value to that of another, within one block."""
+        """Whether the words start and end at boundaries of values within one block."""
         return (
             at in self._borders
             and at + count in self._borders
@@ -58,12 +56,12 @@ class RegisterLayout:
 
 
 def fits(e: Exchange) -> bool:
-    """Whether so many words go into one exchange, and there is anything to do."""
+    """Whether the exchange has something to do and not too many words."""
     return len(e.words) <= MOST_WRITTEN and e.count <= MOST_READ and bool(e.words or e.count)
 
 
 def _ends(r: Register) -> Iterator[int]:
-    """Where a register's values end; a ring's records are values, field by field."""
+    """The ends of a register's values. The records of a ring are values field by field."""
     at = r.address
     for _ in range(r.count):
         for words in [f.words for f in r.field] or [r.words]:

@@ -1,4 +1,4 @@
-"""One device's line: its port, its receivers, and what goes wrong between them. Requests out, replies in."""
+"""The line of one device: its port, its receivers, and the faults between them."""
 
 import heapq
 from itertools import count
@@ -9,11 +9,11 @@ from simulators.line_troubles import LineFaults
 from simulators.transports import Port
 from simulators.world import SimulatedBench
 
-FRAME_END_s = 0.002  # of silence: more than 3.5 characters, and what a computer can keep to
+FRAME_END_s = 0.002  # of silence: more than 3.5 characters, and long enough for the timing of a computer
 
 
 class _Late(NamedTuple):
-    """A reply that is kept back; ``number`` keeps replies of one moment in order."""
+    """A delayed reply; ``number`` keeps replies of one moment in order."""
 
     due_s: float
     number: int
@@ -22,7 +22,7 @@ class _Late(NamedTuple):
 
 
 class DeviceLine:
-    """Between a port and the device ``name`` of the world."""
+    """The connection between a port and the device ``name`` of the bench."""
 
     def __init__(
         self, name: str, port: Port, framing: ServerFraming, world: SimulatedBench, line_faults: LineFaults
@@ -35,7 +35,7 @@ class DeviceLine:
         self._numbers = count()
 
     def channels(self) -> list[int]:
-        """What to poll, after plugging or unplugging what is due."""
+        """The channels to poll, after plugging or unplugging the port as the faults require."""
         if self._line_faults.plugged(self._world.time_s, self._world.exchanges[self.name]):
             self.port.plug()
         elif self.port.channels():
@@ -44,7 +44,7 @@ class DeviceLine:
         return self.port.channels()
 
     def requests(self, channel: int, now_s: float) -> list[bytes]:
-        """What is ready on a channel, as whole requests; an ended channel forgets what it had begun."""
+        """The complete requests on a channel. When a channel ends, its incomplete request is dropped."""
         data = self.port.read(channel)
         if data is None:
             self._receivers.pop(channel, None)
@@ -61,12 +61,12 @@ class DeviceLine:
         return whole
 
     def arrived(self, request: bytes) -> list[bytes]:
-        """What of a request reaches the device."""
+        """The parts of a request that reach the device."""
         self._world.exchanges[self.name] += 1
         return self._line_faults.requests(request, *self._moment())
 
     def send(self, channel: int, reply: bytes, now_s: float) -> None:
-        """A reply on its way to the host, now or late; one that is late keeps back those after it, as a line does."""
+        """Send a reply, now or late. A late reply delays those after it, as on a line."""
         for delay_s, data in self._line_faults.replies(reply, *self._moment()):
             before_s = [late.due_s for late in self._late if late.channel == channel]
             if delay_s or before_s:
@@ -76,7 +76,7 @@ class DeviceLine:
                 self.port.write(channel, data)
 
     def due(self, now_s: float) -> list[tuple[int, bytes]]:
-        """Late replies go out; requests that silence has ended come back, by channel."""
+        """Send the replies that are due; return the requests that silence has ended, with their channels."""
         while self._late and self._late[0].due_s <= now_s:
             late = heapq.heappop(self._late)
             if late.channel in self.port.channels():
@@ -90,7 +90,7 @@ class DeviceLine:
         ]
 
     def next_due_s(self) -> float | None:
-        """When ``due`` has something to do."""
+        """The time at which ``due`` has something to do."""
         moments = [*self._quiet_at_s.values(), *(late.due_s for late in self._late[:1])]
         return min(moments, default=None)
 

@@ -1,4 +1,4 @@
-"""Faults that act on bytes between host and one device. The device notices nothing but what arrives."""
+"""Faults that act on the bytes between the host and one device."""
 
 import random
 from collections.abc import Iterable
@@ -17,20 +17,21 @@ from simulators.faults import (
 
 
 class Late(NamedTuple):
-    """A reply and how long it is kept back."""
+    """A reply and its delay."""
 
     delay_s: float
     data: bytes
 
 
 class LineFaults:
-    """The faults of one device's line; every random choice follows from a fault's seed and the exchange's number."""
+    """The faults of one device's line. Random choices follow from the fault's seed and the number of the
+    exchange."""
 
     def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         self._faults = tuple(faults)
 
     def plugged(self, time_s: float, exchange: int) -> bool:
-        """Whether the port is there."""
+        """Whether the port is present."""
         return not any(isinstance(f, Unplugged) and f.active(time_s, exchange) for f in self._faults)
 
     def dead(self, time_s: float, exchange: int) -> bool:
@@ -38,13 +39,13 @@ class LineFaults:
         return any(isinstance(f, DeadLine) and f.active(time_s, exchange) for f in self._faults)
 
     def requests(self, data: bytes, time_s: float, exchange: int) -> list[bytes]:
-        """What arrives at the device of one request."""
+        """What arrives at the device for one request."""
         if not self._faults:
             return [data]
         return self._carried(data, "request", time_s, exchange)
 
     def replies(self, data: bytes, time_s: float, exchange: int) -> list[Late]:
-        """What arrives at the host of one reply, and how late."""
+        """What arrives at the host for one reply, with its delay."""
         if not self._faults:
             return [Late(0, data)]
         delay_s = 0.0
@@ -82,7 +83,7 @@ class LineFaults:
 
 
 def _garbled(data: bytes, draw: random.Random) -> bytes:
-    if not data:  # an empty line has no bits to lose
+    if not data:  # an empty message has no bits
         return data
     at = draw.randrange(len(data))
     return data[:at] + bytes([data[at] ^ 1 << draw.randrange(8)]) + data[at + 1 :]

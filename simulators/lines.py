@@ -1,8 +1,6 @@
-"""The text framing, from the device's side: one line asks, one line answers.
+"""The text framing on the device's side: one line is a request, one line is the reply.
 
-    w 0100 0001 0000 000F 4240 r 0000 000C *3B7A
-
-Refuses to know what registers mean.
+w 0100 0001 0000 000F 4240 r 0000 000C *3B7A
 """
 
 import re
@@ -19,21 +17,21 @@ _BODY = re.compile(rb"(?:w (?P<write>%b(?: %b)+))?(?P<both> (?=r))?(?:r (?P<read
 
 
 class TextFraming:
-    """One device per line: no addresses."""
+    """The text framing. There is one device per line, without an address."""
 
     name = "lines"
 
     def receiver(self) -> "LineReceiver":
-        """Cuts at the ends of lines."""
+        """A receiver that splits at the ends of lines."""
         return LineReceiver()
 
     def decode(self, request: bytes) -> ParsedRequest | None:
-        r"""A line without its ``\n``; empty ones are not answered."""
+        r"""The exchange of a line without its ``\n``; None for an empty line."""
         line = request.removesuffix(b"\r")
         return ParsedRequest(_parse(line)) if line else None
 
     def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
-        """Words in upper case, always with a check word."""
+        """The reply: words in upper case, always with a check word."""
         del parsed
         if isinstance(answer, Refusal):
             body = f"! {answer.code:X}".encode()
@@ -62,7 +60,7 @@ def _parse(line: bytes) -> Exchange | Refusal:
 
 
 def _badly_spaced(body: re.Match) -> bool:
-    """One blank stands between the two parts, and only there."""
+    """Whether the one blank between the two parts is missing or misplaced."""
     return bool(body["both"]) != bool(body["write"] and body["read"])
 
 
@@ -71,7 +69,8 @@ def _numbers(text: bytes | None) -> list[int]:
 
 
 class LineReceiver:
-    """Collects characters until the line ends; keeps no more of a line than shows that it is too long."""
+    """Collects the characters of a line. Of an overlong line it keeps only enough to see that it is too
+    long."""
 
     waits_for_silence = False
 
@@ -79,11 +78,11 @@ class LineReceiver:
         self._partial = b""
 
     def take(self, data: bytes) -> list[bytes]:
-        """Whole lines without their ends."""
+        """The complete lines without their ends."""
         *lines, partial = (self._partial + data).split(b"\n")
         self._partial = partial[: LONGEST + 2]  # one too many, and a carriage return
         return lines
 
     def silence(self) -> list[bytes]:
-        """A person may think as long as they like."""
+        """Nothing to do: a person may pause while typing."""
         return []

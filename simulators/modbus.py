@@ -1,7 +1,7 @@
-"""Modbus from the server's side: requests of functions 3, 16 and 23 and their replies, in RTU frames or over TCP.
+"""Modbus on the server's side: requests of functions 3, 16 and 23 and their replies, in RTU frames or over
+TCP.
 
-Refuses to know what registers mean, and which bytes were noise: what is not whole or not for this
-device is not answered.
+Incomplete requests and requests to other addresses are not answered.
 """
 
 import struct
@@ -14,12 +14,13 @@ READ, WRITE, BOTH = 3, 16, 23
 LONGEST_PDU = 253
 LONGEST_FRAME = 256
 
-# Bytes of a request up to and with the count of data bytes, from the function on; READ has none.
+# Bytes of a request up to and including the count of data bytes, from the function on. READ has no such
+# count.
 _HEAD = {READ: 5, WRITE: 6, BOTH: 10}
 
 
 def pdu_length(pdu: bytes) -> int | None:
-    """How long a request is by its own word; None where that cannot be known (yet)."""
+    """The length of a request according to its header; None if it is not known (yet)."""
     head = _HEAD.get(pdu[0]) if pdu else None
     if head is None or len(pdu) < head:
         return None
@@ -27,7 +28,7 @@ def pdu_length(pdu: bytes) -> int | None:
 
 
 def requested(pdu: bytes) -> Exchange | Refusal:
-    """What a request asks, from the function on."""
+    """The exchange of a request, from the function on."""
     if pdu[0] not in _HEAD:
         return Refusal(NO_FUNCTION)
     if pdu_length(pdu) != len(pdu):
@@ -64,11 +65,11 @@ class Rtu:
         self.address = address
 
     def receiver(self) -> "RtuReceiver":
-        """Cuts at the length that a frame says of itself, or at silence."""
+        """A receiver that splits at the length in a frame, or at silence."""
         return RtuReceiver()
 
     def decode(self, request: bytes) -> ParsedRequest | None:
-        """Only whole frames for this address."""
+        """The exchange of a complete frame for this address; None for any other."""
         if not 4 <= len(request) <= LONGEST_FRAME or request[0] != self.address or not _whole(request):
             return None
         pdu = request[1:-2]
@@ -85,18 +86,18 @@ def _whole(frame: bytes) -> bool:
 
 
 class RtuReceiver:
-    """Frames by their own length where the check word agrees; anything else waits for silence to end it."""
+    """Splits frames by their length if the check word agrees; otherwise silence ends them."""
 
     def __init__(self) -> None:
         self._partial = b""
 
     @property
     def waits_for_silence(self) -> bool:
-        """Something has begun."""
+        """Whether a frame has started."""
         return bool(self._partial)
 
     def take(self, data: bytes) -> list[bytes]:
-        """Frames that are whole already."""
+        """The frames that are complete."""
         self._partial += data
         frames = []
         while frame := self._first():
@@ -106,7 +107,7 @@ class RtuReceiver:
         return frames
 
     def silence(self) -> list[bytes]:
-        """What stands there is one frame, good or bad."""
+        """The received bytes as one frame, valid or not."""
         frame, self._partial = self._partial, b""
         return [frame] if frame else []
 
@@ -117,7 +118,7 @@ class RtuReceiver:
 
 
 class Tcp:
-    """Requests in MBAP headers: transaction, protocol 0, length, unit."""
+    """Requests with MBAP headers: transaction, protocol 0, length, unit."""
 
     name = "modbus_tcp"
 
@@ -125,29 +126,29 @@ class Tcp:
         self.address = address
 
     def receiver(self) -> "MbapReceiver":
-        """Cuts by the header's length."""
+        """A receiver that splits at the length in the header."""
         return MbapReceiver()
 
     def decode(self, request: bytes) -> ParsedRequest | None:
-        """Only for this unit; the header goes into the reply."""
+        """The exchange of a request to this unit. The header is needed for the reply."""
         if len(request) < 8 or request[6] != self.address or _mbap_length(request) != len(request):
             return None
         return ParsedRequest(requested(request[7:]), request)
 
     def encode(self, parsed: ParsedRequest, answer: list[int] | Refusal) -> bytes:
-        """With the transaction of the request."""
+        """The reply with the transaction of the request."""
         pdu = reply(parsed.envelope[7:], answer)
         return parsed.envelope[:4] + struct.pack(">HB", len(pdu) + 1, self.address) + pdu
 
 
 def _mbap_length(header: bytes) -> int | None:
-    """Length of a whole request; None where this is no header."""
+    """Length of a complete request; None if the header is not valid."""
     protocol, length = struct.unpack_from(">HH", header, 2)
     return 6 + length if protocol == 0 and 2 <= length <= LONGEST_PDU + 1 else None
 
 
 class MbapReceiver:
-    """A stream of headers and requests; after a wrong header there is no telling where the next one is."""
+    """A stream of headers and requests. After an invalid header the next request cannot be located."""
 
     waits_for_silence = False
 
@@ -155,7 +156,7 @@ class MbapReceiver:
         self._partial = b""
 
     def take(self, data: bytes) -> list[bytes]:
-        """Whole requests; what follows a wrong header is thrown away."""
+        """The complete requests. Everything after an invalid header is dropped."""
         self._partial += data
         requests = []
         while len(self._partial) >= 6:
@@ -170,5 +171,5 @@ class MbapReceiver:
         return requests
 
     def silence(self) -> list[bytes]:
-        """TCP loses nothing: the rest will come."""
+        """Nothing to do: TCP loses nothing, so the rest will arrive."""
         return []

@@ -1,7 +1,5 @@
-"""When ticks happen: by the wall clock, or only when a host asks for what has not been measured yet.
-
-Knows sequence words and ring windows as far as lock-step needs them. Refuses to know bytes and ports.
-"""
+"""The times of the ticks: by the wall clock, or only when the host requests samples of the future
+(lock-step)."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -11,54 +9,54 @@ from simulators.world import DAQ, SimulatedBench
 from smarig.device import Exchange, Refusal, load_register_map
 
 Tick = Callable[[], None]
-MAX_CATCH_UP_TICKS = 100  # late ticks between two looks at the ports: a bench that is too slow still answers
+MAX_CATCH_UP_TICKS = 100  # late ticks between two polls of the ports, so that a slow bench still answers
 HOST_TIMEOUT_s = (
-    1.0  # of silence, in lock-step, unless said otherwise: the host is dead or stuck, the lease must run out
+    1.0  # of silence in lock-step, by default; then the host has failed and the lease must expire
 )
 
 
 class Pace(Protocol):
-    """Decides about device time; ``now_s`` is the monotonic wall clock."""
+    """Controls device time. ``now_s`` is the monotonic wall clock."""
 
     def host_active(self, now_s: float) -> None:
-        """Anything at all came over any line."""
+        """Called when data arrive on any line."""
         ...
 
     def before_answer(self, name: str, request: bytes) -> None:
-        """A request is about to be answered."""
+        """Called before a request is answered."""
         ...
 
     def host_ended(self, now_s: float) -> None:
-        """Standard input ended: from now on nobody will ask."""
+        """Called when standard input has ended and no more requests will come."""
         ...
 
     def catch_up(self, now_s: float) -> None:
-        """Let the ticks happen that are due."""
+        """Execute the ticks that are due."""
         ...
 
     def next_due_s(self) -> float | None:
-        """When the next tick is due by the wall clock; None where none is."""
+        """Wall-clock time of the next tick; None if there is none."""
         ...
 
 
 class RealTime:
-    """A tick every ``period_s`` of the wall clock; late ones are made up for."""
+    """One tick per ``period_s`` of the wall clock. Late ticks are caught up."""
 
     def __init__(self, tick: Tick, period_s: float, start_s: float) -> None:
         self._tick, self._period_s, self._start_s = tick, period_s, start_s
         self._done = 0
 
     def host_active(self, now_s: float) -> None:
-        """Time does not care."""
+        """No effect in real time."""
 
     def before_answer(self, name: str, request: bytes) -> None:
-        """Time does not care."""
+        """No effect in real time."""
 
     def host_ended(self, now_s: float) -> None:
-        """Time does not care."""
+        """No effect in real time."""
 
     def catch_up(self, now_s: float) -> None:
-        """Ticks up to now, as far as they can be made up for at once."""
+        """Execute the ticks up to now, at most ``MAX_CATCH_UP_TICKS``."""
         for _ in range(MAX_CATCH_UP_TICKS):
             if self.next_due_s() > now_s:
                 break
@@ -66,12 +64,12 @@ class RealTime:
             self._tick()
 
     def next_due_s(self) -> float:
-        """Counted from the start, so that no rounding adds up."""
+        """Time of the next tick, counted from the start so that rounding errors do not add up."""
         return self._start_s + (self._done + 1) * self._period_s
 
 
 class LockStep:
-    """Ticks only when the DAQ is asked anew for a sample of the future; in real time while the host is gone."""
+    """Ticks only when the host requests new samples from the DAQ, and in real time while the host is silent."""
 
     def __init__(self, world: SimulatedBench, tick: Tick, host_timeout_s: float = HOST_TIMEOUT_s) -> None:
         self._world, self._tick, self._host_timeout_s = world, tick, host_timeout_s
@@ -82,13 +80,13 @@ class LockStep:
         self._free_running: RealTime | None = None
 
     def host_active(self, now_s: float) -> None:
-        """The host lives: time waits for it again."""
+        """Let time wait for the host again."""
         self._last_request_s = now_s
         if not self._host_ended:
             self._free_running = None
 
     def before_answer(self, name: str, request: bytes) -> None:
-        """As many ticks as the newest sample asked for needs, and no more than samples were asked for."""
+        """Execute the ticks up to the newest requested sample, but no more than samples were requested."""
         exchange = self._world.decoded(name, request) if name == DAQ else None
         wanted = self._wanted(exchange) if exchange else None
         if not wanted:
@@ -99,7 +97,8 @@ class LockStep:
             most -= 1
 
     def _wanted(self, exchange: Exchange) -> tuple[int, int] | None:
-        """Tick of the last sample asked for, and how many; None where it is no new command or will be refused."""
+        """Tick of the last requested sample and number of samples; None if the command is not new or will be
+        refused."""
         if not exchange.words or self._layout.refuses(exchange):
             return None
         values = self._layout.values(exchange)
@@ -109,19 +108,19 @@ class LockStep:
         return values.get("ring_next", 0) + most - 1, most
 
     def host_ended(self, now_s: float) -> None:
-        """Nobody will ask: time runs by itself, for good."""
+        """Let time follow the clock from now on."""
         self._host_ended = True
         self._free_running = self._free_running or self._real_time_from(now_s)
 
     def catch_up(self, now_s: float) -> None:
-        """Free ticks, where the host has not been heard for too long."""
+        """Execute free ticks if the host has been silent for too long."""
         if self._free_running is None and self._silent_until_s() <= now_s:
             self._free_running = self._real_time_from(self._silent_until_s())
         if self._free_running is not None:
             self._free_running.catch_up(now_s)
 
     def next_due_s(self) -> float | None:
-        """Of a free tick, or of the moment when time begins to run."""
+        """Time of the next free tick, or of the start of free ticks."""
         if self._free_running is not None:
             return self._free_running.next_due_s()
         return self._silent_until_s() if self._last_request_s is not None else None
@@ -130,5 +129,5 @@ class LockStep:
         return RealTime(self._tick, self._world.period_s, start_s)
 
     def _silent_until_s(self) -> float:
-        """Before a host was ever there, none can be gone."""
+        """The end of the permitted silence. It starts with the first message of the host."""
         return float("inf") if self._last_request_s is None else self._last_request_s + self._host_timeout_s

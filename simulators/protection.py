@@ -1,37 +1,35 @@
-"""What an amplifier watches in each tick: measured current and voltage, heat, silence. Whole numbers, as the firmware.
-
-Knows settings by their register names. Refuses to know what is done about a cause.
-"""
+"""The checks of an amplifier in each tick: current, voltage, heat and lease, in whole numbers like the
+firmware."""
 
 from collections.abc import Mapping
 
-IN_A_ROW = 3  # ticks, before contact faults are believed
-MIN_CURRENT_uA = 50_000  # below it resistance says nothing
+IN_A_ROW = 3  # consecutive ticks before a contact fault trips
+MIN_CURRENT_uA = 50_000  # below it, resistance is not evaluated
 MAX_HEAT = 2**32 - 1
 
 
 class Protection:
-    """Heat and counts of suspicious ticks; ``cause`` names the first fault of a tick, or none."""
+    """Heat and counts of suspicious ticks. ``cause`` names the first fault of a tick, or none."""
 
     def __init__(self) -> None:
         self.heat = 0
         self._ticks_in_a_row = {"open": 0, "short": 0, "resistance": 0}
 
     def add_heat(self, s: Mapping[str, int], current_uA: int) -> None:
-        """The i²t integral of one tick; it goes on whether armed or not."""
+        """Add one tick to the i²t integral, whether armed or not."""
         period_ms, settle_ms = s["period"], s["heat_settle"]
         lost = self.heat if period_ms > settle_ms else self.heat * period_ms // settle_ms
         current_mA = abs(current_uA) // 1000
         self.heat = min(self.heat - lost + current_mA * current_mA * period_ms // 1000, MAX_HEAT)
 
     def reset_counts(self) -> None:
-        """Three in a row are three while armed."""
+        """Reset the counts: the consecutive ticks must lie within one armed state."""
         self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
 
     def cause(
         self, s: Mapping[str, int], output_uA: int, current_uA: int, voltage_uV: int, stop: bool, silent: int
     ) -> str:
-        """The first cause of a tick while armed, "" for none; ``silent``: ticks since anything was heard."""
+        """The first cause of a tick while armed, "" for none. ``silent``: ticks since the last message."""
         self._count_rows(s, output_uA, abs(current_uA), abs(voltage_uV))
         if stop:
             return "stop"
@@ -58,5 +56,5 @@ class Protection:
 
 
 def lease_ticks(s: Mapping[str, int]) -> int:
-    """How many ticks may pass in silence: to the nearest whole number, halves up, at least one."""
+    """The lease in ticks: rounded to nearest, halves up, at least one."""
     return max((2 * s["lease"] + s["period"]) // (2 * s["period"]), 1)

@@ -1,4 +1,4 @@
-"""Faults that act on what flows and on what is measured: the wire, the shunt, the encoder. Knows no bytes."""
+"""Faults that act on the wire, the shunt and the encoder."""
 
 from collections.abc import Iterable
 
@@ -17,18 +17,18 @@ _FIELDS = {f.name: f for f in load_register_map("amplifier")["ring"].field}
 
 
 class WireFaults:
-    """An open wire and a shunt that drifts."""
+    """An open wire and a drifting shunt."""
 
     def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         self._open = tuple(f for f in faults if isinstance(f, OpenWire))
         self._shunt = tuple(f for f in faults if isinstance(f, DriftingShunt))
 
     def interrupted(self, time_s: float, exchange: int) -> OpenWire | None:
-        """The break in the wire, where there is one now."""
+        """The break in the wire, if there is one now."""
         return next((f for f in self._open if f.active(time_s, exchange)), None)
 
     def measured(self, reading: RawReading, output_uA: int, time_s: float, exchange: int) -> RawReading:
-        """What the amplifier sees of a reading."""
+        """The reading as the amplifier measures it."""
         broken = self.interrupted(time_s, exchange)
         if broken and output_uA:
             volts = broken.supply_V if output_uA > 0 else -broken.supply_V
@@ -42,7 +42,7 @@ class WireFaults:
 
 
 class EncoderFaults:
-    """An encoder that sticks, slips or jumps; what is lost stays lost."""
+    """An encoder that sticks, slips or jumps. Lost counts stay lost."""
 
     def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         of_encoder = (StuckEncoder, SlippingEncoder, JumpingEncoder)
@@ -53,7 +53,7 @@ class EncoderFaults:
         self._before: int | None = None
 
     def sample(self, raw_counts: int, time_s: float, exchange: int) -> int:
-        """What the encoder says at the end of a tick."""
+        """The counts of the faulty encoder at the end of a tick."""
         stuck = False
         moved = 0 if self._before is None else raw_counts - self._before
         for number, f in enumerate(self._faults):
@@ -74,7 +74,7 @@ class EncoderFaults:
         return self.now(raw_counts)
 
     def now(self, raw_counts: int) -> int:
-        """What it says between two ticks."""
+        """The counts between two ticks."""
         return self._true(raw_counts) if self._held is None else self._held
 
     def _true(self, raw_counts: int) -> int:

@@ -1,7 +1,4 @@
-"""What both devices do alike: judge an exchange, carry it out or not at all, answer from registers.
-
-Knows maps, sequence words and ring windows. Refuses to know what orders and settings mean, and how words travel.
-"""
+"""What both devices have in common: an exchange is checked, executed completely or not at all, and answered."""
 
 from collections import deque
 from typing import NamedTuple
@@ -11,7 +8,7 @@ from smarig.device import Exchange, RawValues, Refusal, RegisterMap, load_regist
 
 
 class RegisterDevice:
-    """A device with a map, a ring and no time of its own; ``accept`` answers, subclasses say what is done."""
+    """A device with a register map and a ring. ``accept`` answers; subclasses define the commands."""
 
     def __init__(self, name: str, boot_count: int, ring_samples: int) -> None:
         self.map: RegisterMap = load_register_map(name)
@@ -25,7 +22,7 @@ class RegisterDevice:
         self.boot(boot_count)
 
     def boot(self, boot_count: int) -> None:
-        """Begin anew, with nothing remembered but how often that has happened."""
+        """Restart with nothing remembered except the boot count."""
         self.boot_count = boot_count & 0xFFFF
         self.echo = 0
         self.ring = Ring(self._ring_samples)
@@ -40,7 +37,7 @@ class RegisterDevice:
         return self.ring.newest
 
     def accept(self, exchange: Exchange) -> list[int] | Refusal:
-        """Write, then read; a refusal leaves everything as it was."""
+        """Write, then read. A refused exchange changes nothing."""
         refusal = self._layout.refuses(exchange)
         if refusal is None and exchange.words:
             refusal = self._write(exchange)
@@ -59,7 +56,7 @@ class RegisterDevice:
         return refusal
 
     def _command(self, values: RawValues) -> Refusal | None:
-        if values["sequence"] == self.echo:  # heard before: only the window may be another
+        if values["sequence"] == self.echo:  # a repeated command: only its window may differ
             values = RawValues(
                 (name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want")
             )
@@ -70,7 +67,7 @@ class RegisterDevice:
             self.carry_out(values)
             self.echo = values["sequence"]
         self.stored.update(values)
-        self.stored["order"] = self.map["order"].safe or 0  # done with; reads as none
+        self.stored["order"] = self.map["order"].safe or 0  # executed; reads as none
         self.on_command()
         self._window = self.ring.window(self.stored["ring_next"], self.stored["ring_want"])
         return None
@@ -103,27 +100,27 @@ class RegisterDevice:
         return words + window.words + [0] * (self._window_words - len(window.words))
 
     def status(self) -> dict[str, int]:
-        """Registers of the status block that only this device has."""
+        """The registers of the status block that only this device has."""
         raise NotImplementedError
 
     def refuses_command(self, values: dict[str, int]) -> Refusal | None:
-        """Why what is written to the command block cannot be done now."""
+        """Why the command cannot be executed now, or None."""
         raise NotImplementedError
 
     def refuses_settings(self) -> Refusal | None:
-        """Why settings cannot be written now."""
+        """Why settings cannot be written now, or None."""
         return None
 
     def carry_out(self, values: dict[str, int]) -> None:
-        """Do what a new command says."""
+        """Execute a new command."""
         raise NotImplementedError
 
     def on_command(self) -> None:
-        """A sequence word was accepted, new or not."""
+        """Called when a sequence word, new or repeated, was accepted."""
 
 
 class RingWindow(NamedTuple):
-    """A stretch of the ring as it was when it was asked for."""
+    """A part of the ring as it was when it was requested."""
 
     first: int
     count: int
@@ -134,19 +131,20 @@ EMPTY_WINDOW = RingWindow(0, 0, [])
 
 
 class Ring:
-    """As many samples as fit; ticks count from 1."""
+    """A ring of samples. Ticks count from 1."""
 
     def __init__(self, samples: int) -> None:
         self._samples: deque[list[int]] = deque(maxlen=samples)
         self.newest = 0
 
     def put(self, words: list[int]) -> None:
-        """The sample of the next tick."""
+        """Store the sample of the next tick."""
         self._samples.append(words)
         self.newest += 1
 
     def window(self, first: int, want: int) -> RingWindow:
-        """From tick ``first`` on, or from the oldest that is still there; empty where that is in the future."""
+        """Samples from tick ``first`` on, or from the oldest stored one; empty if ``first`` is in the
+        future."""
         oldest = self.newest - len(self._samples) + 1
         if first > self.newest or not self._samples:
             return RingWindow(first, 0, [])

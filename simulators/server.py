@@ -1,7 +1,4 @@
-"""The one loop of a bench: bytes, ticks and the end of standard input, in one poll and without threads.
-
-Refuses to know framings, faults and physics.
-"""
+"""The main loop of a bench: bytes, ticks and the end of standard input in one poll, without threads."""
 
 import contextlib
 import os
@@ -14,7 +11,7 @@ from simulators.line import DeviceLine
 from simulators.pace import Pace
 from simulators.world import SimulatedBench
 
-LONGEST_SLEEP_s = 0.1  # so that a stop by signal is noticed
+LONGEST_SLEEP_s = 0.1  # so that a stop by a signal is noticed
 
 
 HEAD = "tick,wall_s,output_uA,state,trip,counts\n"
@@ -41,17 +38,17 @@ class Server:
         self._poll.register(host, select.POLLIN)
 
     def stop(self) -> None:
-        """As soon as the present round is done."""
+        """Stop at the end of the present round."""
         self._stopped = True
 
     def run(self) -> None:
-        """Rounds until the end."""
+        """Run rounds until the end."""
         while not self._stopped and self._clock() < self._end_s:
             self._listen()
             events = self._poll.poll(1000 * self._sleep_s())
             now_s = self._clock()
             if any(channel in self._polled for channel, _ in events):
-                self._pace.host_active(now_s)  # the host has spoken; it is this process that was kept waiting
+                self._pace.host_active(now_s)  # the host has sent data; this process was delayed
             self._pace.catch_up(now_s)
             for channel, _ in events:
                 self._serve(channel, now_s)
@@ -60,7 +57,7 @@ class Server:
                     self._answer(line, channel, request, now_s)
 
     def _listen(self) -> None:
-        """Poll what is open now: ports come and go."""
+        """Update the polled channels, since ports appear and disappear."""
         wanted = {channel: line for line in self._lines for channel in line.channels()}
         if wanted.keys() == self._polled.keys():
             return
@@ -96,7 +93,7 @@ class Server:
 
 
 class TickTrace:
-    """Each line is with the system as soon as its tick is over."""
+    """A CSV file of the ticks. Each row is flushed as soon as its tick is over."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", encoding="utf-8", buffering=1)
@@ -104,7 +101,7 @@ class TickTrace:
         self._file.write(HEAD)
 
     def write(self, world: SimulatedBench) -> None:
-        """The tick that has just passed: what flowed in it, and what the amplifier made of it."""
+        """Write the last tick: the current that flowed and the reading of the amplifier."""
         wall_s = time.monotonic() - self._start_s
         state, trip = world.amplifier.state, world.amplifier.trip
         self._file.write(f"{world.ticks},{wall_s:.4f},{world.flowed_uA},{state},{trip},{world.raw_counts}\n")

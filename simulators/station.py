@@ -1,4 +1,4 @@
-"""A device behind a framing: bytes of a request in, bytes of a reply out. Python or C, the world cannot tell."""
+"""A device behind a framing: bytes of a request in, bytes of a reply out. It is written in Python or in C."""
 
 from typing import Protocol
 
@@ -8,16 +8,16 @@ from simulators.framing import ServerFraming, answer
 
 
 class Station(Protocol):
-    """What the world needs of any device."""
+    """The interface of any device."""
 
     framing: ServerFraming
 
     def boot(self, boot_count: int) -> None:
-        """Begin anew."""
+        """Boot the device."""
         ...
 
     def answer(self, request: bytes) -> bytes | None:
-        """The reply to one request, or silence."""
+        """The reply to one request, or None."""
         ...
 
     @property
@@ -32,59 +32,59 @@ class Station(Protocol):
 
 
 class AmplifierStation(Station, Protocol):
-    """An amplifier, whoever wrote it."""
+    """The interface of an amplifier."""
 
     def tick(self, current_uA: int, voltage_uV: int, temperature: int, hardware: int) -> None:
-        """A period has passed."""
+        """Process the readings of a period."""
         ...
 
     @property
     def output_uA(self) -> int:
-        """What it drives."""
+        """The present output."""
         ...
 
     @property
     def state(self) -> str:
-        """By the map's name."""
+        """The state by its name in the register map."""
         ...
 
     @property
     def trip(self) -> str:
-        """By the map's name, "" for none."""
+        """The trip by its name in the register map, "" for none."""
         ...
 
 
 class DaqStation(Station, Protocol):
-    """An encoder DAQ, whoever wrote it."""
+    """The interface of an encoder DAQ."""
 
     def tick(self, raw_counts: int, ambient: int, hardware: int) -> None:
-        """A period has passed."""
+        """Store the sample of a period."""
         ...
 
     def now(self, raw_counts: int) -> None:
-        """Where the encoder stands."""
+        """Update the present position."""
         ...
 
 
 class PythonAmplifier(Amplifier):
-    """The state machine of amplifier.py, spoken to in bytes."""
+    """The state machine of amplifier.py behind a framing."""
 
     def __init__(self, framing: ServerFraming) -> None:
         self.framing = framing
         super().__init__()
 
     def answer(self, request: bytes) -> bytes | None:
-        """The reply to one request, or silence."""
+        """The reply to one request, or None."""
         return answer(self, self.framing, request)
 
 
 class PythonDaq(EncoderDaq):
-    """The state machine of encoder_daq.py, spoken to in bytes."""
+    """The state machine of encoder_daq.py behind a framing."""
 
     def __init__(self, framing: ServerFraming) -> None:
         self.framing = framing
         super().__init__()
 
     def answer(self, request: bytes) -> bytes | None:
-        """The reply to one request, or silence."""
+        """The reply to one request, or None."""
         return answer(self, self.framing, request)

@@ -1,6 +1,6 @@
-"""Where bytes enter and leave: a pty that a host opens like a serial port, or a TCP port on this machine.
+"""The ports of the devices: a pty that a host opens like a serial port, or a TCP port on this machine.
 
-Both can be unplugged and plugged in again under the same name. Refuses to know framings.
+Both can be unplugged and plugged in again under the same name.
 """
 
 import contextlib
@@ -15,36 +15,36 @@ CHUNK = 4096
 
 
 class Port(Protocol):
-    """One device's end of its line; ``channels`` are descriptors to listen to."""
+    """The device's end of its line. ``channels`` are descriptors to poll."""
 
     @property
     def url(self) -> str:
-        """What a host opens."""
+        """The address that a host opens."""
         ...
 
     def channels(self) -> list[int]:
-        """What to poll now; nothing while unplugged."""
+        """The descriptors to poll; none while unplugged."""
         ...
 
     def read(self, channel: int) -> bytes | None:
-        """What came over a channel; None where that was no data: a new channel, or the end of one."""
+        """Data of a channel; None if there is no data, because the channel is new or has ended."""
         ...
 
     def write(self, channel: int, data: bytes) -> None:
-        """Send, as far as somebody listens."""
+        """Send the data if a host is connected."""
         ...
 
     def plug(self) -> None:
-        """Open, where it is closed."""
+        """Open the port if it is closed."""
         ...
 
     def unplug(self) -> None:
-        """Close, where it is open: a host sees its line die."""
+        """Close the port if it is open. The host loses its connection."""
         ...
 
 
 class Pty:
-    """A pty, with a link to it where a name was given. Raw on both sides: no echo, no line editing."""
+    """A pty, with a link to it if a name is given. Both sides are raw: no echo, no line editing."""
 
     def __init__(self, link: Path | None = None) -> None:
         self._link = link
@@ -57,22 +57,23 @@ class Pty:
         return str(self._link) if self._link else os.ttyname(self._slave)
 
     def channels(self) -> list[int]:
-        """The master's side."""
+        """The master's descriptor."""
         return [self._master] if self._master >= 0 else []
 
     def read(self, channel: int) -> bytes | None:
-        """What the host wrote."""
+        """The data that the host wrote."""
         with contextlib.suppress(OSError):
             return os.read(channel, CHUNK)
         return None
 
     def write(self, channel: int, data: bytes) -> None:
-        """A host that does not read loses what does not fit, as on a serial line."""
+        """Send data. Bytes that do not fit are lost if the host does not read, as on a serial line."""
         with contextlib.suppress(OSError):
             os.write(channel, data)
 
     def plug(self) -> None:
-        """A new pty under the old name. Its slave stays open here, or reading fails once a host has closed it."""
+        """A new pty under the old name. Its slave stays open here, since reading fails once the host has
+        closed it."""
         if self._master >= 0:
             return
         self._master, self._slave = pty.openpty()
@@ -84,7 +85,7 @@ class Pty:
             self._link.symlink_to(os.ttyname(self._slave))
 
     def unplug(self) -> None:
-        """Both sides, and the name."""
+        """Close both sides and remove the name."""
         if self._master < 0:
             return
         if self._link:
@@ -95,7 +96,7 @@ class Pty:
 
 
 class TcpPort:
-    """A listener on 127.0.0.1 and whoever is connected to it; port 0 takes a free one and keeps it."""
+    """A listener on 127.0.0.1 and its connections. Port 0 takes a free port and keeps it."""
 
     def __init__(self, number: int = 0) -> None:
         self._number = number
@@ -105,7 +106,7 @@ class TcpPort:
 
     @property
     def url(self) -> str:
-        """With the port's number."""
+        """The address with the port number."""
         return f"tcp://127.0.0.1:{self._number}"
 
     def channels(self) -> list[int]:
@@ -113,7 +114,7 @@ class TcpPort:
         return [*([self._listener.fileno()] if self._listener else []), *self._connections]
 
     def read(self, channel: int) -> bytes | None:
-        """Data of a connection; a new one is let in, an ended one closed."""
+        """Data of a connection. New connections are accepted, ended ones are closed."""
         if self._listener and channel == self._listener.fileno():
             with contextlib.suppress(OSError):
                 self._let_in(self._listener.accept()[0])
@@ -126,20 +127,20 @@ class TcpPort:
         return data or None
 
     def write(self, channel: int, data: bytes) -> None:
-        """To the connection that asked, where it is still there."""
+        """Send to the connection of the request, if it is still open."""
         if channel in self._connections:
             with contextlib.suppress(OSError):
                 self._connections[channel].send(data)
 
     def plug(self) -> None:
-        """Listen, at the same number as before."""
+        """Listen on the same port as before."""
         if self._listener is None:
             self._listener = socket.create_server(("127.0.0.1", self._number))
             self._listener.setblocking(False)
             self._number = self._listener.getsockname()[1]
 
     def unplug(self) -> None:
-        """Hang up on everybody."""
+        """Close all connections."""
         for one in (*self._connections.values(), *([self._listener] if self._listener else [])):
             one.close()
         self._connections, self._listener = {}, None

@@ -1,7 +1,6 @@
-"""One bench: a wire, an amplifier that heats it, an encoder that watches it, and one time for all.
+"""One bench: a wire, the amplifier that heats it, the encoder that measures it, and one device time.
 
-``tick`` lets a period pass; ``answer`` carries one request to a device. When ticks happen is decided in pace.py.
-Knows readings and faults. Refuses to know ports and wall time.
+``tick`` lets a period pass. ``answer`` carries one request to a device. pace.py decides when ticks happen.
 """
 
 from collections.abc import Sequence
@@ -19,19 +18,19 @@ AMPLIFIER, DAQ = "amplifier", "encoder_daq"
 
 
 class WireModel(Protocol):
-    """The physics: smarig.rig.specimen.Specimen, or a test's own."""
+    """The physics: smarig.rig.specimen.Specimen, or a substitute in tests."""
 
     def advance(self, output_A: float) -> RawReading:
-        """A tick with this output."""
+        """Advance one tick with this output."""
         ...
 
     def counts_now(self) -> int:
-        """Where the encoder stands."""
+        """The present counts of the encoder."""
         ...
 
 
 class DevicePower:
-    """Reboots, brown-outs and the pace of one device's clock."""
+    """Reboots, power failures and the clock rate of one device."""
 
     def __init__(self, faults: Sequence[SimulatedFault], name: str) -> None:
         mine = [f for f in faults if f.device == name]
@@ -43,7 +42,7 @@ class DevicePower:
         self.on = True
 
     def update(self, station: Station, time_s: float, exchange: int) -> bool:
-        """Boot the device where it is time to; whether it did."""
+        """Boot the device when due; returns whether it booted."""
         due = [f for f in self._reboots if f.active(time_s, exchange)]
         self._reboots = [f for f in self._reboots if f not in due]
         was_on = self.on
@@ -55,7 +54,7 @@ class DevicePower:
         return booted
 
     def ticks(self, time_s: float, exchange: int) -> int:
-        """How many periods of its own clock pass in one of the bench's."""
+        """The number of its own periods that the device completes in one period of the bench."""
         if not self.on:
             return 0
         self._phase += 1 + 1e-6 * sum(f.ppm for f in self._drifts if f.active(time_s, exchange))
@@ -65,7 +64,7 @@ class DevicePower:
 
 
 class SimulatedBench:
-    """Both devices on one wire. ``faults`` act on readings and power; those on bytes belong to the ports."""
+    """Both devices on one wire. ``faults`` act on readings and power; faults of bytes belong to the ports."""
 
     def __init__(
         self,
@@ -95,21 +94,21 @@ class SimulatedBench:
         return self.ticks * self.period_s
 
     def station(self, name: str) -> Station:
-        """A device by its map's name."""
+        """The device with this name in the register maps."""
         return self._stations[name]
 
     def decoded(self, name: str, request: bytes) -> Exchange | None:
-        """What a request asks of a device, if it is an exchange at all."""
+        """The exchange of a request to a device, or None."""
         parsed = self._stations[name].framing.decode(request)
         return parsed.requested if parsed and isinstance(parsed.requested, Exchange) else None
 
     def answer(self, name: str, request: bytes) -> bytes | None:
-        """One request arrives; the reply, or silence."""
+        """The reply of a device to one request, or None."""
         self._update_power(name)
         return self._stations[name].answer(request) if self._power[name].on else None
 
     def tick(self) -> None:
-        """A period passes: the output flows, the wire answers, both devices measure."""
+        """Let a period pass: the output flows, the wire responds, and both devices measure."""
         for name in self._stations:
             self._update_power(name)
         output_uA = self.amplifier.output_uA if self._power[AMPLIFIER].on else 0

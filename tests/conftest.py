@@ -1,4 +1,4 @@
-"""What every chapter shares: private locks and wire histories, deterministic properties, others' data."""
+"""Fixtures for all tests: private locks and wire histories, deterministic Hypothesis tests, data of others."""
 
 import os
 
@@ -57,7 +57,8 @@ def _private_locks(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
-    """Measurements by others, beside the repository; tests that need them are skipped without."""
+    """Measurements by others in a folder next to the repository; tests that need them are skipped without
+    it."""
     folder = Path(__file__).resolve().parents[2] / "shared" / "data"
     if not folder.is_dir():
         pytest.skip(

@@ -1,4 +1,4 @@
-"""A contract for import-linter: modules of one package are imported by that package only; others use its front door."""
+"""A contract for import-linter: only a package itself imports its modules; others import its public names."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

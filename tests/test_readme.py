@@ -1,4 +1,4 @@
-"""The README is true: its commands and its code run as printed."""
+"""The commands and the code of the README run as printed."""
 
 import os
 import re

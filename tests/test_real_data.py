@@ -1,4 +1,4 @@
-"""Measurements by others, all the way: import, report, and what the issue asks of each."""
+"""Measurements by others from import to report, with the required results of each."""
 
 import pytest
 

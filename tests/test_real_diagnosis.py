@@ -1,7 +1,7 @@
-"""Measurements by others, diagnosed: what they say is wrong with a plain model, with figures.
+"""Diagnosis of measurements by others: the errors of a plain model, with figures.
 
-Each verdict rests on the training part alone; held-out parts only judge. Where the data say otherwise than one would
-expect, the test says so.
+Each verdict uses the training part alone; held-out parts are for evaluation only. If the data contradict the
+expectation, the test states it.
 """
 
 import json

@@ -1,6 +1,8 @@
-"""Scores of many opened boxes: false alarms, detection, names, sets, parameters, gain; counts with exact bounds.
+"""Scores of opened boxes: false alarms, detection, names, sets, parameters and gain, with exact bounds of
+the counts.
 
-Bounds are Clopper and Pearson's, 95 % two-sided except for false alarms, whose upper one is one-sided 95 %.
+Bounds are those of Clopper and Pearson: 95 % two-sided, except for false alarms, whose upper bound is
+one-sided 95 %.
 """
 
 from collections import Counter
@@ -17,9 +19,9 @@ NO_ALARM = ("silent", "not_identifiable")
 DELTAS = (0.0, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, np.inf)
 
 
-_CLOCK = frozenset({"time", "cycle", "reversals"})  # one session: they grow together
+_CLOCK = frozenset({"time", "cycle", "reversals"})  # in one session they grow together
 _HISTORY = frozenset({"history", "step", "hold"})
-STATE_VARIABLES = frozenset({"level"}) | _HISTORY  # effects that depend on where the wire stands
+STATE_VARIABLES = frozenset({"level"}) | _HISTORY  # effects that depend on the present state of the wire
 
 
 def score_table(records: Sequence[Record]) -> dict[str, Any]:
@@ -150,7 +152,8 @@ def _power(records: Sequence[Record]) -> list[dict[str, Any]]:
 
 
 def _parameters(records: Sequence[Record]) -> dict[str, Any]:
-    """Of the primary parameter of rightly named effects: median relative error, coverage of 90 % intervals."""
+    """Of the primary parameter of correctly named effects: median relative error, coverage of 90 %
+    intervals."""
     errors, covered = [], []
     for r in records:
         name = _hidden(r)
@@ -179,7 +182,7 @@ def _of_effect(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def _confusion(records: Iterable[Record]) -> dict[str, dict[str, int]]:
-    """Answers by what was hidden; an answer is the first explanation, or the word."""
+    """Answers by hidden effects; an answer is the first explanation, or the verdict."""
     rows: dict[str, Counter[str]] = {}
     for r in records:
         hidden = (
@@ -224,5 +227,5 @@ def confusable(a: str, b: str) -> bool:
 
 
 def is_correct_variable(effect: str, variable: str | None) -> bool:
-    """Whether a variable is one that the effect depends on."""
+    """Whether the effect depends on this variable."""
     return variable is not None and variable in VARIABLES.get(effect, STATE_VARIABLES)

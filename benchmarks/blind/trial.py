@@ -1,6 +1,7 @@
-"""One sealed box: drawn, written, diagnosed from its files alone; then its label is opened beside the answer.
+"""Trial of one sealed box: it is drawn, written, and diagnosed from its files alone; then its label is
+opened.
 
-A box is the same whoever opens it and in whatever order, and so is its answer.
+A box and its answer do not depend on the order of the trials.
 """
 
 import tempfile
@@ -50,7 +51,7 @@ def trial(seed: int, number: int, nulls: int = 400) -> Record:
 
 
 def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int) -> Diagnosis:
-    """From the files alone; what is left out is left out of the catalogue."""
+    """The diagnosis from the files alone. The effect to leave out is left out of the catalogue."""
     train = [load_run(path) for path in sealed.train]
     held_out = [load_run(path) for path in sealed.held_out]
     model = identify(train, SURFACE).model
@@ -79,9 +80,10 @@ def _truth(label: Label, effects: Mapping[str, Mapping[str, float]]) -> Record:
 
 
 def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -> Record:
-    """The truth, and δ of each hidden effect: √(2/N) of the nats by which the truth beats the truth without it.
+    """The truth, and δ of each hidden effect: √(2/N) of the nats by which the truth exceeds the truth
+    without it.
 
-    Densities are identified anew beside either, so what a density takes up counts for nothing.
+    Densities are identified again for both, so the part that a density can represent does not count.
     """
     timeline = found.timeline
     plant_model = replace(found.first.plant_model, effects=())
@@ -110,12 +112,12 @@ def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -
 def rescaled_to_range(
     effects: Mapping[str, Mapping[str, float]], own: InputRange, model_range: InputRange
 ) -> dict[str, dict[str, float]]:
-    """Effects of relays on a range ``own`` (K), as a model of the range ``model_range`` (K) would have to say them.
+    """Effects of relays on a range ``own`` (K), in the parameters of a model with the range ``model_range``
+    (K).
 
-    >>> rescaled_to_range({"r_phase": {"at": 0.5}}, (0.0, 100.0), (0.0, 200.0))
-    {'r_phase': {'at': 0.25}}
-    >>> rescaled_to_range({"saturation": {"clip_percent": 0.0}}, (0.0, 81.0), (0.0, 100.0))
-    {'saturation': {'clip_percent': 10.0}}
+    >>> rescaled_to_range({"r_phase": {"at": 0.5}}, (0.0, 100.0), (0.0, 200.0)) {'r_phase': {'at': 0.25}} >>>
+    rescaled_to_range({"saturation": {"clip_percent": 0.0}}, (0.0, 81.0), (0.0, 100.0)) {'saturation':
+    {'clip_percent': 10.0}}
     """
     found = {name: dict(values) for name, values in effects.items()}
     if "saturation" in found:

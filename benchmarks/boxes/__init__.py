@@ -1,7 +1,7 @@
-"""Sealed boxes for a blind diagnosis: recorded runs of imaginary wires with nothing, one or two effects hidden.
+"""Sealed boxes for a blind diagnosis: recorded runs of synthetic wires with no effect, one or two effects.
 
-Shares no code with what will look for them: own relays, own heat, own equations of every effect. From the rest
-of the project it takes errors and the format of a run file, and nothing else.
+This package shares no code with the diagnosis: it has its own relays, heat balance and equations of effects.
+From the rest of the project it uses only the errors and the format of run files.
 """
 
 from benchmarks.boxes.label import Label, RunTruth

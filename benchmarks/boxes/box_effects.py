@@ -1,6 +1,6 @@
-"""What can be hidden in a box: names, bounds, typical strengths and plausible ranges. Knows no equation.
+"""The effects of boxes: names, bounds, typical strengths and plausible ranges.
 
-Written down a second time on purpose: nothing here is shared with what will look for it.
+They are written a second time on purpose: nothing here is shared with the diagnosis.
 """
 
 import math
@@ -17,7 +17,8 @@ _WEAKEST, _STRONGEST = 0.25, 2.0
 
 @dataclass(frozen=True)
 class SecondaryParameter:
-    """A secondary parameter: plausible range, how it is drawn ("even", "log", "session"), and its usual value."""
+    """A secondary parameter: plausible range, its distribution ("even", "log", "session"), and its usual
+    value."""
 
     name: str
     low: float
@@ -28,7 +29,8 @@ class SecondaryParameter:
 
 @dataclass(frozen=True)
 class BoxEffect:
-    """An effect: its strength's name, bounds and typical value; ``only`` one arrangement, where that is so."""
+    """An effect: name, bounds and typical value of its strength; ``only`` names the one arrangement it
+    occurs in, if any."""
 
     strength: str
     lower: float
@@ -38,7 +40,7 @@ class BoxEffect:
     only: str = ""
 
     def values(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """All parameters; those not given are usual."""
+        """All parameters. Parameters that are not given have their usual values."""
         defaults = {self.strength: self.typical} | {s.name: s.default for s in self.secondary}
         unknown = set(parameters) - set(defaults)
         if unknown:
@@ -46,7 +48,8 @@ class BoxEffect:
         return defaults | {name: float(value) for name, value in parameters.items()}
 
     def random_values(self, rng: np.random.Generator, session_h: float) -> dict[str, float]:
-        """Strength log-uniform about the typical one, of any sign that the bounds allow; plausible seconds."""
+        """Strength log-uniform about the typical one, with a sign that the bounds allow; plausible secondary
+        parameters."""
         size = abs(self.typical) * math.exp(rng.uniform(math.log(_WEAKEST), math.log(_STRONGEST)))
         negative = self.lower < 0 and rng.random() < 0.5
         strength = min(max(-size if negative else size, self.lower), self.upper)
@@ -127,7 +130,7 @@ EFFECTS: dict[str, BoxEffect] = {
     "wire_lag": BoxEffect("change_percent", -80, 400, 40),
 }
 
-# What no record without these channels can show: a classical density takes it up.
+# Effects that no record without these channels can show, because a classical density represents them.
 INVISIBLE_WITHOUT: dict[str, tuple[str, ...]] = {
     "amplifier_gain": ("current", "voltage"),
     "convection": ("current", "voltage", "transients"),
@@ -145,7 +148,7 @@ def possible_effects(arrangement: str) -> list[str]:
 def complete_parameters(
     hidden: Mapping[str, Mapping[str, float]], arrangement: str
 ) -> dict[str, dict[str, float]]:
-    """Effects with all their parameters; UsageError where there is no such thing on this rig."""
+    """Effects with all their parameters. Raises UsageError if an effect does not exist on this rig."""
     for name in hidden:
         if name not in possible_effects(arrangement):
             raise UsageError(f"No effect '{name}' can be hidden in a {arrangement} box.")

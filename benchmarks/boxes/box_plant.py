@@ -1,6 +1,6 @@
-"""A wire of a box in motion: current → heat → what is felt → relays, one step of time after the other.
+"""The wire of a box in motion: current → heat → hysteresis input → relays, step by step.
 
-Knows no position: what shows on the pulley is worked out afterwards, for it acts back on nothing.
+The position is computed afterwards, because it does not act back on the wire.
 """
 
 import math
@@ -11,11 +11,12 @@ from benchmarks.boxes.relays import RelayHysteresis, Relays, demagnetised
 from benchmarks.boxes.wire import BoxWire
 
 Hidden = dict[str, dict[str, float]]
-_FINE = 0.1  # of the time constant, where relays act back on the heat
+_FINE = 0.1  # of the time constant, if relays act back on the heat
 
 
 class BoxPlant:
-    """The wire(s) with what is hidden in them; cold, all relays off, or two wires after a decaying sinusoid."""
+    """The wire(s) with the hidden effects; cold with all relays off, or two wires after a decaying
+    oscillation."""
 
     def __init__(self, wire: BoxWire, hysteresis: RelayHysteresis, hidden: Hidden) -> None:
         self.wire, self.hidden = wire, hidden
@@ -34,7 +35,7 @@ class BoxPlant:
         self._powers_K = (0.0, 0.0)
 
     def step(self, command_A: float, dt_s: float, fluctuation_K: float) -> float:
-        """A time at constant command; returns the share of relays that are on at its end."""
+        """Advance at constant command; returns the share of relays that are on at the end."""
         self.current_A = self._amplified(command_A)
         parts = max(1, math.ceil(dt_s / (_FINE * self.wire.tau_s))) if self._thermal else 1
         for _ in range(parts):
@@ -43,12 +44,12 @@ class BoxPlant:
 
     @property
     def distance_to_steady_K(self) -> float:
-        """How far the wires are from their steady temperatures."""
+        """The distance of the wires from their steady temperatures."""
         return self.heat.distance_to_steady_K(self._powers_K)
 
     @property
     def resistance(self) -> float:
-        """Of the heated wire, over its mean."""
+        """Resistance of the heated wire divided by its mean."""
         if "resistance_phase" not in self.hidden:
             return 1.0
         share = self.now.share
@@ -56,7 +57,7 @@ class BoxPlant:
         return 1 + self.hidden["resistance_phase"]["change_percent"] / 100 * (austenite - 0.5)
 
     def _amplified(self, i: float) -> float:
-        """The current that flows: gain and offset, then diodes, then what the supply can give."""
+        """The current that flows: gain and offset, then diodes, then the limit of the supply."""
         gain = self.hidden.get("amplifier_gain")
         if gain and i:
             i = i * (1 + gain["gain_percent"] / 100) + gain["offset_A"]
@@ -85,12 +86,12 @@ class BoxPlant:
         return self.wire.tau_s * slow * self._capacity()
 
     def _capacity(self) -> float:
-        """Specific heat over its mean: the phases have their own."""
+        """Specific heat divided by its mean; it depends on the phase."""
         change = _parameter(self.hidden, "latent_heat", "specific_heat_change_percent") / 100
         return 1 + change * (self.now.share - 0.5)
 
     def _ambient_shift_K(self) -> float:
-        """The room against where it was."""
+        """Change of the ambient temperature since the start."""
         p = self.hidden.get("ambient_drift")
         if p is None:
             return 0.0
@@ -100,7 +101,7 @@ class BoxPlant:
         )
 
     def _uncoupled_move(self, ambient_total_K: float) -> float:
-        """Nothing that is felt depends on the relays."""
+        """Advance if the hysteresis input does not depend on the relays."""
         now = self.now
         self.input_K = u = self.heat.input_K + ambient_total_K
         for effect in self._input_effects:
@@ -110,7 +111,7 @@ class BoxPlant:
         return self.relays.move(u)
 
     def _coupled_move(self, ambient_total_K: float) -> float:
-        """Relays, heat taken by them and what is felt come to rest together."""
+        """Advance until relays, their latent heat and the hysteresis input agree."""
         now, trial_K, latent_K = self.now, self.heat.input_K + ambient_total_K, self._latent_K()
 
         def hysteresis_input(share):
@@ -130,7 +131,7 @@ class BoxPlant:
         return share
 
     def _latent_K(self) -> float:
-        """Kelvin that a whole transformation costs the wire."""
+        """Temperature that a complete transformation costs the wire."""
         p = self._latent
         if p is None:
             return 0.0

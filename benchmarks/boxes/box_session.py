@@ -1,6 +1,7 @@
-"""One sitting at a wire: holds carried out on a grid of time that is fine after each change of current.
+"""One session with a wire: holds on a time grid that is fine after each change of current.
 
-A first pass decides how long each hold lasts; further passes (without noise, without effects) repeat its grid.
+A first pass determines the duration of each hold. Further passes (without noise, without effects) repeat its
+grid.
 """
 
 import math
@@ -24,7 +25,8 @@ _STEADY_K, _TIMEOUT_S = 0.01, 600.0
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Times (n,) as ticks from the start, their hold, whether they are in its window; ``timed_out`` per hold."""
+    """Times (n,) as ticks from the start, their holds, and whether they are in a window; ``timed_out`` per
+    hold."""
 
     tick: NDArray[np.intp]
     hold: NDArray[np.intp]
@@ -38,11 +40,11 @@ class Grid:
 
     @property
     def dt_s(self) -> Array:
-        """Time since the one before."""
+        """Time since the previous point."""
         return np.diff(self.tick, prepend=0) * PERIOD_S
 
     def settled(self, y: Array) -> Array:
-        """Means over the windows, one a hold."""
+        """Means over the windows, one per hold."""
         hold = self.hold[self.window]
         return np.bincount(hold, y[self.window]) / np.bincount(hold)
 
@@ -55,7 +57,7 @@ class AmbientFluctuation:
     time_s: float
 
     def source(self, rng: np.random.Generator) -> Callable[[float], float]:
-        """A function of the time since the last call."""
+        """A function of the time since its last call."""
         state, normals = 0.0, iter(())
 
         def next_fluctuation_K(dt_s: float) -> float:
@@ -76,13 +78,13 @@ def _no_fluctuation(dt_s: float) -> float:  # noqa: ARG001
 
 
 class _StepLog:
-    """What a plant does, step by step."""
+    """The states of a plant, step by step."""
 
     def __init__(self) -> None:
         self.rows: list[tuple[float, ...]] = []
 
     def add(self, plant: BoxPlant) -> None:
-        """The state at the end of a step."""
+        """Append the state at the end of a step."""
         now = plant.now
         self.rows.append(
             (
@@ -97,14 +99,14 @@ class _StepLog:
         )
 
     def trajectory(self, grid: Grid) -> PlantRecord:
-        """All of it, as columns."""
+        """All states as columns."""
         return PlantRecord(grid.t_s, grid.hold, *np.array(self.rows).T)
 
 
 def simulate_on_new_grid(
     plant: BoxPlant, wire: BoxWire, holds: Sequence[PlannedHold], next_fluctuation_K: Callable[[float], float]
 ) -> tuple[Grid, PlantRecord]:
-    """Carry out the holds, each until the wire is within 0.01 K of steady (or 600 s), and its window."""
+    """Execute the holds, each until the wire is within 0.01 K of steady (or for 600 s), and its window."""
     log, ticks, numbers, windows, timed_out = _StepLog(), [], [], [], []
     tick = 0
     for k, hold in enumerate(holds):
@@ -129,7 +131,7 @@ def simulate_on_new_grid(
 
 
 def simulate_on_grid(plant: BoxPlant, wire: BoxWire, holds: Sequence[PlannedHold], grid: Grid) -> PlantRecord:
-    """The same times and currents, in still air."""
+    """Repeat the same times and currents without ambient fluctuation."""
     log = _StepLog()
     commands = [wire.command(hold.target_K) for hold in holds]
     for k, dt_s in zip(grid.hold.tolist(), grid.dt_s.tolist()):
@@ -147,7 +149,7 @@ def _advance(
 
 
 def nominal_input(wire: BoxWire, holds: Sequence[PlannedHold], grid: Grid) -> Array:
-    """The heating model's temperature along the commands, by the constants the lab believes in: closed form."""
+    """The temperature of the heating model along the commands with the lab's constants, in closed form."""
     starts = np.flatnonzero(np.diff(grid.hold, prepend=-1))
     stops = np.append(starts[1:], grid.hold.size)
     input_K, first, second, before = np.empty(grid.hold.size), 0.0, 0.0, 0.0

@@ -1,8 +1,9 @@
-"""Temperatures of the wires of a box: the heat balance integrated in small steps (Runge–Kutta, fourth order).
+"""Temperatures of the wires of a box: the heat balance integrated in small steps (Runge–Kutta, fourth
+order).
 
-    τ dT/dt = p − T (T/T_ref)ⁿ        p: the temperature a power would hold with n = 0
+    τ dT/dt = p − T (T/T_ref)ⁿ        p: the steady temperature of a power with n = 0
 
-Knows no hysteresis. Latent heat is given back to it afterwards, as a temperature that was not gained.
+The latent heat is applied afterwards as a temperature difference.
 """
 
 import math
@@ -23,7 +24,7 @@ class WireTemperatures:
         return self.wire_K[0] - self.wire_K[1]
 
     def step(self, powers_K: tuple[float, float], dt_s: float, tau_s: float) -> None:
-        """Powers held over a time."""
+        """Advance with constant powers."""
         steps = max(1, math.ceil(dt_s / (_FINE * tau_s)))
         x = dt_s / steps / tau_s
         for wire, power_K in enumerate(powers_K):
@@ -33,18 +34,18 @@ class WireTemperatures:
             self.wire_K[wire] = T
 
     def add_temperature(self, by_K: float) -> None:
-        """Add to T₁ − T₂, in the wire that is warmer."""
+        """Add to T₁ − T₂, in the warmer wire."""
         if self.input_K >= 0:
             self.wire_K[0] += by_K
         else:
             self.wire_K[1] -= by_K
 
     def distance_to_steady_K(self, powers_K: tuple[float, float]) -> float:
-        """How far the wires are from where these powers hold them."""
+        """The distance of the wires from their steady temperatures with these powers."""
         return max(abs(self.steady_K(p) - T) for p, T in zip(powers_K, self.wire_K))
 
     def steady_K(self, power_K: float) -> float:
-        """Where the loss equals the power."""
+        """The temperature at which the loss equals the power."""
         if not self._exponent or not power_K:
             return power_K
         return self._reference_K * (power_K / self._reference_K) ** (1 / (1 + self._exponent))

@@ -1,6 +1,7 @@
-"""Current staircases as a lab would ask for them: settled holds at targets, in runs of one sitting.
+"""Current staircases as a lab would plan them: settled holds at targets, in runs of one session.
 
-Targets are commanded steady temperatures (R/hA) i², signed for two wires. Knows nothing of what is hidden.
+Targets are commanded steady temperatures (R/hA) i², signed for two wires. They do not depend on the hidden
+effects.
 """
 
 from collections.abc import Iterable
@@ -26,7 +27,7 @@ class PlannedHold:
 
 @dataclass(frozen=True)
 class RunPlan:
-    """One run: its name, whether it is kept from the learner, its holds."""
+    """One run: its name, whether it is held out, and its holds."""
 
     name: str
     held_out: bool
@@ -35,7 +36,7 @@ class RunPlan:
 
 @dataclass(frozen=True)
 class _ActiveRange:
-    """Saturations of the lab, and where it saw the wire move at all."""
+    """The lab's saturations, and the range in which the wire was observed to move."""
 
     lower: float
     upper: float
@@ -43,12 +44,12 @@ class _ActiveRange:
     last: float
 
     def at(self, share: float) -> float:
-        """A target at a share of where the wire moves."""
+        """The target at a share of the range in which the wire moves."""
         return float(round(self.first + share * (self.last - self.first), 3))
 
 
 def random_plan(rng: np.random.Generator, wire: BoxWire, hysteresis: RelayHysteresis) -> tuple[RunPlan, ...]:
-    """All runs of a box, in the order of time: 250 to 420 holds."""
+    """All runs of a box in the order of time: 250 to 420 holds."""
     active = _observed_range(rng, wire, hysteresis)
     curves, n = _levels(rng, active, int(rng.integers(8, 12))), int(rng.integers(3, 5))
     train = [
@@ -72,7 +73,7 @@ def random_plan(rng: np.random.Generator, wire: BoxWire, hysteresis: RelayHyster
 
 
 def duration_h(plan: tuple[RunPlan, ...], wire: BoxWire) -> float:
-    """About how long a plan takes."""
+    """Approximate duration of a plan."""
     holds = [hold for run in plan for hold in run.holds]
     return sum(25 + 8 * wire.tau_s + hold.extra_s for hold in holds) / 3600
 
@@ -87,7 +88,7 @@ def _observed_range(rng: np.random.Generator, wire: BoxWire, hysteresis: RelayHy
 
 
 def _levels(rng: np.random.Generator, active: _ActiveRange, segments: int) -> list[float]:
-    """A partition: saturations, and levels in between, evenly spaced but for a draw."""
+    """A partition: saturations and levels in between, evenly spaced with random shifts."""
     inner = (np.arange(segments - 1) + rng.uniform(0.2, 0.8, segments - 1)) / (segments - 1)
     return [active.lower, *(active.at(s) for s in inner), active.upper]
 
@@ -101,7 +102,7 @@ def _line(start: float, stop: float, n: int, branch: str) -> list[PlannedHold]:
 
 
 def _rise(active: _ActiveRange, n: int) -> list[PlannedHold]:
-    """The ascending saturation, and back."""
+    """Ascend to saturation, and return."""
     steps = [PlannedHold(active.at(k / (n - 1)), "major up") for k in range(n)]
     return [*steps, PlannedHold(active.upper, "major up"), PlannedHold(active.lower, "saturate")]
 
@@ -147,7 +148,7 @@ def _congruency(rng: np.random.Generator, active: _ActiveRange, n: int) -> Itera
 def _repeat(
     rng: np.random.Generator, active: _ActiveRange, levels: list[float], wire: BoxWire
 ) -> Iterable[PlannedHold]:
-    """A pause, then one descending curve once more."""
+    """A pause, then one descending curve again."""
     k = int(rng.integers(len(levels) // 2, len(levels)))
     rest_K = 0.0 if wire.two_wire else active.lower
     yield PlannedHold(rest_K, "pause", float(round(60 * rng.uniform(20, 60), 1)))
@@ -158,7 +159,7 @@ def _repeat(
 
 
 def _walk(rng: np.random.Generator, active: _ActiveRange, points: int) -> Iterable[PlannedHold]:
-    """A random walk, turned back at the ends of where the wire moves."""
+    """A random walk, reflected at the ends of the range in which the wire moves."""
     share = rng.uniform(0.3, 0.9)
     for _ in range(points):
         share = abs(share + rng.normal(0, 0.3)) % 2
@@ -167,7 +168,7 @@ def _walk(rng: np.random.Generator, active: _ActiveRange, points: int) -> Iterab
 
 
 def _with_longer_holds(rng: np.random.Generator, plan: tuple[RunPlan, ...]) -> tuple[RunPlan, ...]:
-    """Some holds last longer than others."""
+    """Make some holds longer than others."""
     waits = (0.0, 0.0, 0.0, 30.0, 120.0, 300.0)
 
     def with_wait(hold: PlannedHold) -> PlannedHold:

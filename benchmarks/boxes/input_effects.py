@@ -1,7 +1,7 @@
-"""What stands between the wire's temperature and the one its relays feel; each effect by its own equation.
+"""Effects between the wire's temperature and the hysteresis input, each with its own equation.
 
-``felt(u, share, now)`` is what is felt if the relays end this step at a share (floats or arrays): the
-feedback is within the step. ``finish_step`` is told how the step ended. Knows neither currents nor positions.
+``hysteresis_input(u, share, now)`` is the input if the relays end this step at a share (floats or arrays),
+since the feedback acts within the step. ``finish_step`` receives the end of the step.
 """
 
 import math
@@ -18,9 +18,9 @@ _REVERSAL_K = 0.5  # smaller turns of the temperature are noise
 
 @dataclass(slots=True)
 class StepState:
-    """The step under way: its end and length, the steady temperature of its current, the relays at its start.
+    """The present step: its end and length, the steady temperature of its current, the relays at its start.
 
-    ``share`` that is on, ``travel`` strokes made so far, there and back counting two.
+    ``share`` of relays on, ``travel`` in strokes so far; a full cycle counts two.
     """
 
     t_s: float = 0.0
@@ -31,17 +31,17 @@ class StepState:
 
 
 class InputEffect(Protocol):
-    """An effect on the temperature that is felt."""
+    """An effect on the hysteresis input."""
 
     def hysteresis_input(self, u: Any, share: Any, now: StepState, /) -> Any:
-        """The temperature felt at a share that is on."""
+        """The hysteresis input at a share of relays that are on."""
 
     def finish_step(self, u: float, share: float, now: StepState, /) -> None:
-        """The step ended so."""
+        """Store the end of the step."""
 
 
 class AccommodationEffect:
-    """The middle of the loops follows the state: dz = |dξ|/l (ξ − z), solved along the straight way of ξ."""
+    """The centre of the loops follows the state: dz = |dξ|/l (ξ − z), solved along the straight path of ξ."""
 
     def __init__(self, p: dict[str, float], start: float) -> None:
         self._shift, self._strokes, self._start, self._z = p["shift_K"], p["strokes"], start, start
@@ -59,7 +59,7 @@ class AccommodationEffect:
 
 
 class FrictionEffect:
-    """Play: what is felt stays until the temperature has moved by half its width."""
+    """Play: the hysteresis input stays constant until the temperature has moved by half its width."""
 
     def __init__(self, p: dict[str, float]) -> None:
         self._half, self._held = p["half_width_K"], 0.0
@@ -86,21 +86,21 @@ class _SlowMass:
 
 
 class SettlingEffect(_SlowMass):
-    """A share of what is felt is the slow mass."""
+    """A share of the hysteresis input comes from the slow mass."""
 
     def hysteresis_input(self, u: Any, _share: Any, now: StepState) -> Any:
         return (1 - self._share) * u + self._share * self._next(now)
 
 
 class CrossTalkEffect(_SlowMass):
-    """Each wire warms the other, late: the difference loses a share of the plumes' difference."""
+    """Each wire heats the other with a delay: the difference loses a share of the plumes' difference."""
 
     def hysteresis_input(self, u: Any, _share: Any, now: StepState) -> Any:
         return u - self._share * self._next(now)
 
 
 class FatigueEffect:
-    """Thresholds drift with full strokes there and back: T − B (1 − e^(−N/N₀))."""
+    """Thresholds drift with the number of full cycles: T − B (1 − e^(−N/N₀))."""
 
     def __init__(self, p: dict[str, float]) -> None:
         self._shift, self._cycles = p["shift_K"], p["cycles"]
@@ -110,7 +110,7 @@ class FatigueEffect:
         return u - self._shift * (1 - np.exp(-cycles / self._cycles))
 
     def finish_step(self, _u: float, _share: float, _now: StepState) -> None:
-        """Nothing to remember: travel is counted elsewhere."""
+        """Nothing to store: travel is counted elsewhere."""
 
 
 class StressEffect:
@@ -123,15 +123,15 @@ class StressEffect:
         return u - self._shift * (share - self._middle)
 
     def finish_step(self, _u: float, _share: float, _now: StepState) -> None:
-        """A spring has no memory."""
+        """Nothing to store: a spring has no memory."""
 
 
 class ArrestMemoryEffect:
-    """Where a heating was arrested, the next one halts: T − S e^(−((T − T_a)/w)²) until T_a is passed."""
+    """A heating halts where an earlier one was arrested: T − S e^(−((T − T_a)/w)²) until T_a is passed."""
 
     def __init__(self, p: dict[str, float], complete_K: float) -> None:
         self._width = p["width_K"]
-        steepest = self._width * math.sqrt(math.e / 2)  # beyond, what is felt would fall as the wire warms
+        steepest = self._width * math.sqrt(math.e / 2)  # with more, the input would fall as the wire warms
         self._retard = min(p["retard_K"], 0.8 * steepest)
         self._complete = complete_K - 3 * self._width
         self._heating, self._turn, self._held, self._arrest = True, -math.inf, 0.0, -math.inf
@@ -162,7 +162,7 @@ _COUPLED = ("accommodation", "fatigue", "stress_coupling")
 def build_input_effects(
     hidden: dict[str, dict[str, float]], hysteresis: RelayHysteresis, start: float, *, two_wire: bool
 ) -> tuple[list[InputEffect], bool]:
-    """The effects in the order of their names, and whether what is felt depends on the relays."""
+    """The effects in the order of their names, and whether the hysteresis input depends on the relays."""
     makers: dict[str, Callable[[dict[str, float]], InputEffect]] = {
         "accommodation": lambda p: AccommodationEffect(p, start),
         "coulomb_friction": FrictionEffect,

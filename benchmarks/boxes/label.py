@@ -1,6 +1,6 @@
-"""What is in a sealed box: the effects, and what they do to the settled points without any noise.
+"""The label of a sealed box: the effects, and their influence on the settled points without noise.
 
-As JSON, and as a commitment: a SHA-256 that can be published before anybody has looked for anything.
+It is stored as JSON. Its SHA-256 is a commitment that can be published before the diagnosis.
 """
 
 import hashlib
@@ -26,9 +26,9 @@ class RunTruth:
 class Label:
     """The truth of a box.
 
-    ``effects``: parameters by name; ``left_out``: the one to be diagnosed with itself missing from the
-    catalogue; ``noise_counts``: standard deviation of a settled point about its clean output, draughts and
-    what the hysteresis remembers of them included.
+    ``effects``: parameters by name; ``left_out``: the effect that is missing from the catalogue of the diagnosis;
+    ``noise_counts``: standard deviation of a settled point about its clean output, including the ambient fluctuation
+    and its trace in the hysteresis.
     """
 
     seed: int
@@ -44,12 +44,12 @@ class Label:
     runs: tuple[RunTruth, ...]
 
     def to_json(self) -> str:
-        """One text for one truth: keys sorted, numbers in full."""
+        """The label as JSON with sorted keys and all digits, so that equal labels give equal texts."""
         return json.dumps(asdict(self), sort_keys=True, separators=(",", ":"))
 
     @classmethod
     def from_json(cls, text: str) -> "Label":
-        """Back from ``to_json``."""
+        """The label from ``to_json``."""
         data = json.loads(text)
         data["runs"] = tuple(_run_truth(run) for run in data["runs"])
         return cls(**{**data, "channels": tuple(data["channels"])})

@@ -1,6 +1,6 @@
-"""From relays to the pulley: what the transmission, creep and the sensor make of a trajectory.
+"""From relays to the pulley: the effects of transmission, creep and sensor on a trajectory.
 
-Each effect by its own equation on the whole record at once. Knows neither currents nor heat.
+Each effect applies its own equation to the whole record at once.
 """
 
 from collections.abc import Callable
@@ -18,10 +18,11 @@ _R_PHASE_HALF_K = 1.0
 
 @dataclass(frozen=True, eq=False)
 class PlantRecord:
-    """What a plant did (n,): times, hold numbers, shares on, temperatures of the wire and felt, strokes made.
+    """The record of a plant (n,): times, hold numbers, shares on, temperature and hysteresis input, strokes
+    made.
 
-    ``wire_K`` with room and draughts; ``current_A``, ``resistance`` (over the mean) and ``ambient_shift_K`` as
-    they were.
+    ``wire_K`` includes the room and the ambient fluctuation; ``current_A``, ``resistance`` (over the mean)
+    and ``ambient_shift_K`` are the true values.
     """
 
     t_s: Array
@@ -37,7 +38,7 @@ class PlantRecord:
 
 @dataclass(frozen=True, eq=False)
 class _EffectContext:
-    """All that an effect on position may look at."""
+    """The quantities that an effect on the position may use."""
 
     record: PlantRecord
     wire: BoxWire
@@ -45,7 +46,8 @@ class _EffectContext:
 
 
 def position(record: PlantRecord, wire: BoxWire, hysteresis: RelayHysteresis, hidden: Hidden) -> Array:
-    """Position (n,) in the unit of the rig: the operator's, then its maps, then what adds to it, by name."""
+    """Position (n,) in the rig's unit: the operator's output, then its maps, then the additive effects by
+    name."""
     y = hysteresis.y_lower + hysteresis.stroke * record.share
     context = _EffectContext(record, wire, hysteresis)
     for name, change in (*_MAPS.items(), *_ADDITIVE.items()):
@@ -55,7 +57,8 @@ def position(record: PlantRecord, wire: BoxWire, hysteresis: RelayHysteresis, hi
 
 
 def sensor_output(y: Array, t_s: Array, hidden: Hidden) -> Array:
-    """What a late sensor shows: dead time, then a first-order lag of a position that is linear between times."""
+    """The output of a late sensor: dead time, then a first-order lag of a position that is linear between
+    times."""
     p = hidden.get("sensor_lag")
     if p is None:
         return y
@@ -112,7 +115,7 @@ def _slack(y: Array, p: dict[str, float], context: _EffectContext) -> Array:
 
 
 def _creep(y: Array, p: dict[str, float], context: _EffectContext) -> Array:
-    """c Σ log₁₀(1 + (t − s)) dy(s): hold by hold, moves of holds long past gathered at their mean times."""
+    """c Σ log₁₀(1 + (t − s)) dy(s) hold by hold; moves of much earlier holds are merged at their mean times."""
     t, hold = context.record.t_s, context.record.hold
     dy = np.diff(y, prepend=y[0])
     edges = np.flatnonzero(np.diff(hold, prepend=-1, append=-1))
@@ -164,4 +167,4 @@ _ADDITIVE: dict[str, _Change] = {
     "thermal_expansion": _expansion,
     "walking": _walking,
 }
-OUTPUT_EFFECTS = frozenset((*_MAPS, *_ADDITIVE, "sensor_lag"))  # these act back on nothing
+OUTPUT_EFFECTS = frozenset((*_MAPS, *_ADDITIVE, "sensor_lag"))  # these do not act back on the wire

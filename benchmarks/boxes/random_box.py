@@ -1,6 +1,7 @@
-"""Boxes out of seeds: wire, hysteresis, noise, channels, protocol and what is hidden, each from its own dice.
+"""Boxes from seeds: wire, hysteresis, noise, channels, protocol and hidden effects have separate random
+streams.
 
-So a box with something forced into it is otherwise the box of its number.
+A box with a forced property therefore equals the box of its number in everything else.
 """
 
 import math
@@ -28,7 +29,7 @@ _HARD = ("draughts", "density", "invisible")
 
 @dataclass(frozen=True)
 class BoxNoise:
-    """Draughts on the wire; the encoder's own noise in counts; where its wheel stands, 0…1 of a count."""
+    """Ambient fluctuation of the wire, encoder noise in counts, and encoder phase, 0…1 of a count."""
 
     ambient_fluctuation: AmbientFluctuation
     encoder_counts: float
@@ -37,7 +38,7 @@ class BoxNoise:
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """All that is drawn of a box."""
+    """All random properties of a box."""
 
     seed: int
     number: int
@@ -59,7 +60,9 @@ def draw_box(
 ) -> Box:
     """The box of a number. ``hidden``: effects to hide, {} for none; ``channels``: those to record."""
     if seed < 0 or number < 0:
-        raise UsageError(f"Seed and number of a box are whole numbers from 0 up, got {seed} and {number}.")
+        raise UsageError(
+            f"Seed and number of a box must be whole numbers from 0 up (given: {seed} and {number})."
+        )
     generators = np.random.default_rng([seed, number]).spawn(6)
     wire = random_wire(generators[0])
     kind, hard = _category_of(generators[5], hidden)
@@ -88,9 +91,9 @@ def draw_box(
 
 
 def _category_of(rng: np.random.Generator, hidden: Any) -> tuple[str, str]:
-    """Category, and what makes a hard null hard."""
+    """The category, and the property that makes a hard null hard."""
     if isinstance(hidden, str) and hidden != HARD_NULL:
-        raise UsageError(f"A box is forced by its effects or by '{HARD_NULL}', not by '{hidden}'.")
+        raise UsageError(f"A box can be forced by its effects or by '{HARD_NULL}', not by '{hidden}'.")
     drawn, hard = str(rng.choice(list(_MIX), p=list(_MIX.values()))), str(rng.choice(_HARD))
     if isinstance(hidden, str):
         drawn = hidden
@@ -114,7 +117,7 @@ def _channels(rng: np.random.Generator, forced: Collection[str] | None) -> tuple
         return drawn
     unknown = set(forced) - set(CHANNELS)
     if unknown:
-        raise UsageError(f"No channel '{sorted(unknown)[0]}'; there are: {', '.join(CHANNELS)}.")
+        raise UsageError(f"No channel '{sorted(unknown)[0]}'. The channels are: {', '.join(CHANNELS)}.")
     return tuple(name for name in CHANNELS if name in forced)
 
 

@@ -1,6 +1,7 @@
-"""Drawn hystereses: non-negative densities of odd shapes, as relays at continuous random thresholds.
+"""Random hystereses: non-negative densities of various shapes, as relays at continuous random thresholds.
 
-Mixtures of lognormal widths and normal middles; ridges along the diagonal; humps; reversible parts.
+They are mixtures of lognormal widths and normal centres, ridges along the diagonal, humps, and reversible
+parts.
 """
 
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ _ODD_SHAPES = ("ridge", "humps", "reversible")
 
 @dataclass(frozen=True)
 class _Bump:
-    """A part of a density: widths α − β lognormal, middles normal (or even, for a ridge), in kelvin."""
+    """A part of a density in kelvin: widths α − β lognormal, centres normal (or uniform, for a ridge)."""
 
     weight: float
     width_K: float
@@ -34,7 +35,7 @@ class _Bump:
 
 
 def random_hysteresis(rng: np.random.Generator, wire: BoxWire, *, odd: bool) -> RelayHysteresis:
-    """A hysteresis within what the wire's current reaches; ``odd``: of a shape that bumps are not."""
+    """A hysteresis within the reach of the wire's current; ``odd``: with a shape that bumps do not have."""
     shape = str(rng.choice(_ODD_SHAPES if odd else _SHAPES))
     bumps = _bumps(rng, wire, shape)
     n = int(rng.integers(_FEWEST, _MOST))
@@ -48,7 +49,7 @@ def random_hysteresis(rng: np.random.Generator, wire: BoxWire, *, odd: bool) -> 
 
 
 def _limits(wire: BoxWire) -> tuple[float, float]:
-    """Where relays may be: what full current passes with room to spare, and what cold air undoes."""
+    """The range of relays: what full current switches with a margin, and what cold air undoes."""
     high = 0.86 * wire.reference_K
     return (-high, high) if wire.two_wire else (6.0, high)
 
@@ -72,7 +73,7 @@ def _bumps(rng: np.random.Generator, wire: BoxWire, shape: str) -> list[_Bump]:
 
 
 def _bump(rng: np.random.Generator, usual_K: float, middle: float, nearer: float = 1.0) -> _Bump:
-    """A bump near the middle, narrow (2 K) or broad."""
+    """A bump near the centre, narrow (2 K) or broad."""
     scatter_K = rng.uniform(1.5, 3) if rng.random() < 0.3 else rng.uniform(4, 12)
     return _Bump(
         weight=rng.uniform(0.3, 1),
@@ -84,7 +85,7 @@ def _bump(rng: np.random.Generator, usual_K: float, middle: float, nearer: float
 
 
 def _within(bump: _Bump, rng: np.random.Generator, n: int, wire: BoxWire) -> tuple[Array, Array]:
-    """``n`` relays of a bump, drawn again where they fall outside what the current reaches."""
+    """``n`` relays of a bump; those outside the reach of the current are drawn again."""
     low, high = _limits(wire)
     alpha, beta = bump.relays(rng, n)
     for _ in range(50):

@@ -1,7 +1,7 @@
-"""Many relays, switched one by one: a wire's hysteresis as a pile of thermostats with drawn thresholds.
+"""A large number of relays with random thresholds, switched one by one, as the hysteresis of a wire.
 
-A relay is on from α upwards, off from β downwards, and remembers in between. Masses are whole numbers, so
-that sums are exact whatever their order. A monotone move costs the relays it passes. Knows no time.
+A relay switches on at α and off at β, and keeps its state in between. Masses are whole numbers, so sums are
+exact in any order. The cost of a monotone move is the number of relays that it passes.
 """
 
 from bisect import bisect_left, bisect_right
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-InputOfShare = Callable[[Array], Array]  # shares that are on → the temperature felt then
+InputOfShare = Callable[[Array], Array]  # shares of relays on → the hysteresis input then
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,18 +37,17 @@ class RelayHysteresis:
 
 
 class Relays:
-    """The state of the relays of a hysteresis; all off until told otherwise.
+    """The state of the relays of a hysteresis; initially all off.
 
-    >>> pile = Relays(RelayHysteresis(np.array([2.0, 3.0]), np.array([1.0, 0.5]), np.array([1.0, 3.0]), 1.0, 0.0))
-    >>> pile.move(2.5), pile.move(3.0), pile.move(0.8)
-    (0.25, 1.0, 0.75)
+    >>> pile = Relays(RelayHysteresis(np.array([2.0, 3.0]), np.array([1.0, 0.5]), np.array([1.0, 3.0]), 1.0,
+    0.0)) >>> pile.move(2.5), pile.move(3.0), pile.move(0.8) (0.25, 1.0, 0.75)
     """
 
     def __init__(self, hysteresis: RelayHysteresis) -> None:
         rising = np.argsort(hysteresis.alpha, kind="stable")
         self._alpha, beta = hysteresis.alpha[rising], hysteresis.beta[rising]
         self._mass = hysteresis.mass[rising]
-        self._order = np.argsort(beta, kind="stable")  # of β, as places in the order of α
+        self._order = np.argsort(beta, kind="stable")  # of β, as positions in the order of α
         self._beta = beta[self._order]
         self._alphas, self._betas = self._alpha.tolist(), self._beta.tolist()
         self._on = np.zeros(self._mass.size, dtype=bool)
@@ -62,7 +61,7 @@ class Relays:
         return self._sum / self._all
 
     def move(self, u: float) -> float:
-        """Go straight to a temperature; returns the share that is on then."""
+        """Move to a temperature directly; returns the share that is on then."""
         if u > self.u:
             self._switch_on(bisect_right(self._alphas, self.u), bisect_right(self._alphas, u))
         elif u < self.u:
@@ -71,10 +70,10 @@ class Relays:
         return self._sum / self._all
 
     def move_coupled(self, hysteresis_input: InputOfShare) -> float:
-        """Go where the temperature felt, which depends on the share that is on, comes to rest.
+        """Move until the hysteresis input, which depends on the share that is on, is at rest.
 
-        Relays switch one after the other, each at what is felt just before it; the first that is not
-        reached any more ends the move. With positive feedback that is an avalanche, as it should be.
+        Relays switch one after the other, each at the input just before it. The first relay that is not
+        reached ends the move. Positive feedback therefore gives an avalanche, as it should.
         """
         now = self._input_at(hysteresis_input, self._sum)
         if now > self.u:
@@ -128,7 +127,7 @@ class Relays:
 
 
 def demagnetised(hysteresis: RelayHysteresis, half_cycles: int = 150) -> Relays:
-    """Relays after a decaying to and fro about zero, from beyond both saturations."""
+    """Relays after a decaying oscillation about zero that starts beyond both saturations."""
     relays = Relays(hysteresis)
     size = 1.01 * max(hysteresis.upper, -hysteresis.lower)
     for k in range(half_cycles + 1):

@@ -1,6 +1,6 @@
-"""A box as files: the actuator's constants, runs to learn from, runs held out; the label goes to the caller.
+"""A box as files: the actuator's constants, training runs and held-out runs. The label goes to the caller.
 
-Nothing that is written says what is hidden, nor the seed it could be drawn from.
+The files contain neither the hidden effects nor the seed that gives them.
 """
 
 from collections.abc import Iterable
@@ -33,7 +33,7 @@ _NOISE_A, _NOISE_V, _NOISE_DEGC = 0.0002, 0.002, 0.02
 
 @dataclass(frozen=True)
 class SealedBox:
-    """A box on disk and its label, which is not."""
+    """A box on disk, and its label, which is not on disk."""
 
     label: Label
     actuator: Path
@@ -48,7 +48,7 @@ class SealedBox:
 
 @dataclass(frozen=True, eq=False)
 class SessionData:
-    """A sitting carried out: its grid, what was recorded (columns (n,)), and the clean outputs of all holds."""
+    """An executed session: its grid, the recorded columns (n,), and the clean outputs of all holds."""
 
     grid: Grid
     columns: dict[str, Array]
@@ -77,7 +77,8 @@ def write_box(box: Box, folder: Path) -> SealedBox:
 
 
 def simulate_session(box: Box) -> SessionData:
-    """Carry out all holds: with noise as recorded, and in still air with and without the effects."""
+    """Execute all holds: with noise as recorded, and without ambient fluctuation with and without the
+    effects."""
     rng = np.random.default_rng([box.seed, box.number, 1])
     wire, holds = box.wire, [hold for run in box.plan for hold in run.holds]
     plant = BoxPlant(wire, box.hysteresis, box.hidden)
@@ -103,18 +104,18 @@ def simulate_session(box: Box) -> SessionData:
 
 
 def _position(box: Box, record: PlantRecord, hidden: Hidden) -> Array:
-    """As the sensor sees it."""
+    """The position at the sensor."""
     return sensor_output(position(record, box.wire, box.hysteresis, hidden), record.t_s, hidden)
 
 
 def _clean_outputs(box: Box, grid: Grid, record: PlantRecord, hidden: Hidden) -> Array:
-    """Settled outputs without noise or counts, from where the pulley stood."""
+    """Settled outputs without noise and quantisation, relative to the initial position of the pulley."""
     y = _position(box, record, hidden)
     return grid.settled(y - y[0])
 
 
 def _columns(box: Box, grid: Grid, record: PlantRecord, rng: np.random.Generator) -> dict[str, Array]:
-    """Every channel at every time, noise of instruments included."""
+    """Every channel at every time, including the noise of instruments."""
     n, wire, noise = grid.tick.size, box.wire, box.noise
     y = _position(box, record, box.hidden) / wire.per_count
     counts = np.floor(y + noise.encoder_counts * rng.standard_normal(n) + noise.phase)
@@ -177,7 +178,7 @@ def _run_path(folder: Path, number: int, name: str, held_out: bool) -> Path:
 
 
 def _meta(box: Box, run: int, actuator: Path) -> dict[str, Any]:
-    """What a session writes of a run; one sitting, one encoder zero, one clock."""
+    """The metadata that a session writes: all runs have one session, one encoder zero and one clock."""
     wire = box.wire
     protocol = {"fod": "first_order_descending", "repeat": "first_order_descending"}
     name = box.plan[run].name

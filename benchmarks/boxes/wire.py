@@ -1,4 +1,4 @@
-"""Imaginary wires: constants drawn about two known rigs, and the actuator file a lab would write of them."""
+"""Synthetic wires: constants drawn about two known rigs, and the actuator file that a lab would write."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ _OHM_MM = 8.8e-4  # resistivity, Ω mm
 class BoxWire:
     """Constants of a wire rig; temperatures above ambient.
 
-    ``reference_K`` is reached by ``reference_A``, the largest current that is asked for.
+    ``reference_K`` is the steady temperature of ``reference_A``, the largest commanded current.
     """
 
     arrangement: str
@@ -27,12 +27,12 @@ class BoxWire:
 
     @property
     def two_wire(self) -> bool:
-        """Two wires against each other; the sign of the current says which is heated."""
+        """Two wires against each other; the sign of the current selects the heated wire."""
         return self.arrangement == "two_wire"
 
     @property
     def unit(self) -> str:
-        """Of position."""
+        """The unit of position."""
         return "deg" if self.two_wire else "mm"
 
     @property
@@ -42,7 +42,7 @@ class BoxWire:
 
     @property
     def tau_s(self) -> float:
-        """Heat capacity over heat loss."""
+        """Heat capacity divided by heat loss."""
         capacity = DENSITY * self.specific_heat * math.pi / 4 * self.diameter_mm**2 * self.length_mm * 1e-9
         return capacity * self.gain_K_per_A2 / self.resistance_ohm
 
@@ -62,7 +62,7 @@ class BoxWire:
 
 
 def random_wire(rng: np.random.Generator) -> BoxWire:
-    """A wire whose time constant lies between 1 and 15 s; one in five is a pair."""
+    """A wire with a time constant between 1 and 15 s; one in five is a pair."""
     two_wire = rng.random() < 0.2
     while True:
         diameter_mm = rng.uniform(0.15, 0.5)
@@ -86,12 +86,12 @@ def random_wire(rng: np.random.Generator) -> BoxWire:
 
 
 def _rounded(value: float) -> float:
-    """As a lab would write it down: four figures; the file then says what is true."""
+    """The value with four figures, as a lab would write it; the file is then exact."""
     return float(f"{value:.4g}")
 
 
 def actuator_toml(wire: BoxWire, name: str) -> str:
-    """The actuator file: the constants of the wire when nothing is hidden in it."""
+    """The actuator file: the constants of the wire without hidden effects."""
     r = f'{{ value = {wire.resistance_ohm!r}, unit = "ohm", source = "measured cold" }}'
     return f'''\
 name = "{name}"

@@ -1,4 +1,5 @@
-"""``smarig benchmark``: found by name, one JSON object, and the figures the design promises are there."""
+"""``smarig benchmark``: benchmarks are found by name, and each prints one JSON object with the documented
+figures."""
 
 import json
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""``smarig check`` brings a bench up: a list to sign, and an exit status that tells."""
+"""``smarig check`` on a bench: a checklist to sign, and an exit status that shows the result."""
 
 import io
 import json
@@ -44,7 +44,7 @@ def test_a_bench_that_is_not_fails_the_check_that_sees_it(fault, check, tmp_path
     assert check in [c["name"] for c in found["checks"] if not c["passed"]]
 
 
-def test_hardware_is_not_heated_unasked(tmp_path, capsys, monkeypatch):
+def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("smarig.cli.commands.check.open_rig", None)
     path = tmp_path / "hard.toml"
     path.write_text('name = "hard"\nbase = "bench_one_wire"\n')

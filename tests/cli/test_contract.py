@@ -1,4 +1,4 @@
-"""The command line's promises: help with an example, one JSON object, exit status, one sentence for a mistake."""
+"""The contract of every command: help with an example, one JSON object, exit status, one sentence per error."""
 
 import json
 import os

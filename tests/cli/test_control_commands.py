@@ -1,4 +1,4 @@
-"""``smarig certify``, ``track``, ``regulate`` and ``list controllers``: their objects, files and refusals."""
+"""``smarig certify``, ``track``, ``regulate`` and ``list controllers``: JSON objects, files and errors."""
 
 import json
 
@@ -96,7 +96,7 @@ def test_a_model_with_effects_is_certified_for_its_hysteresis_alone(capsys, tmp_
     assert "effects (backlash): they are not covered" in out
 
 
-def test_a_tables_certificate_speaks_in_the_models_units(capsys, tmp_path):
+def test_a_tables_certificate_uses_the_models_units(capsys, tmp_path):
     """A table of relays, or of anything, may not know its unit: the model file does."""
     nodes = np.array([0.0, 50.0, 100.0, 174.0])
     y = np.where(np.tri(4, dtype=bool), nodes[:, None] / 20 - 2 + nodes / 100, np.nan)
@@ -149,7 +149,7 @@ def test_from_a_notebook(one, tmp_path):
     run = smarig.track(one, "ramps", rig="one_wire_twin", out=tmp_path / "t.run.sqlite", seconds=5)
     assert run.cause == "done"
     assert run.meta["closed_loop"]
-    with pytest.raises(UsageError, match="start is .*diagonal.*, not 'diagnal'"):
+    with pytest.raises(UsageError, match="start must be one of .*diagonal.*, not 'diagnal'"):
         smarig.regulate(one, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", start="diagnal")
 
 
@@ -234,7 +234,7 @@ def test_a_stopped_loop_does_not_offer_a_resume(capsys, one, tmp_path, monkeypat
     out_file = tmp_path / "t.run.sqlite"
     status, _, err = call(capsys, "track", one, *RAMPS, "-o", out_file, *ON)
     assert status == 130
-    assert "close it anew" in err
+    assert "Start it again" in err
     assert "smarig resume" not in err
     monkeypatch.undo()
     status, _, err = call(capsys, "resume", out_file, "--quiet")
@@ -243,7 +243,8 @@ def test_a_stopped_loop_does_not_offer_a_resume(capsys, one, tmp_path, monkeypat
 
 
 def test_a_loop_that_diverges_ends_at_zero_with_status_3(capsys, one, tmp_path, monkeypatch):
-    """Half a minute late, an encoder shows a loop what was; the preview knows no planted effect."""
+    """An encoder that is half a minute late shows old positions; the preview does not include the injected
+    effect."""
     monkeypatch.setattr(loop, "DivergenceLimits", lambda: IMPATIENT)
     out_file = tmp_path / "t.run.sqlite"
     far = (
@@ -288,13 +289,13 @@ MISTAKES = [
     (2, ["check", "one_wire_twin", "--protocol", "regulate"], "'smarig regulate MODEL …'"),
     (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),
     (2, ["track", "ONE", *RAMPS, "--controller", "leaky_p", "-o", "x", *ON], "did you mean leaky_pi"),
-    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "that of steps is infinite where they jump"),
+    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "which is infinite where steps jump"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "500", "-o", "x", *ON], "whole range, 174.1 K"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "nan", "-o", "x", *ON], "not a finite number"),
     (2, ["track", "ONE", *RAMPS, "--offset-K", "5", "-o", "x", *ON], "'inverse' feeds back the position"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--controller-set", "gane=1", "-o", "x", *ON], "did you mean gain"),
-    (2, ["track", "ONE", "--reference", "STILL", *LEAKY, "-o", "x", *ON], "nothing drives a loop"),
-    (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "speaks in deg"),
+    (2, ["track", "ONE", "--reference", "STILL", *LEAKY, "-o", "x", *ON], "Nothing drives a loop"),
+    (2, ["track", "DEGREES", *RAMPS, "-o", "x", *ON], "is in deg"),
     (2, ["track", "ONE", "--reference", "stepps", "-o", "x", *ON], "did you mean steps"),
     (2, ["track", "ONE", "--reference", "nowhere.csv", "-o", "x", *ON], "nowhere.csv"),
     (2, ["track", "ONE", "--reference", "BROKEN", "-o", "x", *ON], "time_s"),

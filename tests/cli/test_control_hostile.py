@@ -1,4 +1,5 @@
-"""What an attacker gave to ``certify``, ``track`` and ``regulate``: each is one sentence now, before current flows."""
+"""Hostile arguments of ``certify``, ``track`` and ``regulate``: each gives one error message before current
+flows."""
 
 import json
 from dataclasses import replace
@@ -84,12 +85,12 @@ MISTAKES = [
     (2, tracking("--controller-set", "slope_walk=1e300"), "'inverse', slope_walk is beyond what can be"),
     (2, tracking("--set", "seed=" + "9" * 400), "whole number from 0 to 2^53"),
     (2, tracking("--set", "seed=-1"), "whole number from 0 to 2^53"),
-    (2, tracking("--set", "seconds=0.001"), "The reference lasts 0.001 s: nothing can be measured in less"),
+    (2, tracking("--set", "seconds=0.001"), "The reference lasts 0.001 s. It must last at least"),
     (2, ("certify", "ONE", "--controller", "constant_gain", "--set", "gain=5e-324"), "gain is beyond what"),
     (2, regulating("--hold-s", "0"), "A hold of 0 s is shorter than a tick of this rig, 0.1 s."),
     (2, regulating("--controller-set", "band=-1"), "'pi': band must not be negative (given: -1)"),
-    (2, regulating("--disturbance-K", "175"), "A disturbance of 175 K is more than this rig's whole range"),
-    (2, regulating("--disturbance-K", "-1e11"), "A disturbance of -1e+11 K is more than this rig's whole"),
+    (2, regulating("--disturbance-K", "175"), "A disturbance of 175 K exceeds this rig's whole range"),
+    (2, regulating("--disturbance-K", "-1e11"), "A disturbance of -1e+11 K exceeds this rig's whole"),
     (
         2,
         ("regulate", "FLAT", "--setpoint", "0", *ON, "-o", "x"),
@@ -161,13 +162,13 @@ def test_no_kind_of_hysteresis_holds_numbers_beyond_any_wire(value):
 def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
     one, on = files["ONE"], {"rig": "one_wire_twin", "out": tmp_path / "x.run.sqlite"}
     slips = {
-        "The model is given by a name or a path, not by None": partial(smarig.track, None, "steps", **on),
-        "The reference is given by a name or a path, not by 3": partial(smarig.track, one, 3, **on),
-        "A controller is given by its name, not by None": partial(
+        "The model must be a name or a path, not None": partial(smarig.track, None, "steps", **on),
+        "The reference must be a name or a path, not 3": partial(smarig.track, one, 3, **on),
+        "Give the controller by its name, not by None": partial(
             smarig.track, one, "steps", controller=None, **on
         ),
-        "A controller's numbers are given by name": partial(smarig.regulate, one, 6.0, numbers=[1], **on),
-        "The run is given by a name or a path, not by None": partial(
+        "Give the controller's parameters by name": partial(smarig.regulate, one, 6.0, numbers=[1], **on),
+        "The run must be a name or a path, not None": partial(
             smarig.track, one, "steps", rig="one_wire_twin", out=None
         ),
     }
@@ -176,7 +177,7 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
             slip()
     with pytest.raises(UsageError, match="The set-point is beyond what can be computed with"):
         smarig.regulate(one, 10**400, **on)
-    with pytest.raises(UsageError, match="seed is a whole number"):
+    with pytest.raises(UsageError, match="seed must be a whole number"):
         tracking_loop(ModelSource.of(one), load_rig("one_wire_twin"), "steps", {"seed": 10**400})
     with pytest.raises(UsageError, match="The model is given"):
         ModelSource.of(3)

@@ -1,4 +1,4 @@
-"""``smarig diagnose``: the object of its JSON, its files, and what it refuses."""
+"""``smarig diagnose``: its JSON object, its files and its errors."""
 
 import contextlib
 import io
@@ -74,8 +74,8 @@ def test_its_object_has_the_keys_others_rely_on(found):
     assert {"base", "extended", "removable_share", "ci95", "blocks"} <= set(found["held_out"])
 
 
-def test_it_names_what_was_planted(found):
-    """A twin's readings are so fine that a small second effect beside it may be claimed with it."""
+def test_it_names_the_injected_effect(found):
+    """A twin's readings are so precise that a small second effect may be reported as well."""
     assert found["verdict"] in ("named", "ambiguous")
     walking = next(e for e in found["effects"] if e["name"] == "walking")
     assert walking["probability"] > 0.9
@@ -147,7 +147,7 @@ def test_a_run_cannot_be_training_and_held_out(session_folder, capsys):
     assert "cannot teach and judge" in capsys.readouterr().err
 
 
-def test_runs_of_two_sittings_are_one_story_with_two_zeros(session_folder, tmp_path, capsys):
+def test_runs_of_two_sessions_are_one_timeline_with_two_zeros(session_folder, tmp_path, capsys):
     other = tmp_path / "other.run.sqlite"
     assert cli(["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o", str(other)]) == 0
     train = str(session_folder / "congruency.run.sqlite")
@@ -162,7 +162,7 @@ def test_runs_of_two_sittings_are_one_story_with_two_zeros(session_folder, tmp_p
     assert found["error"]["base"] < 0.1
 
 
-def test_clocks_of_one_sitting_that_overlap_are_refused(session_folder, capsys):
+def test_overlapping_clocks_of_one_session_are_refused(session_folder, capsys):
     train = str(session_folder / "congruency.run.sqlite")
     twice = ["diagnose", str(session_folder / "wire.model.json"), "--train", train, "--train", train]
     assert cli(twice) == 4

@@ -1,4 +1,4 @@
-"""What stands on stderr when nobody draws: a few lines for people, JSON lines for programs, nothing when asked."""
+"""stderr without the panel: a few lines for people, JSON lines for programs, nothing with --quiet."""
 
 import json
 import os
@@ -142,7 +142,7 @@ def test_nan_is_null_in_json_lines():
 
 
 def test_a_reader_who_stops_costs_lines_not_time():
-    """The speaker takes on more lines than fit, drops what nobody reads, and says how many."""
+    """The writer accepts more lines than fit, drops those that are not read, and reports their number."""
     taken, hear, caught_up, heard = threading.Event(), threading.Event(), threading.Event(), []
 
     class Deaf:
@@ -167,6 +167,6 @@ def test_a_reader_who_stops_costs_lines_not_time():
     writer.close()
     assert (
         json.loads(dropped_lines_json(7999))["event"]["text"]
-        == "7999 lines were dropped: nobody read them in time."
+        == "7999 lines were dropped because they were not read in time."
     )
     assert heard == [*map(str, range(2001)), "7999 lost", "again", "closed"]

@@ -1,4 +1,5 @@
-"""What an attacker found, kept: every one of these once hung, lied, or destroyed something."""
+"""Hostile arguments and files: regression tests of inputs that once hung, gave wrong results or destroyed
+files."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""`smarig new`: every starting file works as it stands, and nothing is overwritten."""
+"""``smarig new``: every starting file works unchanged, and nothing is overwritten."""
 
 import json
 import os
@@ -49,7 +49,7 @@ def test_the_rig_opens_as_a_twin(capsys, made):
     assert Twin.named(str(made["rig"])).step(0.5)
 
 
-def test_the_rig_becomes_a_bench_by_taking_hashes_away(made):
+def test_the_rig_becomes_a_bench_by_uncommenting_lines(made):
     text = made["rig"].read_text().replace('kind = "twin"', 'kind = "bench"').replace('"/dev/', '"/tmp/')
     head, _, tail = text.partition("# --- hardware")
     bench = "\n".join(line.removeprefix("# ") for line in tail.splitlines()[1:] if "[simulator]" not in line)
@@ -57,7 +57,7 @@ def test_the_rig_becomes_a_bench_by_taking_hashes_away(made):
     assert inconsistencies(load_rig(str(made["rig"]))) == []
 
 
-def test_the_actuator_is_found_beside_the_rig(capsys, made, tmp_path, monkeypatch):
+def test_the_actuator_is_found_in_the_folder_of_the_rig(capsys, made, tmp_path, monkeypatch):
     assert load_actuator(str(made["actuator"])).name == "first_actuator"
     rig = made["rig"].read_text().replace('"gorbet_one_wire"', '"./first_actuator.toml"')
     made["rig"].write_text(rig)
@@ -138,7 +138,7 @@ def test_the_driver_talks(made):
         assert source.off() == ""
         assert not supply.on
         supply.takes = 1.1
-        with pytest.raises(Exception, match=r"took 0\.55 A, not 0\.5 A"):
+        with pytest.raises(Exception, match=r"set 0\.55 A instead of 0\.5 A"):
             source.set(0.5)
         source.close()
     finally:
@@ -159,22 +159,22 @@ def test_the_campaign_can_be_costed_with_an_own_protocol_in_it(capsys, made):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["protocol", "3x"], "is no name for a protocol"),
-        (["protocol", "_x"], "is no name"),
-        (["protocol", "for"], "'for' is no name for a protocol: it is a word of Python's own"),
-        (["effect", "n\nl"], "'n\\nl' is no name"),
-        (["protocol", "numpy"], "'numpy' is the name of a Python module, which numpy.py would hide"),
-        (["driver", "queue"], "'queue' is the name of a Python module"),
-        (["rig", "CON"], "Windows keeps it for a device"),
-        (["effect", "lpt1"], "Windows keeps it for a device"),
-        (["protocol", "a/b"], "is no name"),
-        (["rig", "größe"], "is no name"),
-        (["rig", "one_wire_twin"], "'one_wire_twin' is one of the rigs that ship"),
-        (["effect", "walking"], "'walking' is one of the effects that ship"),
-        (["campaign", "characterise"], "that ship"),
-        (["controller", "inverse"], "'inverse' is one of the controllers that ship"),
-        (["protocol", "b", "-o", "c.py"], "is called b.py"),
-        (["rig", "b", "-o", "b.py"], "is called …toml"),
+        (["protocol", "3x"], "cannot be the name of a protocol"),
+        (["protocol", "_x"], "cannot be the name"),
+        (["protocol", "for"], "'for' cannot be the name of a protocol: it is a Python keyword"),
+        (["effect", "n\nl"], "'n\\nl' cannot be the name"),
+        (["protocol", "numpy"], "numpy.py would hide the Python module 'numpy'"),
+        (["driver", "queue"], "would hide the Python module 'queue'"),
+        (["rig", "CON"], "Windows reserves it for a device"),
+        (["effect", "lpt1"], "Windows reserves it for a device"),
+        (["protocol", "a/b"], "cannot be the name"),
+        (["rig", "größe"], "cannot be the name"),
+        (["rig", "one_wire_twin"], "'one_wire_twin' is the name of a shipped rig"),
+        (["effect", "walking"], "'walking' is the name of a shipped effect"),
+        (["campaign", "characterise"], "is the name of a shipped campaign"),
+        (["controller", "inverse"], "'inverse' is the name of a shipped controller"),
+        (["protocol", "b", "-o", "c.py"], "must be named b.py"),
+        (["rig", "b", "-o", "b.py"], "must be named …toml"),
         (["rig", "there"], "there.toml exists"),
         (["nonsense", "b"], "nonsense"),
     ],

@@ -1,4 +1,4 @@
-"""Own protocols, effects and drivers by their paths: they run, they are recorded, and nothing loads them unasked."""
+"""Own protocols, effects and drivers given by path: they run, are recorded, and are loaded only on request."""
 
 import json
 import shutil
@@ -123,7 +123,7 @@ def test_what_fails_in_it_is_reported_with_its_line(capsys, here):
     assert not (here / "h.run.sqlite").exists()
 
 
-def test_resuming_asks_for_the_same_file_again(capsys, killed, here):
+def test_resuming_needs_the_same_own_file(capsys, killed, here):
     before = killed.read_bytes()
     status, _, err = call(capsys, "resume", killed.name)
     assert status == 2
@@ -249,7 +249,7 @@ def test_a_model_brings_no_driver_and_moves_no_hardware(capsys, here):
     assert not (here / "executed").exists()
 
 
-def test_a_campaign_knows_two_files_of_one_name(capsys, here):
+def test_a_campaign_distinguishes_two_files_of_one_name(capsys, here):
     (here / "other").mkdir()
     (here / "other" / "two_holds.py").write_text(PROTOCOL)
     step = '[[step]]\nprotocol = "{}"\nname = "{}"\n'
@@ -340,7 +340,7 @@ def test_a_run_by_a_shipped_controller_holds_no_file(here):
         (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: it ended"),
         (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it yields currents"),
         (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it asked for nan A"),
-        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' means something else in the record"),
+        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' has another meaning in the record"),
     ],
 )
 def test_a_wrong_controller_is_one_sentence_before_anything_flows(capsys, tracked, here, text, says):
@@ -355,7 +355,7 @@ def test_a_wrong_controller_is_one_sentence_before_anything_flows(capsys, tracke
 
 
 def test_what_was_measured_before_a_controller_failed_is_kept(capsys, tracked, here):
-    """It fails in the run only: the preview has gone well."""
+    """The error occurs only in the run; the preview succeeds."""
     fails = CONTROLLER.replace("def push", "ROUNDS = []\ndef push").replace(
         "    while True:",
         "    ROUNDS.append(0)\n    for k in range(10**6):\n        if len(ROUNDS) == 2 and k == 50: return",

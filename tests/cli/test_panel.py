@@ -1,4 +1,4 @@
-"""The panel as text: what stands in it, whatever the width and height, without colours and without Unicode."""
+"""The panel as text: its content at any width and height, without colours and without Unicode."""
 
 from io import StringIO
 from pathlib import Path
@@ -60,24 +60,24 @@ def test_the_panel_shows_all_status_values():
     for part in (
         "BENCH", "validation", "one_wire_serial", "wire A7", "2 of 21", "up", "+102.3 K", "set +0.5130 A",
         "measured +0.5130 A", "+12.408 mm", "+264 counts", "+86.2 K", "estimated", "spread 0.00 of 1.00 counts",
-        "15 s to go", "0:00:10 gone", "0:09:50 left", "mark: descending branch 3", "p pauses", "s stops safely",
+        "15 s left", "0:00:10 elapsed", "0:09:50 left", "mark: descending branch 3", "p pauses", "s stops safely",
     ):  # fmt: skip
         assert part in text, part
 
 
 def test_an_unsettled_wire_shows_its_spread_and_the_timeout():
     status = fed([k // 40 for k in range(300)])  # a quarter of a count a second
-    assert "moves still, gives up in 0:09:30" in shown(status)
+    assert "still moving, time-out in 0:09:30" in shown(status)
     assert f"spread {status.settling.spread_counts:.2f} of 1.00" in shown(status)
     assert status.settling.spread_counts > 5
 
 
 def test_holds_and_profiles_that_just_last_count_down():
     status = fed([0] * 20, Elapsed(30.0))
-    assert "holds 28 s more" in shown(status)
+    assert "holds for 28 s more" in shown(status)
     profile = Waveform((0.1,) * 50, 0.2)
     status.begin(2, profile, SettleWindow(Elapsed(10.0), 0.1))
-    assert "holds 10 s more" in shown(status)
+    assert "holds for 10 s more" in shown(status)
 
 
 @pytest.mark.parametrize("width", [40, 60, 80, 95, 96, 140])
@@ -134,7 +134,7 @@ def test_a_warning_is_a_sign_and_a_word_too():
         (RuntimeError(), "✖ FAULT validation (BENCH)"),
     ],
 )
-def test_the_summary_line_says_how_it_ended(error, words):
+def test_the_summary_line_states_how_the_run_ended(error, words):
     status = fed([264] * 10)
     status.end(error)
     line = summary(status).plain
@@ -173,7 +173,7 @@ def test_time_left_accounts_for_pauses_and_resumed_runs():
     assert later.step_number == 12
 
 
-def test_what_a_twin_runs_is_labelled_so_whatever_it_speaks():
+def test_data_of_a_twin_are_labelled_as_such_over_any_link():
     cost = Preview("validation", 60.0, 3, 1.0, 100.0, 0, 1000)
     for rig, source in (("one_wire_serial", "twin"), ("two_wire_twin", "simulation")):
         found = run_info(load_rig(rig), cost, Path("x"), wire="w", source=source)
@@ -210,4 +210,4 @@ def test_the_speed_factor_of_a_fast_twin_gives_the_waiting_time():
     status = RunStatus(RUN_INFO, clock=lambda: next(times))
     status.sample(at(0.1), 0, 0.0)
     status.sample(at(200.0), 0, 0.0)
-    assert "0:00:20 to wait, at 20 × real time" in shown(status)
+    assert "0:00:20 of waiting, at 20 × real time" in shown(status)

@@ -1,4 +1,4 @@
-"""The panel at real terminals: captured from tmux while it runs, pauses, trips and is stopped; and one that hangs."""
+"""The panel in tmux: while a run is on, paused, tripped and stopped, and in a terminal that hangs."""
 
 import json
 import os
@@ -72,7 +72,7 @@ def screen(tmp_path, tmp_path_factory):
 
 
 def _kept(name, text):
-    """Captures are kept where $SMARIG_CAPTURES says, for people to look at."""
+    """Store screenshots in $SMARIG_CAPTURES, for inspection by people."""
     folder = os.environ.get("SMARIG_CAPTURES")
     if folder:
         Path(folder, f"panel_{name}.txt").write_text(text, encoding="utf-8")
@@ -80,7 +80,7 @@ def _kept(name, text):
 
 def test_a_run_a_pause_and_a_safe_stop(screen, tmp_path):
     screen.run("run", "validation", "--rig", "one_wire_twin", "-o", "v.run.sqlite", "--speed", SLOW)
-    running = screen.shows(r"● running", r"step +2 of 42 +validation +to \+23\.4 K", "to go", "real time")
+    running = screen.shows(r"● running", r"step +2 of 42 +validation +to \+23\.4 K", "left", "real time")
     _kept("run", running)
     for part in (
         r"TWIN +validation",
@@ -89,13 +89,13 @@ def test_a_run_a_pause_and_a_safe_stop(screen, tmp_path):
         r"set \+0\.3666 A +measured \+0\.36\d\d A",
         r"position +[+-]\d\.\d{3} mm",
         r"temperature +\+\d+\.\d K",
-        r"\d:\d\d:\d\d gone +about 0:\d\d:\d\d left",
-        r"0:\d\d:\d\d to wait, at \d+(\.\d+)? × real time",
+        r"\d:\d\d:\d\d elapsed +about 0:\d\d:\d\d left",
+        r"0:\d\d:\d\d of waiting, at \d+(\.\d+)? × real time",
         r"p pauses +s stops safely",
     ):
         assert re.search(part, running), part
     screen.key("p")
-    paused = screen.shows(r"▮▮ PAUSED: the current stays", r"r goes on +s stops safely", r"paused: Paused by")
+    paused = screen.shows(r"▮▮ PAUSED: the current stays", r"r resumes +s stops safely", r"paused: Paused by")
     _kept("pause", paused)
     screen.key("r")
     screen.shows(r"● running", "unpaused")
@@ -105,7 +105,7 @@ def test_a_run_a_pause_and_a_safe_stop(screen, tmp_path):
     line = r"■ STOPPED validation \(TWIN\): \d of 42 steps in .* stopped by the operator \(key s\): v\.run\.sqlite"
     assert re.search(line, stopped.replace("\n", ""))
     assert "smarig: Run stopped by the operator" in stopped
-    assert "╭" not in stopped  # the panel has gone, one line stays
+    assert "╭" not in stopped  # the panel is removed, one line stays
     assert load_run(tmp_path / "v.run.sqlite").cause == "stopped by the operator (key s)"
 
 

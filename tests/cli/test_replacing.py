@@ -1,4 +1,4 @@
-"""--force replaces a file by another of its kind, and nothing else: told by what is in it, not by its name alone."""
+"""--force replaces a file only by another of the same kind, recognised by its content and not only by its name."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""`smarig resume`, `--notify` and the keys, as a person in the lab meets them."""
+"""``smarig resume``, ``--notify`` and the keys, as used in the lab."""
 
 import json
 import os
@@ -39,7 +39,7 @@ def test_resume_reports_how_it_ended(capsys, killed):
     assert (found["cause"], found["start_over"], found["run"]) == ("done", False, str(killed))
     assert found["void"] >= 4
     assert found["before"].startswith("incomplete")
-    assert "ended so: incomplete: the run was never closed.\nThe rig is armed again." in err
+    assert "ended with the cause: incomplete: the run was never closed.\nThe rig was re-armed." in err
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_a_failing_notify_command_is_a_message_and_no_failure(capsys, tmp_path):
     assert status == 0
     assert json.loads(text)["runs"][0]["cause"] == "done"
     assert [line for line in err.splitlines() if "--notify" in line] == [
-        "--notify: 'echo noise; exit 7' failed: it ended with status 7."
+        "--notify: 'echo noise; exit 7' failed: exit status 7."
     ]
 
 

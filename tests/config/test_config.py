@@ -1,4 +1,5 @@
-"""Configuration: what ships loads; every mistake is one sentence with file, key and what was expected."""
+"""Configuration files: all shipped files load, and every error names file, key and expected value in one
+sentence."""
 
 from pathlib import Path
 

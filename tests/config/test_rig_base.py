@@ -1,4 +1,4 @@
-"""A rig file that builds on another one."""
+"""Rig files that extend another rig file."""
 
 import pytest
 

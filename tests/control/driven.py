@@ -1,4 +1,5 @@
-"""A protocol of Drive commands on a twin, without runner or record: what the generator returns at its end."""
+"""Drives a protocol of Drive commands on a twin without runner and record; returns the result of the
+generator."""
 
 from collections.abc import Generator
 from typing import Any

@@ -1,4 +1,4 @@
-"""The tables of docs/explanation/control_findings.md, from code: run this file to print them."""
+"""Prints the tables of docs/explanation/control_findings.md from code."""
 
 import numpy as np
 

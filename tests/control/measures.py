@@ -1,4 +1,4 @@
-"""Made for this chapter: random measures without a negative part, as relays and as tables, and random loop signals."""
+"""Random non-negative measures, as relays and as tables, and random loop signals."""
 
 import numpy as np
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""Model files of the thesis's surfaces, written as if identified: no run is needed to close a loop by one."""
+"""Model files of the thesis's surfaces, written as if identified, so that tests of loops need no run."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The planned way to B_ℓ: the wire's own memory afterwards, on the twin with lag, is as near as was predicted."""
+"""The planned path to B_ℓ: on the twin with lag, the wire's distance from B_ℓ is as small as predicted."""
 
 import numpy as np
 import pytest

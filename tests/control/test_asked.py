@@ -1,4 +1,4 @@
-"""What a controller yields is a current, or one sentence with file and line; the current is then zero."""
+"""A controller yields a current, or gives one error message with file and line; the current is then zero."""
 
 import math
 

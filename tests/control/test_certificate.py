@@ -1,4 +1,4 @@
-"""A certificate promises what is proved of its model, and no more, in text, page and JSON alike."""
+"""A certificate states what is proved of its model, and no more, consistently in text, page and JSON."""
 
 import html
 import json

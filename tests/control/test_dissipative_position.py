@@ -1,4 +1,4 @@
-"""§9.2: which controllers match the supply rate, what of its assumptions a hysteresis keeps, gains on a schedule."""
+"""§9.2: controllers that match the supply rate, its assumptions for a hysteresis, and scheduled gains."""
 
 import numpy as np
 import pytest

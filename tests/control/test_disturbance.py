@@ -1,4 +1,5 @@
-"""Figs 8.5 and 8.6: what ±d costs at B_ℓ and on the outer branches, by relays, on the operator and on the twin."""
+"""Figs 8.5 and 8.6: the cost of ±d at B_ℓ and on the outer branches, by relays, on the operator and on the
+twin."""
 
 import numpy as np
 import pytest

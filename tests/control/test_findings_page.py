@@ -1,4 +1,4 @@
-"""docs/explanation/control_findings.md says what the code says."""
+"""docs/explanation/control_findings.md agrees with the code."""
 
 from pathlib import Path
 

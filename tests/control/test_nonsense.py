@@ -1,4 +1,5 @@
-"""Numbers that are none, and what overflows: no theorem is stated on them, and no inequality said to hold."""
+"""Non-finite numbers and overflow: no theorem is applied to them, and no inequality is reported as
+satisfied."""
 
 import math
 from typing import Any

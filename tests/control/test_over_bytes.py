@@ -1,4 +1,5 @@
-"""Closed loops over real bytes: sample by sample those of the twin in process, and safe when the link is lost."""
+"""Closed loops over real bytes equal those of the twin in process, sample by sample, and are safe on loss of
+the link."""
 
 import numpy as np
 import pytest
@@ -92,7 +93,7 @@ def holding(setup):
 
 
 def recorded(rig, folder, wire):
-    """Every controller in one sitting."""
+    """Every controller in one session."""
     loops = {name: following(name, rig) for name in CONTROLLERS}
     loops |= {name: velocity_following(name, rig) for name in VELOCITY_CONTROLLERS}
     with Session(rig, seed=3, wire=wire) as session:

@@ -1,4 +1,5 @@
-"""Thm 8.1 against relays that pay for every switch themselves: supplied energy, its bound, and where neither holds."""
+"""Thm 8.1 against relays with their own switching work: supplied energy, its bound, and cases in which
+neither holds."""
 
 import numpy as np
 import pytest

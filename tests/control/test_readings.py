@@ -1,4 +1,5 @@
-"""Passivity of measured runs: a sound wire keeps its bound within noise, one that gives energy back is found out."""
+"""Passivity of measured runs: a passive wire keeps its bound within noise, and a wire that returns energy is
+detected."""
 
 from dataclasses import replace
 
@@ -61,7 +62,8 @@ def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
 
 
 def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
-    """A two_p wire around its breaking loop, judged by a model that says it is passive; and by its own."""
+    """A two_p wire around its loop with negative area, evaluated with a model that is passive, and with its
+    own."""
     broken, count = counterexample(thesis_surface("two_p"), "anhysteretic"), 0.18
     cosine = (1 - np.cos(np.linspace(0, np.pi, 20, endpoint=False))) / 2
     turns = broken.inputs(2000)
@@ -154,7 +156,7 @@ def test_readings_on_one_count_err_together():
     assert 0.5 / np.sqrt(12) * noise_weight(u, rounded)[-1] > 3 * independent
 
 
-def test_what_cannot_be_judged_is_refused(run):
+def test_what_cannot_be_evaluated_is_refused(run):
     model = model_of("one_e")
     with pytest.raises(DataError, match="no sample with both"):
         passivity_of_run(with_columns(run, position=np.full(len(run), np.nan)), model)

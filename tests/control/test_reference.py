@@ -1,4 +1,4 @@
-"""References: what is wanted when, and one sentence for files that are none."""
+"""References as functions of time, and the error messages of invalid reference files."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""Closed loops on the twin: they follow, keep limits whatever they ask for, and end at zero when they diverge."""
+"""Closed loops on the twin: they track, keep the limits for any command, and end at zero current if they
+diverge."""
 
 import math
 
@@ -249,7 +250,7 @@ def test_through_the_lag_in_one_move():
     "effects", [["wire_lag=60"], ["amplifier_gain=8"], ["wire_lag=-30", "amplifier_gain=-8"]]
 )
 def test_through_the_lag_and_the_amplifier_of_a_model_with_effects(effects):
-    """The model's own steps are the judge: where would the wire be after this current?"""
+    """The model's own steps are the reference: the wire's position after this current."""
     with_effects_model = controller_model().with_effects(effects_from_pairs(effects))
     model = with_effects_model.plant()
     for _ in range(100):

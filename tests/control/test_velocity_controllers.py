@@ -1,4 +1,4 @@
-"""Each controller's δ and γ: both inequalities on any signal, tight to one per cent, for the sampled controller."""
+"""δ and γ of each sampled controller: both inequalities on any signal, tight to one per cent."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""Thm 8.2 on the operator alone: the loop closes exactly, its samples are passive, k_e is never exceeded."""
+"""Thm 8.2 on the operator alone: the loop closes exactly, its samples are passive, and k_e is never
+exceeded."""
 
 import numpy as np
 import pytest

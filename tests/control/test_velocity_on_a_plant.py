@@ -1,4 +1,5 @@
-"""Velocity feedback as a protocol on the full twin: the theorem's loop where it can be, honest where not."""
+"""Velocity feedback as a protocol on the full twin: satisfied hypotheses of the theorem, and a list of
+violated ones."""
 
 import numpy as np
 import pytest
@@ -142,7 +143,7 @@ def test_every_loop_of_a_factory_starts_from_rest():
 
 
 def _driven(protocol):
-    """Its commands, on a noise-free twin that knows no holds: the initialisation is answered with nothing."""
+    """The commands of a protocol on a noise-free twin without holds: the initialisation gets empty results."""
     yielded = []
     drive(protocol, Twin.named("one_wire_twin", noise=False), yielded)
     return yielded

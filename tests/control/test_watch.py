@@ -1,4 +1,5 @@
-"""When a closed loop must give up: it swings, cannot reach, or reads what cannot be true. And when it must not."""
+"""When a closed loop must end: it oscillates, cannot reach the reference, or has implausible readings; and
+when not."""
 
 import math
 
@@ -64,7 +65,7 @@ def test_a_loop_that_holds_or_comes_is_left_alone(errors):
 
 
 def sensed(sources, position, *, rest=40.0, wanted=6.0):
-    """Feed a sense that begins on the rising branch at ``rest``; what it said, or nothing."""
+    """Feed a monitor that starts on the rising branch at ``rest``; returns its message, or nothing."""
     operator = Preisach(H, "negative")
     operator.step(rest)
     sensor_plausibility = SensorPlausibility(SETUP, H, operator.state)

@@ -1,4 +1,4 @@
-"""A folder is a catalogue: a new file is found, a wrong name is answered with the nearest right one."""
+"""A folder is a catalogue: a new file is found, and a wrong name gives the nearest correct one."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Own files written for earlier versions still load: every former name stands for a present one."""
+"""Own files written for earlier versions still load: every former name maps to a present one."""
 
 import importlib
 

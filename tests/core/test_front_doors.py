@@ -1,6 +1,7 @@
-"""The front doors: what a package lists in its ``__init__`` is there, and nothing is imported before it is used.
+"""The public names of packages: every name in an ``__init__`` exists, and nothing is imported before it is
+used.
 
-That other packages import nothing else is a contract of import-linter (``import_contracts``).
+A contract of import-linter (``import_contracts``) checks that other packages import nothing else.
 """
 
 import importlib

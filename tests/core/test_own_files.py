@@ -1,4 +1,5 @@
-"""An own file joins its catalogue when a person names it; what is wrong with it is one sentence with file and line."""
+"""An own file joins its catalogue when a user gives its path; its errors are one sentence with file and
+line."""
 
 import pytest
 
@@ -71,7 +72,7 @@ def test_names_and_file_contents_load_nothing(tmp_path):
         resolve_name(PROTOCOLS, "./mine.py")
 
 
-def test_a_changed_file_is_loaded_anew_and_hashed_as_executed(tmp_path):
+def test_a_changed_file_is_loaded_again_and_hashed_as_executed(tmp_path):
     (tmp_path / "mine.py").write_text(GOOD)
     resolve_name(PROTOCOLS, "./mine.py")
     first = own_entries(PROTOCOLS)["mine"]

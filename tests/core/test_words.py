@@ -1,4 +1,4 @@
-"""The words parts exchange: errors by blame, samples, commands. Small, but everything leans on them."""
+"""The values exchanged between packages: errors, samples and commands."""
 
 import copy
 import pickle
@@ -47,7 +47,7 @@ def test_quality_marks_combine_and_store_as_integers():
     ],
 )
 def test_commands_are_inert_values(word):
-    """Printable, comparable, storable, and nobody can change them on the way."""
+    """Commands can be printed, compared and stored, and are immutable."""
     assert copy.deepcopy(word) == word
     assert pickle.loads(pickle.dumps(word)) == word
     assert type(word).__name__ in repr(word)

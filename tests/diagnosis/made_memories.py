@@ -1,4 +1,4 @@
-"""Retellings made by hand: a path that was felt, and the operator's memory at every point of it."""
+"""Trajectories made by hand: a path of the hysteresis input, and the operator's memory at every point of it."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""An effect is hidden by code of its own, and must be found; nothing is hidden, and nothing may be said."""
+"""An effect injected by independent code is found, and without an effect there is no finding."""
 
 import pytest
 
@@ -6,14 +6,14 @@ from diagnosis.boxes_opened import answer
 
 
 @pytest.mark.parametrize("number", [3, 4, 6])
-def test_it_is_silent_where_nothing_is_hidden(number):
+def test_it_finds_nothing_if_nothing_is_hidden(number):
     found = answer(number)
     assert found.verdict.word == "silent"
     assert found.effects() == []
     assert not found.extended
 
 
-def test_it_is_silent_on_a_density_or_noise_that_is_odd_but_classical():
+def test_it_finds_nothing_in_an_unusual_but_classical_density_or_noise():
     assert answer(6, "hard_null").verdict.word == "silent"
 
 

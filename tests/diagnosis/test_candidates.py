@@ -1,4 +1,4 @@
-"""Explanations as whitened traces: who takes up how much of what is left, and at which strength."""
+"""Candidates as whitened traces: the part of the residual that each explains, and its strength."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ from smarig.replay import build_timeline, predict
 N = 30
 
 
-NO_POSTERIOR: Any = None  # nothing here asks for a density
+NO_POSTERIOR: Any = None  # no test here uses a density
 
 
 def whitening(factor, scale, noise):
-    """A refit that whitens, and of which nothing else is asked."""
+    """A refit that whitens and does nothing else."""
     none = np.empty(0)
     return Refit(factor, scale, none, noise, none, 0.0, scale.size, none, NO_POSTERIOR)
 
@@ -206,7 +206,8 @@ def test_a_variable_that_does_not_vary_has_no_functions(z):
 
 @pytest.fixture(scope="module")
 def recorded_timeline(tmp_path_factory):
-    """A story of a sitting with its subject, retold, and readings' whitening by noise of a count."""
+    """A timeline of a session with its plant model, a prediction, and whitening of readings by noise of one
+    count."""
     runs = session_runs(tmp_path_factory.mktemp("candidates"), LISTED, LONG)
     plant_model, per_count = twin_plant_model()
     timeline = build_timeline(runs, plant_model.actuator.tau_s)

@@ -1,7 +1,9 @@
-"""Every effect of the catalogue, hidden by code of its own: found where it can be seen, passed over where it cannot.
+"""Every effect of the catalogue, injected by independent code, is found where it is identifiable, and only
+there.
 
-Box 16 has a wide hysteresis and box 1 a narrow one, both are quiet; 21 and 29 have two wires. What a classical density
-takes up whole (the gauge theorem), no record of settled positions at one load can show.
+Box 16 has a wide hysteresis and box 1 a narrow one; both have low noise. Boxes 21 and 29 have two wires.
+What a classical density represents completely (the gauge theorem), no record of settled positions at one
+load can show.
 """
 
 import os
@@ -112,7 +114,8 @@ def test_without_its_name_in_the_catalogue_the_variable_is_reported(effect):
 
 @where_there_is_time
 def test_without_its_name_a_lag_is_taken_for_a_similar_effect_only():
-    """A late sensor and a slow wire are one group: what is said is in it, or that it depends on the rate."""
+    """A late sensor and a slow wire form one group: the verdict names one of the group, or the dependence on
+    rate."""
     number, times, channels = VISIBLE["sensor_lag"]
     found = answer(number, "sensor_lag", channels, ("sensor_lag",), times=times)
     if found.verdict.word == "unknown":

@@ -1,4 +1,4 @@
-"""Runs that cannot be compared with a model are refused in a sentence that names the file."""
+"""Runs that cannot be compared with a model are refused with a sentence that names the file."""
 
 import sqlite3
 from types import SimpleNamespace

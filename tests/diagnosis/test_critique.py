@@ -1,4 +1,4 @@
-"""False alarms are as rare as promised, however many candidates compete, each by a gain of its own size."""
+"""The rate of false alarms is as stated for any number of candidates, each with gains of its own size."""
 
 import sys
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which density is believed: a positive one, unless one that is negative somewhere is likelier than all it explains."""
+"""The choice of the density: positive, unless a signed density is likelier than all explanations."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -27,13 +27,7 @@ NEVER = float("-inf")
 
 
 class World:
-    """How likely the densities are, and what a search finds beside each.
-
-    ``signed``: nats of the density that may be negative. ``single`` and ``several``: those that one effect and that
-    more of them reach beside the positive density, ``beside`` beside the signed one. ``silent``: nothing stands out,
-    unless noise is as little as may be, and what is found then is ``loud`` or not in the noise that it leaves.
-    Searches, densities, critiques and what is said are kept.
-    """
+    """Likelihoods of the densities, and the results of a search with each."""
 
     def __init__(
         self,
@@ -89,7 +83,7 @@ class World:
         return [SimpleNamespace(critique=after, explanations=(SimpleNamespace(evidence=best),))]
 
     def find_explanations(self) -> Any:
-        """What is found, and the densities beside which was searched, in turn."""
+        """The result, and the densities that were searched, in order."""
         plant_model = PlantModel(WIRE, ORIGINAL, "negative")
         seen = find_explanations(self.timeline, plant_model, self.criticise, self.said.append)
         assert seen.base.signed == (seen.base.hysteresis == "signed")
@@ -111,7 +105,7 @@ def test_the_positive_density_is_kept_where_its_explanation_is_as_likely(monkeyp
 
 
 @pytest.mark.parametrize("more", [-20.0, 17.0, 18.0])
-def test_it_is_kept_with_nothing_beside_it_where_the_signed_one_is_worth_no_name(monkeypatch, more):
+def test_it_is_kept_alone_if_the_signed_density_gains_too_little(monkeypatch, more):
     """That takes more than 18 nats."""
     seen, searches = World(monkeypatch, PLAIN + more, single=PLAIN + 5.0).find_explanations()
     assert (seen.base.hysteresis, seen.levels) == ("positive", [])
@@ -152,7 +146,7 @@ def test_with_a_density_below_its_rival_no_more_is_searched_where_the_other_leav
 def test_a_density_below_its_rival_is_searched_in_full_where_something_is_left_with_the_other(
     monkeypatch, several, density
 ):
-    """And then the likelier wins: several effects beside the one, or the other by itself."""
+    """The likelier one wins: several effects with one density, or the other density alone."""
     world = World(monkeypatch, 1500.0, single=1100.0, several=several, beside=1600.0)
     seen, searches = world.find_explanations()
     assert seen.base.hysteresis == density
@@ -166,7 +160,7 @@ def test_a_density_below_its_rival_is_searched_in_full_where_something_is_left_w
     [(1024.0, True), (1100.0, False)],
     ids=["nothing is found", "what is found is not loud"],
 )
-def test_what_is_silent_stays_so_whatever_the_signed_density_is_worth(monkeypatch, single, loud):
+def test_a_verdict_without_finding_stays_so_for_any_gain_of_the_signed_density(monkeypatch, single, loud):
     """Unless wary eyes find something beyond doubt, which stands out of the noise that it leaves."""
     world = World(monkeypatch, 9999.0, single, silent=True, loud=loud)
     seen, searches = world.find_explanations()

@@ -1,4 +1,4 @@
-"""An explanation at its best: strengths where the evidence says, and what one effect less leaves."""
+"""Explanations at their maximum: strengths by the evidence, and the loss when one effect is removed."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -43,7 +43,8 @@ def strengths(of):
 
 @pytest.fixture
 def likely(monkeypatch):
-    """Says how likely all readings are at each strength, a density of its own beside them; keeps what was asked."""
+    """Sets the likelihood of all readings at each strength, with a separate density, and stores the
+    requests."""
     asked = []
 
     def as_likely_as(evidence):
@@ -155,7 +156,7 @@ def test_a_deviation_is_never_narrower_than_the_fits_own(likely):
 
 @pytest.mark.usefixtures("fitted")
 def test_a_strength_whose_evidence_has_no_top_has_no_deviation(likely):
-    """The likelier the more there is of it: how much there is, nobody knows."""
+    """The evidence grows with the strength without limit, so the strength is undetermined."""
     fine, best = at_top(likely, lambda settling, walking: walking**2 - 50 * (settling - 2) ** 2)
     assert strengths(best.plant_model)["walking"] > 0.6
     assert WALK not in fine.spread

@@ -1,4 +1,4 @@
-"""Outputs of any smooth density, and of grains: what memories have in common, whatever the density is."""
+"""Outputs of any smooth density and of grains: what memory states have in common for every density."""
 
 import numpy as np
 import pytest
@@ -182,7 +182,7 @@ def smoothly_perturbed(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_density_identified_anew_predicts_a_path_that_was_never_read(path, prior_about_model, seed):
+def test_the_refitted_density_predicts_a_path_without_readings(path, prior_about_model, seed):
     truth, elsewhere = smoothly_perturbed(seed), wander(60, seed=100 + seed)
     masses = posterior_masses(prior_about_model, outputs(truth, path) - outputs(model_density(), path))
     found = Preisach(prior_about_model.triangle.table(masses, 0.0)).simulate(elsewhere)

@@ -1,4 +1,4 @@
-"""The removable share of the error's square, and what it may be when other blocks had been drawn."""
+"""The removable share of the squared error, and its interval over resampled blocks."""
 
 from dataclasses import replace
 
@@ -105,7 +105,7 @@ def test_a_model_with_the_effect_is_at_the_noise_floor_on_held_out_runs(walked):
 
 
 def test_the_encoders_zero_is_met_on_the_training_runs(walked):
-    """A constant that is off in the judged runs alone is an error and stays one."""
+    """A constant offset in the held-out runs alone is an error and remains one."""
     (train, judged), _, extended, per_count = walked
 
     def lifted(run, by):
@@ -137,7 +137,7 @@ ZERO = 30.0  # sd of the encoder's zero, in strokes
 
 
 def positions(runs, plant_model):
-    """Settled positions of runs, as they are told and as a subject retells them."""
+    """Settled positions of runs, as read and as predicted by a plant model."""
     timeline = replace(build_timeline(runs, plant_model.actuator.tau_s).positions_only, other_readings=())
     return timeline, predict(timeline, plant_model)
 

@@ -1,4 +1,4 @@
-"""Temperature noise at a reversal is in every later reading, until the reversal is wiped out."""
+"""Temperature noise at a turning point affects every later reading until the turning point is wiped out."""
 
 from dataclasses import replace
 
@@ -109,7 +109,7 @@ def test_a_level_that_was_held_twice_is_remembered_from_the_last_time():
     assert times[J.toarray()[3] != 0].tolist() == [30.0, 40.0]
 
 
-def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
+def test_each_reading_remembers_a_repeated_level_from_its_own_visit():
     """From saturation to 60, up to 95 and down, read; much later, from saturation, once more."""
     hysteresis = thesis_surface("one_e")
     inputs = [200.0, 60.0, 95.0, 75.0, 200.0, 60.0, 95.0, 76.0]
@@ -125,7 +125,7 @@ def test_a_level_met_twice_is_remembered_by_each_reading_from_its_own_visit():
 
 
 def two_sittings(first, second, initial):
-    """Every tick is read, and the second sitting begins anew, much later."""
+    """Every tick is read, and the second session starts again from the initial state, much later."""
     hysteresis = thesis_surface("one_e")
     one = prediction_for_inputs(hysteresis, first, initial=initial)
     other = prediction_for_inputs(hysteresis, second, 1e5 + np.arange(1.0, len(second) + 1), initial)
@@ -143,7 +143,7 @@ def two_sittings(first, second, initial):
 
 
 def test_an_input_of_an_earlier_session_is_not_remembered_from_there():
-    """90 and 70 are in the memory that both begin with; the first sitting feels them again, the second never."""
+    """90 and 70 are in the memory at both starts; the first session reaches them again, the second never does."""
     operator = Preisach(thesis_surface("one_e"))
     operator.simulate([90.0, 70.0])
     hysteresis, prediction = two_sittings([110.0, 90.0, 70.0, 85.0, 75.0], [80.0, 75.0], operator.state)

@@ -1,4 +1,4 @@
-"""Lives in which nothing is hidden: their noise is as large as the refitted one, and the hysteresis remembers it."""
+"""Null data: their noise equals the refitted noise, and the hysteresis stores its temperature part."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -53,7 +53,7 @@ def test_temperature_noise_is_an_ornstein_uhlenbecks_of_the_size_that_was_refitt
     assert np.all(np.abs(noise.mean(axis=1)) < 5 / np.sqrt(DRAWS))
 
 
-def test_the_hysteresis_remembers_a_nulls_noise_at_its_reversals():
+def test_the_hysteresis_stores_the_noise_of_null_data_at_turning_points():
     rng, size_K = np.random.default_rng(4), 0.01
     prediction = prediction_for_inputs(
         WIRE, rng.uniform(65.0, 95.0, 16), np.cumsum(rng.uniform(5.0, 60.0, 16))

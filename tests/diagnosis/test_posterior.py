@@ -1,4 +1,4 @@
-"""The density that readings speak for: a normal's conditional mean, or as near to it as a measure can come."""
+"""The posterior density of readings: a normal's conditional mean, or the nearest measure to it."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Which run to do next: the quickest that settles it, else the one that gains most an hour; and its campaign file."""
+"""The proposed run: the shortest decisive one, otherwise the largest gain per hour; and its campaign file."""
 
 from types import SimpleNamespace
 
@@ -68,7 +68,7 @@ def test_an_uninformative_run_is_not_proposed(monkeypatch, nats, worth):
 
 @pytest.mark.parametrize("left", [{"walking": 1.0}, {"walking": 0.9999, "slip": 1e-4}])
 def test_nothing_is_proposed_where_one_explanation_is_left(left):
-    """What is hardly likely is told apart already."""
+    """Improbable explanations are already excluded."""
     said = []
     assert propose_run(diagnosed(**left), said.append) is None
     assert said == ["Nothing is left to be distinguished."]

@@ -1,4 +1,4 @@
-"""An explanation at its best: where a fit ends, and how much farther one may go."""
+"""Refinement of an explanation: where a fit ends, and when it may continue."""
 
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def test_beyond_ends_at_the_bounds(strength):
 
 @pytest.fixture(scope="module")
 def walked(tmp_path_factory):
-    """The story of a wire that walks, the subject that does not know, and its readings refitted."""
+    """The timeline of a wire with the effect walking, a plant model without it, and its refitted readings."""
     runs = session_runs(tmp_path_factory.mktemp("refine"), LISTED, LONG, LISTED, effects=("walking=0.8",))
     wire, per_count = twin_plant_model()
     plant_model = replace(wire, per_count=per_count)

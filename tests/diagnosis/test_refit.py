@@ -1,4 +1,4 @@
-"""Readings refitted at once: the likelihood is of what was read, and the density that comes with it foretells it."""
+"""The joint refit of readings: the likelihood is that of the readings, and the fitted density predicts them."""
 
 from dataclasses import replace
 
@@ -29,13 +29,13 @@ def refitted(timeline, plant_model):
 
 
 def off(timeline, hysteresis):
-    """Rms of settled positions, beside a constant."""
+    """Rms error of settled positions, up to a constant."""
     return np.std(timeline.settled.value - predict(timeline, plant_model(hysteresis)).values["settled"])
 
 
 @pytest.fixture(scope="module")
 def fair(timeline):
-    """A table that foretells the story."""
+    """A table that predicts the timeline."""
     table = refitted(timeline, plant_model()).posterior.table()
     return refitted(timeline, plant_model(table)).posterior.table()
 

@@ -1,4 +1,4 @@
-"""What is searched where something stands out, what an effect must be worth, and when that is enough."""
+"""The search for explanations: its candidates, the required gain of an effect, and its end."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -154,7 +154,7 @@ def test_there_are_no_more_effects_than_may_be(monkeypatch, most):
 
 @pytest.mark.parametrize(("rival", "outdone"), [(117.0, False), (119.0, True)])
 def test_a_much_likelier_rival_ends_the_search(monkeypatch, rival, outdone):
-    """Not within 18 nats; nothing is judged once more then."""
+    """The rival is more than 18 nats ahead, so nothing is evaluated again."""
     world = World(monkeypatch, {"walking": 100.0})
     if outdone:
         with pytest.raises(BelowRivalEvidence):
@@ -179,7 +179,7 @@ def test_no_more_effects_are_tried_than_requested(monkeypatch):
     assert world.search_explanations(tried=3) == [("walking", 60.0)]
 
 
-def test_what_stood_out_at_first_is_tried_beside_an_effect_that_hides_it(monkeypatch):
+def test_a_candidate_that_stood_out_is_tried_together_with_an_effect_that_hides_it(monkeypatch):
     """Beside walking nothing but slip stands out."""
     world = World(monkeypatch, {"walking": 100.0, "settling walking": 200.0}, enough=("settling walking",))
     first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))

@@ -1,4 +1,5 @@
-"""Spreads of largest likelihood: the likelihood is that of a normal, its slopes are its own, and no search is stuck."""
+"""Variance components of maximum likelihood: a normal likelihood with correct derivatives, and a search that
+converges."""
 
 from dataclasses import replace
 

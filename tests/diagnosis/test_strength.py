@@ -1,4 +1,4 @@
-"""The top of an evidence, and how sharp it is, from few strengths tried."""
+"""The maximum of an evidence and its curvature from few tried strengths."""
 
 import math
 

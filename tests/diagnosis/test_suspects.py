@@ -1,4 +1,4 @@
-"""What may pass for noise is found and set aside, and nothing is where nothing is wrong."""
+"""Readings that look like outliers of noise are found and set aside; with correct data none are."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,8 @@ LOW, HIGH = np.array([-6.0, -6.0, -9.0, -5.0, -5.0, -3.0]), np.array([2.0, 2.0, 
 
 @pytest.fixture
 def made():
-    """Readings of white noise under a draught, whose memory is that of a random walk; traces that might be wrong."""
+    """Readings with white noise and an ambient fluctuation whose memory is a random walk; traces that may be
+    wrong."""
     rng = np.random.default_rng(5)
     walk = np.minimum.outer(np.arange(N), np.arange(N)) / N
     smooth = [np.cos(np.pi * k * np.arange(N) / N)[:, None] for k in (1, 2, 3)]

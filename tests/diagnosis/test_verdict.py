@@ -1,4 +1,4 @@
-"""What may be said, from what was found: on findings made up by hand."""
+"""Verdicts on findings made by hand."""
 
 from types import SimpleNamespace
 

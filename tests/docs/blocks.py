@@ -1,15 +1,15 @@
-"""The fenced blocks of a page, in order, and what becomes of each.
+"""The fenced blocks of a page in order, and how each is tested.
 
-    sh        every line is a command of the shell, in the page's own folder; it must end with status 0, or with the
-              one that its comment says (``# exit status 2``). A backslash goes on in the next line.
-    python    is run; all of a page share their names
+    sh        every line is a shell command in the page's folder; it must end with status 0, or with the status in its
+              comment (``# exit status 2``). A backslash continues a line.
+    python    is run; all blocks of a page share their names
     toml, csv, python whose first line is ``# file: NAME``: the rest is written to NAME
-    text      is what the block before it printed: its lines stand one after the other somewhere in that output,
-              where … is anything within a line, and a line of … alone is any lines
-    {…}       is a directive of MyST: of no concern here
+    text      is printed by the block before it: its lines occur one after the other in that output,
+              where … stands for anything within a line, and a line of … alone for any lines
+    {…}       is a directive of MyST and is ignored
 
-Nothing else may be fenced. Where a comment ``<!-- not run: REASON -->`` stands right above a block, that one is not run
-(installation, hardware, a window). Refuses to know what a block is about.
+No other blocks are allowed. A block below a comment ``<!-- not run: REASON -->`` is not run (installation,
+hardware, a window).
 """
 
 import re

@@ -1,5 +1,7 @@
-"""Runs every command with --json on the twin: ``PYTHONPATH=tests python tests/docs/json_examples.py`` keeps what they
-said in docs/generate/json_examples.json, which the reference shows. Knows no meaning of what was said.
+"""Runs every command with --json on the twin and stores the output: ``PYTHONPATH=tests python
+tests/docs/json_examples.py``.
+
+It writes docs/generate/json_examples.json, which the reference shows.
 """
 
 import contextlib
@@ -75,7 +77,7 @@ def printed_objects(commands: str) -> list[tuple[str, dict]]:
 
 
 def main() -> None:
-    """Make them all anew."""
+    """Generate all examples again."""
     with tempfile.TemporaryDirectory() as folder:
         os.environ |= {"SMARIG_LOCK_DIR": f"{folder}/.locks", "SMARIG_HISTORY_DIR": f"{folder}/.wires"}
         os.chdir(folder)

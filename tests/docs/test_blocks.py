@@ -1,4 +1,4 @@
-"""Every block of every page of docs/ does what it says; ``blocks.py`` has the rules. One test a page."""
+"""Every block of every page of docs/ runs as printed, by the rules in ``blocks.py``. One test per page."""
 
 import contextlib
 import io

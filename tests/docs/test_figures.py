@@ -1,6 +1,6 @@
-"""The pictures of the documentation are what their scripts draw: nobody edits one by hand, and none goes stale.
+"""The figures of the documentation equal the output of their scripts.
 
-Two are drawn from whole diagnoses and experiments, in seconds; they are compared in the long campaign.
+Two need whole diagnoses and experiments, which take seconds; they are compared in the long campaign.
 """
 
 import doctest

@@ -1,4 +1,5 @@
-"""Words keep one meaning: no private word in identifiers, help and messages, and a glossary that names what exists."""
+"""Terms have one meaning: no private words in identifiers, help and messages, and a glossary of existing
+names."""
 
 import ast
 import re

@@ -1,4 +1,5 @@
-"""The generated reference leaves nothing out: every key, column, option and name has its text, and is as documented."""
+"""The generated reference is complete: every key, column, option and name has its text and agrees with the
+code."""
 
 import importlib
 
@@ -111,7 +112,7 @@ def test_every_public_name_and_module_is_in_the_reference():
             assert importlib.import_module(module).__doc__, module
 
 
-def test_it_says_the_same_as_help(capsys):
+def test_it_agrees_with_help(capsys):
     assert cli(["verify", "--help"]) == 0
     words = capsys.readouterr().out.split("Options:")[1]
     page = commands.pages()["commands"].split("## smarig verify\n")[1].split("\n## ")[0]

@@ -1,4 +1,4 @@
-"""The examples run as printed, each in a folder of its own, and say what they promise."""
+"""The examples run as printed, each in its own folder, and print the documented results."""
 
 import os
 import re
@@ -23,7 +23,7 @@ def said_by(name, folder):
 
 
 def errors(said):
-    """Label → rms error of a line that names one."""
+    """Label → rms error for each line with an error."""
     return {
         m[1]: float(m[2]) for m in re.finditer(r"^(\S+) .*?(?:rms error|unseen run) ([\d.]+) mm", said, re.M)
     }

@@ -1,4 +1,4 @@
-"""What the chapter on data in and out shares: small files, and an import that is read back."""
+"""Fixtures for import and export: small files, and an import that is read back."""
 
 from pathlib import Path
 

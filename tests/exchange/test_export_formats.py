@@ -1,4 +1,4 @@
-"""Runs in other programs' formats, read back by those programs' own readers: equal numbers, units, steps, events."""
+"""Exported runs, read back by other programs' readers: equal numbers, units, steps and events."""
 
 import csv
 import json
@@ -39,14 +39,14 @@ unit = "T"
 
 
 def _twin(rig, path):
-    """The second run of a sitting: its clock does not begin at zero."""
+    """The second run of a session: its clock does not start at zero."""
     with Session(rig, seed=3) as session:
         session.run("validation", {"points": "2"}, path.with_name("before.run.sqlite"), force=True)
         return load_run(session.run("validation", {"points": "2"}, path))
 
 
 def _incomplete(path):
-    """A run that nobody closed: a sample lost, a flag set, an event with figures, a step without a position."""
+    """A run that was never closed: a lost sample, a flag, an event with data, a step without a position."""
     meta = {
         "protocol": "föhn",
         "rig": "bench",
@@ -181,7 +181,7 @@ def test_netcdf_has_the_time_of_day_where_there_is_one(runs, tmp_path):
 
 
 @needs_xarray
-def test_netcdf_holds_only_what_every_reader_knows(run, tmp_path):
+def test_netcdf_holds_only_types_that_every_reader_supports(run, tmp_path):
     """In the file itself: numbers and single characters, attributes of fixed length; nothing ragged."""
     import h5py
 

@@ -1,4 +1,4 @@
-"""Runs go out and come back: the same numbers, no half files, nothing overwritten unasked."""
+"""Runs exported and imported again: equal numbers, no partial files, nothing overwritten without --force."""
 
 import json
 import sys
@@ -131,7 +131,7 @@ def no_file_beyond(size: int):
     [("csv", "csv"), ("mat", "scipy"), ("netcdf", "h5netcdf"), ("parquet", "pyarrow"), ("rrd", "rerun")],
 )
 def test_a_disk_that_fills_is_a_sentence_in_every_format(run, tmp_path, to, needed, capfd):
-    """Libraries that write by themselves end the process (HDF5), or tell of it in lines of their own (Rerun)."""
+    """Libraries that write by themselves end the process (HDF5) or report it in their own log lines (Rerun)."""
     pytest.importorskip(needed)
     with no_file_beyond(1000), pytest.raises(StorageError, match="cannot be written: .*[Ff]ile too large"):
         export_run(run, to=to, out=tmp_path / "out" / "it")

@@ -1,4 +1,4 @@
-"""Planted faults are found and said; a healthy record is silent."""
+"""Injected faults in a file are reported; a correct file gives no warnings."""
 
 import re
 
@@ -34,7 +34,7 @@ def _healthy():
     return _wire(U) + np.random.default_rng(3).normal(0, 1e-4, N)
 
 
-def test_a_healthy_record_is_silent():
+def test_a_correct_record_gives_no_warning():
     assert _channel(_healthy()) == []
     assert _loop(U, _healthy()) == []
     assert time_findings(np.arange(N) * 0.1, LINE, "refuse") == []

@@ -1,4 +1,4 @@
-"""Reversal-curve files: header, units, order, calibration points, files that break their promises, drift."""
+"""Reversal-curve files: header, units, order, calibration points, inconsistent files, drift."""
 
 import numpy as np
 import pytest
@@ -197,7 +197,7 @@ def test_held_out_prediction_is_exact_where_curves_are_linear_in_their_reversal_
     assert np.abs(held_out_misses(ForcCurves(field, moment, number))).max() < 1e-12
 
 
-def test_the_run_remembers_the_decision_and_keeps_its_moments(write, imported):
+def test_the_run_stores_the_drift_decision_and_its_uncorrected_moments(write, imported):
     run = _imported(write, imported, _text(_blocks(40, 30, lambda k: 1 + 0.05 * np.sin(k / 40))))
     assert run.meta["forc"]["drift"]["kind"] == "multiplicative"
     moment, decision = drift_corrected(run)

@@ -1,4 +1,4 @@
-"""Mapping files: what they may say, what is refused, and what becomes of the columns."""
+"""Mapping files: permitted entries, errors, and the imported columns."""
 
 import numpy as np
 import pytest

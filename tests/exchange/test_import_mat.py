@@ -1,4 +1,4 @@
-"""MATLAB files: variables become columns, matrices become numbered loops, and nothing else gets in."""
+"""MATLAB files: variables become columns, matrices become numbered loops, and everything else is refused."""
 
 import io
 import struct
@@ -290,7 +290,7 @@ def test_damage_is_found_where_the_numbers_would_still_come_out(mapped):
         mapped(hand_made("<", element("<", 14, five + in_its_tag)) + matlab(B=B)[128:])
 
 
-def test_a_size_that_is_not_there_is_not_believed(mapped):
+def test_a_size_beyond_the_file_is_refused(mapped):
     honest = matlab(H=H, B=B)
     at = honest.index(struct.pack("<ii", 1, 5))  # the dimensions of H
     for rows, columns in [(2**31 - 1, 2**31 - 1), (1, 10**9), (-1, 5), (1, 6)]:

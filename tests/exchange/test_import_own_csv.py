@@ -1,4 +1,4 @@
-"""smarig's own CSV: what the contract asks for, what it refuses, and the steps found from the current."""
+"""smarig's own CSV format: required columns, errors, and steps found from the current."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,6 @@
-"""Measurements by others: every file imports, physical facts hold, and what is wrong in it is said.
+"""Measurements by others: every file imports, physical facts hold, and errors in the files are reported.
 
-Needs the folder ../shared/data beside the repository; skips where it is absent.
+Needs the folder ../shared/data next to the repository; skipped without it.
 """
 
 from functools import cache

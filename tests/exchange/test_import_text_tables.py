@@ -1,4 +1,4 @@
-"""Text tables as people write them: the same numbers, whatever the delimiter, encoding and preamble."""
+"""Text tables of people: the same numbers for any delimiter, encoding and preamble."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Somebody's own column names and a rig's heating model together: the same run as in our own names."""
+"""Foreign column names together with a rig's heating model give the same run as smarig's own names."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""A running MCU: the AVR firmware's ELF under simavr, its serial line a pty, its hardware told by the test."""
+"""A running MCU: the AVR firmware's ELF under simavr, with its serial line as a pty and its hardware set by
+the test."""
 
 import contextlib
 import os
@@ -13,7 +14,7 @@ SIMAVR = ("gcc", "/usr/include/simavr/sim_avr.h", "/usr/include/libelf.h")
 
 
 class Chip:
-    """A running MCU: its serial line, and a world that says what is measured for the current that it drives."""
+    """A running MCU: its serial line, and an environment that sets the readings for its output current."""
 
     def __init__(self, runner, elf, world):
         symbols = subprocess.run(["avr-nm", elf], capture_output=True, text=True, check=True).stdout
@@ -41,7 +42,7 @@ class Chip:
         self._process.stdin.write(f"{line}\n".encode())
 
     def ask(self, request, ended, patience_s=60.0):
-        """The reply, whole when `ended` says so; what has come when nothing more comes."""
+        """The reply, complete when `ended` says so, or what arrived before the time-out."""
         os.write(self._line, request)
         reply = b""
         while not ended(reply) and select.select([self._line], [], [], patience_s)[0]:

@@ -1,4 +1,4 @@
-"""Numbers of the contract by name: orders, states, faults and refusals."""
+"""Numbers of the register definition by name: orders, states, faults and refusals."""
 
 NONE, ARM, OFF, REARM = range(4)
 IS_OFF, ARMED, TRIPPED = range(3)

@@ -1,4 +1,4 @@
-"""Builds the C firmware, once per session, and gives its devices in Python; skips by name what is not installed."""
+"""Builds the C firmware once per session and wraps its devices in Python; skips if tools are not installed."""
 
 import ctypes
 import shutil
@@ -85,7 +85,7 @@ def status_of(m: RegisterMap, words: list[int]) -> Status:
 
 
 class Device:
-    """One device of the library in memory of its own, spoken to by lines unless said otherwise."""
+    """One device of the library with its own memory; it uses the text framing by default."""
 
     def __init__(self, library: ctypes.CDLL, name: str, boot_count: int = 7) -> None:
         self.map = load_register_map(name)
@@ -100,7 +100,7 @@ class Device:
 
     @property
     def memory(self) -> bytes:
-        """Everything that the device knows."""
+        """The whole state of the device."""
         return self._memory.raw
 
     @property
@@ -121,7 +121,7 @@ class Device:
         return self._reply.raw[:n]
 
     def line(self, text: str) -> str | None:
-        """One line asked, one answered; both without their ends."""
+        """Send one line and return the reply, both without their ends."""
         reply = self.answer(text.encode("latin-1") + b"\n", LINES).decode()
         return reply.removesuffix("\n") or None
 

@@ -1,4 +1,4 @@
-"""The amplifier in C: orders, currents, refusals, repeats and its ring, rule by rule."""
+"""The amplifier in C, rule by rule: orders, currents, refusals, repeats and its ring."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The amplifier's trips: lease timing to the tick, each cause at its border, their order, and the latch."""
+"""The amplifier's trips: lease timing to the tick, each cause at its limit, their order, and the latch."""
 
 import pytest
 

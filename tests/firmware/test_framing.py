@@ -1,4 +1,4 @@
-"""Both framings in C: what is answered, how, and what is not."""
+"""Both framings in C: which requests are answered, and how."""
 
 import pytest
 

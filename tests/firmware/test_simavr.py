@@ -1,6 +1,6 @@
-"""The AVR firmware as it would run on its chip: an ELF under simavr, spoken to over a pty.
+"""The AVR firmware as an ELF under simavr, used over a pty.
 
-Time is the chip's own, in its ticks; how long they take is looked at where ``SMARIG_LONG`` is set.
+Time is counted in the chip's ticks. Their real duration is checked with ``SMARIG_LONG``.
 """
 
 import os
@@ -51,7 +51,7 @@ def test_the_amplifier_on_its_chip(start):
     assert ended.samples[5][:3] == (500_000, 500_000, 2150)
 
     boots = hello[4]
-    chip.tell("hang")  # with interrupts still running: only the watchdog can help
+    chip.tell("hang")  # with interrupts still running: only the watchdog helps
     _until(lambda: _boots(chip) == boots + 1)
     chip.tell("reset")
     _until(lambda: _boots(chip) == boots + 2)
@@ -75,7 +75,7 @@ def test_frames_end_by_silence(start):
 
 
 def _boots(chip):
-    """Its boot count; 0 while it says nothing."""
+    """The boot count of a chip; 0 while there is no reply."""
     heard = chip.ask(f"{sealed('r 5 1')}\n".encode(), lambda reply: reply.endswith(b"\n"), patience_s=0.5)
     return read_line(heard.decode().strip()).words[0] if heard.startswith(b"=") else 0
 

@@ -1,4 +1,4 @@
-"""All questions by name, and the file that keeps their answers."""
+"""All questions by name, and the file of their stored answers."""
 
 import json
 import lzma
@@ -30,7 +30,7 @@ class Questions:
 
     @property
     def names(self) -> list[str]:
-        """Of those that can be asked here: without others' measurements there are fewer."""
+        """The names that can be computed here; without the measurements of others there are fewer."""
         return list(self._asked)
 
     def answer(self, name: str) -> Answer:
@@ -40,7 +40,7 @@ class Questions:
 
 
 def wanted(names: Iterable[str], globs: Iterable[str], everything: bool = False) -> list[str]:
-    """The names that are asked for: those of the globs, or all but the slowest."""
+    """The requested names: those of the globs, or all but the slowest."""
     if globs:
         return [name for name in names if any(fnmatch(name, glob) for glob in globs)]
     return [name for name in names if everything or not any(fnmatch(name, glob) for glob in SLOW)]

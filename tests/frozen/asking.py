@@ -1,6 +1,6 @@
-"""Asks smarig as somebody outside would: the command line, its JSON, and the tables of run files.
+"""Uses smarig from the outside: the command line, its JSON, and the tables of run files.
 
-Nothing here imports the package: whatever moves inside it, these questions stay as they are.
+Nothing here imports the package, so internal changes do not affect these questions.
 """
 
 import contextlib
@@ -78,7 +78,7 @@ def _as_main(argv: list[str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def private(folder: Path) -> Iterator[None]:
-    """Locks and histories of wires that nobody else has seen."""
+    """Use private locks and wire histories."""
     names = {"SMARIG_LOCK_DIR": folder / "locks", "SMARIG_HISTORY_DIR": folder / "wires"}
     before = {name: os.environ.get(name) for name in names}
     for name, path in names.items():
@@ -153,7 +153,7 @@ def any_known(column: Sequence[Any]) -> bool:
 
 
 def positions(path: Path) -> list[float]:
-    """What a run file says of the output."""
+    """The output in a run file."""
     with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
         return [row[0] for row in db.execute("SELECT position FROM sample ORDER BY tick")]
 
@@ -175,7 +175,7 @@ def _short(value: Any) -> Any:
 
 
 def model(path: Path) -> dict[str, Any]:
-    """What a model file says, its many numbers in few."""
+    """A model file, with its many numbers summarised."""
     data = json.loads(path.read_text(encoding="utf-8"))
     keys = ("schema_version", "twin", "rig", "arrangement", "input", "output", "mirrored", "effects")
     return {key: data[key] for key in (*keys, "parameters", "intervals", "noise_floor", "warnings")} | {

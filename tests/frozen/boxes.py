@@ -1,4 +1,4 @@
-"""Questions about sealed boxes: what is recorded in each, and all that can be computed of it."""
+"""Questions about sealed boxes: the recorded data of each, and everything computed from them."""
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
@@ -22,13 +22,13 @@ def sealed(number: int, folder: Path) -> tuple[str, str]:
 
 
 class Box:
-    """One box, opened when it is first asked about."""
+    """One box, opened at its first question."""
 
     def __init__(self, number: int, folder: Path) -> None:
         self._number, self._folder = number, folder
 
     def questions(self) -> Mapping[str, Callable[[], Answer]]:
-        """By what is asked."""
+        """The questions by their names."""
         return {
             "runs": self.runs,
             "identify": self.identify,

@@ -1,8 +1,8 @@
-"""Where two answers differ, as sentences.
+"""Differences between two answers, as sentences.
 
-Exactly: every bit. Else numbers may differ by 1e-6 of themselves and by 1e-9, because libraries of linear algebra
-differ between machines, and hashes of numbers are not looked at: the means beside them are. Sentences may be worded
-anew; names, verdicts and units are compared.
+In exact mode every bit counts. Otherwise numbers may differ by 1e-6 relative and 1e-9 absolute, because
+libraries of linear algebra differ between machines; hashes of numbers are then ignored, and the means beside
+them are compared. Names, verdicts and units are compared; the wording of sentences is not.
 """
 
 import math

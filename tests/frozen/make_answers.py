@@ -1,14 +1,14 @@
-"""What smarig answers today, kept, so that whatever is renamed or moved inside it can be shown to change nothing.
+"""Stores the present answers of smarig, so that renaming and moving code can be shown to change nothing.
 
-Computes answers to some hundred questions that use only surfaces which stay: the command line, its JSON, run and
-model files, the names of ``import smarig``. Every answer has a name and can be had alone:
+It computes answers to some hundred questions that use only stable interfaces: the command line, its JSON,
+run and model files, and the names of ``import smarig``. Every answer has a name and can be computed alone:
 
     make_answers.py -o answers.json.xz                     # all but the slowest; with --all these, too
     make_answers.py --only 'box/0*' -o some.json.xz
-    make_answers.py --compare                              # with those kept here; 1 where anything differs
+    make_answers.py --compare                              # with the stored ones; 1 if anything differs
     make_answers.py --compare --only 'box/07/*' --exact    # to the last bit: on one machine only
 
-See README.md beside this file.
+See README.md in this folder.
 """
 
 import os

@@ -1,6 +1,7 @@
-"""Questions about files of before: do they open, report, export, resume, verify and simulate, with the same numbers?
+"""Questions about old files: do they open, report, export, resume, verify and simulate with the same
+numbers?
 
-The files lie in ``old_files``, most of them compressed; each question works on a copy.
+The files are in ``old_files``, most of them compressed. Each question works on a copy.
 """
 
 import json
@@ -72,7 +73,7 @@ def opened(run: Path) -> Answer:
 
 
 def resumed(run: Path, own_files: Path) -> Answer:
-    """An interrupted run goes on; one that is done, or was a closed loop, says that it does not."""
+    """Resume an interrupted run; a finished run or a closed loop gives its error message."""
     copy = run.with_name(f"resumed_{run.name}")
     for suffix in ("", "-wal"):  # of a process that was killed
         if Path(f"{run}{suffix}").is_file():
@@ -85,7 +86,7 @@ def resumed(run: Path, own_files: Path) -> Answer:
 
 
 def used(kept: Path, run: Callable[[str], Path]) -> Answer:
-    """A model file is read, certified, judged, and simulated."""
+    """Read, certify, verify and simulate a model file."""
     data = json.loads(kept.read_text(encoding="utf-8"))
     along = ALONG.get(data["arrangement"], "forc") if data["rig"] else "forc"
     out = kept.with_suffix(".run.sqlite")
@@ -149,7 +150,7 @@ def _worn() -> dict[str, str]:
 
 
 def campaign(folder: Path) -> Answer:
-    """A campaign that was interrupted goes on: what is done is left, the next is resumed, the rest is run."""
+    """Continue an interrupted campaign: finished runs are kept, the next is resumed, the rest is run."""
     words = ("--rig", "one_wire_twin", "--seed", 11, "--speed", 1e6, "--continue", "-o", folder / "runs")
     said = ask("run", folder / "two.toml", *words)
     runs = sorted((folder / "runs").glob("*.run.sqlite"))

@@ -1,4 +1,4 @@
-"""Questions about others' measurements (beside the repository, or left out), and about the hysteresis alone."""
+"""Questions about measurements by others (skipped without them) and about the hysteresis alone."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +13,7 @@ _PIECE = {"early": slice(0, 1500), "late": slice(6000, 7500)}  # of the long rec
 
 
 def questions(work: Path) -> Questions:
-    """All of them that can be asked here."""
+    """All questions that can be answered here."""
     found: Questions = {"python/measure": measure, "python/table": fod_table, "python/surface": surface}
     found["python/run"] = lambda: in_python(work / "python")
     return found | (_of_data(work / "data") if DATA.is_dir() else {})
@@ -78,7 +78,7 @@ FILES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
 
 
 def imported(file: Path, words: tuple[str, ...], surfaces: tuple[str, ...], folder: Path) -> Answer:
-    """Somebody's file: what is read, what is said of it, models of half of it, judged by the other half."""
+    """A file of others: its data, its warnings, and models of one half verified on the other."""
     run = folder / "imported.run.sqlite"
     folder.mkdir(parents=True, exist_ok=True)
     said = ask("import", file, *words, "-o", run, "--force")
@@ -100,7 +100,7 @@ def _fitted(run: Path, surface: str, kept: Path, words: tuple[str, ...]) -> Answ
 
 
 def _nameless(said: dict) -> dict:
-    """Without where the data were."""
+    """Remove the paths of the data."""
     return {k: v.replace(f"{DATA}/", "") if isinstance(v, str) else v for k, v in said.items()}
 
 
@@ -117,7 +117,7 @@ def loops(folder: Path) -> Answer:
 
 
 def cycles(folder: Path) -> Answer:
-    """The first cycles of a wire, and later ones to judge by."""
+    """The first cycles of a wire, and later ones as held-out data."""
     lines = (DATA / "sma_cycles" / "cycles.txt").read_text(encoding="utf-8").splitlines()
     folder.mkdir(parents=True, exist_ok=True)
     runs = []

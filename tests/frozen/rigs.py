@@ -1,4 +1,4 @@
-"""Questions about rigs: twins, benches over bytes, protocols, planted effects, closed loops."""
+"""Questions about rigs: twins, benches over bytes, protocols, injected effects, closed loops."""
 
 from collections.abc import Callable, Iterator
 from functools import cached_property
@@ -82,7 +82,7 @@ def protocol(twin: str, name: str, work: Path) -> Answer:
 
 
 def effect(twin: str, name: str, work: Path) -> Answer:
-    """A wire with something planted in it."""
+    """A wire with an injected effect."""
     out = work / f"effect/{twin}/{name}.run.sqlite"
     return _run(f"{twin}_twin", "step_currents", out, ("profile=decaying", "points=4"), 5, "--effect", name)
 
@@ -130,7 +130,9 @@ class Loops:
     @cached_property
     def _model(self) -> Path:
         curves, kept = self._folder / "curves.run.sqlite", self._folder / "wire.model.json"
-        with private(self._folder / "before"):  # else the next wire has a past, or none, by who asks first
+        with private(
+            self._folder / "before"
+        ):  # otherwise the wire's history would depend on the order of the questions
             must("run", "first_order_descending", "--rig", f"{self._twin}_twin", "-o", curves, "--force")
         must("identify", curves, "--surface", "exponential", "-o", kept, "--force")
         return kept

@@ -1,4 +1,5 @@
-"""What smarig answered before its inside was rebuilt, it answers still: a part of it here, all with SMARIG_LONG=1."""
+"""smarig still gives the answers it gave before it was restructured: a part of them here, all with
+SMARIG_LONG=1."""
 
 import os
 

@@ -1,7 +1,7 @@
-"""Files that smarig wrote before its inside was rebuilt: they open, report, export, resume and simulate as then.
+"""Files written before the restructuring still open, report, export, resume and simulate as they did.
 
-Between them they hold every kind of event, every key of a run's description and every kind of hysteresis that could
-be written then; old_files/README.md says which holds what.
+Together they contain every kind of event, every key of a run's description and every kind of hysteresis of
+that time; old_files/README.md lists the contents of each.
 """
 
 import contextlib

@@ -1,4 +1,5 @@
-"""Coverage-guided fuzzing of every Python parser of bytes, with atheris: they find a reply, refuse, or find nothing.
+"""Coverage-guided fuzzing of every Python parser of bytes with atheris: each finds a reply, refuses, or
+finds nothing.
 
 python tests/fuzz/parsers.py CORPUS -max_total_time=60
 """
@@ -26,7 +27,7 @@ ASKED = (Exchange(0, 18, 0x100, (1, 2, 3)), Exchange(0, 1), Exchange(0, 0, 0x200
 
 
 def one(data: bytes) -> None:
-    """One input: its first byte says which parser, the others are what is heard."""
+    """One input: its first byte selects the parser, the rest is the received data."""
     if len(data) < 2:
         return
     how, heard = data[0], data[1:]
@@ -41,7 +42,7 @@ def one(data: bytes) -> None:
 
 
 def reply(e: Exchange, heard: bytes, *, text: bool) -> None:
-    """A host's ear: words of the length that was asked for, a refusal, or nothing."""
+    """The host's parser: words of the requested length, a refusal, or nothing."""
     found = lines.find(e, heard) if text else rtu.find(ADDRESS, e, heard)
     if found is not None and not isinstance(found, Refusal):
         assert len(found) == e.count, "another length than was asked for"
@@ -49,7 +50,7 @@ def reply(e: Exchange, heard: bytes, *, text: bool) -> None:
 
 
 def request(device, framing, heard: bytes) -> None:
-    """A device's ear: a reply or silence, and never a current that nobody armed."""
+    """The device's parser: a reply or nothing, and never a current without arming."""
     receiver = framing.receiver()
     for whole in [*receiver.take(heard), *receiver.silence()]:
         if whole:

@@ -1,4 +1,5 @@
-"""The golden exchanges as scripts for the guided fuzzer (host/guided.c), so that it begins where the devices are busy.
+"""The golden exchanges as scripts for the guided fuzzer (host/guided.c), so that it starts from active
+devices.
 
 python tests/fuzz/seeds.py FOLDER
 """

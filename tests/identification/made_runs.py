@@ -1,4 +1,5 @@
-"""Runs made in memory: known hysteresis, known inputs, readings like a bench's worst (one sample a point)."""
+"""Runs made in memory: known hysteresis, known inputs, and readings as poor as those of a bench (one sample
+per point)."""
 
 from pathlib import Path
 

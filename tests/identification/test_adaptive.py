@@ -1,4 +1,5 @@
-"""Choosing the next experiment: memory and cost of a plan, what is believed, and whether choosing pays."""
+"""The choice of the next experiment: memory and cost of a plan, the posterior density, and the benefit of
+choosing."""
 
 import random
 from functools import partial

@@ -1,4 +1,4 @@
-"""The wire's constants: known truth is inside the intervals as often as they promise; the rest gets a sentence."""
+"""The wire's constants: intervals cover known values as stated; undetermined constants give a reason."""
 
 import math
 from dataclasses import replace
@@ -102,7 +102,7 @@ def test_steps_of_several_runs_share_one_time_constant():
     assert narrow.ci95[1] - narrow.ci95[0] < 0.7 * (wide.ci95[1] - wide.ci95[0])
 
 
-def test_a_hold_too_short_for_its_time_constant_is_said_to_be():
+def test_a_hold_too_short_for_its_time_constant_is_reported():
     found = calibrate([heated(0, 60.0, 0.0, 6.0)])
     assert "hold the step longer" in found.not_available["tau"]
 
@@ -279,7 +279,7 @@ def test_what_was_found_goes_into_an_actuator_file(tmp_path):
 
 
 def test_runs_of_one_session_share_their_ends(tmp_path):
-    """A run that stops short of saturation borrows the ends from the run beside it."""
+    """A run that stops short of saturation uses the ends of the other run."""
     with Session("one_wire_twin", seed=2, wire=str(tmp_path)) as session:
         settings = {"partition_K": "0,40,80,174.1"}
         fod = session.run("first_order_descending", settings, tmp_path / "fod.run.sqlite")

@@ -1,4 +1,5 @@
-"""The choice among kinds: held-out curves are held out, intervals and negative mass are what they say."""
+"""The choice of the surface: held-out curves are not used for fitting, and intervals and negative mass are
+correct."""
 
 from dataclasses import replace
 
@@ -131,7 +132,7 @@ def test_the_positive_errors_are_those_of_fits_without_the_curves():
     assert choose_surface(data).held_out_rms["positive"] == pytest.approx(np.sqrt(np.mean(squares)), rel=0.01)
 
 
-def test_one_spoilt_curve_spoils_its_own_prediction_not_the_fit_that_knows_it():
+def test_a_wrong_curve_shows_in_the_held_out_error():
     data = fod_data(fod_run("one_c", seed=1))
     alpha = np.unique(data.alpha)[5]
     spoilt = data.y + 2.0 * ((data.alpha == alpha) & (data.beta < alpha) & (data.beta > data.lower))
@@ -167,7 +168,7 @@ def test_a_ninety_percent_interval_holds_the_true_rms_nine_times_in_ten():
 # --- negative mass ----------------------------------------------------------------------------------------
 
 
-def test_the_share_of_planted_masses_is_met_exactly():
+def test_the_share_of_injected_masses_is_met_exactly():
     masses = np.zeros((4, 4))
     masses[2, 0], masses[3, 1], masses[3, 0], masses[1, 0] = 3.0, 2.0, -1.0, -0.5
     masses[2, 2] = 40.0  # reversible, on the diagonal: no part of μ
@@ -197,7 +198,7 @@ def test_positive_has_no_negative_mass_and_what_crosses_has(compared):
 
 
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(5, 200))
-def test_thinning_keeps_about_as_many_as_asked_evenly_and_the_ends_of_long_curves(lengths, most):
+def test_thinning_keeps_about_the_requested_number_evenly_and_the_ends_of_long_curves(lengths, most):
     curve = np.repeat(np.arange(len(lengths)), lengths)
     kept = np.flatnonzero(thinning_mask(curve, most))
     stride = max(1, -(-curve.size // most))
@@ -212,7 +213,7 @@ def test_thinning_keeps_about_as_many_as_asked_evenly_and_the_ends_of_long_curve
 
 
 def test_curves_of_one_point_in_thousands_do_not_decide_anything():
-    """Thinning may drop a very short curve from the fit; it is still judged, and no score is empty."""
+    """Thinning may remove a very short curve from the fit; it is still evaluated, and no score is empty."""
     u = np.linspace(0.0, 1.0, 60)
     rows = [(k, u[k], u[j]) for k in range(2, 60) for j in range(k + 1)] + [
         (60, 0.011, 0.011),

@@ -1,4 +1,4 @@
-"""What the curves themselves say: sigmoids one by one, noise, merging, crossing, the range."""
+"""Properties of the curves themselves: single sigmoids, noise, merging, crossing, range."""
 
 import numpy as np
 import pytest
@@ -121,7 +121,7 @@ def test_a_curve_that_rises_while_the_input_falls_is_reported():
     assert any("Assumption 2.1" in w for w in report.warnings)
 
 
-def test_two_points_are_enough_to_be_judged():
+def test_two_points_are_enough_for_an_evaluation():
     report = curve_report(fod_data(driven_run("one_c", [0, 60, 0, 174.1, 0])))
     assert np.isnan(report.noise)
     assert report.monotone

@@ -53,7 +53,7 @@ def test_reversible_share(name):
     assert report.g_min >= 0
 
 
-def test_tables_are_judged_by_their_cells():
+def test_tables_are_evaluated_by_their_cells():
     nodes = np.array(THESIS_PARTITIONS["two_wire"])
     a, b = np.meshgrid(nodes, nodes, indexing="ij")
     for name in ("two_c", "two_p"):

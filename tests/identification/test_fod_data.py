@@ -1,4 +1,4 @@
-"""FOD data is found by following the memory, whatever the protocol was."""
+"""FOD data are found by following the memory, for any protocol."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""The density by local regression: right where it can be known, honest about noise, silent where it must be."""
+"""The density by local regression: correct where it is determined, with correct standard errors, NaN
+elsewhere."""
 
 import importlib
 import importlib.util
@@ -49,7 +50,7 @@ def literal_loess(a, b, y, place, width, steps, degree):
     return row @ y, np.linalg.norm(row)
 
 
-# --- the estimator is what it says -------------------------------------------------------------------
+# --- properties of the estimator ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("degree", "width"), [(2, 5.0), (3, 6.0), (4, 8.0)])
@@ -207,7 +208,7 @@ def test_neighbourhoods_that_do_not_determine_a_fit_give_nan_and_a_count():
     assert found.mu[~lonely] == pytest.approx(0.5, abs=1e-9)
 
 
-def test_curves_too_close_together_to_tell_a_derivative_give_no_wild_number():
+def test_curves_too_close_for_a_derivative_give_no_large_number():
     a, b = triangle(20)
     main = a > 0.5
     beta = np.linspace(0.0, 0.1, 8)
@@ -239,7 +240,7 @@ def test_a_place_outside_the_triangle_is_refused(place, options):
         forc_density(a, b, a * b, at=at, **options)
 
 
-def test_places_asked_for_get_what_the_points_there_get():
+def test_requested_places_get_the_values_of_the_points_there():
     a, b = scattered(22)
     y = np.sin(a + 2 * b)
     own = forc_density(a, b, y, smoothing=6.0)
@@ -340,7 +341,7 @@ PUBLISHED_SATURATION = 1.0137918550847258
 # --- the peer ----------------------------------------------------------------------------------------------------
 
 
-def test_pmagpy_s_variforc_says_the_same_of_measured_curves(shared_data):
+def test_pmagpy_s_variforc_agrees_on_measured_curves(shared_data):
     forc = peer()
     curves = curves_from_run(magnetic_run("UB199BF"))[2:]
     step = float(np.median(np.concatenate([-np.diff(c.beta) for c in curves])))

@@ -1,7 +1,7 @@
-"""A hysteresis straight from irregular first-order curves: exact where measured, good where not.
+"""A hysteresis from irregular first-order curves: exact at measured points, accurate between them.
 
-The magnetic files are measurements by others (../shared/data/forc_magnetic); a minimal reader stands here so
-that these tests lean on no importer.
+The magnetic files are measurements by others (../shared/data/forc_magnetic). A minimal reader is included,
+so that these tests do not depend on an importer.
 """
 
 from pathlib import Path
@@ -172,7 +172,7 @@ def test_scalars_and_arrays_agree():
 # --- what was not measured -------------------------------------------------------------------------------------
 
 
-def test_a_trimmed_curve_runs_on_with_its_neighbours_and_says_so():
+def test_a_trimmed_curve_is_continued_from_its_neighbours_and_reported():
     whole, trimmed = (ForcTable.from_curves(irregular_curves(24, trimmed=t)) for t in (False, True))
     curve = next(c for c in trimmed.curves[12:] if c.beta[-1] > 0)
     beyond = np.linspace(0.5, curve.beta[-1] - 0.5, 50)

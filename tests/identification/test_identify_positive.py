@@ -1,4 +1,4 @@
-"""``identify(runs, "positive")``: a measure without negative mass, from first-order curves or from anything else."""
+"""``identify(runs, "positive")``: a measure without negative mass, from first-order curves or from any runs."""
 
 import json
 from importlib import import_module
@@ -36,7 +36,7 @@ def swept(*turns, points=8):
 
 
 def without_steps(run):
-    """The same samples, but as a record that knows no settled steps."""
+    """The same samples as a record without settled steps."""
     return Run(run.path, run.meta, run.columns, (), ())
 
 
@@ -114,7 +114,7 @@ def test_it_needs_no_first_order_curves_and_the_surfaces_do():
             identify(run, kind)
 
 
-def test_runs_without_any_curve_say_so_and_leave_no_number_undefined():
+def test_runs_without_any_curve_are_reported_and_leave_no_number_undefined():
     result = identify(driven_run("one_c", swept(0.0, 60.0, 174.1), seed=1), "positive")
     assert len(result.data) > 0
     assert result.data.curves == 0
@@ -214,7 +214,7 @@ def even(name, n=61):
     return FodTable.from_arrays(nodes, nodes, np.where(b <= a, F[:, :1] - F[-1, 0] / 2 - F, np.nan))
 
 
-def test_what_is_not_measured_mirror_symmetry_tells():
+def test_mirror_symmetry_supplies_what_is_not_measured():
     truth, levels = Preisach.from_surface(even("two_c")), np.linspace(-185.0, 185.0, 12)
     falls = [levels[k::-1] for k in (11, 3, 4)]  # the major loop's descent and two small curves, no more
     inputs = np.concatenate([[-185.0], *falls])
@@ -230,7 +230,7 @@ def test_what_is_not_measured_mirror_symmetry_tells():
     assert np.std(there - exact) < 0.1 * np.std(not_asked.model.predict(walk) - exact)
 
 
-def test_mirror_symmetry_can_be_asked_of_a_positive_measure_only():
+def test_mirror_symmetry_can_be_required_of_a_positive_measure_only():
     with pytest.raises(UsageError, match="positive surface only"):
         identify(fod_run("two_c"), "constant", symmetric=True)
     with pytest.raises(DataError, match="range around zero"):
@@ -253,7 +253,7 @@ def planted(share):
     return made_run(inputs, Preisach.from_surface(table).simulate(inputs) + noise)
 
 
-def test_what_non_negativity_costs_is_said_where_it_costs():
+def test_the_cost_of_non_negativity_is_reported_where_it_occurs():
     asked = [w for w in identify(planted(3.0), "positive").warnings if "favour negative mass" in w]
     assert len(asked) == 1
     fit = identify(planted(3.0), "positive").model.fit
@@ -262,7 +262,7 @@ def test_what_non_negativity_costs_is_said_where_it_costs():
     assert not any("negative mass" in w for w in identify(planted(-1.0), "positive").warnings)
 
 
-def test_too_few_curves_to_choose_the_smoothing_is_said():
+def test_too_few_curves_to_choose_the_smoothing_are_reported():
     result = identify(
         driven_run("one_c", [0, 60, 30, 0, 90, 40, 0, 120, 70, 0, 174.1, 60, 0], seed=1), "positive"
     )
@@ -279,7 +279,7 @@ def test_an_output_that_falls_as_the_input_rises_is_refused_with_what_to_do():
 
 
 @pytest.mark.parametrize("mean", [0.0, 5.0])
-def test_an_output_that_is_noise_is_not_said_to_have_the_wrong_sign(mean):
+def test_an_output_of_noise_alone_is_not_reported_with_the_wrong_sign(mean):
     inputs = fod_inputs(PARTITION["one"])
     with pytest.raises(DataError, match="nor its negative: it does not move with the input") as refused:
         identify(made_run(inputs, np.random.default_rng(0).normal(mean, 1.0, len(inputs))), "positive")

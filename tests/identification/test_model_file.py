@@ -1,4 +1,4 @@
-"""A model survives its file bit for bit; anything else is refused in one sentence."""
+"""A model is equal after saving and loading, bit for bit; any other file is refused with one sentence."""
 
 import json
 
@@ -65,7 +65,7 @@ def test_a_file_can_be_read_by_eye(tmp_path, model):
     assert text.count("\n") < 200
 
 
-def test_nothing_is_overwritten_unasked(tmp_path, model):
+def test_nothing_is_overwritten_without_force(tmp_path, model):
     path = model.save(tmp_path / "wire.model.json")
     with pytest.raises(UsageError, match="--force"):
         model.save(path)
@@ -118,7 +118,7 @@ def test_what_is_no_json_is_refused(tmp_path, content):
         load_model(tmp_path / "missing.model.json")
 
 
-def test_repr_tells_what_matters(model):
+def test_repr_gives_the_main_properties(model):
     assert "exponential FodSurface" in repr(model)
     assert "twin data" in repr(model)
     assert "mm" in repr(model)

@@ -1,4 +1,4 @@
-"""The noise floor is what repeats of one memory state differ by."""
+"""The noise floor is the standard deviation of repeated readings of one memory state."""
 
 import numpy as np
 import pytest

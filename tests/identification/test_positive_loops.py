@@ -1,4 +1,5 @@
-"""Nested loops of a symmetric hysteresis: what they say of a measure, and how well the loops between follow."""
+"""Nested loops of a symmetric hysteresis: what they determine of a measure, and predictions of loops in
+between."""
 
 from dataclasses import replace
 
@@ -107,7 +108,7 @@ def test_the_smallest_and_the_largest_loop_leave_those_between_open_to_two_perce
     assert (fit.masses >= 0).all()
 
 
-def test_one_more_loop_settles_the_one_beside_it(nested):
+def test_one_more_loop_determines_its_neighbour(nested):
     fit = fit_positive(observations_of_loops([nested[0], nested[2], nested[3]]), symmetric=True)
     assert rms_share(fit.table, nested[1]) < 0.010
 

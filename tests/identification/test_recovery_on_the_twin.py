@@ -1,4 +1,4 @@
-"""From the twin's noisy, quantised FOD runs back to the surface that made them: 20 seeds, both rigs."""
+"""Recovery of the surface from noisy, quantised FOD runs of the twin: 20 seeds, both rigs."""
 
 import os
 from dataclasses import dataclass

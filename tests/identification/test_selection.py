@@ -1,4 +1,4 @@
-"""Choosing points by an expression: arithmetic works, code does not."""
+"""Selection of points by an expression: arithmetic works, code is refused."""
 
 import numpy as np
 import pytest

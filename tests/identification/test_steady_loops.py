@@ -1,4 +1,4 @@
-"""Steady loops: every swing that closes is found, with its tips, its branches and what is wrong with it."""
+"""Steady loops: every closing loop is found with its tips, branches and faults."""
 
 from dataclasses import replace
 
@@ -146,7 +146,7 @@ def test_what_is_even_in_the_input_is_the_symmetry_error():
 
 
 @given(st.floats(-50, 50), st.floats(-5, 5), st.floats(0.1, 10))
-def test_symmetry_is_judged_about_the_loops_own_centre_unless_told_otherwise(du, dy, scale):
+def test_symmetry_is_evaluated_about_the_loops_own_centre_by_default(du, dy, scale):
     u, y = rayleigh(10.0)
     (loop,) = steady_loops(numbered((u + du, scale * (y + 1e-3 * np.cos(u)) + dy)))
     (plain,) = steady_loops(numbered((u, y + 1e-3 * np.cos(u))))
@@ -184,7 +184,7 @@ def test_ferrite_loops_close_and_are_symmetric_about_zero(real):
 
 
 @pytest.mark.parametrize(("table", "share"), [(1, 0.054), (3, 0.034), (10, -0.009)])
-def test_ferroelectric_loops_begin_half_way_and_are_open_by_what_the_import_said(real, table, share):
+def test_ferroelectric_loops_begin_half_way_and_are_open_as_the_import_reported(real, table, share):
     (loop,) = steady_loops(real("ferroelectric_loops/RMN_TRAP_SLOW.dat", f"ferroelectric_loops:{table}"))
     assert loop.closure / loop.output_range == pytest.approx(share, abs=0.002)
     assert loop.centre[0] == pytest.approx(72.5, abs=0.3)  # the amplifier's offset

@@ -1,4 +1,4 @@
-"""The surface (5.5) is found again from encoder readings, and the intervals are honest."""
+"""The surface (5.5) is recovered from encoder readings, with correct intervals."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ SEEDS = range(20)
 
 @pytest.fixture(scope="module")
 def fits():
-    """Fits of noisy FOD data, by surface name: one per seed, with the noise-free truth beside it."""
+    """Fits of noisy FOD data by surface name, one per seed, together with the noise-free truth."""
     return {
         name: [fit_surface(fod_data(fod_run(name, seed=seed)), FORM[name[-1]]) for seed in SEEDS]
         for name in ("one_e", "two_c", "two_e")
@@ -160,7 +160,7 @@ def test_an_encoder_zero_elsewhere_moves_the_ends_only():
     )
 
 
-def test_what_cannot_be_fitted_is_said():
+def test_what_cannot_be_fitted_is_reported():
     data = fod_data(fod_run("one_e"))
     with pytest.raises(DataError, match="needs 9 FOD points or more; there are 6"):
         fit_surface(select(data, "curve == 0 or curve == 2"), "exponential")

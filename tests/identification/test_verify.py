@@ -1,4 +1,5 @@
-"""How far a model is from runs: settled points along the whole history, the encoder's zero made explicit."""
+"""Verification: errors of a model at settled points along the whole history, with the encoder's zero as an
+offset."""
 
 from dataclasses import replace
 
@@ -61,7 +62,7 @@ def test_a_model_in_another_zero_is_moved_by_its_output_in_the_initial_state():
     assert judged.settled.rms < 1e-4
 
 
-def test_an_unknown_zero_is_fitted_by_one_number_and_said(one):
+def test_an_unknown_zero_is_fitted_by_one_number_and_reported(one):
     run = driven_run("one_e", WALK, offset=3.0, encoder_zero="zeroed at 12 s")
     judged = verify(one, run).runs[0]
     assert judged.offset_kind == "fitted"
@@ -83,7 +84,7 @@ def test_the_same_session_has_the_same_zero():
     assert verify(model, other).runs[0].offset_kind == "fitted"
 
 
-def test_a_selection_judges_a_part_along_the_whole_history(one):
+def test_a_selection_evaluates_a_part_along_the_whole_history(one):
     run = fod_run("one_c")
     parts = [verify(one, run, select=f"curve%2=={k}").runs[0] for k in (0, 1)]
     assert sum(p.settled.n for p in parts) == 65
@@ -109,7 +110,7 @@ def test_points_before_the_memory_is_known_do_not_count(one):
 
 
 def later(run, by_s):
-    """The same run on a clock that had gone so far."""
+    """The same run with its clock shifted."""
     steps = [replace(s, t_start_s=s.t_start_s + by_s, t_end_s=s.t_end_s + by_s) for s in run.steps]
     return replace(run, columns={**run.columns, "t_s": run["t_s"] + by_s}, steps=tuple(steps))
 

@@ -1,4 +1,4 @@
-"""What a wire went through between settled points belongs to its memory: waveforms, loops, anything that turned."""
+"""Inputs between settled points belong to the memory: waveforms, loops, and any other turning points."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""From a recorded run to a verified model, on the twin and on others' magnetic data."""
+"""From a recorded run to a verified model, on the twin and on magnetic data of others."""
 
 import json
 
@@ -16,7 +16,7 @@ from smarig.runner.session import Session
 
 @pytest.fixture(scope="module")
 def session_folder(tmp_path_factory):
-    """FOD data and a validation run of the two-wire twin, initialised, in one sitting."""
+    """FOD data and a validation run of the two-wire twin, initialised, in one session."""
     folder = tmp_path_factory.mktemp("sitting")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SMARIG_LOCK_DIR", str(folder / "locks"))
@@ -40,7 +40,7 @@ def test_twin_to_model_to_verification(session_folder, tmp_path):
     verified = verify(model, load_run(session_folder / "validation.run.sqlite"))
     (run,) = verified.to_json()["runs"]
     json.dumps(run, allow_nan=False)
-    assert run["offset_kind"] == "known"  # same sitting, same encoder zero
+    assert run["offset_kind"] == "known"  # same session, same encoder zero
     assert run["rms"] < 0.05  # deg; one count is 0.18
     assert run["nrmse"] < 0.002
     assert run["transient"]["n"] > 10_000

@@ -1,4 +1,4 @@
-"""A headless browser that is asked what it shows: started here, ended here, no traffic but loopback."""
+"""A headless browser for tests: it is started and ended here, and uses loopback only."""
 
 import base64
 import itertools

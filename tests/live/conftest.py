@@ -1,4 +1,4 @@
-"""One run of each twin for the whole chapter."""
+"""One run of each twin for all tests of the live view."""
 
 import pytest
 

@@ -1,4 +1,5 @@
-"""Runs and rigs for the live view's chapter: a short run of the twin, once, and a screen that only remembers."""
+"""Runs and rigs for tests of the live view: one short run of the twin, and an output that only stores
+primitives."""
 
 from collections.abc import Sequence
 from pathlib import Path

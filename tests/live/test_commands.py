@@ -1,4 +1,4 @@
-"""``--live``, ``--web`` and ``view`` from the command line: a listener more, a sentence where it cannot be."""
+"""``--live``, ``--web`` and ``view`` on the command line: one more listener, or an error message."""
 
 import signal
 import subprocess
@@ -74,7 +74,7 @@ def test_without_a_screen_nothing_is_begun(one_wire, tmp_path, capsys, monkeypat
     for command in ([*RUN, "-o", str(out), "--live"], ["view", str(one_wire.path)]):
         assert smarig(command) == 2
         err = capsys.readouterr().err
-        assert "There is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set" in err
+        assert "No screen is available: neither DISPLAY nor WAYLAND_DISPLAY is set" in err
         assert err.strip().count("\n") == 0
     assert not out.exists()
 
@@ -138,7 +138,7 @@ def test_a_model_of_another_rig_is_refused(two_wire, tmp_path, capsys):
         str(model),
     ]
     assert smarig(arguments) == 2
-    assert "speaks in mm, the rig measures in deg" in capsys.readouterr().err
+    assert "is in mm, but the rig measures in deg" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(

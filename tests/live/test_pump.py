@@ -1,4 +1,4 @@
-"""The tick never waits: whatever the drawing does, ``put`` returns, memory is bounded, and losses are counted."""
+"""The tick never waits for drawing: ``put`` returns at once, memory is bounded, and lost items are counted."""
 
 import threading
 
@@ -11,7 +11,7 @@ PATIENCE_S = 60.0  # before a test gives up; nothing waits that long
 
 
 class BlockedDrawing:
-    """A drawing that begins, and goes on only when it is let."""
+    """A drawing function that starts and is blocked until it is released."""
 
     def __init__(self) -> None:
         self.began, self.go_on = threading.Event(), threading.Event()

@@ -1,4 +1,4 @@
-"""An .rrd read back by Rerun's own reader holds the same samples as the run, with their times, and stays small."""
+"""An .rrd file, read back by Rerun's reader, holds the samples of the run with their times and stays small."""
 
 import json
 
@@ -75,7 +75,7 @@ def test_ten_hours_are_less_than_a_hundred_megabytes(one_wire, exported):
     assert per_hour < 10e6
 
 
-def test_view_saves_models_beside_one_another(one_wire, tmp_path, capsys):
+def test_view_saves_several_models_in_one_recording(one_wire, tmp_path, capsys):
     out = tmp_path / "view.rrd"
     model = tmp_path / "base.model.json"
     other = tmp_path / "extended.model.json"

@@ -1,4 +1,5 @@
-"""What is drawn is what was measured: values, units, places, axes up, and the twin's label; without any viewer."""
+"""The drawn values are the measured ones: values, units, positions, axes up, and the twin's label; without a
+viewer."""
 
 import json
 
@@ -92,7 +93,7 @@ def test_what_stands_still_costs_nothing(one_wire):
     assert 50 < frames < len(one_wire) / 5
 
 
-def test_axes_point_up_and_say_their_units(one_wire):
+def test_axes_point_up_and_have_units(one_wire):
     screen, scene_renderer = drawn(one_wire)
     (place,) = [m for m in screen.at("graph/plot") if isinstance(m, Transform)]
     assert place.scale is not None
@@ -137,7 +138,7 @@ def test_hardware_is_not_called_a_twin(one_wire):
     )
     screen.show(scene_renderer.opening())
     assert "TWIN" not in json.dumps([str(m) for m in screen.primitives]) + str(scene_renderer.layout)
-    assert not [m for m in screen.primitives if isinstance(m, Pixels)]  # nobody knows this wire's μ
+    assert not [m for m in screen.primitives if isinstance(m, Pixels)]  # the μ of this wire is unknown
 
 
 def test_the_boundary_is_that_of_the_inputs(one_wire):
@@ -217,7 +218,7 @@ def ticked(k: int, u: float, y: float) -> SampleItem:
     return SampleItem(Sample(k, 0.1 * k, 0.5, 0.5, 2.4, np.nan, round(y / 0.047), y, 22.0, 0), 0, u)
 
 
-def test_after_a_gap_the_model_is_silent_until_saturation_wiped_it_out():
+def test_after_a_gap_the_model_predicts_nothing_until_saturation():
     screen, display_info = RecordingOutput(), planned_run_info()
     assert display_info.twin_hysteresis is not None
     upper = display_info.twin_hysteresis.upper
@@ -260,7 +261,7 @@ def test_axes_grow_with_the_data():
 
 
 def test_a_replay_at_a_pace_keeps_it():
-    """With a clock of its own, so that nobody waits: at twice real time ten seconds take five."""
+    """With a simulated clock: at twice real time, ten seconds take five."""
     clock = [0.0]
     shown: list[tuple[float, float]] = []
 

@@ -1,7 +1,7 @@
-"""What viewers make of it: the native one without a screen, and the web one in a headless browser.
+"""The live view in real viewers: the native one without a screen, and the web one in a headless browser.
 
-Asked for their own state (views, complaints, recordings), photographed, and the pictures looked at for what a blank
-page has not. Skipped by name where the tools are absent.
+The tests read the viewers' state (views, errors, recordings) and check that screenshots are not blank. They
+are skipped if the tools are absent.
 """
 
 import io
@@ -37,7 +37,7 @@ RIG = "one_wire_twin"
 
 
 def pictures(tmp_path: Path) -> Path:
-    """Where pictures go: a temporary folder, or where somebody wants to look at them."""
+    """Folder of the screenshots: a temporary one, or one chosen for inspection."""
     folder = Path(os.environ.get("SMARIG_PICTURES") or tmp_path)
     folder.mkdir(parents=True, exist_ok=True)
     return folder
@@ -51,14 +51,14 @@ def until(found: Callable[[], Any], what: str) -> Any:
         try:
             if answer := found():
                 return answer
-        except Exception as error:  # a viewer that is not up yet says so in many ways
+        except Exception as error:  # a viewer that is not ready raises several kinds of error
             said = error
         time.sleep(LOOK_S)
     pytest.fail(f"{what} within {PATIENCE_S:g} s; last: {said}")
 
 
 def headless(url: str) -> tuple[ViewerProcess, str]:
-    """A native viewer without a screen, and where it is asked; skipped where nothing can draw."""
+    """A native viewer without a screen and its address; skipped where nothing can draw."""
     port = free_port()
     viewer = ViewerProcess.headless(url, port, f"{SIZE[0]}x{SIZE[1]}")
     asked = viewer_address(port)
@@ -74,13 +74,13 @@ def headless(url: str) -> tuple[ViewerProcess, str]:
 
 
 def wait_until_idle() -> None:
-    """Where somebody will look at the picture: until the viewer's own remarks have gone."""
+    """Wait until the viewer's own messages have disappeared from the screenshot."""
     if os.environ.get("SMARIG_PICTURES"):
         time.sleep(TOASTS_S)
 
 
 def shows(asked: str, end_s: float) -> dict[str, Any] | None:
-    """What a viewer shows, once it has a layout and a run from its first second to its end."""
+    """The contents of a viewer, once it has a layout and a run from its first second to its end."""
     from smarig.live.rerun_output import viewer_state
 
     state = viewer_state(asked)
@@ -195,7 +195,7 @@ def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
 
 
 def is_served(port: int) -> bool:
-    """Whether somebody listens, on loopback."""
+    """Whether a process listens on loopback."""
     import socket
 
     with socket.create_connection(("127.0.0.1", port), timeout=1.0):

@@ -1,14 +1,14 @@
-"""The whole base model on one page, written from theory §1 and §3 alone: current in, position out.
+"""The complete base model on one page, written from theory §1 and §3 alone: current in, position out.
 
-Heating (5.1) in closed form over the whole record, the Preisach operator as an integral over its
-boundary, the pulley. Slow and plain on purpose: every sample is computed from the whole history, with
-no memory carried along, so that it can be read beside the thesis and held against ``smarig.plant``.
+Heating (5.1) in closed form over the whole record, the Preisach operator as an integral over its boundary,
+and the pulley. It is slow and simple on purpose: every sample is computed from the whole history without a
+stored memory, so that it can be compared with the thesis and with ``smarig.plant``.
 
     u = T₁ − T₂,   T(t) = Σ_k T_ss,k (e^(−(t−t_k)/τ) − e^(−(t−t_{k−1})/τ)),   T_ss = R i²/(hA)
     y(t) = y₋ + ∫_{u₋}^{u(t)} ∂_βy(b(β), β) dβ
 
-b(β) is the boundary between P₊ and P₋ above β: the largest input since u was last ≤ β (since the start
-if it never was), or the initial boundary where that is higher. ∂_βy(b, β) is ν of the strip β ≤ α ≤ b.
+b(β) is the boundary between P₊ and P₋ above β: the largest input since u was last ≤ β (since the start if it
+never was), or the initial boundary where that is higher. ∂_βy(b, β) is ν of the strip β ≤ α ≤ b.
 """
 
 import math

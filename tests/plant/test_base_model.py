@@ -1,4 +1,4 @@
-"""The plant against the whole base model on one page: current in, temperature, position and counts out."""
+"""The plant against the complete base model on one page: current in; temperature, position and counts out."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Joule heating (5.1)–(5.3): exact for piecewise constant currents, and its energy adds up."""
+"""Joule heating (5.1)–(5.3): exact for piecewise constant currents, with a closed energy balance."""
 
 import math
 
@@ -53,7 +53,7 @@ def test_steady_current_and_temperature_are_inverse(temperature_K: float):
 
 
 def test_a_single_wire_is_heated_by_either_sign():
-    """Without the differential rig's diodes R i² knows no sign."""
+    """Without the differential rig's diodes, R i² does not depend on the sign."""
     assert ONE.input_for(-0.5) == ONE.input_for(0.5) > 0
 
 

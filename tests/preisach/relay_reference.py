@@ -1,9 +1,9 @@
-"""Relay by relay: the Preisach operator as its definition (3.1) reads, and the thesis's surface as printed.
+"""The Preisach operator relay by relay as in its definition (3.1), and the thesis's surface as printed.
 
-An independent reference for ``smarig.preisach``: it shares no code with it, keeps no stack and takes no
-short cut. The plane is cut into cells along a set of levels; an input that only visits levels switches
-whole cells, so a cell is one relay that carries the cell's share of the measure ν of theory §1: cells
-on the diagonal α = β carry the reversible part with it. Cells cut by α + β = 2ℓ are two relays.
+An independent reference for ``smarig.preisach``: it shares no code with it and has no stack. The plane is
+cut into cells along a set of levels. An input that visits only levels switches whole cells, so a cell is one
+relay that carries the cell's share of the measure ν of theory §1; cells on the diagonal α = β include the
+reversible part. Cells cut by α + β = 2ℓ are two relays.
 """
 
 from collections.abc import Callable, Iterable

@@ -1,4 +1,5 @@
-"""The inverse: there and back, with the least move, exactly where it can be, and refused where there is none."""
+"""The inverse: a round trip with the least move, exact where possible, and an error where there is no
+inverse."""
 
 import numpy as np
 import pytest
@@ -100,7 +101,7 @@ def test_relays_switch_at_the_first_threshold_that_reaches_the_target(initial, p
 
 
 @given(initials, paths)
-def test_an_output_that_is_there_asks_for_no_move(initial, path):
+def test_the_present_output_needs_no_move(initial, path):
     for h in (*SMOOTH.values(), MEASURE):
         op = Preisach(h, initial)
         op.follow(path)

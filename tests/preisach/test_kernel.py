@@ -1,4 +1,4 @@
-"""The one loop, plain and compiled: relays, steps, runs in pieces and restored states all say the same."""
+"""The kernel, plain and compiled: relays, steps, runs in pieces and restored states give the same output."""
 
 import json
 import tracemalloc
@@ -161,8 +161,8 @@ def test_a_look_ahead_changes_nothing_that_comes_later(name: str, initial, befor
     assert [op.step(u) for u in path] == other.follow(path).tolist()
 
 
-def test_a_growing_oscillation_from_the_diagonal_leaves_it_anew_at_each_turn():
-    """Every second sample asks the integral along B_ℓ; outputs are those of a swing from B_ℓ in one move."""
+def test_a_growing_oscillation_from_the_diagonal_leaves_it_again_at_each_turn():
+    """Every second sample uses the integral along B_ℓ; the outputs equal those of a single move from B_ℓ."""
     h = thesis_surface("two_e")
     reach = np.linspace(1.0, 180.0, 40)
     u = np.column_stack([reach, -reach]).ravel()
@@ -203,7 +203,7 @@ def test_memory_does_not_grow_beyond_the_arrays():
 
 
 class Counted:
-    """A hysteresis that counts how often F is asked: y = u² / 2, everything reversible."""
+    """A hysteresis that counts the evaluations of F: y = u² / 2, everything reversible."""
 
     lower, upper, y_lower = -1.0, 1.0, 0.0
 
@@ -226,7 +226,7 @@ class Counted:
 
 @pytest.mark.parametrize("shape", ["walk", "decaying", "growing"])
 def test_cost_is_flat_in_memory_depth(shape: str):
-    """F is asked once for each sample, whatever is remembered; a class of the user's own runs the same loop."""
+    """F is evaluated once per sample at any memory depth; a user's own class uses the same loop."""
     n = 4000
     oscillation = np.where(np.arange(n) % 2, -1.0, 1.0) * np.linspace(0.999, 0.001, n)
     u = {"walk": walk(n, 14) / 190, "decaying": oscillation, "growing": oscillation[::-1]}[shape]
@@ -347,7 +347,7 @@ def test_a_state_that_is_not_nested_is_refused():
 
 
 def test_a_present_point_kept_as_an_extremum_is_one_point():
-    """A state that ends in its last extremum goes on either way like the operator that stands there."""
+    """A state that ends in its last extremum continues in both directions like the operator at that point."""
     op = Preisach(thesis_surface("two_e"))
     op.simulate([100.0, -20.0])
     twice = State((*op.state.extrema, op.u), (*op.state.outputs, op.y), op.u, op.y)

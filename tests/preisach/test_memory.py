@@ -1,4 +1,4 @@
-"""The memory: what is wiped out leaves no trace, comparable loops are congruent, and time plays no part."""
+"""Memory: wiping-out, congruency of comparable loops, and independence of time."""
 
 from itertools import pairwise
 
@@ -377,7 +377,7 @@ def test_what_is_no_hysteresis_is_refused(build, sentence: str):
 
 
 def test_assumptions_of_this_chapter():
-    """SPAN is what it says: outputs of the four systems really move over a comparable range."""
+    """SPAN is correct: the outputs of the four systems move over a comparable range."""
     for h in SYSTEMS.values():
         y = Preisach(h).simulate(np.random.default_rng(0).uniform(-185, 185, 200))
         assert SPAN / 10 < np.ptp(y) < SPAN * 10

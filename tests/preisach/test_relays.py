@@ -1,4 +1,4 @@
-"""The operator against relays switched one by one: the same output, to rounding, whatever the history."""
+"""The operator against relays switched one by one: the same output to rounding, for any history."""
 
 import numpy as np
 import pytest

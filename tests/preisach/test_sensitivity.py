@@ -1,4 +1,4 @@
-"""Slopes of the output to the remembered extrema, against differences of whole simulations."""
+"""Derivatives of the output with respect to the remembered extrema, against differences of simulations."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the thesis and theory §1 say of the six surfaces of Table 5.1, figure by figure."""
+"""Statements of the thesis and of theory §1 about the six surfaces of Table 5.1, figure by figure."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The adaptive protocol: inert, obedient to its chooser within limits, and it knows when to stop."""
+"""The adaptive protocol: no side effects, follows its chooser within limits, and stops at the right time."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What the twin knows and a steady-state model cannot: lag makes loops drift and spoils initialisation."""
+"""Effects of thermal lag that a steady-state model lacks: loops drift, and initialisation is incomplete."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The contract of every protocol in the folder: inert, within limits, documented, ends cold, previewable."""
+"""The contract of every protocol: no side effects, within limits, documented, ends cold, can be previewed."""
 
 import pytest
 
@@ -52,7 +52,7 @@ def test_it_is_inert_documented_and_refuses_unknown_settings(name):
 
 
 def targets(name, rig="one_wire_twin", **settings):
-    """The inputs a protocol asks for, in order; nothing is run (answers are not needed)."""
+    """The inputs of a protocol in order; nothing is run, since no results are needed."""
     return [c.target for c in build_protocol(name, Setup.of(rig), settings) if isinstance(c, Hold)]
 
 

@@ -1,4 +1,4 @@
-"""Phrases of this chapter: samples that say their own tick, and waiting for what must come."""
+"""Helpers for tests of records: samples that carry their own tick, and waiting for a condition."""
 
 import time
 from collections.abc import Callable
@@ -28,7 +28,7 @@ def result(index: int, verdict: StepVerdict = StepVerdict.SETTLED) -> StepResult
 
 
 def until(condition: Callable[[], bool], patience_s: float = 60.0) -> None:
-    """Ask again and again; patience only ends a test that has already failed."""
+    """Poll a condition; the time-out only ends a test that has already failed."""
     end = time.monotonic() + patience_s
     while not condition():
         if time.monotonic() > end:
@@ -36,5 +36,5 @@ def until(condition: Callable[[], bool], patience_s: float = 60.0) -> None:
 
 
 def beside(path: Path) -> list[str]:
-    """Names of what lies in the folder of a file."""
+    """Names of the files in the folder of a file."""
     return sorted(p.name for p in path.parent.iterdir() if p.is_file())

@@ -1,4 +1,4 @@
-"""A host that slept, a clock that was set: told once, in a sentence."""
+"""A suspended host or a changed clock is reported once, in one sentence."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Reading: a run as columns and points; anything that is not a run is refused in one sentence."""
+"""Reading a run as columns and points; any other file is refused with one sentence."""
 
 import sqlite3
 

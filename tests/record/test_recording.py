@@ -1,4 +1,4 @@
-"""A run is recorded: every channel comes back, at once readable, and closing leaves one file."""
+"""Recording a run: every channel is read back, the file is readable at once, and closing leaves one file."""
 
 import math
 import sqlite3

@@ -1,4 +1,5 @@
-"""The typed description of a run: every key has its attribute, nothing is lost, and nothing odd breaks it."""
+"""The typed description of a run: every key has an attribute, nothing is lost, and unusual values do no
+harm."""
 
 import json
 from dataclasses import fields
@@ -83,7 +84,7 @@ def test_an_empty_description_has_defaults():
     assert info.output.resolution == 0.0
 
 
-def test_null_and_absent_differ_where_it_is_asked():
+def test_a_null_key_is_present_and_an_absent_one_is_not():
     info = RunInfo.of({"rig": None})
     assert info.rig is None
     assert info.has("rig")

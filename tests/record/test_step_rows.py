@@ -1,4 +1,4 @@
-"""Rows and windows of steps: as a search through all samples finds them."""
+"""Rows and windows of steps, compared with a search through all samples."""
 
 from pathlib import Path
 

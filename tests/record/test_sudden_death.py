@@ -1,4 +1,4 @@
-"""kill -9 while recording: the file opens, and what had been committed is in it, whole and in order."""
+"""kill -9 while recording: the file opens and holds all committed samples in order."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""A wire's history: what is counted, that it adds up over runs, and that a wire can be worn out."""
+"""A wire's history: what is counted, the sum over runs, and the limit of cycles."""
 
 import json
 from pathlib import Path
@@ -92,7 +92,7 @@ def test_a_worn_wire_is_refused_before_anything_moves(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"wire": 3}', "\x00"])
-def test_a_damaged_history_is_a_sentence(tmp_path, text):
+def test_a_damaged_history_gives_one_sentence(tmp_path, text):
     WireHistory("a", twin=True, runs=1).save()
     path = next((tmp_path / "wires").iterdir())
     path.write_text(text, encoding="utf-8")

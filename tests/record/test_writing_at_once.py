@@ -1,4 +1,4 @@
-"""Imports and simulations write a whole run at once: all of it, or nothing at all."""
+"""Imports and simulations write a whole run or nothing."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""Short sittings at a twin: real run files, with a fine encoder where rounding would hide what is tested."""
+"""Short sessions on a twin: real run files, with a fine encoder where quantisation would hide the tested
+property."""
 
 from smarig.config import locate
 from smarig.plant.actuator import Actuator
@@ -16,7 +17,7 @@ FINER = 100  # times the encoder's counts
 
 
 def session_runs(folder, *protocols, rig="one_wire_twin", effects=(), seed=1, noise=True, fine=False):
-    """Runs of one sitting, in the order they were made; protocols are (name, settings)."""
+    """Runs of one session in order; protocols are (name, settings)."""
     if fine:
         coarse = locate("rigs", rig).read_text(encoding="utf-8")
         rig = str(folder / "fine.toml")

@@ -1,4 +1,4 @@
-"""Two ways through a story: along a path that is known beforehand, and tick by tick with the whole plant."""
+"""Two ways to simulate a timeline: along a known path, and tick by tick with the complete plant."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ CASES = [pytest.param(wire, kind, id=f"{wire}-{kind.name}") for wire in WIRES fo
 
 @pytest.fixture(scope="module")
 def cases(tmp_path_factory):
-    """(story, subject) of each wire."""
+    """(timeline, plant model) of each wire."""
     found = {}
     for wire in WIRES:
         runs = session_runs(tmp_path_factory.mktemp(wire), LONG, LISTED, rig=f"{wire}_twin")

@@ -1,4 +1,4 @@
-"""A story retold on coarse ticks: what the plant would have shown, with the plant's own effects in it."""
+"""Prediction of a timeline on coarse ticks: what the plant would have shown, including its effects."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ TRANSIENT_EFFECTS = {"sensor_lag": ("sensor_lag=5",)}  # shows only while the wi
 
 @pytest.fixture(scope="module")
 def case_with_effect(tmp_path_factory):
-    """The story of a noise-free sitting, with the subject that is the twin itself; made once for each effect."""
+    """The timeline of a noise-free session with the plant model of the twin; made once for each effect."""
     kept = {}
 
     def make(name):

@@ -1,4 +1,4 @@
-"""Several sittings as one story: each is lived anew, on its own clock and from its own zero."""
+"""Several sessions in one timeline: each is simulated on its own clock and from its own zero."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ SHIFT_MM = 1.0
 
 @pytest.fixture(scope="module")
 def apart(tmp_path_factory):
-    """The runs of two sittings; the second is longer."""
+    """The runs of two sessions; the second is longer."""
     return [
         session_runs(tmp_path_factory.mktemp("sittings"), *protocols, seed=seed)
         for seed, protocols in enumerate([(LISTED, FEW), (LONG, LISTED)])
@@ -183,7 +183,7 @@ def refitted(runs, **changes):
 
 
 def test_each_session_has_an_encoder_zero_of_its_own(apart):
-    """What another zero of the second sitting would change, if it were not free: thousands of nats."""
+    """Without a free zero for the second session, the likelihood would change by thousands of nats."""
     before = refitted([*apart[0], *apart[1]])
     after = refitted([*apart[0], *(with_shifted_zero(run, SHIFT_MM) for run in apart[1])])
     assert after.log_evidence == pytest.approx(before.log_evidence, abs=0.05)
@@ -200,7 +200,7 @@ def test_the_densitys_zero_is_that_of_the_first_session(apart):
 
 
 def test_a_warmer_ambient_in_the_next_session_is_no_misfit(apart):
-    """A thermometer has no zero in common with a wire that begins anew."""
+    """A thermometer shares no zero with a wire that starts again."""
     warm = [with_columns(run, ambient_degC=run["ambient_degC"] + 3.0) for run in apart[1]]
     before, after = refitted([*apart[0], *apart[1]]), refitted([*apart[0], *warm])
     assert after.log_evidence == pytest.approx(before.log_evidence, abs=5.0)

@@ -1,4 +1,4 @@
-"""Runs as one story: what was commanded becomes stretches, what was read becomes observations."""
+"""Runs as one timeline: commands become segments, and readings become observations."""
 
 from dataclasses import replace
 

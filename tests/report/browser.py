@@ -1,6 +1,6 @@
-"""A page in a real browser: headless Chromium over its own protocol, with every name made unresolvable.
+"""A page in headless Chromium over its own protocol, with all host names unresolvable.
 
-Knows tabs, what they log, what they ask the network for, and axe-core. Refuses to know smarig's pages.
+It reads what tabs log and request from the network, and runs axe-core.
 """
 
 import base64
@@ -45,7 +45,7 @@ def chromium() -> str:
 
 
 def axe() -> str:
-    """axe-core's script: from $SMARIG_AXE (the file, or the folder of node_modules), or a skip that says so."""
+    """The script of axe-core from $SMARIG_AXE (the file, or the folder of node_modules); skips without it."""
     root = Path(__file__).resolve().parents[2]
     axe_path = os.environ.get("SMARIG_AXE")
     places = [Path(axe_path)] if axe_path else []
@@ -114,7 +114,7 @@ class Browser:
 
 @dataclass
 class Tab:
-    """An open page: what it logged, what it asked for, and what a script in it says."""
+    """An open page: its log, its requests, and results of scripts."""
 
     browser: Browser
     session: str
@@ -153,7 +153,7 @@ class Tab:
         return [event for event in self.browser.events if event.get("sessionId") == self.session]
 
     def requests(self) -> list[str]:
-        """Addresses asked for, those inside the page (data:, blob:) left out."""
+        """Requested addresses, without those inside the page (data:, blob:)."""
         asked = [
             event["params"]["request"]["url"]
             for event in self._events

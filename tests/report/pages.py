@@ -1,4 +1,4 @@
-"""Phrases of this chapter: a page taken apart with a parser, runs made in memory, packed arrays unpacked."""
+"""Helpers for tests of pages: parsed pages, runs made in memory, unpacked arrays."""
 
 import base64
 import json

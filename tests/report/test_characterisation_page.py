@@ -1,4 +1,4 @@
-"""The characterisation page holds the numbers that were found, in the promised order, in one small file."""
+"""The characterisation page holds the computed numbers in the documented order in one small file."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def page(text):
     return Page(text)
 
 
-DIAGNOSIS = "diagnosis/report.html"  # a page of its own, beside this one
+DIAGNOSIS = "diagnosis/report.html"  # a separate page in the same folder
 
 
 def test_it_is_one_small_file_that_loads_nothing(page, text):
@@ -130,7 +130,7 @@ def test_the_trade_off_has_one_mark_a_kind_and_positive_in_the_good_corner(evide
     assert f"the smallest in MP is {choice.held_out_rms['positive']:.3g} mm (positive)" in caption
 
 
-def test_the_summary_says_which_model_the_theorems_apply_to(evidence, page):
+def test_the_summary_names_the_model_that_the_theorems_apply_to(evidence, page):
     at = page.visible.index("The exponential model is not in MP")
     words = page.visible[at : at + 700]
     rms, verification = evidence.choice.held_out_rms, evidence.verifications
@@ -225,7 +225,7 @@ def test_the_replayed_model_passes_the_measured_peaks(evidence, page):
     assert np.abs(y[::12] - outputs).max() < 0.02  # a twentieth of what the constant surface misses
 
 
-def test_every_caption_says_twin_n_and_rig(page):
+def test_every_caption_gives_twin_n_and_rig(page):
     assert len(page.captions) > 15
     for caption in page.captions:
         assert caption.startswith("TWIN")

@@ -1,4 +1,4 @@
-"""Pages of closed loops and of certificates: what is drawn is what was recorded, and what is said is what is proved."""
+"""Pages of closed loops and certificates: figures show the record, and texts state what is proved."""
 
 from dataclasses import replace
 
@@ -31,7 +31,7 @@ def closed_loop_model():
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory, closed_loop_model):
-    """Twenty seconds of steps, and a set-point held against a disturbance, in one sitting."""
+    """Twenty seconds of steps, and a set-point held against a disturbance, in one session."""
     folder = tmp_path_factory.mktemp("loops")
     with Session("one_wire_twin", seed=2) as session:
         loops = {
@@ -118,7 +118,7 @@ def test_a_loop_that_swings_or_rests_off_is_reported(runs):
 
 
 def test_the_row_of_errors_reaches_as_far_as_the_errors(runs):
-    """Also of a loop that is far off all the time; jumps of a reference are cut, and that is said."""
+    """Also for a loop that is far off all the time; jumps of a reference are cut and reported."""
     elsewhere = moved(runs["regulate"], lambda t: 0 * t + 40)
     page = Page(run_page(elsewhere))
     ranges = [
@@ -156,7 +156,7 @@ def test_the_end_of_the_last_step_is_none(runs):
     assert found.loop.wanted[-1] == found.reference.position[-2]
 
 
-def test_a_certificate_stands_beside_the_loop_and_says_when_it_is_of_another_model(runs, closed_loop_model):
+def test_the_loops_page_has_the_certificate_and_states_when_it_is_of_another_model(runs, closed_loop_model):
     same = Page(
         run_page(
             runs["track"],
@@ -209,7 +209,7 @@ MARKED = {
         Event(0.0, "info", "mark", "regulate", {"lower_K": 0.0, "upper_K": 100.0}),
     ],
 )
-def test_marks_that_say_too_little_cost_the_section_and_not_the_page(mark):
+def test_incomplete_marks_cost_the_section_and_not_the_page(mark):
     odd = {
         "setpoint": 1,
         "rest_K": 2,

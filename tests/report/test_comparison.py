@@ -1,4 +1,4 @@
-"""Runs over each other, and models on the same runs: what is subtracted, what is refused, what is said."""
+"""Comparison of runs, and of models on the same runs: offsets, errors and texts."""
 
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ def test_what_differs_is_listed_and_what_does_not_is_not():
     assert not [row for table in page.tables for row in table if row[0] == "seed"]
 
 
-def test_a_twin_beside_a_bench_is_named_in_the_banner():
+def test_a_twin_compared_with_a_bench_is_named_in_the_banner():
     text = comparison_page({"a": made((0, 5, 2, 4)), "b": made((0, 5, 2, 4), source="twin")})
     assert "TWIN: 1 of the 2 runs" in Page(text).visible
     assert "TWIN" not in Page(comparison_page({"a": made((0, 5, 2, 4)), "b": made((0, 5, 2, 4))})).visible
@@ -80,7 +80,7 @@ def test_what_cannot_be_compared_is_refused_in_a_sentence():
 
 @pytest.fixture(scope="module")
 def wire(tmp_path_factory):
-    """Curves, a run to judge by, and one of a wire that walks."""
+    """Curves, a held-out run, and a run of a wire with the effect walking."""
     folder = tmp_path_factory.mktemp("wire")
     with Session("one_wire_twin", seed=3) as session:
         curves = {"partition_K": (0, 50, 70, 90, 110, 160)}

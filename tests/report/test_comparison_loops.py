@@ -1,4 +1,5 @@
-"""Closed loops beside each other: what is compared was asked for the same, and is what the records say."""
+"""Comparison of closed loops: only loops with the same reference are compared, with the figures of their
+records."""
 
 from dataclasses import replace
 
@@ -112,7 +113,7 @@ def test_different_lead_times_are_reported(runs):
     assert "preview times" not in page_of(runs, "pi", **again).visible
 
 
-def test_different_references_are_said_and_not_drawn_over_each_other(runs):
+def test_different_references_are_reported_and_not_drawn_in_one_figure(runs):
     page = page_of(runs, "inverse", "pi", "ramps")
     assert "tracked 2 different references" in page.visible
     assert list(table_of(page, "Steps settled")) == ["inverse", "pi"]
@@ -122,7 +123,7 @@ def test_different_references_are_said_and_not_drawn_over_each_other(runs):
     assert {"± 2 counts", "ramps", "reference"} in drawn
 
 
-def test_set_points_have_their_transients_beside_each_other(runs):
+def test_set_points_have_their_transients_in_one_figure(runs):
     page = page_of(runs, "diagonal", "ascending")
     found = {name: closed_loop_result(runs[name]) for name in ("diagonal", "ascending")}
     table = table_of(page, "Over the smallest")
@@ -174,7 +175,7 @@ def test_the_states_and_the_output_paths_are_those_of_the_runs(runs):
     assert [t["name"] for t in plane["data"]] == ["α = β", "B_ℓ, α = 2ℓ − β", "diagonal", "ascending"]
 
 
-def test_different_set_points_or_disturbances_are_said(runs):
+def test_different_set_points_or_disturbances_are_reported(runs):
     page = page_of(runs, "diagonal", "ascending", "elsewhere")
     assert "These runs differ in set-point or disturbance" in page.visible
     assert list(table_of(page, "Transient / smallest")) == ["diagonal", "ascending"]

@@ -1,4 +1,4 @@
-"""The page kit: escaping, packed arrays, decimation that keeps peaks, writing all or nothing."""
+"""The components of pages: escaping, packed arrays, decimation that keeps peaks, and atomic writing."""
 
 import json
 import os
@@ -80,7 +80,7 @@ def test_the_label_stands_at_the_frame_where_axes_of_one_scale_leave_paper_empty
     assert [(m["xref"], m["yref"]) for m in marks] == [("paper", "paper"), ("x domain", "y domain")]
 
 
-def test_a_stacked_table_says_beside_each_value_which_column_it_is_of():
+def test_a_stacked_table_names_the_column_of_each_value():
     header = ("Name", Html("k<sub>e</sub> (mm)"), "<i>")
     cells = [attrs for name, attrs in Page(table(header, [("a", 1, 2)], stacked=True)).tags if name == "td"]
     assert cells == [{"data-column": "k_e (mm)"}, {"data-column": "<i>"}]
@@ -119,7 +119,7 @@ def test_a_page_is_never_overwritten_by_accident(tmp_path):
     assert [p.name for p in target.parent.iterdir()] == ["report.html"]
 
 
-def test_where_no_page_can_be_written_one_sentence_says_so(tmp_path):
+def test_an_unwritable_page_gives_one_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="not a folder"):
         write_page("x", tmp_path / "file" / "report.html")

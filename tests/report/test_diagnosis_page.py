@@ -1,6 +1,7 @@
-"""The page of a diagnosis: what it says and draws of evidence from a twin with a hidden drift, under every verdict.
+"""The page of a diagnosis: its texts and figures of evidence from a twin with an injected drift, for every
+verdict.
 
-The search is not run here: the explanation is the drift that was hidden, with made standard deviations.
+The search is not run here. The explanation is the injected drift, with made-up standard deviations.
 """
 
 import re
@@ -38,7 +39,7 @@ NAMED = DiagnosisVerdict("named", ((("ambient_drift",), 0.97), (("slip",), 0.03)
 
 
 def lived(folder, seed, *effects, with_validation=False):
-    """First-order curves of a one-wire twin, and a run to judge by if asked for."""
+    """First-order curves of a one-wire twin, with a held-out run on request."""
     with Session("one_wire_twin", twin=TwinSettings(seed=seed, effects=effects)) as session:
         curves = {"partition_K": LEVELS}
         runs = [session.run("first_order_descending", curves, folder / f"{seed}f.run.sqlite")]
@@ -115,7 +116,7 @@ def test_a_negative_gain_is_announced(named):
     assert "Do not use it yet" not in Page(diagnosis_page(replace(named, gain=better))).visible
 
 
-def test_a_silent_diagnosis_says_so_and_shows_no_after(silent):
+def test_a_diagnosis_without_finding_states_it_and_shows_no_extended_model(silent):
     page = Page(diagnosis_page(silent))
     assert (
         "No finding: the model explains these data as well as it explains data without any effect."
@@ -126,7 +127,7 @@ def test_a_silent_diagnosis_says_so_and_shows_no_after(silent):
     assert "No experiment is needed" in page.visible
 
 
-def test_a_silent_verdict_above_the_threshold_is_a_warning(named):
+def test_a_silent_verdict_above_the_threshold_gives_a_warning(named):
     page = Page(diagnosis_page(replace(named, verdict=DiagnosisVerdict("silent"), levels=())))
     assert "No finding, with a doubt" in page.visible
     assert "No experiment is needed" not in page.visible
@@ -180,7 +181,7 @@ def test_every_candidate_is_on_the_detection_figure_on_its_side_of_the_threshold
     np.testing.assert_allclose(edge, named.first.threshold)
 
 
-def test_what_could_be_seen_and_what_not_is_said_of_every_effect(named):
+def test_visibility_is_reported_for_every_effect(named):
     blind = replace(named.visibility, delta=np.where(np.arange(len(named.visibility.names)) == 0, 0.0, 1.0))
     page = Page(diagnosis_page(replace(named, visibility=blind)))
     known = {k.name: k for k in effect_types()}
@@ -224,7 +225,7 @@ def test_the_rms_of_the_blocks_drawn_make_up_the_whole_every_reading_by_its_own_
     assert len(unpacked(page.traces("base model, noisier")[0]["x"])) == np.sum(weight < 9 / 4)
 
 
-def test_an_axis_that_is_finer_than_that_beside_it_says_so():
+def test_an_axis_with_a_finer_scale_than_its_neighbour_states_it():
     small, large = np.array([-0.1, 0.1]), np.array([-5.0, 5.0])
     assert half_ranges([large, small], 0.0) == pytest.approx([5 * AXIS_MARGIN, 0.1 * AXIS_MARGIN])
     assert half_ranges([small, large], 0.0) == pytest.approx([5 * AXIS_MARGIN] * 2)
@@ -262,7 +263,7 @@ def test_a_page_is_labelled_whole_and_loads_nothing(named, silent, tmp_path):
         assert write_page(text, tmp_path / f"{d.verdict.word}.html").stat().st_size < 7_000_000
 
 
-def test_in_a_notebook_it_says_what_it_found_and_draws_both_models(named):
+def test_in_a_notebook_it_shows_the_result_and_draws_both_models(named):
     display_html = Page(named._repr_html_())
     assert "ambient_drift" in display_html.visible
     assert "TWIN · simulated, not hardware" in display_html.visible

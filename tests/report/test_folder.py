@@ -1,4 +1,4 @@
-"""A folder of runs: its index finds every run, stays small, and is renewed without touching what is not ours."""
+"""The index of a folder finds every run, stays small, and is renewed without touching other files."""
 
 import os
 import sqlite3
@@ -47,7 +47,7 @@ def test_a_run_whose_description_is_damaged_is_named_and_the_others_are_there(fo
     assert "start_epoch" in Page(made.index.read_text(encoding="utf-8")).visible
 
 
-def test_a_folder_gets_an_index_pages_beside_its_runs_and_one_library(folder):
+def test_a_folder_gets_an_index_a_page_for_each_run_and_one_library(folder):
     (folder / "junk.run.sqlite").write_text("no run", encoding="utf-8")
     made = report_folder(folder)
     assert [page.report.relative_to(folder).as_posix() for page in made.pages] == [
@@ -104,7 +104,7 @@ def test_hundreds_of_runs_stay_a_small_page_that_loads_nothing():
             assert value.startswith("#") or value.endswith(".html")
 
 
-def test_each_picture_says_what_it_shows_and_that_it_is_a_twins():
+def test_each_figure_has_its_title_and_the_twins_label():
     text = index_page(
         "one",
         [IndexEntry(summary_of(loop()), "a.html"), IndexEntry(summary_of(loop(1, source="bench")), "b.html")],

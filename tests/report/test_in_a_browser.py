@@ -1,4 +1,4 @@
-"""Every kind of page as people meet it: in a browser without a network, by mouse, by keys, by ear, on a phone."""
+"""Every kind of page in a browser without a network: with mouse, keyboard and screen reader, and on a phone."""
 
 import pytest
 
@@ -125,7 +125,7 @@ PLOTS = "[...document.querySelectorAll('.plot')].map(p => [p.ariaLabel, p.role, 
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "index"])
-def test_every_figure_is_drawn_labelled_and_said_in_words(opened, kind):
+def test_every_figure_is_drawn_labelled_and_described(opened, kind):
     plots = opened(kind).run(PLOTS)
     assert plots
     for words, role, drawn, height in plots:
@@ -136,7 +136,7 @@ def test_every_figure_is_drawn_labelled_and_said_in_words(opened, kind):
         assert height > 150
 
 
-def test_a_page_without_its_library_says_what_it_needs(browser, pages, tmp_path):
+def test_a_page_without_its_library_states_what_it_needs(browser, pages, tmp_path):
     alone = tmp_path / "alone.html"
     alone.write_bytes(pages["run"].read_bytes())
     tab = browser.open(alone, drawn=False)
@@ -188,7 +188,7 @@ def test_a_choice_in_a_figure_is_a_button_that_keys_reach(opened):
     assert shown == [tab.run(f"{second}.innerText")]
 
 
-def test_on_paper_the_controls_are_gone_and_the_twin_is_not(opened):
+def test_on_paper_the_controls_are_hidden_and_the_twin_label_is_not(opened):
     tab = opened("comparison")
     tab.run("dispatchEvent(new Event('beforeprint'))")
     assert tab.run("getComputedStyle(document.querySelector('nav')).display") == "none"

@@ -1,4 +1,4 @@
-"""How a held loop ended, on columns made so that the answer is known, and the sentences said of it."""
+"""The end of a held loop, on columns with a known answer, and its sentences."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def test_count_noise_rests():
     assert unsteady_text(end, "mm") == ""
 
 
-def test_what_rests_elsewhere_rests_off_and_its_side_is_told():
+def test_a_loop_that_rests_elsewhere_is_reported_off_with_its_side():
     end = ended(NOISE - 13 * COUNT)
     assert end.verdict == "rests off"
     assert "The position settled 0.6" in unsteady_text(end, "mm")
@@ -66,7 +66,7 @@ def test_a_disturbance_is_no_end_and_too_little_after_it_is_no_verdict():
     assert ended(NOISE, quiet_s=400.0) is None
 
 
-def test_a_short_hold_is_judged_by_its_last_quarter():
+def test_a_short_hold_is_evaluated_by_its_last_quarter():
     short = T <= 80.0
     early = np.where(T < 59.0, 30 * COUNT, 0.0)
     end = hold_end(T[short], early[short], CURRENT[short], COUNT)
@@ -80,7 +80,7 @@ def test_without_a_count_there_is_no_verdict_and_without_readings_no_end():
     assert np.isfinite([gap.mean, gap.std, gap.peak_to_peak]).all()
 
 
-def test_currents_are_told_to_a_milliampere():
+def test_currents_are_reported_to_a_milliampere():
     end = replace(ended(NOISE), current_A=(-7.07e-4, 0.48123))
     assert hold_end_text(end, "mm").endswith("; current −0.001 to 0.481 A.")
 

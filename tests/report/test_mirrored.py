@@ -1,4 +1,4 @@
-"""Ascending curves are fitted in the mirror and drawn as they were measured."""
+"""Ascending curves are fitted as mirror images and drawn as measured."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def test_the_replayed_model_goes_through_the_measured_points(both):
         assert np.abs(y[::3] - outputs).max() < 0.005 * np.ptp(outputs)
 
 
-def test_a_page_of_ascending_curves_says_so(both):
+def test_a_page_of_ascending_curves_states_that_they_are_ascending(both):
     from smarig.report.models.first_order_figures import curves_figure, parameters_figure
     from smarig.report.models.surface_figure import surface_figure
 

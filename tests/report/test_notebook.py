@@ -1,4 +1,4 @@
-"""What a notebook shows: light, labelled, escaped; and one figure of each when asked."""
+"""The representations in a notebook: small, labelled and escaped; with one figure each on request."""
 
 from dataclasses import replace
 
@@ -37,7 +37,7 @@ def test_what_a_person_typed_does_not_become_markup():
     assert "<img" not in display_html
 
 
-def test_what_cannot_be_drawn_says_so_instead_of_failing_the_cell():
+def test_a_figure_that_cannot_be_drawn_gives_a_message_instead_of_an_error():
     not_steps: tuple = ("<yesterday>",)
     display_html = replace(run_of(), steps=not_steps)._repr_html_()
     assert Page(display_html).visible.startswith("This Run cannot be drawn (AttributeError: ")

@@ -1,4 +1,4 @@
-"""The page of one run: of any kind, however it ended, whatever it lacks."""
+"""The page of a run of any kind, with any ending and with missing data."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -29,7 +29,7 @@ def twin(tmp_path_factory):
     return load_run(start), load_run(test)
 
 
-def test_a_twin_run_shows_its_numbers_and_says_what_it_is(twin):
+def test_a_twin_run_shows_its_numbers_and_its_label(twin):
     run = twin[1]
     text = run_page(run)
     page = Page(text)
@@ -64,7 +64,7 @@ def test_the_direction_of_travel_is_drawn(twin):
         assert np.all(np.sign(moves) == sign)
 
 
-def test_initialisation_shows_the_wire_against_what_was_asked(twin):
+def test_initialisation_shows_the_wire_against_the_commands(twin):
     run = twin[0]
     page = Page(run_page(run))
     wire, asked = page.traces("wire temperature")[0], page.traces("steady temperature of the current")[0]
@@ -101,7 +101,7 @@ def test_an_empty_run_gives_a_page():
 @pytest.mark.parametrize(
     ("end", "words"), [(None, "never closed"), ("stopped: the <b>lease</b> expired", "<b>lease</b>")]
 )
-def test_a_run_that_ended_early_says_so_at_the_top_with_its_cause(end, words):
+def test_the_page_of_a_run_that_ended_early_states_the_cause_at_the_top(end, words):
     page = Page(run_page(run_of(end=end)))
     at = page.visible.index("Incomplete run made.run.sqlite")
     assert words in page.visible[at : at + 120]

@@ -1,4 +1,4 @@
-"""A rig that does not tell the truth."""
+"""A rig with false readings."""
 
 from smarig.rig.twin import Twin
 

@@ -1,4 +1,4 @@
-"""What every rig must do, whatever it is made of: a suite over a maker of rigs, ``make(seed)``."""
+"""The contract of every rig: a suite over a function that makes rigs, ``make(seed)``."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from smarig.core.errors import LeaseExpired, RigFault
 from smarig.core.sample import Quality
 
-BACKLOG = 50  # steps that may still tell of the time before
+BACKLOG = 50  # steps that may still contain earlier samples
 TRAVEL = 300  # ticks: six time constants
 
 

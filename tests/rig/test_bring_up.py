@@ -1,4 +1,4 @@
-"""Bring-up of rigs that do not obey: it says so, and heats no further."""
+"""Bring-up of rigs that do not respond correctly: it reports this and stops heating."""
 
 import pytest
 
@@ -76,7 +76,7 @@ def test_a_source_without_a_lease_is_reported():
 
 
 class Leased:
-    """A device that goes on by itself while nothing is said to it, trips in time, and then carries ``left_A``."""
+    """A device that continues without commands, trips in time, and then carries ``left_A``."""
 
     period_s, lease_ticks = 0.1, 10
 

@@ -1,4 +1,5 @@
-"""The seam for effects: none, or a neutral one, changes no bit; a planted one acts at its stage."""
+"""The interface for effects: without an effect, or with a neutral one, no bit changes; an effect acts at its
+stage."""
 
 import pytest
 

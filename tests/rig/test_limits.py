@@ -1,4 +1,4 @@
-"""Host limits: current, rate and predicted temperature are refused or tripped, and the rig ends at zero."""
+"""Limits on the host: current, rate and predicted temperature are refused or trip, and the rig ends at zero."""
 
 import pytest
 

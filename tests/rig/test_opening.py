@@ -1,4 +1,4 @@
-"""What could not be told to a device is told to the person, on every ending."""
+"""An unconfirmed shutdown is reported to the user on every ending."""
 
 import pytest
 
@@ -10,7 +10,7 @@ SHUTDOWN_UNCONFIRMED = "The amplifier could not be told."
 
 
 class Deaf:
-    """A rig that cannot be told to be off."""
+    """A rig that does not accept the command to switch off."""
 
     shutdown_unconfirmed = ""
 

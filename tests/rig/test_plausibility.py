@@ -1,4 +1,4 @@
-"""Readings that cannot be trip; readings that can be, of every twin and every protocol, do not."""
+"""Implausible readings trip; plausible readings of every twin and every protocol do not."""
 
 import pytest
 
@@ -78,7 +78,7 @@ def test_one_or_two_samples_do_not_trip_and_stale_ones_do_not_count(lie):
 
 
 def test_an_amplifier_that_measures_nothing_trips():
-    """Its last reading is repeated for ever: what flows, nobody knows."""
+    """Its last reading is repeated, so the actual current is unknown."""
     guard, twin = guarded(
         lambda s: s._replace(current_A=0.0, quality=int(Quality.STALE)) if s.tick > 50 else s
     )

@@ -1,4 +1,4 @@
-"""One suite over every rig: twins in process, benches over each link, the firmware in C on this machine."""
+"""The rig contract on every rig: twins in process, benches over each link, the C firmware on this machine."""
 
 import contextlib
 

@@ -1,4 +1,4 @@
-"""A bench's rig file is looked over before anything is opened."""
+"""A bench's rig file is checked for consistency before anything is opened."""
 
 import pytest
 

@@ -1,10 +1,10 @@
-"""Runs as a dead process leaves them: a finished run, cut at a tick, its end unwritten."""
+"""Runs as a killed process leaves them: a finished run cut at a tick, without its end."""
 
 import shutil
 import sqlite3
 from pathlib import Path
 
-# What is written when a run is closed, and by nobody when its process dies.
+# What is written when a run is closed, and is missing when its process is killed.
 AT_THE_END = ("end", "history_until_tick")
 
 

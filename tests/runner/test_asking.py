@@ -1,4 +1,5 @@
-"""Whatever a protocol yields or raises: one sentence, nothing measured is lost, the current ends at zero."""
+"""Invalid commands and exceptions of protocols: one message, no measured data lost, and the current ends at
+zero."""
 
 import contextlib
 import signal

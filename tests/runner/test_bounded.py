@@ -1,4 +1,4 @@
-"""A slow, stuck or broken listener costs the tick nothing: dropped, counted, kept apart."""
+"""A slow, blocked or failing listener does not delay the tick: its items are dropped and counted."""
 
 import threading
 

@@ -1,6 +1,7 @@
-"""Every ending is safe and recorded: signals, exceptions, a full disk, kill -9. Real processes, real files.
+"""Every ending is safe and recorded: signals, exceptions, a full disk, kill -9, with real processes and
+files.
 
-How soon it is, is timed where ``SMARIG_LONG`` is set, on a machine that keeps real time.
+The delay of the ending is measured with ``SMARIG_LONG``, on a machine that keeps real time.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""An interrupted run goes on as hysteresis allows: its table is that of a run nobody disturbed."""
+"""A resumed run has the table of an uninterrupted run."""
 
 import json
 import os
@@ -141,7 +141,7 @@ def stop_at(tick, control):
 
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_stopped_run_resumes_in_the_same_session(whole, tmp_path, rig):
-    """The same device: its ticks and its zero go on, and the wire has felt all of it."""
+    """The same device: its ticks and its zero continue, and the wire has gone through the whole input."""
     control = RunControl()
     out = tmp_path / "r.run.sqlite"
     with Session(rig, seed=1, wire="a", control=control) as session:
@@ -180,7 +180,7 @@ def test_a_trip_is_re_armed(whole, tmp_path):
     run = load_run(out)
     assert run.cause == "done"
     assert counts_apart(run, whole["one_wire_twin"]) < 1
-    assert run["tick"][4000] > 4001  # the ticks of the silence are missing, and told nowhere as samples
+    assert run["tick"][4000] > 4001  # the ticks of the pause are missing and not recorded as samples
 
 
 def test_a_limit_that_tripped_is_re_armed(tmp_path):
@@ -257,7 +257,8 @@ def test_an_encoder_zero_that_cannot_be_recovered_is_a_refusal(tmp_path):
     assert path.read_bytes() == before
 
 
-# --- beginning anew ------------------------------------------------------------------------------------------------
+# --- starting again
+# ------------------------------------------------------------------------------------------
 
 
 def test_an_interrupted_waveform_restarts_the_protocol(tmp_path):
@@ -379,7 +380,7 @@ def test_a_run_with_damaged_samples_is_not_resumed(whole, tmp_path, damage):
 
 
 def with_another_current(path, first, last):
-    """The samples from one to another of the third step say that 0.123 A were asked for."""
+    """Set the commanded current of these samples of the third step to 0.123 A."""
     with sqlite3.connect(path) as db:
         rows = [r for (r,) in db.execute("SELECT tick FROM sample WHERE step = 2 ORDER BY tick")]
         db.execute(

@@ -1,4 +1,4 @@
-"""The runner: interprets commands, answers protocols, and leaves the rig safe on every way out."""
+"""The runner: executes commands, returns results to protocols, and leaves the rig safe on every ending."""
 
 import pytest
 

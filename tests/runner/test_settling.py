@@ -1,4 +1,4 @@
-"""The settling rule: noise does not hide it, drift does, time-outs are said."""
+"""The settling rule: noise does not prevent settling, drift does, and time-outs are reported."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The way back to what a wire remembers: few inputs, and the same memory as after the whole history."""
+"""The input path to the remembered extrema: few inputs, and the same memory as after the whole history."""
 
 import random
 
@@ -19,7 +19,7 @@ from smarig.runner.resume.resume_plan import _settled_input, find_restore_path
     ("name", "start"), [("one_e", "negative"), ("two_e", None), ("two_e", "anhysteretic")]
 )
 def test_it_leads_to_the_same_future(name, start, seed):
-    """From any state (or the first, where it says so), the way back leaves what the whole history left."""
+    """From any state (or the first, on request), the input path leaves the same memory as the whole history."""
     hysteresis = thesis_surface(name)
     low, high = hysteresis.lower, hysteresis.upper
     dice = random.Random(seed)

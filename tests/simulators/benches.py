@@ -1,4 +1,4 @@
-"""A bench without physics: a wire of 5 ohm whose encoder moves as it is told, and devices on it."""
+"""A bench without physics: a wire of 5 ohm, an encoder that moves as prescribed, and the devices."""
 
 from collections.abc import Sequence
 
@@ -21,7 +21,7 @@ class FiveOhms:
         self.counts = 0
 
     def advance(self, output_A: float) -> RawReading:
-        """As asked."""
+        """Advance as prescribed."""
         self.counts += 10
         flowed_uA = round(output_A * 1e6)
         return RawReading(flowed_uA, 5 * flowed_uA, self.counts, 2200, -32768, False)

@@ -1,4 +1,4 @@
-"""The checkout's root, where ``simulators`` stands, and this folder's helpers; devices as a process of their own."""
+"""Paths to ``simulators`` and to the helpers of this folder; devices in their own process."""
 
 import json
 import subprocess

@@ -1,7 +1,7 @@
-"""Exchanges as bytes, written down once: what each reply says is stated by hand and checked when it is recorded.
+"""Exchanges as bytes: the expected content of each reply is written by hand and checked when it is recorded.
 
-``python tests/simulators/write_golden.py`` writes firmware_protocol/golden; the C firmware and the Python devices
-both reproduce what stands there. ``why`` and ``title`` are for readers.
+``python tests/simulators/write_golden.py`` writes firmware_protocol/golden. The C firmware and the Python
+devices both reproduce these exchanges. ``why`` and ``title`` are for readers.
 """
 
 import json
@@ -29,7 +29,7 @@ def made(script: dict[str, Any]) -> PythonAmplifier | PythonDaq:
 
 
 def asked(device: PythonAmplifier | PythonDaq, framing: str, request: str) -> str | None:
-    """A request of a script and its reply, as they stand in it."""
+    """A request of a script and its reply, as written in the script."""
     if framing == "rtu":
         reply = device.answer(bytes.fromhex(request))
         return reply.hex() if reply is not None else None
@@ -63,7 +63,7 @@ class Script:
         self.steps.append({"why": why, "request": request, "reply": reply})
 
     def ask(self, why: str, exchange: Exchange, refused: int = 0, **says: int) -> None:
-        """An exchange; refused with a code, or accepted with these values in what is read."""
+        """An exchange: refused with a code, or accepted with these values in the reply."""
         request = self._request(exchange)
         reply = asked(self._device, self._framing, request)
         assert reply is not None

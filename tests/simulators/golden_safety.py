@@ -1,4 +1,4 @@
-"""Golden scripts of what keeps the wire safe: lease, trips, heat. Figures are worked out by hand."""
+"""Golden scripts of the protection of the wire: lease, trips, heat. Figures are computed by hand."""
 
 from golden import Script
 from golden_words import (

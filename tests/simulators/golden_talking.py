@@ -1,4 +1,4 @@
-"""Golden scripts of talking: handshake, frames and lines good and bad, a session's work, repeated words."""
+"""Golden scripts of communication: handshake, valid and invalid frames and lines, a session, repeated words."""
 
 from golden import Script
 from golden_words import AMPERE, ARM, ARMED, OFF, REARM, SWITCH_OFF, WIRE, armed, frame, good, line

@@ -1,4 +1,4 @@
-"""Words that the golden scripts share: states, orders, faults, a wire's settings, frames and lines by hand."""
+"""Definitions shared by the golden scripts: states, orders, faults, settings, frames and lines by hand."""
 
 from golden import Script
 

@@ -1,4 +1,4 @@
-"""A host that knows nothing but bytes: opens a pty, writes, reads until a reply is whole or time is over."""
+"""A host at byte level: opens a pty, writes, and reads until a reply is complete or the time-out expires."""
 
 import os
 import select

@@ -1,4 +1,4 @@
-"""Any bytes at all: an answer, a refusal or silence, and nothing is changed by what was not accepted."""
+"""Arbitrary bytes: a reply, a refusal or no answer; rejected bytes change nothing."""
 
 import random
 

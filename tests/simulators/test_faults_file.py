@@ -1,4 +1,4 @@
-"""Faults from a file: what is unknown or impossible is refused in one sentence."""
+"""Faults from a file: unknown or impossible entries are refused with one sentence."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What firmware_protocol/golden says, the Python devices say; and the files are what the script writes."""
+"""The Python devices reproduce firmware_protocol/golden, and the files equal the output of the script."""
 
 import json
 

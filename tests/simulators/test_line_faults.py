@@ -1,4 +1,4 @@
-"""Faults on bytes: what becomes of requests and replies, always the same for the same seed."""
+"""Faults of bytes: their influence on requests and replies, always the same for the same seed."""
 
 from simulators import faults
 from simulators.line_troubles import Late, LineFaults

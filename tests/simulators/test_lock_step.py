@@ -1,4 +1,4 @@
-"""Device time in lock-step: it goes on when a host asks for what is not there yet, and when it is gone."""
+"""Device time in lock-step: it advances when a host requests future samples, and when the host has ended."""
 
 from benches import Bench, PERIOD_s
 

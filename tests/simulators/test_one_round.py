@@ -1,4 +1,4 @@
-"""The server's round, by a clock of the test's own: what waits to be heard is heard before time is taken for passed."""
+"""One round of the server with a simulated clock: waiting requests are read before elapsed time is counted."""
 
 import os
 import tty
@@ -43,7 +43,7 @@ class Once(Bench):
         os.close(self._writing)
 
 
-def test_devices_that_were_kept_waiting_do_not_take_their_host_for_gone():
+def test_delayed_devices_do_not_assume_that_their_host_has_ended():
     """Both processes stood still for a minute; the host's request lies there."""
     bench = Once(now_s=160.0)
     bench.armed(300_000)

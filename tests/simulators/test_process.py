@@ -1,6 +1,6 @@
-"""The whole thing as a process: ports that open, time that passes, hosts that die.
+"""The simulators as a process: ports that open, time that passes, hosts that end.
 
-Waits for what must come, and times nothing but where ``SMARIG_LONG`` is set.
+The tests wait for conditions and measure times only with ``SMARIG_LONG``.
 """
 
 import csv
@@ -85,7 +85,7 @@ def test_lock_step_then_the_host_dies_and_the_lease_trips(devices, tmp_path):
         assert all(0.03 < b - a < 0.3 for a, b in zip(wall_s, wall_s[1:]))
 
 
-def test_a_host_that_falls_silent_trips_the_lease_while_its_ports_are_open(devices, tmp_path):
+def test_a_host_that_sends_nothing_trips_the_lease_while_its_ports_are_open(devices, tmp_path):
     trace = tmp_path / "trace.csv"
     amplifier = Talk(devices("--lock-step", "--gone-after", "1", "--trace", str(trace)).url("amplifier"))
     amplifier.ask(settings())
@@ -109,7 +109,7 @@ def test_time_passes_by_itself_and_ends_by_a_signal(devices):
 
 
 def test_unplugged_and_plugged_in_again_under_the_same_name(devices, tmp_path):
-    """From tick 300 to 600, which the encoder is asked for meanwhile."""
+    """From tick 300 to 600; the test requests these samples meanwhile."""
     faults = tmp_path / "faults.toml"
     faults.write_text('[[fault]]\nkind = "unplugged"\ndevice = "amplifier"\nfrom_s = 30\nto_s = 60\n')
     started = devices("--lock-step", "--faults", str(faults), "--folder", str(tmp_path / "ports"))
@@ -141,7 +141,8 @@ def _wait(condition) -> None:
 
 
 def test_late_and_lost_replies_over_a_real_line(devices, tmp_path):
-    """What is asked in one breath is answered in its order, a late reply before the next; a lost one is done."""
+    """Requests sent together are answered in order, a late reply before the next; a lost one has been
+    executed."""
     faults = tmp_path / "faults.toml"
     late = '[[fault]]\nkind = "delayed"\ndevice = "amplifier"\ndelay_s = 0.2\nfrom_exchange = 2\nto_exchange = 3\n'
     lost = '[[fault]]\nkind = "dropped"\ndevice = "amplifier"\nfrom_exchange = 4\nto_exchange = 5\n'

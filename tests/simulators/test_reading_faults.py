@@ -1,4 +1,4 @@
-"""Faults of wire, shunt, encoder, clock and power, as a host sees them in the registers."""
+"""Faults of wire, shunt, encoder, clock and power, as seen in the registers."""
 
 import pytest
 from benches import Bench
@@ -82,7 +82,7 @@ def test_a_brown_out_drives_nothing_and_answers_nothing_until_it_is_over():
     assert (bench.amplifier.boot_count, bench.amplifier.newest_tick) == (2, 2)
 
 
-def test_a_rebooted_daq_still_knows_where_the_encoder_stands():
+def test_a_rebooted_daq_keeps_the_position_of_the_encoder():
     bench = Bench([faults.Reboot(kind="reboot", device="encoder_daq", from_s=0.3)])
     for _ in range(3):
         bench.world.tick()

@@ -1,4 +1,4 @@
-"""Whatever a host asks and whatever is measured: no current unless armed, within its limits, and a trip stays."""
+"""Arbitrary requests and readings: no current unless armed, within its limits, and a trip stays latched."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""The session in firmware_protocol/README.md, typed by hand: the device answers as it says there."""
+"""The session in firmware_protocol/README.md, typed by hand: the device replies as printed there."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Ports that go and come back under the same name."""
+"""Ports that disappear and return under the same name."""
 
 import os
 import socket

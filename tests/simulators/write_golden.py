@@ -1,4 +1,5 @@
-"""Writes firmware_protocol/golden. What a reply must say stands in golden_*.py by hand, from the contract alone."""
+"""Writes firmware_protocol/golden. The expected replies are in golden_*.py, written by hand from the
+protocol alone."""
 
 import sys
 from pathlib import Path

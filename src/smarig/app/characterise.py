@@ -1,7 +1,5 @@
-"""The main job, end to end: run the campaign, test, identify, verify, diagnose, report.
-
-Puts the parts together in the order of the thesis's chapter 5. Refuses to compute anything itself.
-"""
+"""Characterise a wire: run the campaign, test, identify, verify, diagnose and report, as in chapter 5 of the
+thesis."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -32,19 +30,19 @@ from smarig.replay import Model
 from smarig.report import Evidence, characterisation_page, diagnosis_page, write_page
 from smarig.runner import Listener, Preview, Session, initialisation_spread, preview, run_or_resume
 
-DIAGNOSIS = "diagnosis"  # its folder
+DIAGNOSIS = "diagnosis"  # name of its folder
 ListenerFactory = Callable[[Preview], AbstractContextManager[Listener | None]]
 
 
 @dataclass(frozen=True)
 class Characterisation:
-    """What `smarig characterise` found and where it put it."""
+    """The results of ``smarig characterise`` and the paths of its files."""
 
     out: Path
     evidence: Evidence
 
     def to_json(self) -> dict[str, Any]:
-        """The CLI's JSON object."""
+        """The JSON object of the command."""
         e = self.evidence
         chosen = e.identifications[e.chosen]
         return {
@@ -77,17 +75,17 @@ def characterise(
 ) -> Characterisation:
     """Characterise the wire of a rig into a folder: runs, model.json, report.html.
 
-    Nothing existing is overwritten without ``force``; with ``go_on``, runs that are there and done are taken as they
-    are, an interrupted one is resumed. Raises what the runs raise; a finished run stays.
+    Nothing existing is overwritten without ``force``. With ``go_on``, finished runs are kept and an
+    interrupted run is resumed. Raises what the runs raise; a finished run is kept.
     """
     started = time.monotonic()
     plan = with_loaded_protocols(load_campaign(campaign))
     if not any(step.purpose == "train" for step in plan.step):
         raise UsageError(
-            f"Campaign '{plan.name}' has no step with purpose = \"train\": nothing to identify from."
+            f"Campaign '{plan.name}' has no step with purpose = \"train\". Add one to identify from."
         )
     if force and go_on:
-        raise UsageError("Runs can be replaced or resumed: give one of the two.")
+        raise UsageError("Give either --force or --continue: runs are replaced or resumed.")
     _check_folder(out, plan, force, go_on)
     runs = _run_all(
         rig=rig,
@@ -122,7 +120,7 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> No
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
+        raise StorageError(f"Folder {out} is not writable: {error.strerror or error}.") from None
     targets = [
         *([] if go_on else plan.run_files(out / "runs")),
         out / "model.json",
@@ -132,7 +130,7 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> No
     existing = [t for t in targets if t.exists()]
     if existing and not force:
         raise UsageError(
-            f"{existing[0]} exists; give another folder, --continue to go on with its runs, or --force to replace it."
+            f"{existing[0]} exists. Give another folder, --continue to continue its runs, or --force to replace it."
         )
 
 
@@ -146,7 +144,7 @@ def _run_all(
     listener_factory: ListenerFactory,
 ) -> dict[str, Run]:
     file = load_rig(rig)
-    costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before the first ampere
+    costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before any current flows
     runs = {}
     with Session(rig, seed=seed, wire=wire) as session:
         for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
@@ -209,7 +207,7 @@ def _analyse(
 def _try_diagnosis(
     model: Model, plan: CampaignFile, runs: Mapping[str, Run], progress: Callable[[str], None]
 ) -> tuple[Diagnosis | None, list[str]]:
-    """What the model gets wrong: every run teaches but those kept to judge; and why not, where it cannot be said."""
+    """The diagnosis trained on all runs except the held-out ones, or None with the reason why there is none."""
     held_out_runs = _runs_for(plan, runs, "held_out")
     train_runs = [run for run in runs.values() if run not in held_out_runs and run.settled]
     try:
@@ -238,7 +236,8 @@ def _identify_all(train: list[Run]) -> tuple[dict[str, Identification], list[str
 def _choose_surface(
     train: list[Run], results: Mapping[str, Identification]
 ) -> tuple[str, SurfaceChoice | None]:
-    """The best surface by held-out curves of the training data itself: the validation run only judges."""
+    """The best surface by held-out curves of the training data. The validation run is used for evaluation
+    only."""
     try:
         best = identify(train, surface="best")
     except DataError:  # too few curves to hold any out
@@ -259,22 +258,22 @@ def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
 
 
 def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
-    """What a twin cannot prove: it is itself the kind of model that is fitted to it."""
+    """Warnings for twins: a twin is itself a Preisach model, so a good fit proves nothing about a wire."""
     names = {load_actuator(run.info.actuator or "").hysteresis.surface for run in runs.values() if run.twin}
     if hidden:
         return [
-            "An effect may be hidden in this twin: which surface fits best says little before it is found."
+            "An effect may be hidden in this twin. Until it is found, the best-fitting surface means little."
         ]
     return [
-        f"This twin's hysteresis is the surface {name} of Table 5.1: that a Preisach model fits, and which surface "
-        "fits best, is so by construction. It shows that the software works, not that a wire is a Preisach system."
+        f"This twin's hysteresis is the surface {name} of Table 5.1, so a Preisach model fits it by "
+        "construction, best with this surface. It shows that the software works, not that a wire is a Preisach system."
         for name in sorted(names)
     ]
 
 
 def _unsettled_warnings(runs: Mapping[str, Run]) -> list[str]:
     return [
-        f"{name}: {late} of {len(run.steps)} steps did not settle in time; they are marked."
+        f"{name}: {late} of {len(run.steps)} steps did not settle in time and are marked."
         for name, run in runs.items()
         if (late := sum(s.verdict == "timed_out" for s in run.steps))
     ]

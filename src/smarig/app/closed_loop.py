@@ -1,4 +1,4 @@
-"""Closed loops in one call, for notebooks: run, recorded and returned."""
+"""Closed loops in one call for notebooks: the loop is run and recorded, and the run is returned."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -37,10 +37,11 @@ def track(
     force: bool = False,
     **settings: Any,
 ) -> Run:
-    """Follow a reference (steps, ramps, multisine with its settings, or a CSV file) on a rig and return the run.
+    """Track a reference on a rig and return the run. The reference is steps, ramps or multisine, or a CSV
+    file.
 
-    ``controller`` is a name (``smarig list controllers``) or the path of an own file; ``numbers`` are the controller's,
-    ``offset_K`` is u_o of a velocity controller.
+    ``controller`` is a name (``smarig list controllers``) or the path of an own file. ``numbers`` are the
+    controller's parameters. ``offset_K`` is u_o of a velocity controller.
     """
     loop = tracking(
         source=ModelSource.of(model),
@@ -65,6 +66,7 @@ def regulate(
     force: bool = False,
     **settings: Any,
 ) -> Run:
-    """Bring a wire to a state of the wanted output, hold it there, and return the run; settings of ``regulation``."""
+    """Bring a wire to a state of the given output, hold it there, and return the run. Settings as in
+    ``regulation``."""
     loop = regulation(ModelSource.of(model), load_rig(rig), setpoint, **settings)
     return run_loop(loop, rig, out, seed=seed, wire=wire, force=force)

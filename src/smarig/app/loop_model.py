@@ -1,4 +1,4 @@
-"""A model from a file for a closed loop on a rig: what fits, what moves, and what is refused with a sentence."""
+"""A model from a file, checked for use in a closed loop on a rig."""
 
 import hashlib
 from collections.abc import Mapping
@@ -14,12 +14,12 @@ from smarig.protocols import Setup
 from smarig.replay import Model, load_model
 from smarig.runner import ProtocolFactory
 
-LEAST_COUNTS = 10  # of the encoder that a model must move: less is no motion that a loop could hold
+LEAST_COUNTS = 10  # of the encoder, the least motion of the model that a loop can hold
 
 
 @dataclass(frozen=True)
 class ModelSource:
-    """A model with the file it came from, and that file's hash: what a record says of it."""
+    """A model with the name and the hash of its file, as they are recorded."""
 
     model: Model
     name: str
@@ -27,20 +27,20 @@ class ModelSource:
 
     @classmethod
     def of(cls, path: str | Path) -> "ModelSource":
-        """Read and hash a model file; errors of ``load_model``."""
+        """Read and hash a model file. Raises the errors of ``load_model``."""
         check_path("The model", path)
         model = load_model(path)
         model.check_classical("A loop or its certificate")
         return cls(model, Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest())
 
     def settings(self) -> dict[str, str]:
-        """For a record."""
+        """The settings that are recorded."""
         return {"model": self.name, "model_sha256": self.sha256}
 
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """A closed loop ready to be run: its protocol's name, what makes it, and its settings for the record."""
+    """A closed loop ready to run: the name of its protocol, its factory, and its settings for the record."""
 
     protocol: str
     make: ProtocolFactory
@@ -48,17 +48,17 @@ class ClosedLoop:
 
 
 def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:
-    """What a controller will believe; UsageError where the model is not one of such a rig."""
+    """The model that a controller is given. Raises UsageError if the model does not suit the rig."""
     actuator = Actuator.named(rig.actuator)
     arrangement = actuator.file.arrangement
     if model.arrangement != arrangement:
         raise UsageError(
-            f"Model {model.name} is of a {_arrangement_text(model.arrangement)} rig, '{rig.name}' is a "
+            f"Model {model.name} is of a {_arrangement_text(model.arrangement)} rig, but '{rig.name}' is a "
             f"{_arrangement_text(arrangement)} one."
         )
     if model.unit != actuator.unit:
         raise UsageError(
-            f"Model {model.name} speaks in {model.unit}, rig '{rig.name}' measures in {actuator.unit}."
+            f"Model {model.name} is in {model.unit}, but rig '{rig.name}' measures in {actuator.unit}."
         )
     if model.input.unit != "K":
         raise UsageError(
@@ -74,40 +74,40 @@ def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:
 
 
 def _check_motion(controller_model: ControllerModel, model: Model) -> None:
-    """UsageError where the output does not rise with the input by more than noise: these loops heat to raise it."""
+    """Raise UsageError unless the output rises with the input by more than noise, as these loops require."""
     low, high = controller_model.reach
     setup = controller_model.setup
     limits = f"within this rig's limits, {setup.lower_K:.4g} to {setup.upper_K:.4g} K"
     least = LEAST_COUNTS * setup.actuator.position_per_count(controller_model.counts_per_rev)
     if low == high:
         raise UsageError(
-            f"The output of model {model.name} does not move {limits}: no loop can be closed by it."
+            f"The output of model {model.name} does not move {limits}, so no loop can be closed with it."
         )
     if abs(high - low) < least:
         raise UsageError(
-            f"Model {model.name} moves by {abs(high - low):.3g} {model.unit} only {limits}: less than {LEAST_COUNTS} "
-            f"counts of the encoder ({least:.3g} {model.unit}), which no loop can hold."
+            f"Model {model.name} moves by only {abs(high - low):.3g} {model.unit} {limits}. A loop needs "
+            f"{LEAST_COUNTS} counts of the encoder ({least:.3g} {model.unit})."
         )
     if high < low:
         raise UsageError(
-            f"The output of model {model.name} falls as its input rises, by {low - high:.4g} {model.unit} {limits}: "
-            "these loops hold an output that rises with the input."
+            f"The output of model {model.name} falls as its input rises, by {low - high:.4g} {model.unit} {limits}. "
+            "These loops need an output that rises with the input."
         )
 
 
 def check_arguments(controller: Any, numbers: Any) -> None:
-    """UsageError for a notebook's slip: what is no name, and what is no mapping."""
+    """Raise UsageError if the controller is not a name or its parameters are not a mapping."""
     if not isinstance(controller, str | Path):
-        raise UsageError(f"A controller is given by its name, not by {controller!r}.")
+        raise UsageError(f"Give the controller by its name, not by {controller!r}.")
     if not isinstance(numbers, Mapping | None):
         raise UsageError(
-            f"A controller's numbers are given by name, such as {{'gain': 2}}, not by {numbers!r}."
+            f"Give the controller's parameters by name, such as {{'gain': 2}}, not by {numbers!r}."
         )
 
 
 def check_path(what: str, source: Any) -> None:
     if not isinstance(source, str | Path):
-        raise UsageError(f"{what} is given by a name or a path, not by {source!r}.")
+        raise UsageError(f"{what} must be a name or a path, not {source!r}.")
 
 
 def _arrangement_text(arrangement: str) -> str:

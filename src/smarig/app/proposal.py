@@ -1,10 +1,12 @@
-"""The run that would separate what is left: each explanation imagines each run, and all explain what it imagines.
+"""Choice of the separating run: the run that best distinguishes the remaining explanations of a diagnosis.
 
-    T(run) = min over truths i, rivals j of  log p(record + imagined by i | i) − log p(record + imagined by i | j)
+Each explanation simulates each candidate run, and all explanations are fitted to the result:
 
-Both densities and both strengths are fitted again to the record with the imagined run (the T-criterion of Atkinson
-and Fedorov 1975, with everything else free), so T is what the next diagnosis may expect to be ahead by. The quickest
-run that settles it is proposed, else the one that gains most per hour. Knows no rig but through previews and twins.
+    T(run) = min over truths i, rivals j of  log p(record + simulated by i | i) − log p(record + simulated by i | j)
+
+Densities and strengths are fitted again to the record with the simulated run (the T-criterion of Atkinson
+and Fedorov 1975, with everything else free). T is therefore the lead in evidence that the next diagnosis can
+expect. The shortest run with a decisive lead is proposed, otherwise the run with the largest lead per hour.
 """
 
 import tempfile
@@ -22,10 +24,10 @@ from smarig.record import load_run
 from smarig.replay import Timeline, build_timeline
 from smarig.runner import preview
 
-DECISIVE_NATS = 12.0  # nats ahead: the odds of being wrong are then a twentieth, even tempered
-NEGLIGIBLE_NATS = 1.0  # nats: a run that tells less is not worth its hours
-MAX_RIVALS = 3  # explanations that compete
-MIN_PROBABILITY = 1e-3  # probability: what is less likely is told apart already
+DECISIVE_NATS = 12.0  # nats of lead: the odds of an error are then 1 in 20 even after tempering
+NEGLIGIBLE_NATS = 1.0  # nats: a run with less is not worth its hours
+MAX_RIVALS = 3  # competing explanations
+MIN_PROBABILITY = 1e-3  # probability: less likely explanations are already excluded
 PROTOCOL_OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("wiping_out", {}),
     ("congruency", {}),
@@ -37,7 +39,7 @@ PROTOCOL_OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 @dataclass(frozen=True)
 class RunOption:
-    """A run that could be done: its cost, and by how many nats it would tell the likeliest explanations apart."""
+    """A possible run: its duration and the lead, in nats, of the right explanation after it."""
 
     protocol: str
     settings: dict[str, Any]
@@ -45,9 +47,9 @@ class RunOption:
     nats: float
 
     def sentence(self) -> str:
-        """For a person."""
+        """The option in words."""
         evidences = (
-            f"would name the right one with probability {self.odds:.2f}"
+            f"would name the right explanation with probability {self.odds:.2f}"
             if self.nats >= NEGLIGIBLE_NATS
             else "would distinguish nothing"
         )
@@ -55,11 +57,11 @@ class RunOption:
 
     @property
     def odds(self) -> float:
-        """Probability that the right one is named after it."""
+        """Probability that the right explanation is named after the run."""
         return 1 / (1 + exp(-self.nats / LEAD_SCALE_NATS))
 
     def to_json(self) -> dict[str, Any]:
-        """For the CLI."""
+        """The JSON object of the command."""
         return {
             "protocol": self.protocol,
             "settings": self.settings,
@@ -70,23 +72,23 @@ class RunOption:
 
 @dataclass(frozen=True)
 class Proposal:
-    """The option to do next, all options, and the explanations it would separate."""
+    """The best run, all options, and the explanations that it would distinguish."""
 
     best: RunOption
     options: tuple[RunOption, ...]
     rivals: tuple[tuple[str, ...], ...]
 
     def sentence(self) -> str:
-        """For a person."""
+        """The proposal in words."""
         names = " or ".join(" + ".join(names) for names in self.rivals)
         b = self.best
         return (
-            f"To distinguish {names}: {b.protocol}{_settings_text(b.settings)}, {b.hours:.1f} h on the rig; "
-            f"the right one should then be {b.nats:.0f} nats ahead (odds {b.odds:.2f})."
+            f"To distinguish {names}: {b.protocol}{_settings_text(b.settings)}, {b.hours:.1f} h on the rig. "
+            f"The right one should then lead by {b.nats:.0f} nats (odds {b.odds:.2f})."
         )
 
     def to_json(self) -> dict[str, Any]:
-        """For the CLI."""
+        """The JSON object of the command."""
         return self.best.to_json() | {
             "odds": self.best.odds,
             "rivals": [list(names) for names in self.rivals],
@@ -95,7 +97,7 @@ class Proposal:
         }
 
     def campaign(self) -> str:
-        """A campaign file of the best option."""
+        """The text of a campaign file with the best option."""
         b = self.best
         settings = ", ".join(f'"{k}" = {_toml(v)}' for k, v in b.settings.items())
         return (
@@ -109,12 +111,13 @@ class Proposal:
 
 
 def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None) -> Proposal | None:
-    """The next run for a diagnosis, on its model's rig; None where nothing is left to be told apart, or no run would.
+    """The separating run for a diagnosis on its model's rig; None if nothing is left to distinguish or no
+    run would do it.
 
-    Raises UsageError when the model names no rig that runs could be imagined on.
+    Raises UsageError if the model names no rig to simulate.
     """
     if not result.model.rig:
-        raise UsageError(f"Model '{result.model.name}' names no rig, so no run can be imagined on it.")
+        raise UsageError(f"Model '{result.model.name}' names no rig, so no run can be simulated on it.")
     rivals, report_progress = _rivals(result), progress or (lambda _: None)
     if len(rivals) < 2:
         report_progress("Nothing is left to be distinguished.")
@@ -126,20 +129,20 @@ def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None
             try:
                 cost = preview(protocol, rig, settings)
                 nats = _separation_nats(result, rivals, protocol, settings, Path(folder) / f"{k}")
-            except SmarigError:  # a rig that cannot do it
+            except SmarigError:  # the rig cannot execute this run
                 continue
             options.append(RunOption(protocol, settings, cost.duration_s / 3600, nats))
-            report_progress(f"imagined {k + 1} of {len(PROTOCOL_OPTIONS)}: {options[-1].sentence()}")
+            report_progress(f"simulated {k + 1} of {len(PROTOCOL_OPTIONS)}: {options[-1].sentence()}")
     if max((o.nats for o in options), default=0.0) < NEGLIGIBLE_NATS:
         report_progress(
-            f"No run that this rig can do would distinguish {' or '.join(' + '.join(e.names) for e in rivals)}."
+            f"No run on this rig would distinguish {' or '.join(' + '.join(e.names) for e in rivals)}."
         )
         return None
     return Proposal(_best(options), tuple(options), tuple(e.names for e in rivals))
 
 
 def write_campaign(proposal: Proposal, path: Path, *, force: bool = False) -> None:
-    """The campaign file. UsageError when it exists, without ``force``."""
+    """Write the campaign file. Raises UsageError if it exists, unless ``force``."""
     with atomic_file(path, force=force) as part:
         part.write_text(proposal.campaign(), encoding="utf-8")
 
@@ -152,7 +155,7 @@ def _best(options: Sequence[RunOption]) -> RunOption:
 
 
 def _rivals(result: Diagnosis) -> list[Explanation]:
-    """The likeliest explanations of different causes, of those that are likely at all."""
+    """The likeliest explanations with different causes, without improbable ones."""
     if not result.levels:
         return []
     probable_names = {names for names, p in result.verdict.explanations if p >= MIN_PROBABILITY}
@@ -170,12 +173,12 @@ def _separation_nats(
     settings: dict[str, Any],
     folder: Path,
 ) -> float:
-    """By how many nats the truth would be ahead, whichever of the first two it is."""
+    """The lead, in nats, of the true explanation; the smaller one if either of the first two is true."""
     leads = []
     for k, truth in enumerate(rivals[:2]):
         model = replace(
             result.model,
-            name=f"imagined {k}",
+            name=f"explanation {k}",
             hysteresis=truth.plant_model.hysteresis,
             effects=tuple(e.to_json() for e in truth.plant_model.catalogue_effects),
         )
@@ -189,7 +192,7 @@ def _separation_nats(
 
 
 def _evidence(timeline: Timeline, explanation: Explanation, warm_start: Refit) -> float:
-    """Log likelihood of the record with an imagined run, strengths and density fitted again."""
+    """Log likelihood of the record with a simulated run, with strengths and density fitted again."""
     plant_model, refitted = joint_density(timeline, explanation.plant_model, warm_start)
     parameter_fit = fit_parameters(
         plant_model.catalogue_effects, timeline, plant_model, refitted, plant_model.hysteresis

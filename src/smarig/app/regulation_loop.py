@@ -1,4 +1,5 @@
-"""Set-point regulation on a rig by a model from a file: what is out of reach is refused before anything flows."""
+"""Set-point regulation on a rig with a model from a file. The arguments are checked before any current
+flows."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -26,7 +27,10 @@ def regulation(
     controller: str = "pi",
     numbers: Mapping[str, Any] | None = None,
 ) -> ClosedLoop:
-    """Go to a state of the output ``setpoint`` (the model's scale) and hold it. UsageError says what is wrong."""
+    """The closed loop that goes to the state with output ``setpoint`` (model's scale) and holds it.
+
+    Raises UsageError for arguments that do not suit the model or the rig.
+    """
     check_arguments(controller, numbers)
     model, controller_model = source.model, controller_model_for(source.model, rig)
     setup = controller_model.setup
@@ -35,12 +39,12 @@ def regulation(
     count = setup.actuator.position_per_count(rig.encoder.counts_per_rev)
     if not low - count <= y <= high + count:
         raise UsageError(
-            f"The set-point {y:g} {model.unit} is out of reach: this model on this rig reaches from {low:.4g} to "
+            f"The set-point {y:g} {model.unit} is out of reach. This model on this rig reaches from {low:.4g} to "
             f"{high:.4g} {model.unit}."
         )
-    y = min(max(y, low), high)  # a count is what the rig can tell apart
+    y = min(max(y, low), high)  # one count is the resolution of the rig
     if start not in START_STATES:
-        raise UsageError(f"start is {', '.join(START_STATES)}, not '{start}'.")
+        raise UsageError(f"start must be one of {', '.join(START_STATES)}, not '{start}'.")
     push_K, share = finite_number("The disturbance", disturbance_K), finite_number("within", within)
     _check_push(push_K, setup)
     check_times(setup, finite_number("hold_s", hold_s), push_K)
@@ -73,22 +77,22 @@ def _check_push(push_K: float, setup: Setup) -> None:
     range_K = setup.upper_K - setup.lower_K
     if abs(push_K) > range_K:
         raise UsageError(
-            f"A disturbance of {push_K:g} K is more than this rig's whole range, {range_K:.4g} K; give a smaller one."
+            f"A disturbance of {push_K:g} K exceeds this rig's whole range, {range_K:.4g} K. Give a smaller one."
         )
 
 
 def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) -> SetpointPI:
-    """The loop that holds a set-point, its numbers in K per unit (gain) and units (band)."""
+    """The set-point controller, with its gain in K per unit and its band in units."""
     if name not in REGULATORS:
         raise UsageError(
-            f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}; "
-            f"{', '.join(catalogue_names(TRACKING_CONTROLLERS))} track."
+            f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}. "
+            f"The controllers {', '.join(catalogue_names(TRACKING_CONTROLLERS))} are for tracking."
         )
     loop = SetpointPI.for_model(setup, model.hysteresis)
     for key, value in pairs.items():
         if key not in REGULATORS[name]:
             raise UsageError(
-                f"Controller '{name}' has no number '{key}'{suggestion(key, list(REGULATORS[name]))}."
+                f"Controller '{name}' has no parameter '{key}'{suggestion(key, list(REGULATORS[name]))}."
             )
         found = finite_number(f"Controller '{name}', {key}", value)
         if found < 0 or (found == 0 and key == "gain"):

@@ -1,6 +1,6 @@
-"""What a model says, as a run of its own: along a measured run, or of a protocol on the model's twin.
+"""Simulation of a model as a run: along a measured run, or of a protocol on the model's twin.
 
-Puts model, twin and record together. A simulated run is labelled ``simulation`` wherever it goes.
+A simulated run is labelled ``simulation``.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,8 @@ from smarig.runner import Session, check_drivers
 
 
 def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) -> Path:
-    """The model along a run's inputs: every sample's and every settled step's position, in the model's zero."""
+    """Simulate the model along the inputs of a run: positions of all samples and settled steps, in the
+    model's zero."""
     predicted = dict(zip((s.index for s in along.settled), simulate(model, along).tolist()))
     kept = ("tick", "t_s", "step", "current_command_A", "current_A", "input", "ambient_degC")
     columns = {name: [None if v != v else v for v in along[name].tolist()] for name in kept}
@@ -34,13 +35,13 @@ def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) ->
 def simulate_protocol(
     model: Model, protocol: str, settings: Mapping[str, Any], out: Path, *, rig: str = "", force: bool = False
 ) -> Path:
-    """A protocol on the noise-free twin of the model's rig, with the model in place of its hysteresis."""
+    """Run a protocol on the noise-free twin of the model's rig, with the model as its hysteresis."""
     model.check_classical("Driving a twin")
     name = rig or model.rig
     if not name:
-        raise UsageError("The model names no rig; give one with --rig to simulate a protocol.")
+        raise UsageError("The model names no rig. Give one with --rig to simulate a protocol.")
     if not rig:
-        check_drivers(load_rig(name), f"Model {model.name}", f"to have it executed, say so with --rig {name}")
+        check_drivers(load_rig(name), f"Model {model.name}", f"to execute it, give --rig {name}")
     twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=effects_from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")

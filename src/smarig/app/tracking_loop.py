@@ -1,4 +1,5 @@
-"""Tracking on a rig by a model from a file: reference, controller and offset are checked before anything flows."""
+"""Tracking on a rig with a model from a file. Reference, controller and offset are checked before any
+current flows."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -23,8 +24,8 @@ from smarig.control import track as tracking_protocol
 from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
 from smarig.runner import ProtocolFactory
 
-LEAST_TICKS = 10  # that a reference lasts: fewer samples tell nothing of a loop
-_DEFAULT_RANGE_SHARES = (0.2, 0.8)  # of the reach: where references stay unless told otherwise
+LEAST_TICKS = 10  # least length of a reference: fewer samples say nothing about a loop
+_DEFAULT_RANGE_SHARES = (0.2, 0.8)  # of the reach: range of a reference by default
 _REFERENCE_SETTINGS = ("low", "high", "seconds", "every_s", "speed", "seed")
 
 
@@ -37,10 +38,11 @@ def tracking(
     numbers: Mapping[str, Any] | None = None,
     offset_K: float | None = None,
 ) -> ClosedLoop:
-    """Follow a reference: steps, ramps, multisine with ``settings``, or a CSV file. UsageError says what is wrong.
+    """The closed loop that tracks a reference: steps, ramps or multisine with ``settings``, or a CSV file.
 
-    ``controller`` is a name or the path of an own file, which is executed. One of the velocity controllers follows the
-    reference's velocity alone, and takes ``offset_K``, u_o of Thm 8.2.
+    ``controller`` is a name or the path of an own file, which is executed. A velocity controller follows the
+    reference's velocity alone and takes ``offset_K``, u_o of Thm 8.2. Raises UsageError for arguments that
+    do not suit each other.
     """
     check_arguments(controller, numbers)
     check_path("The reference", wanted)
@@ -68,7 +70,7 @@ def tracking(
     for key in pairs:
         if key in recorded_settings or key in _REFERENCE_SETTINGS:
             raise UsageError(
-                f"Controller '{controller}': '{key}' means something else in the record; rename it."
+                f"Controller '{controller}': '{key}' has another meaning in the record. Rename it."
             )
     if package == VELOCITY_CONTROLLERS:
         make = velocity_factory(
@@ -87,7 +89,7 @@ def _position_factory(
 
 
 def _controller_package(controller: str) -> str:
-    """The catalogue a controller stands in: of positions, an own file's too, or of velocities."""
+    """The catalogue that holds a controller: that of the position (with own files) or that of the velocity."""
     known = {package: catalogue_names(package) for package in (TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS)}
     for package, there in known.items():
         if controller in there:
@@ -107,9 +109,7 @@ def _reference(
                 f"position_{unit}."
             )
         if settings:
-            raise UsageError(
-                "--set belongs to steps, ramps and multisine; a file says itself what is wanted."
-            )
+            raise UsageError("--set belongs to steps, ramps and multisine. Leave it out with a file.")
         return reference_from_csv(Path(wanted), unit)
     for key in settings:
         if key not in _REFERENCE_SETTINGS:
@@ -133,14 +133,14 @@ def _whole_seed(seed: Any) -> int:
     except (TypeError, ValueError, OverflowError):
         found = -1.0
     if not 0 <= found <= 2**53 or found != int(found):
-        raise UsageError(f"The reference's seed is a whole number from 0 to 2^53 (given: {seed}).")
+        raise UsageError(f"The reference's seed must be a whole number from 0 to 2^53 (given: {seed}).")
     return int(found)
 
 
 def _check_length(followed: Reference, period_s: float) -> None:
     if followed.duration_s < LEAST_TICKS * period_s:
         raise UsageError(
-            f"The reference lasts {followed.duration_s:g} s: nothing can be measured in less than {LEAST_TICKS} "
+            f"The reference lasts {followed.duration_s:g} s. It must last at least {LEAST_TICKS} "
             "samples, "
             f"{LEAST_TICKS * period_s:g} s on this rig."
         )
@@ -152,6 +152,6 @@ def _check_reach(followed: Reference, controller_model: ControllerModel, unit: s
     least, most = min(followed.position), max(followed.position)
     if not low - count <= least <= most <= high + count:
         raise UsageError(
-            f"The reference goes from {least:.4g} to {most:.4g} {unit}: this model on this rig reaches from {low:.4g} "
+            f"The reference goes from {least:.4g} to {most:.4g} {unit}. This model on this rig reaches from {low:.4g} "
             f"to {high:.4g} {unit}, counted from the encoder's zero."
         )

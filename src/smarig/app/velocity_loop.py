@@ -1,4 +1,5 @@
-"""Velocity feedback by a model from a file: what may be asked of it, and the loop with its certificate (Thm 8.2)."""
+"""Velocity feedback with a model from a file: checks of its arguments, and the loop with its certificate
+(Thm 8.2)."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -19,37 +20,37 @@ from smarig.runner import ProtocolFactory
 
 
 def checked_offset(offset_K: Any, setup: Setup) -> float:
-    """u_o in kelvin, 0 where none is given; UsageError for what is none on this rig."""
+    """u_o in kelvin, 0 if not given. Raises UsageError for an offset beyond the rig's range."""
     found = 0.0 if offset_K is None else finite_number("The offset u_o", offset_K)
     range_K = setup.upper_K - setup.lower_K
     if abs(found) > range_K:
         raise UsageError(
-            f"An offset u_o of {found:g} K is more than this rig's whole range, {range_K:.4g} K; give a smaller one."
+            f"An offset u_o of {found:g} K exceeds this rig's whole range, {range_K:.4g} K. Give a smaller one."
         )
     return found
 
 
 def refuse_offset(offset_K: Any, controller: str) -> None:
-    """UsageError for an offset that a position loop would ignore."""
+    """Raise UsageError for an offset that a position loop would ignore."""
     if offset_K is not None:
         names = ", ".join(catalogue_names(VELOCITY_CONTROLLERS))
         raise UsageError(
-            f"An offset u_o belongs to velocity controllers ({names}); '{controller}' feeds back "
+            f"An offset u_o belongs to velocity controllers ({names}), but '{controller}' feeds back "
             "the position."
         )
 
 
 def velocity_reference(reference: Reference, controller: str, offset_K: float) -> Reference:
-    """A reference with a velocity, from the encoder's zero on; UsageError where it has none."""
+    """The reference with a velocity, from the encoder's zero on. Raises UsageError if it has no velocity."""
     if reference.held:
         raise UsageError(
-            f"'{controller}' feeds back the velocity, and that of steps is infinite where they jump: give ramps, "
+            f"'{controller}' feeds back the velocity, which is infinite where steps jump. Give ramps, "
             "multisine or a CSV file."
         )
     led = with_lead_in(reference)
     if not any(led.position) and not offset_K:
         raise UsageError(
-            f"Reference {reference.name} never moves and there is no offset u_o: nothing drives a loop that feeds back "
+            f"Reference {reference.name} never moves and there is no offset u_o. Nothing drives a loop that feeds back "
             "the velocity."
         )
     return led
@@ -64,9 +65,9 @@ def velocity_factory(
     offset_K: float = 0.0,
     lead_in_s: float = 0.0,
 ) -> ProtocolFactory:
-    """The loop as a protocol; what Thm 8.2 says of model and controller stands in its record.
+    """The loop as a protocol. Its record holds what Thm 8.2 states of model and controller.
 
-    ``lead_in_s``: how much of the reference leads to its first position, for the record.
+    ``lead_in_s``: the time in which the reference goes to its first position, for the record.
     """
     units = Units(model.unit, model.input.unit)
     (result,) = certificate(model.hysteresis, {controller: numbers}, units).controllers

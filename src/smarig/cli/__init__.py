@@ -1,7 +1,4 @@
-"""The command line: one file per command, found by name and imported when used.
-
-Knows how to print results and errors. Refuses to compute anything itself.
-"""
+"""The command line: one file per command. A command is found by its name and imported when it is used."""
 
 import contextlib
 import importlib
@@ -24,7 +21,7 @@ Examples:
 
 
 class _Commands(click.Group):
-    """Commands are the modules of ``smarig.cli.commands``; each holds ``command``."""
+    """Finds the commands in ``smarig.cli.commands``. Each module there defines ``command``."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
@@ -48,9 +45,9 @@ def cli() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Entry point: runs a command and exits with the contract's status (0, 2, 3, 4, 130; 1 for our own fault)."""
+    """Run a command and exit with its status (0, 2, 3, 4 or 130; 1 for an internal error)."""
     status = run(arguments)
-    for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # what is done is done: the status stands
+    for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # the command is finished and its status is final
         with contextlib.suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)
     sys.exit(status)
@@ -75,25 +72,25 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except (KeyboardInterrupt, click.Abort):
         return report_error("Interrupted.", Interrupted.exit_status)
     except MemoryError:
-        return report_error("This needs more memory than there is; ask for less.", 4)
+        return report_error("This needs more memory than is available. Request less.", 4)
     except OSError as error:
         what = f"{error.filename}: " if error.filename else ""
         return report_error(f"{what}{error.strerror or error}.", 4)
     except ArithmeticError as error:
-        return report_error(f"A number in these files is beyond what can be computed with: {error}.", 4)
+        return report_error(f"A number in these files is too large or too small to compute with: {error}.", 4)
     except Exception as error:
         if os.environ.get("SMARIG_DEBUG"):
             raise
         return report_error(
-            f"Internal error ({type(error).__name__}: {error}). This is a fault of smarig, not yours; "
-            "set SMARIG_DEBUG=1 to see where.",
+            f"Internal error ({type(error).__name__}: {error}). This is a bug in smarig; "
+            "set SMARIG_DEBUG=1 to see the traceback.",
             1,
         )
 
 
 @contextlib.contextmanager
 def _blame_own_file() -> Iterator[None]:
-    """What goes wrong in a person's own file is told as its, with the line."""
+    """Report an exception raised in a user's own file as an error of that file, with the line."""
     try:
         yield
     except (SmarigError, click.ClickException, click.exceptions.Exit, click.Abort):
@@ -106,13 +103,13 @@ def _blame_own_file() -> Iterator[None]:
 
 
 def _interrupt_on(*signal_names: str) -> None:
-    """Outside a session these signals end a command like Ctrl-C does; a session has its own way with them."""
+    """Let these signals end a command as Ctrl-C does. A session installs its own handlers."""
     for number in _signals(*signal_names):
-        with contextlib.suppress(ValueError):  # not the main thread: somebody else's signals
-            if signal.getsignal(number) != signal.SIG_IGN:  # nohup
+        with contextlib.suppress(ValueError):  # not the main thread, where signals can be handled
+            if signal.getsignal(number) != signal.SIG_IGN:  # keep a signal ignored by nohup
                 signal.signal(number, signal.default_int_handler)
 
 
 def _signals(*signal_names: str) -> list[signal.Signals]:
-    """Those of them that this system has."""
+    """The signals among these that this system has."""
     return [getattr(signal, name) for name in signal_names if hasattr(signal, name)]

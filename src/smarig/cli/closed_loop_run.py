@@ -1,4 +1,4 @@
-"""What ``track`` and ``regulate`` share: a closed loop is previewed, run like any protocol, and told."""
+"""Preview, run and report of a closed loop, shared by ``track`` and ``regulate``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,11 +12,11 @@ from smarig.runner import preview
 if TYPE_CHECKING:
     from smarig.app import ClosedLoop
 
-NOT_RESUMABLE = "A closed loop is not resumed: close it anew."
+NOT_RESUMABLE = "A closed loop cannot be resumed. Start it again."
 
 
 def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:
-    """Preview it, run it into ``out`` and say how it went."""
+    """Preview a closed loop, run it into ``out`` and print its result."""
     from smarig.report import closed_loop_result, loop_result_text
 
     session = options.session()

@@ -1,4 +1,5 @@
-"""``--live``: a run watched while it happens. Options shared by the commands that run something."""
+"""The options of the live view (``--live``, ``--web``, ``--live-model``), shared by all commands that run
+something."""
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class LiveOptions(NamedTuple):
-    """What was asked for."""
+    """The values of the live options."""
 
     wanted: bool
     web: bool
@@ -29,7 +30,7 @@ class LiveOptions(NamedTuple):
 
 
 def live_options(command: Callable) -> Callable:
-    """``--live``, ``--web`` and ``--live-model``, gathered into one argument ``live``."""
+    """Add ``--live``, ``--web`` and ``--live-model`` to a command and pass them as one argument ``live``."""
 
     def gathered(*args: Any, live: bool, web: bool, live_model: tuple[Path, ...], **rest: Any) -> Any:
         return command(*args, live=LiveOptions(live or web or bool(live_model), web, live_model), **rest)
@@ -38,10 +39,13 @@ def live_options(command: Callable) -> Callable:
     gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
     for option in (
         click.option(
-            "--live-model", multiple=True, type=FILE, help="Live view: a model that predicts; repeatable."
+            "--live-model",
+            multiple=True,
+            type=FILE,
+            help="Live view: a model whose predictions are shown; repeatable.",
         ),
         click.option("--web", is_flag=True, help="Live view in a browser, on this machine only."),
-        click.option("--live", is_flag=True, help="Watch it live (extra 'live')."),
+        click.option("--live", is_flag=True, help="Open the live view (extra 'live')."),
     ):
         gathered = option(gathered)
     return gathered
@@ -57,7 +61,10 @@ def live_view(
     *,
     resumed: bool = False,
 ) -> "Iterator[list[Listener]]":
-    """The listeners to add: one, or none where nobody wants to watch. ``resumed``: the wire has a past."""
+    """Yield the live view's listeners: one, or none without a live option.
+
+    ``resumed``: the wire already has a history, so its state is unknown to the view.
+    """
     if not live.wanted:
         yield []
         return
@@ -89,7 +96,7 @@ def _live_predictions(
     models = [(legend_name(path), load_model(path)) for path in paths]
     for name, model in models:
         if model.unit != actuator.unit:
-            raise UsageError(f"Model {name} speaks in {model.unit}, the rig measures in {actuator.unit}.")
+            raise UsageError(f"Model {name} is in {model.unit}, but the rig measures in {actuator.unit}.")
         effects = effects_from_json(model.effects)
         predictor = (
             PlantPredictor(actuator, model.hysteresis, initial, rig.period_s, effects)
@@ -101,7 +108,7 @@ def _live_predictions(
 
 
 def legend_name(path: Path) -> str:
-    """A model file's name for a legend."""
+    """The name of a model file in a legend."""
     return path.name.removesuffix(".json").removesuffix(".model")
 
 
@@ -109,34 +116,34 @@ def legend_name(path: Path) -> str:
 def with_watchers(
     live_listener: "AbstractContextManager[Listener]", watchers: "Sequence[Listener]"
 ) -> "Iterator[Listener]":
-    """A listener, and with it those who watch live."""
+    """Yield the listener together with those of the live view."""
     with live_listener as listener:
         yield ListenerGroup([listener, *watchers]) if watchers else listener
 
 
 class ListenerGroup:
-    """Listeners as one."""
+    """Several listeners as one."""
 
     def __init__(self, listeners: "Sequence[Listener]") -> None:
         self._listeners = listeners
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """To each."""
+        """Pass the sample to each listener."""
         for listener in self._listeners:
             listener.sample(s, step, input_value)
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """To each."""
+        """Pass the finished step to each listener."""
         for listener in self._listeners:
             listener.step(result, branch=branch, target=target)
 
     def begin(self, *what: Any) -> None:
-        """To each that asks for it."""
+        """Pass the start of a step to each listener that accepts it."""
         for listener in self._listeners:
             if isinstance(listener, StepStartListener):
                 listener.begin(*what)
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """To each."""
+        """Pass the event to each listener."""
         for listener in self._listeners:
             listener.event(t_s, kind, text, level=level, **data)

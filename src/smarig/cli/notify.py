@@ -1,4 +1,7 @@
-"""``--notify COMMAND``: somebody is told when it is over, however it ended. Refuses to fail anything."""
+"""``--notify COMMAND``: run a shell command when a run has ended, for any cause.
+
+A notification that fails is reported and has no other consequence.
+"""
 
 import os
 import subprocess
@@ -17,12 +20,12 @@ notify_option: Callable = click.option(
     "--notify",
     default="",
     metavar="COMMAND",
-    help="Shell command for the end, or a trip: $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
+    help="Shell command to run at the end or after a trip; $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
 )
 
 
 class NotificationTarget:
-    """What the command will be told the end was about; ``run`` is set as runs come and go."""
+    """The run that the notification names. The caller sets ``run`` for each run."""
 
     def __init__(self, run: Path | None) -> None:
         self.run = run
@@ -30,7 +33,7 @@ class NotificationTarget:
 
 @contextmanager
 def notified(command: str, run: Path | None = None) -> Iterator[NotificationTarget]:
-    """Within, something is run; afterwards the command is, with the cause and the exit status of this one."""
+    """Run the command after the body, with the cause and the exit status of the body."""
     notification = NotificationTarget(run)
     try:
         yield notification
@@ -49,7 +52,7 @@ def _outcome(error: BaseException) -> tuple[str, int]:
 
 
 def _notify(command: str, notification: NotificationTarget, cause: str, status: int) -> None:
-    """In the environment, values need no quoting: no shell reads them as commands."""
+    """Run the command. Values in environment variables need no quoting, since no shell parses them."""
     if not command:
         return
     variables = {
@@ -60,15 +63,15 @@ def _notify(command: str, notification: NotificationTarget, cause: str, status: 
     try:
         done = subprocess.run(
             command,
-            shell=True,  # it is the user's own command line
+            shell=True,  # the user wrote this command line
             env={**os.environ, **{key: value.replace("\0", "") for key, value in variables.items()}},
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,  # ours is for results
+            stdout=subprocess.DEVNULL,  # stdout is for results
             stderr=subprocess.DEVNULL,
             timeout=_COMMAND_TIMEOUT_S,
             check=False,
         )
-        failure = f"it ended with status {done.returncode}" if done.returncode else ""
+        failure = f"exit status {done.returncode}" if done.returncode else ""
     except subprocess.TimeoutExpired:
         failure = f"it took longer than {_COMMAND_TIMEOUT_S:g} s"
     except OSError as error:

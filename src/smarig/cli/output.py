@@ -1,7 +1,5 @@
-"""What goes to stdout and what to stderr: one JSON object with --json, readable text without.
-
-Results go to stdout, everything else to stderr.
-"""
+"""Output of the commands: results on stdout (text, or one JSON object with --json), everything else on
+stderr."""
 
 import contextlib
 import json
@@ -20,7 +18,7 @@ _STATE = {"json": False}
 
 
 def json_option(command: Callable) -> Callable:
-    """The ``--json`` flag every command has."""
+    """Add the flag ``--json``, which every command has."""
 
     def remember(ctx: click.Context, param: click.Parameter, value: bool) -> None:
         del ctx, param
@@ -37,7 +35,7 @@ def json_option(command: Callable) -> Callable:
 
 
 def emit(data: dict[str, Any], text: str = "") -> None:
-    """Print the result: ``data`` as JSON, or the text for people."""
+    """Print the result: ``data`` as JSON with --json, otherwise ``text``."""
     if _STATE["json"]:
         _print(as_json(data))
     elif text:
@@ -45,12 +43,12 @@ def emit(data: dict[str, Any], text: str = "") -> None:
 
 
 def as_json(data: dict[str, Any]) -> str:
-    """One object in one line."""
+    """The object as one line of JSON."""
     return json.dumps(_plain(data), ensure_ascii=False)
 
 
 def show_message(text: str) -> None:
-    """A remark for people, on stderr; that nobody can hear it ends nothing."""
+    """Print a message on stderr. A closed stderr is no error."""
     with contextlib.suppress(OSError):
         _print(text, err=True)
 
@@ -61,8 +59,8 @@ def json_requested() -> bool:
 
 
 def report_error(sentence: str, status: int) -> int:
-    """One sentence on stderr (and as JSON on stdout with --json); returns the status."""
-    with contextlib.suppress(OSError):  # nobody can hear us: the status still tells
+    """Print an error on stderr, and as JSON on stdout with --json; return the exit status."""
+    with contextlib.suppress(OSError):  # stderr is closed: the exit status still shows the error
         _print(f"smarig: {sentence}", err=True)
         if _STATE["json"] or "--json" in sys.argv:
             _print(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
@@ -70,9 +68,10 @@ def report_error(sentence: str, status: int) -> int:
 
 
 def _print(text: str, *, err: bool = False) -> None:
-    """A line for whoever reads; a reader that has gone (``| head``) changes nothing of what was done.
+    """Print a line; a closed pipe (``| head``) has no effect on the command.
 
-    What is left in the stream's buffer goes nowhere then: at the interpreter's end it would fail once more.
+    The rest of the stream's buffer goes to the null device. Otherwise the interpreter would fail on it at
+    exit.
     """
     try:
         click.echo(text, err=err)
@@ -83,14 +82,14 @@ def _print(text: str, *, err: bool = False) -> None:
 
 
 def check_distinct(out: Path | None, *inputs: Path | None) -> None:
-    """UsageError when the output is one of the inputs: --force must not destroy what was measured."""
+    """Raise UsageError if the output is one of the inputs, because --force would destroy measured data."""
     for source in inputs:
         if out is not None and source is not None and out.resolve() == source.resolve():
-            raise UsageError(f"{out} is both input and output; give the output another name.")
+            raise UsageError(f"{out} is both input and output. Give the output another name.")
 
 
 def _plain(value: Any) -> Any:
-    """JSON has no NaN and no numpy: null and plain numbers instead."""
+    """The value without NaN and numpy types, which JSON does not have: null and plain numbers instead."""
     if isinstance(value, dict):
         return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):

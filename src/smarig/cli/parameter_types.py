@@ -1,7 +1,6 @@
-"""Arguments with shell completion: rigs, protocols and campaigns by name, run files by path.
+"""Types of command-line arguments, with shell completion of rigs, protocols, campaigns and run files.
 
-A protocol, controller or effect may be a path, that of an own file: it joins its catalogue here, because a person typed
-it.
+A protocol, controller or effect may also be the path of an own file, which is then added to its catalogue.
 """
 
 import math
@@ -22,11 +21,11 @@ _PACKAGES = {
     "tracking": "smarig.control.tracking.controllers",
     "velocity": "smarig.control.velocity.controllers",
 }
-_MAY_BE_OWN_FILE = ("protocols", "tracking")  # what may be an own file
+_MAY_BE_OWN_FILE = ("protocols", "tracking")  # catalogues that accept an own file
 
 
 class CatalogueName(click.ParamType):
-    """A name from one or more catalogues, or a path; checked where it is used."""
+    """A name from one or more catalogues, or a path. The command checks it."""
 
     name = "name"
 
@@ -34,7 +33,7 @@ class CatalogueName(click.ParamType):
         self._catalogues = catalogues
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """An own file by its name; anything else as it was typed."""
+        """The name that an own file defines, or the value as it was typed."""
         del param, ctx
         own_kind = next((c for c in self._catalogues if c in _MAY_BE_OWN_FILE), None)
         return resolve_name(_PACKAGES[own_kind], value) if own_kind else value
@@ -42,7 +41,7 @@ class CatalogueName(click.ParamType):
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        """Names that begin as typed."""
+        """The names that start with the incomplete text."""
         del ctx, param
         candidates = [
             n
@@ -53,23 +52,23 @@ class CatalogueName(click.ParamType):
 
 
 class _OwnEffect(click.ParamType):
-    """The path of an own effect, which is known by its name from then on."""
+    """The path of an own effect. The effect is added to the catalogue under its name."""
 
     name = "file"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Its name."""
+        """The name of the effect."""
         del param, ctx
         if value not in own_entries(EFFECTS) and not is_path(value):
-            raise UsageError(f"'{value}' is not the file of an own effect, ./NAME.py.")
+            raise UsageError(f"'{value}' is not the file of an own effect. Give a path such as ./NAME.py.")
         return resolve_name(EFFECTS, value)
 
 
 class FiniteNumber(click.FloatRange):
-    """A number within a range; nan and inf, which are within every range, are none."""
+    """A finite number within a range. ``click`` accepts nan and inf, this type does not."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """A float."""
+        """The value as a float."""
         number = super().convert(value, param, ctx)
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
@@ -93,4 +92,4 @@ EXPERIMENT = CatalogueName("protocols", "campaigns")
 FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)
 ANY_PATH = click.Path(path_type=Path)
-SEED = click.IntRange(0, 2**63 - 1)  # what every generator and file takes
+SEED = click.IntRange(0, 2**63 - 1)  # the range that all random generators and file formats accept

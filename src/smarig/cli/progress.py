@@ -1,4 +1,5 @@
-"""Which face a running experiment shows on stderr: the panel at a terminal, lines elsewhere, JSON, or none."""
+"""Choice of the progress display on stderr: panel at a terminal, log lines elsewhere, JSON lines, or
+nothing."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,8 +12,8 @@ from smarig.cli.panel.terminal import Terminal
 from smarig.runner import Listener, RunControl
 
 STREAMS = (
-    'With --json, stderr carries one JSON object a line while it runs, {"event": …} and {"step": …} '
-    "(other lines do not begin with a brace), and stdout the one object at the end."
+    'With --json, stderr carries one JSON object per line during the run, {"event": …} or {"step": …}. Other lines '
+    "do not begin with a brace. One object is printed to stdout at the end."
 )
 
 
@@ -20,7 +21,7 @@ STREAMS = (
 def progress(
     run_info: PanelRunInfo, control: RunControl | None = None, *, quiet: bool = False, keys: bool = False
 ) -> Iterator[Listener]:
-    """Within: hand the listener to the runner. ``keys``: whether keys are listened to."""
+    """Yield the listener for the runner. ``keys``: whether the terminal accepts keys."""
     status = RunStatus(run_info, control, keys=keys)
     if quiet:
         yield status

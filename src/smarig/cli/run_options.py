@@ -1,7 +1,4 @@
-"""What every command has that lets current flow: its options, the session, and the faces it shows meanwhile.
-
-Knows sessions and faces; refuses to know what is run.
-"""
+"""Options and session of the commands that drive current through a wire, with their displays."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
@@ -27,7 +24,7 @@ DisplayFactory = Callable[..., AbstractContextManager[Listener]]
 
 
 class RunOptions(NamedTuple):
-    """What was asked for."""
+    """The values of the options of a run."""
 
     rig: str
     effects: tuple[str, ...]
@@ -42,7 +39,7 @@ class RunOptions(NamedTuple):
     live: LiveOptions
 
     def session(self) -> Session:
-        """The session asked for, not opened yet."""
+        """A session with these options, not opened yet."""
         twin = TwinSettings(seed=self.seed, effects=effects_from_arguments(self.effects))
         return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire)
 
@@ -50,7 +47,7 @@ class RunOptions(NamedTuple):
     def open_session(
         self, session: Session, settings: Mapping[str, Any], what: str
     ) -> Iterator[DisplayFactory]:
-        """Within: the session is open, keys and the live view work. Yields what shows one run."""
+        """Open the session, the keys and the live view. Yields a function that opens the display of one run."""
         title = f"{what} on {session.file.name}"
         live_context = live_view(self.live, session.file, session.source, settings, title)
         with (
@@ -71,7 +68,8 @@ class RunOptions(NamedTuple):
 
 
 def run_options(command: Callable) -> Callable:
-    """``--rig``, ``--seed`` and the others, gathered into one argument ``options``."""
+    """Add ``--rig``, ``--seed`` and the other options to a command and pass them as one argument
+    ``options``."""
 
     def gathered(*args: Any, **arguments: Any) -> Any:
         selected = {name: arguments.pop(name) for name in RunOptions._fields}
@@ -92,29 +90,29 @@ _OPTIONS = (
         "effects",
         multiple=True,
         metavar="NAME[.PARAMETER]=VALUE",
-        help="Twin: plant an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
+        help="Twin: inject an effect (see 'smarig list effects'), or an own one: ./FILE.py=3; repeatable.",
     ),
-    click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise."),
+    click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise."),
     click.option(
         "--speed", type=FiniteNumber(0, min_open=True), help="Twin: real time × SPEED (default: free)."
     ),
-    click.option("--wire", default="", help="Identity of the wire, if not the rig file's."),
-    click.option("--notes", default="", help="A remark kept with the run."),
-    click.option("--dry-run", is_flag=True, help="Only print what it would cost."),
+    click.option("--wire", default="", help="Identity of the wire (default: that of the rig file)."),
+    click.option("--notes", default="", help="Note to store with the run."),
+    click.option("--dry-run", is_flag=True, help="Only print the preview: duration and range."),
     click.option("--force", is_flag=True, help="Replace existing run files."),
-    click.option("--quiet", is_flag=True, help="No panel, no lines."),
+    click.option("--quiet", is_flag=True, help="Show no panel and no log lines."),
 )
 
 
 def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
-    """UsageError when a file exists and may not be replaced by a run."""
+    """Raise UsageError if a file exists that the run must not replace."""
     if target.exists() and not force:
-        raise UsageError(f"{target} exists; give another name,{remedy} or --force to replace it.")
+        raise UsageError(f"{target} exists. Give another name,{remedy} or --force to replace it.")
     check_replaceable(target, RUN)
 
 
 def run_warnings(run: Run) -> list[str]:
-    """Honest numbers: what a person must know although the run is done."""
+    """Warnings about a finished run: holds that did not settle and saturated samples."""
     unsettled = sum(s.verdict == "timed_out" for s in run.steps)
     saturated = int(((run["quality"].astype(int) & Quality.SATURATED) > 0).sum())
     found = (
@@ -126,13 +124,13 @@ def run_warnings(run: Run) -> list[str]:
 
 
 def print_warnings(run: Run) -> None:
-    """Say them."""
+    """Print the warnings of a run."""
     for warning in run_warnings(run):
         show_message(f"Warning: {warning}")
 
 
 def run_summary(run: Run) -> dict:
-    """A run for --json."""
+    """The summary of a run for --json."""
     return {
         "run": str(run.path),
         "protocol": run.info.protocol,

@@ -1,7 +1,7 @@
-"""A run seen while it happens, or again: what the rig does, drawn for eyes.
+"""The live view: a run is drawn while it is recorded, or afterwards.
 
-Samples go into a bounded queue (``pump``), are made into marks (``drawer``: pure values, no viewer), and only
-``screen`` turns marks into what a viewer understands. Refuses to know how models are identified and files exported.
+Samples go into a bounded queue (``draw_queue``). ``scene_renderer`` turns them into primitives, which are
+plain values. Only ``rerun_output`` passes primitives to a viewer.
 """
 
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
-"""Colours of the live view, with the meanings they have in the reports (after Okabe & Ito).
+"""Colours of the live view, with the same meanings as in the reports (after Okabe and Ito).
 
-The planes' ground is dark whatever theme a viewer has; graphs over time must be read on black and on white. The
-reports' ink and deep blue vanish on black; their lighter kin stand in. Knows no data.
+The planes have a dark ground in every theme. Time series must be readable on black and on white. Lighter
+colours replace the reports' ink and deep blue, which are invisible on black.
 """
 
 Colour = tuple[int, int, int]
@@ -16,7 +16,7 @@ ORANGE: Colour = (230, 159, 0)
 GREEN: Colour = (0, 158, 115)
 PURPLE: Colour = (204, 121, 167)
 PALE: Colour = (247, 225, 130)
-AMBER: Colour = (247, 201, 72)  # the twin's label
+AMBER: Colour = (247, 201, 72)  # label of the twin
 
 MEASURED, COMMANDED, TEMPERATURE = SKY, GREY, VERMILION
 MODELS = (GREEN, PURPLE, ORANGE, GREY)
@@ -27,8 +27,7 @@ GOOD, BAD = GREEN, VERMILION
 def blend(cold: Colour, hot: Colour, share: float) -> Colour:
     """A mixture of two colours, ``share`` of the second, clipped to 0…1.
 
-    >>> blend((0, 0, 0), (200, 100, 50), 0.5)
-    (100, 50, 25)
+    >>> blend((0, 0, 0), (200, 100, 50), 0.5) (100, 50, 25)
     """
     s = min(max(share, 0.0), 1.0)
     r, g, b = (round(c + s * (h - c)) for c, h in zip(cold, hot, strict=True))
@@ -36,12 +35,12 @@ def blend(cold: Colour, hot: Colour, share: float) -> Colour:
 
 
 def temperature_colour(share: float) -> Colour:
-    """Of a wire between ambient and its hottest: blue, pale yellow, vermilion."""
+    """Colour of a wire between ambient and its highest temperature: blue, pale yellow, vermilion."""
     if share < 0.5:
         return blend(SKY, PALE, 2 * share)
     return blend(PALE, VERMILION, 2 * share - 1)
 
 
 def model_colour(k: int) -> Colour:
-    """Of the k-th model."""
+    """Colour of the k-th model."""
     return MODELS[k % len(MODELS)]

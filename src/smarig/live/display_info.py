@@ -1,7 +1,4 @@
-"""Whom a live view shows: names, units and ranges of one rig at work, or of one run that was recorded.
-
-Knows rigs' files and runs; refuses to know viewers.
-"""
+"""What a live view needs to know of a rig or of a recorded run: names, units and ranges."""
 
 import contextlib
 import math
@@ -22,11 +19,11 @@ Start = Literal["negative", "positive", "anhysteretic"]
 
 @dataclass(frozen=True)
 class DisplayInfo:
-    """What is drawn, in which units, and what is known beforehand of the wire.
+    """What is drawn, in which units, and what is known of the wire beforehand.
 
-    ``twin_hysteresis`` is the hysteresis that a twin's actuator file names; ``initial`` None where the wire's
-    memory is unknown;
-    ``actuator`` None for data that no rig of ours measured; ``settling_rule`` None where nothing is waited for.
+    ``twin_hysteresis`` is the hysteresis that a twin's actuator file names. ``initial`` is None if the
+    wire's memory is unknown. ``actuator`` is None for data of an unknown rig. ``settling_rule`` is None if
+    no step waits for settling.
     """
 
     title: str
@@ -44,12 +41,12 @@ class DisplayInfo:
 
     @property
     def label(self) -> str:
-        """What must be said of the data wherever they are shown."""
+        """The label that all drawings of the data carry."""
         return {"twin": "TWIN", "simulation": "SIMULATION"}.get(self.source, "")
 
     @property
     def two_wire(self) -> bool:
-        """Differential rig."""
+        """Whether it is a differential rig."""
         return self.actuator is not None and self.actuator.two_wire
 
 
@@ -62,7 +59,8 @@ def rig_display_info(
     *,
     known: bool = True,
 ) -> DisplayInfo:
-    """A rig about to be run; the range of its position is that of its actuator file's surface, until more is seen.
+    """The display information of a rig before a run. The position range is that of the actuator file's
+    surface at first.
 
     ``known``: the wire is in the state that its actuator file names.
     """
@@ -87,7 +85,7 @@ def rig_display_info(
 
 
 def run_display_info(run: Run) -> DisplayInfo:
-    """A run that was recorded, here or elsewhere."""
+    """The display information of a recorded or imported run."""
     rig = _rig_of(run)
     actuator = _actuator_of(run, rig)
     input_K, position = run["input"], run["position"]
@@ -115,7 +113,7 @@ def run_display_info(run: Run) -> DisplayInfo:
 
 
 def settled(settings: Mapping[str, Any]) -> Settled:
-    """The settling rule that a protocol's settings give it."""
+    """The settling rule in a protocol's settings."""
     rule_values: dict[str, float] = {}
     for f in fields(Settled):
         with contextlib.suppress(KeyError, TypeError, ValueError):
@@ -135,7 +133,7 @@ def _rig_of(run: Run) -> RigFile | None:
 
 
 def _actuator_of(run: Run, rig: RigFile | None) -> Actuator | None:
-    """Its parameter set, where that can still be read: of the rig it began on, or by name."""
+    """The actuator of the run, if it can be read from the rig's file or by its name."""
     names = [rig.actuator if rig else "", str(run.info.actuator or "")]
     for name in filter(None, names):
         with contextlib.suppress(SmarigError, OSError):
@@ -164,7 +162,7 @@ def _output(low: float, high: float, unit: str) -> Axis:
 
 
 def widened_axis(axis: Axis, low: float, high: float) -> Axis:
-    """The axis itself while it holds low…high; else one with room for what may follow."""
+    """The axis itself if it holds low…high; otherwise a wider one with some margin."""
     if axis.low <= low and high <= axis.high:
         return axis
     room = 0.1 * (axis.high - axis.low)
@@ -174,25 +172,27 @@ def widened_axis(axis: Axis, low: float, high: float) -> Axis:
 
 
 def description_markdown(display_info: DisplayInfo, models: Sequence[str], mapped: bool) -> str:
-    """Whose data these are, what is predicted by what, and what colours mean."""
+    """Origin of the data, names of the models, and meaning of the colours."""
     source = {
-        "twin": "## TWIN\n**Nothing here was measured on hardware:** a software twin stands in for the rig.\n",
-        "simulation": "## SIMULATION\n**Nothing here was measured:** this is what a model says.\n",
+        "twin": "## TWIN\n**Nothing here was measured on hardware:** a software twin replaces the rig.\n",
+        "simulation": "## SIMULATION\n**Nothing here was measured:** a model was simulated.\n",
     }.get(display_info.source, "")
     lines = [source, f"**{_plain(display_info.title)}**", ""]
     lines.append(
         f"Predicted by: {', '.join(_plain(m) for m in models)}."
         if models
-        else "No model predicts: give one with `--model`."
+        else "No model is shown. Give one with `--model`."
     )
     if display_info.actuator is not None:
-        lines.append("Temperatures are those of the heating model along the measured current, above ambient.")
-    lines.append("Amber: now. White dots: settled means.")
+        lines.append(
+            "Temperatures come from the heating model along the measured current; they are above ambient."
+        )
+    lines.append("Amber: present state. White dots: settled means.")
     if mapped:
-        lines.append("μ: red positive, blue negative, black zero; below the white boundary relays are up.")
+        lines.append("μ: red positive, blue negative, black zero. Relays below the white boundary are up.")
     return "\n".join(lines)
 
 
 def _plain(text: str) -> str:
-    """Names are the user's: nothing in them is Markdown or a link."""
+    """The name with its Markdown escaped, since users choose names."""
     return "".join(c if c.isalnum() or c in " -_.,:" else "·" for c in text)

@@ -1,9 +1,10 @@
-"""Between a tick that must not wait and a viewer that may: a bounded queue and a thread of its own.
+"""A bounded queue and a thread between the sampling loop, which must not wait, and a viewer, which may be
+slow.
 
-``put`` appends and returns: no lock is held while anything is drawn, nothing is computed. The thread takes all that
-waits, now and then, and draws it as one batch. What does not fit drops the oldest; a batch ends before a gap, and
-the next begins with how many were lost there. A drawing that fails ends the thread, is kept in ``failure`` and never
-reaches the run. Knows neither samples nor viewers.
+``put`` appends and returns. It computes nothing, and no lock is held while something is drawn. The thread
+takes the queued items at intervals and draws them as one batch. If the queue is full, the oldest item is
+dropped. A batch ends before a gap, and the next batch starts with the number of items lost there. If drawing
+fails, the thread ends and keeps the error in ``failure``; the run is not affected.
 """
 
 import threading
@@ -11,16 +12,16 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-QUEUE_SIZE = 50_000  # items: more than an hour at 10 Hz, a second of a twin that runs free; about 20 MB
+QUEUE_SIZE = 50_000  # items: over an hour at 10 Hz, or a second of a free-running twin; about 20 MB
 DRAW_INTERVAL_S = 0.5
-DRAW_DELAY_S = 0.003  # after an item: the rest of its tick
-MAX_BATCH = 5_000  # items drawn at once: what a batch takes of the memory stays bounded
+DRAW_DELAY_S = 0.003  # after an item, for the rest of its tick
+MAX_BATCH = 5_000  # items drawn at once; bounds the memory of a batch
 
 DrawBatch = Callable[[list[Any], int], None]
 
 
 class DrawQueue:
-    """Draws what one other thread puts into it: ``draw(items, lost_before_them)``, in order."""
+    """Draws what one other thread queues: ``draw(items, lost_before_them)``, in order."""
 
     def __init__(self, draw: DrawBatch, *, size: int = QUEUE_SIZE, every_s: float = DRAW_INTERVAL_S) -> None:
         self._draw, self._every_s = draw, every_s
@@ -35,15 +36,15 @@ class DrawQueue:
         self._thread.start()
 
     def put(self, item: Any) -> None:
-        """Queue an item; at once, whatever the viewer does."""
-        self._queued.append((self._next_put, item))  # a full deque drops its oldest by itself
+        """Queue an item without waiting for the viewer."""
+        self._queued.append((self._next_put, item))  # a full deque drops its oldest item by itself
         self._next_put += 1
         if self._is_waiting:
             self._is_waiting = False
             self._item_added.set()
 
     def close(self, timeout_s: float = 2.0) -> bool:
-        """Draw what waits and end; False when the viewer did not let that happen in time."""
+        """Draw the queued items and end. Returns False if the viewer did not finish in time."""
         self._closing.set()
         self._item_added.set()
         self._thread.join(timeout_s)
@@ -59,10 +60,10 @@ class DrawQueue:
             self.failure = error
 
     def _wait_for_item(self) -> None:
-        """Wait for the next item, no longer than until the next turn: right after a tick the processor is free.
+        """Wait for the next item, or until the next batch is due: right after a tick the processor is idle.
 
-        Begun at any other time, the drawing would now and then be in the tick's way for some milliseconds: one
-        interpreter serves both.
+        Both threads share one interpreter. Drawing that starts at another time would delay some ticks by
+        milliseconds.
         """
         self._item_added.clear()
         self._is_waiting = True
@@ -79,7 +80,7 @@ class DrawQueue:
             self._draw(items, lost)
 
     def _next_batch(self) -> tuple[list[Any], int]:
-        """What waits, up to the next gap, and how many were lost before it."""
+        """The queued items up to the next gap, and the number of items lost before them."""
         items: list[Any] = []
         lost = 0
         while len(items) < MAX_BATCH and (found := self._pop_oldest()) is not None:

@@ -1,4 +1,4 @@
-"""What passes through the queue, as it was told: samples, finished steps, events. Knows no viewer."""
+"""The items of the draw queue: samples, finished steps and events."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -42,7 +42,7 @@ LiveItem = SampleItem | StepItem | EventItem
 
 
 class QueueListener:
-    """The runner's listener: puts everything into a pump, and does nothing else in the tick."""
+    """The runner's listener. It queues everything and does nothing else within the tick."""
 
     def __init__(self, draw_queue: DrawQueue) -> None:
         self._put = draw_queue.put

@@ -1,6 +1,7 @@
-"""Puts the live view together: server, drawer, pump and viewer, opened and ended in the right order.
+"""Assembly of the live view: opens and closes server, renderer, queue and viewer in the right order.
 
-A view that cannot be opened is told before a run begins; one that fails later never stops it.
+A view that cannot be opened raises an error before the run starts. A view that fails later does not stop the
+run.
 """
 
 import threading
@@ -23,8 +24,8 @@ from smarig.replay import HysteresisPredictor, NamedPredictor
 if TYPE_CHECKING:
     from smarig.live.rerun_output import RerunOutput
 
-SERVER_MEMORY = "512MiB"  # of what was shown, for viewers that come later; the oldest goes first
-VIEWER_POLL_S = 0.3  # between looks whether the viewer is still there
+SERVER_MEMORY = "512MiB"  # of data kept for viewers that connect later; the oldest are dropped first
+VIEWER_POLL_S = 0.3  # interval of checks whether the viewer still runs
 Report = Callable[[str], None]
 
 
@@ -40,7 +41,8 @@ def live_listener(
     wait_at_end: bool = False,
     show_message: Report = print,
 ) -> Iterator[QueueListener]:
-    """A listener for the runner, with a viewer that ends with us; ``viewer`` False serves only, at ``port``.
+    """A listener for the runner, with a viewer that ends with this process. ``viewer`` False only serves, at
+    ``port``.
 
     ``wait_at_end``: after a run that ended well, wait until the viewer is closed.
     """
@@ -59,7 +61,7 @@ def live_listener(
         finished = draw_queue.close()
         if draw_queue.dropped:
             show_message(
-                f"The live view could not keep up: {draw_queue.dropped} items were not shown (the record has them all)."
+                f"The live view could not keep up: {draw_queue.dropped} items were not shown. The record is complete."
             )
         if not finished:
             show_message(
@@ -69,7 +71,7 @@ def live_listener(
             _report_viewer_failure(viewer_process, show_message)
             viewer_process.close()
         if finished:
-            with suppress(Exception):  # whatever a viewer's library says at its end is no matter of the run
+            with suppress(Exception):  # errors of the viewer's library on closing do not concern the run
                 rerun_output.close()
 
 
@@ -106,7 +108,7 @@ def view_run(
 def save_recording(
     run: Run, path: Path, predictions: Sequence[NamedPredictor] = (), hysteresis: Everett | None = None
 ) -> None:
-    """A recorded run as an .rrd file with its layout, in big batches: compact, and opened by any viewer."""
+    """Save a recorded run as an .rrd file with its layout, in large batches, so that the file is compact."""
     rerun_output, scene_renderer = _open_output(
         run_display_info(run), predictions, hysteresis, recorded=True, path=path
     )
@@ -124,11 +126,11 @@ def _open_output(
     port: int = 0,
     path: Path | None = None,
 ) -> tuple["RerunOutput", SceneRenderer]:
-    """A screen with everything on it that is there before the first sample.
+    """A renderer with its output, on which everything known before the first sample is drawn.
 
-    A twin without a given model is predicted by the surface its actuator file names.
+    A twin without a given model is predicted by the surface that its actuator file names.
     """
-    # rerun takes a second and a hundred megabytes: only where it is wanted
+    # rerun takes a second and a hundred megabytes, so it is imported only here
     from smarig.live.rerun_output import RerunOutput
 
     if not predictions and display_info.twin_hysteresis is not None:
@@ -163,20 +165,20 @@ def _open_viewer(port: int, web: bool, show_message: Report) -> ViewerProcess:
 
 
 def _wait_for_viewer(viewer_process: ViewerProcess, show_message: Report) -> None:
-    """Until the viewer is closed, or somebody presses Ctrl-C."""
+    """Wait until the viewer is closed or Ctrl-C is pressed."""
     if viewer_process.running:
-        show_message("All is shown; close the viewer, or press Ctrl-C, to end.")
+        show_message("Everything is shown. Close the viewer or press Ctrl-C to end.")
     with suppress(KeyboardInterrupt):
         while viewer_process.running:
             time.sleep(VIEWER_POLL_S)
 
 
 def _report_viewer_failure(viewer_process: ViewerProcess, show_message: Report) -> None:
-    """A viewer that could not stay: without a screen, a driver, a port."""
+    """Report a viewer that ended by itself, for lack of a screen, a driver or a port."""
     if not viewer_process.running and viewer_process.process.returncode:
         complaint_text = viewer_process.complaint
         show_message(
-            f"The viewer ended by itself: {complaint_text}"
+            f"The viewer ended unexpectedly: {complaint_text}"
             if complaint_text
-            else "The viewer ended by itself, and did not say why."
+            else "The viewer ended unexpectedly without a message."
         )

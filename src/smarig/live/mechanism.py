@@ -1,7 +1,7 @@
-"""The rig in three dimensions, in millimetres: wire, pulley and load, or two wires and a shaft; it moves as measured.
+"""The rig in three dimensions, in millimetres: wire, pulley and load, or two wires and a shaft, moved as
+measured.
 
-x along the wire, y up, z along the shaft. Wire and load are drawn short. Knows an actuator's
-constants; refuses to know viewers.
+x runs along the wire, y up, z along the shaft. Wire and load are drawn shortened.
 """
 
 import math
@@ -26,15 +26,15 @@ from smarig.plant import Actuator
 PATH = "rig"
 # In radii of the pulley: the load below the shaft, its size, the pulley's thickness.
 DROP, LOAD, THICK = 2.8, (1.6, 1.3, 1.6), 0.6
-DRAWN = (7.3, 4.6)  # radii of one wire, of each of two: a part of it is enough to look at
+DRAWN = (7.3, 4.6)  # radii: drawn length of one wire, and of each of two
 DIAL = 1.75  # radii
 WIRE_PX = 4.0
 Point3D = tuple[float, float, float]
-ARC = 9  # points of a quarter turn
+ARC = 9  # points per quarter turn
 
 
 def camera_of(actuator: Actuator) -> tuple[Point3D, Point3D]:
-    """Where to look from, and at what."""
+    """Position of the camera and the point that it looks at."""
     r = float(actuator.file.transmission.radius.value)
     if actuator.two_wire:
         return (0.0, 1.2 * r, 9.0 * r), (0.0, 0.7 * r, 0.0)
@@ -42,13 +42,13 @@ def camera_of(actuator: Actuator) -> tuple[Point3D, Point3D]:
 
 
 class Mechanism:
-    """Marks of a rig's body, and of its motion."""
+    """Primitives of the rig's fixed body and of its motion."""
 
     def __init__(self, actuator: Actuator, label: str) -> None:
         self._two = actuator.two_wire
         self._r = float(actuator.file.transmission.radius.value)
         self._drop, self._thick, self._drawn = DROP * self._r, THICK * self._r, DRAWN[self._two] * self._r
-        self._front = 0.52 * self._thick  # just before the pulley's face
+        self._front = 0.52 * self._thick  # just in front of the pulley
         self._load = (LOAD[0] * self._r, LOAD[1] * self._r, LOAD[2] * self._r)
         self._deg, self._label = actuator.unit == "deg", label
         self._hottest_K = max(
@@ -56,7 +56,7 @@ class Mechanism:
         )
 
     def body(self) -> list[Primitive]:
-        """What never changes by itself."""
+        """The primitives that never change by themselves."""
         r = self._r
         spoke = np.array(
             [[0.0, 0.0, self._front], [0.0, r * (DIAL - 0.1) if self._two else 0.94 * r, self._front]]
@@ -88,7 +88,8 @@ class Mechanism:
         return primitives
 
     def moved(self, times_s: Array, positions: Array, inputs_K: Array) -> list[Primitive]:
-        """Wires, pulley and load at positions (n,) in the rig's unit; a wire's colour is its estimated temperature."""
+        """Wires, pulley and load at positions (n,) in the rig's unit. A wire has the colour of its estimated
+        temperature."""
         turn = np.radians(positions) if self._deg else positions / self._r
         still = np.zeros((len(times_s), 3))
         primitives: list[Primitive] = [Transform(f"{PATH}/pulley", times_s, still, turn)]
@@ -110,7 +111,7 @@ class Mechanism:
         ]
 
     def _along(self, side: float) -> Array:
-        """From an anchor to the top of the pulley, and a quarter turn down the other side."""
+        """A wire from its anchor to the top of the pulley, and a quarter turn down the other side."""
         angles = np.linspace(math.pi / 2, 0.0, ARC)
         arc = np.c_[
             -side * self._r * np.cos(angles), self._r * np.sin(angles), np.full(ARC, side * 0.1 * self._r)
@@ -121,7 +122,7 @@ class Mechanism:
         return [temperature_colour(u / self._hottest_K) for u in inputs_K.tolist()]
 
     def _ruler(self) -> list[Primitive]:
-        """Beside the load: how far it was lifted, in millimetres."""
+        """A ruler next to the load: its lift in millimetres."""
         x, y0 = self._r + self._load[0] / 2 + 10, -self._drop
         every = nice_step(self._r / 5)
         steps = [k * every for k in range(5)]
@@ -136,7 +137,7 @@ class Mechanism:
         ]
 
     def _dial(self) -> list[Primitive]:
-        """Around the shaft: the angle, in degrees from where the encoder was zeroed."""
+        """A dial around the shaft: the angle in degrees from the encoder's zero."""
         R, z = DIAL * self._r, self._front
         degrees = np.arange(-90, 91, 15)
         a = np.radians(degrees + 90.0)

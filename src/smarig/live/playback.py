@@ -1,7 +1,4 @@
-"""A recorded run, told again in the order it happened: as fast as it can be drawn, or at a pace.
-
-Knows runs; refuses to know viewers.
-"""
+"""Replay of a recorded run in the order of its samples, at full speed or in multiples of real time."""
 
 import heapq
 from collections.abc import Callable, Iterator, Sequence
@@ -11,7 +8,7 @@ from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
 from smarig.record import Run
 
 BATCH_SAMPLES = 20_000  # samples drawn at once
-PACED_INTERVAL_S = 0.2  # between batches at a pace
+PACED_INTERVAL_S = 0.2  # between batches when replayed at a speed
 _COLUMNS = (
     *("tick", "t_s", "current_command_A", "current_A", "voltage_V"),
     *("temperature_degC", "counts", "position", "ambient_degC", "quality"),
@@ -19,7 +16,7 @@ _COLUMNS = (
 
 
 def playback_items(run: Run) -> Iterator[LiveItem]:
-    """Samples, steps and events in the order of their times; void steps are told as interrupted."""
+    """Samples, steps and events in the order of their times. Void steps are shown as interrupted."""
     timed = bool(len(run)) and run.has("t_s")
     ticks = ((t, 1, item) for t, item in _sample_items(run, timed))
     steps = sorted((s.end_s, 2, k) for k, s in enumerate(run.steps) if s.t_end_s is not None)
@@ -31,7 +28,7 @@ def playback_items(run: Run) -> Iterator[LiveItem]:
 
 
 def batches(run: Run, size: int = BATCH_SAMPLES) -> Iterator[list[LiveItem]]:
-    """As ``playback_items``, in lists."""
+    """The items of ``playback_items`` in lists."""
     batch: list[LiveItem] = []
     for item in playback_items(run):
         batch.append(item)
@@ -49,7 +46,8 @@ def replay(
     wait: Callable[[float], bool],
     now: Callable[[], float],
 ) -> None:
-    """Draw a run at ``speed`` times real time, 0: at once. ``wait(seconds)`` is True when nobody looks any more."""
+    """Draw a run at ``speed`` times real time; 0: at once. ``wait(seconds)`` returns True when the viewer is
+    closed."""
     if not speed:
         for batch in batches(run):
             draw(batch)

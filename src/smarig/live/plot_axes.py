@@ -1,7 +1,7 @@
-"""Axes for views that have none: a frame, ticks and labels, drawn in the units of the data, y upward.
+"""Axes for views that have none: a frame, ticks and labels, drawn in the units of the data, with y upward.
 
-A plot lies in a box WIDTH × HEIGHT; its place (shift, scale) turns data units into that box, so that what is hovered
-over still tells data units. Knows numbers and names only.
+A plot lies in a box WIDTH × HEIGHT. Its transform (shift, scale) maps data units to that box, so a viewer's
+tooltip shows data units.
 """
 
 import math
@@ -13,7 +13,7 @@ from smarig.live.colours import FAINT, GREY, INK
 from smarig.live.primitives import Points, Polylines, Primitive, Transform
 
 TICK = 0.018  # of the box
-MARGIN = (0.17, 0.1, 0.29, 0.18)  # left, right, bottom, top, of the box's height
+MARGIN = (0.17, 0.1, 0.29, 0.18)  # left, right, bottom, top, in heights of the box
 
 
 @dataclass(frozen=True)
@@ -35,15 +35,14 @@ class Axis:
 def nice_step(rough: float) -> float:
     """The next of 1, 2, 5 × 10ⁿ from ``rough`` up.
 
-    >>> nice_step(34.8), nice_step(0.0021)
-    (50.0, 0.005)
+    >>> nice_step(34.8), nice_step(0.0021) (50.0, 0.005)
     """
     power = 10.0 ** math.floor(math.log10(rough))
     return next(float(f"{m * power:.6g}") for m in (1, 2, 5, 10) if m * power >= rough * (1 - 1e-9))
 
 
 def rounded(label: str, low: float, high: float) -> Axis:
-    """An axis that holds low…high with a little room, its ends on ticks' fifths."""
+    """An axis that holds low…high with a small margin. Its ends are multiples of a fifth of a tick."""
     span = max(high - low, 1e-9 * max(abs(high), abs(low)), 1e-12)
     fifth = nice_step(span / 5) / 5
     return Axis(label, fifth * math.floor(low / fifth + 1e-9), fifth * math.ceil(high / fifth - 1e-9))
@@ -51,7 +50,7 @@ def rounded(label: str, low: float, high: float) -> Axis:
 
 @dataclass(frozen=True)
 class Plot:
-    """A two-dimensional plot at a path; its data go under ``path/plot``."""
+    """A two-dimensional plot at a path. Its data go under ``path/plot``."""
 
     path: str
     x: Axis
@@ -61,17 +60,17 @@ class Plot:
 
     @property
     def inside(self) -> str:
-        """Where data are drawn, in their own units."""
+        """The path under which data are drawn in their own units."""
         return f"{self.path}/plot"
 
     @property
     def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """What a view must show, (x, y), y downward as viewers have it."""
+        """The range that a view must show, (x, y), with y downward as in viewers."""
         left, right, bottom, top = MARGIN
         return (-left, self.width + right), (-self.height - top, bottom)
 
     def primitives(self, *, grid: bool = True) -> list[Primitive]:
-        """Place, frame, grid, ticks and labels."""
+        """Transform, frame, grid, ticks and labels."""
         x, y = self.x, self.y
         sx, sy = self.width / (x.high - x.low), -self.height / (y.high - y.low)
         place = Transform(self.inside, None, np.array([[-x.low * sx, -y.low * sy, 0.0]]), scale=(sx, sy, 1.0))

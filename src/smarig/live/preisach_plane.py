@@ -1,6 +1,6 @@
-"""The Preisach plane: where the staircase boundary stands, and the weighting function μ as a picture.
+"""The Preisach plane: the boundary, and the density μ as an image.
 
-Abscissa β, ordinate α, relays above the line α = β. Knows hysteresis; refuses to know time and rigs.
+The abscissa is β, the ordinate α. Relays lie above the line α = β.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from smarig.theory import staircase_points
 CELLS = 96
 POSITIVE: Colour = (203, 84, 84)
 NEGATIVE: Colour = (74, 140, 207)
-MAX_SHADE = 0.98  # quantile of |μ| with the full colour: single ridges must not darken the rest
+MAX_SHADE = 0.98  # quantile of |μ| with the full colour, so that single ridges do not darken the rest
 
 
 def boundary(state: State, lower: float, upper: float) -> Array:
@@ -43,19 +43,20 @@ def boundary(state: State, lower: float, upper: float) -> Array:
 
 
 def density(hysteresis: Everett, cells: int = CELLS) -> Array:
-    """Mean of μ in each cell (α row, β column), NaN below the diagonal: μ = −½ ∂²F/∂α∂β."""
+    """Mean of μ in each cell (row α, column β), NaN below the diagonal: μ = −½ ∂²F/∂α∂β."""
     edges = np.linspace(hysteresis.lower, hysteresis.upper, cells + 1)
     alpha, beta = np.meshgrid(edges, edges, indexing="ij")
     F = np.asarray(hysteresis.swept(np.maximum(alpha, beta), beta), dtype=float)
     mass = 0.5 * (F[1:, :-1] - F[:-1, :-1] - F[1:, 1:] + F[:-1, 1:])
     mass[np.triu_indices(cells, 0)] = (
         np.nan
-    )  # cells on the diagonal hold the reversible part, which is no density
+    )  # cells on the diagonal hold the reversible part, which is not part of the density
     return mass / (edges[1] - edges[0]) ** 2
 
 
 def density_image(mu: Array) -> NDArray[np.uint8]:
-    """Red positive, blue negative, the darker the weaker; the ground where there are no relays."""
+    """The density as an image: red positive, blue negative, darker if weaker; background where there are no
+    relays."""
     finite = np.isfinite(mu)
     top = float(np.quantile(np.abs(mu[finite]), MAX_SHADE)) if finite.any() else 0.0
     pixels = np.full((*mu.shape, 3), GROUND, np.uint8)

@@ -1,6 +1,6 @@
-"""What can be drawn, as plain values: a mark says where (``path``), when (``times_s``, None: always) and what.
+"""Primitives to draw, as plain values: where (``path``), when (``times_s``, None: always) and what.
 
-Between those who know the rig and the one module that knows a viewer. Knows neither.
+They separate the modules that know the rig from the module that drives the viewer.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ Times = Array | None
 
 @dataclass(frozen=True)
 class SeriesLegend:
-    """Names, with units, colours and widths of the columns of a ``TimeSeries``."""
+    """Names, with units, colours and widths, of the columns of a ``TimeSeries``."""
 
     path: str
     names: tuple[str, ...]
@@ -37,9 +37,8 @@ class TimeSeries:
 
 @dataclass(frozen=True)
 class Polylines:
-    """Polylines (m, 2) or (m, 3): all of them always there, or one for each time; none of ``colours``:
-    ``ColourChanges``.
-    """
+    """Polylines (m, 2) or (m, 3): all of them always, or one for each time. Without ``colours``, the colour
+    comes from ``ColourChanges``."""
 
     path: str
     times_s: Times
@@ -51,7 +50,7 @@ class Polylines:
 
 @dataclass(frozen=True)
 class ColourChanges:
-    """The colour, at each time, of the one strip that is always at ``path``."""
+    """The colour at each time of the one strip that is always at ``path``."""
 
     path: str
     times_s: Array
@@ -60,7 +59,7 @@ class ColourChanges:
 
 @dataclass(frozen=True)
 class Points:
-    """Points (m, 2) or (m, 3), always there or one for each time, with labels or without; radius 0: labels alone."""
+    """Points (m, 2) or (m, 3), always or one for each time, with optional labels. Radius 0: labels alone."""
 
     path: str
     times_s: Times
@@ -81,7 +80,8 @@ class Pixels:
 
 @dataclass(frozen=True)
 class Transform:
-    """Where everything under ``path`` is: shift (n, 3), turn about z (n,) in radians, or a fixed scale (3,)."""
+    """Transform of everything under ``path``: shift (n, 3), turn about z (n,) in radians, or a fixed scale
+    (3,)."""
 
     path: str
     times_s: Times
@@ -153,5 +153,5 @@ Primitive = (
 
 
 def point(*xyz: float) -> Array:
-    """One place, shape (1, 3)."""
+    """One point, shape (1, 3)."""
     return np.array([xyz], dtype=float)

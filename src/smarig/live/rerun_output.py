@@ -1,7 +1,7 @@
-"""Marks for Rerun's eyes: the one module that imports rerun (extra ``live``).
+"""Output of primitives to Rerun. This is the only module that imports rerun (extra ``live``).
 
-Serves what is shown on loopback from within this process, or writes it to a file, or both. Nothing here waits for a
-viewer: the server keeps what fits ``memory`` and drops the oldest. Knows nothing of rigs and runs.
+It serves them on the loopback interface from this process, writes them to a file, or both. Nothing waits for
+a viewer: the server keeps up to ``memory`` and drops the oldest data.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ _LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
 
 
 class RerunOutput:
-    """Where marks are shown; ``serve`` and ``save`` say to whom."""
+    """An output for primitives. ``serve`` and ``save`` choose where they go."""
 
     def __init__(self, name: str) -> None:
         self._stream = rr.RecordingStream(APPLICATION)
@@ -39,11 +39,11 @@ class RerunOutput:
         self._files: list[tuple[Path, Any]] = []
 
     def serve(self, port: int, memory: str) -> None:
-        """To viewers on this machine that ask at ``port``, now or later."""
+        """Serve viewers on this machine that connect to ``port``, now or later."""
         self._to(rr.GrpcServerSink("127.0.0.1", port, server_memory_limit=memory))
 
     def save(self, path: Path) -> None:
-        """Into a file, written at ``close``: by us, because Rerun tells of a full disk in lines of its own."""
+        """Write into a file at ``close``. Rerun itself would report a full disk only in its own log lines."""
         self._files.append((path, self._stream.binary_stream()))
         self._to(self._files[-1][1])
 
@@ -52,32 +52,34 @@ class RerunOutput:
         self._stream.set_sinks(*self._sinks)
 
     def arrange(self, layout: Split, *, replay: bool = False) -> None:
-        """Lay the views out; a replay shows all of its time, a live view the last minutes."""
+        """Arrange the views. A replay shows all of its time, a live view the last minutes."""
         panel = rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following")
         blueprint = rrb.Blueprint(_part(layout, replay), panel, collapse_panels=True, auto_views=False)
         self._stream.send_blueprint(blueprint)
 
     def show(self, primitives: Sequence[m.Primitive]) -> None:
-        """Draw marks."""
+        """Draw primitives."""
         for primitive in primitives:
             self._draw(primitive)
 
     def flush(self) -> None:
-        """Send what is left; StorageError where that could not be done."""
+        """Send the remaining data. Raises StorageError if that fails."""
         try:
             self._stream.flush()
         except RuntimeError as error:
             raise StorageError(f"The recording could not be written: {error}.") from None
 
     def close(self) -> None:
-        """Send what is left, write files and let go of sinks; OSError where a file could not be written."""
+        """Send the remaining data, write files and close all outputs. Raises OSError if a file cannot be
+        written."""
         self.flush()
         written = [(path, stream.read()) for path, stream in self._files]
         self._stream.disconnect()
         for path, content in written:
             path.write_bytes(content)
 
-    # --- one way for each kind of mark -----------------------------------------------------------------------
+    # --- one method for each kind of primitive
+    # -------------------------------------------------------------------
 
     def _columns(self, path: str, times_s: m.Array, columns: Any) -> None:
         self._stream.send_columns(path, [rr.TimeColumn(TIMELINE, duration=times_s)], columns)
@@ -87,7 +89,7 @@ class RerunOutput:
 
     @singledispatchmethod
     def _draw(self, primitive: Any) -> None:
-        raise TypeError(f"no way to draw {primitive!r}")
+        raise TypeError(f"cannot draw {primitive!r}")
 
     @_draw.register
     def _(self, primitive: m.SeriesLegend) -> None:
@@ -112,7 +114,7 @@ class RerunOutput:
         style: dict[str, Any] = {"radii": rr.Radius.ui_points(primitive.width_px / 2)}
         style |= {"draw_order": primitive.draw_order} if flat else {}
         if primitive.times_s is None:
-            hues = list(primitive.colours) or None  # what is there always would hide colours that change
+            hues = list(primitive.colours) or None  # fixed colours would hide colours that change
             self._always(primitive.path, kind(list(primitive.strips), colors=hues, **style))
             return
         several = {"colors": list(primitive.colours)} if not flat else {}
@@ -201,7 +203,8 @@ class RerunOutput:
 
 
 def viewer_state(url: str) -> dict[str, Any]:
-    """What a viewer at ``url`` shows: names of its views, their complaints, and where each recording's time begins."""
+    """The state of a viewer at ``url``: names of its views, their error messages, and the start time of each
+    recording."""
     from rerun.experimental import ViewerClient
 
     state = ViewerClient.connect(url).get_state()
@@ -215,7 +218,7 @@ def viewer_state(url: str) -> dict[str, Any]:
 
 
 def save_screenshot_of(url: str, path: Path, at_s: float | None = None) -> None:
-    """A picture of what a headless viewer shows, at a time of the run."""
+    """Save an image of a headless viewer's contents at a time of the run."""
     from rerun.experimental import ViewerClient
 
     viewer = ViewerClient.connect(url)
@@ -277,7 +280,7 @@ def _time(view: View, replay: bool) -> Any:
 
 
 def _axis(replay: bool) -> Any:
-    """All of a recorded run; the last minutes of one that is going on."""
+    """The time range: all of a recorded run, or the last minutes of a running one."""
     first = (
         rr.TimeRangeBoundary.infinite() if replay else rr.TimeRangeBoundary.cursor_relative(seconds=-SCROLL_S)
     )

@@ -1,9 +1,8 @@
-"""Batches of what was seen become marks: the one place that knows what a live view shows.
+"""Conversion of batches of items into the primitives of the live view.
 
-Scalars are drawn sample by sample. What has a shape (trail, boundary, the rig's body) is drawn anew only where
-something moved by a ``STILL_FRACTION``-th of its range and by more than noise: a hold of ten minutes costs
-nothing, and a recording stays small.
-Knows no viewer and no thread.
+Scalars are drawn for every sample. Shapes (trail, boundary, the rig's body) are redrawn only after a move of
+more than 1/``STILL_FRACTION`` of the range and more than noise. A hold of ten minutes therefore costs
+nothing, and recordings stay small.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,16 +33,16 @@ from smarig.preisach import Everett, RelayMeasure
 from smarig.replay import HysteresisPredictor, NamedPredictor, ZeroedPredictor
 
 STILL_FRACTION = 300
-NOISE_COUNTS = 2.5  # less is the encoder's noise, not a move
-COUNTDOWN_STRIDE = 5  # samples between points of what is a straight line
+NOISE_COUNTS = 2.5  # smaller moves are noise of the encoder
+COUNTDOWN_STRIDE = 5  # samples between points of a straight line
 NAN = float("nan")
 ShowPrimitives = Callable[[Sequence[Primitive]], None]
 
 
 class SceneRenderer:
-    """``draw(items, lost)`` shows a batch; ``opening`` and ``layout`` come first.
+    """Renders batches: ``draw(items, lost)``, after ``opening`` and ``layout``.
 
-    ``hysteresis`` is what the plane's map is of, None for the boundary alone.
+    ``hysteresis`` gives the map of the plane; with None only the boundary is drawn.
     """
 
     def __init__(
@@ -71,17 +70,18 @@ class SceneRenderer:
         self._settling_monitor = _settling_monitor(display_info)
         self._states = StateTracker()
         self._last_frame: tuple[float, ...] | None = None
-        self._trail_ends: list[Array] = []  # where the trails have come to
+        self._trail_ends: list[Array] = []  # end points of the trails so far
 
     @property
     def layout(self) -> Split:
-        """Of the views."""
+        """The arrangement of the views."""
         return layout(self.display_info, self.graph, self.plane, len(self._models))
 
-    # --- what is there before the first sample ---------------------------------------------------------------
+    # --- drawn before the first sample
+    # --------------------------------------------------------------------------
 
     def opening(self) -> list[Primitive]:
-        """Axes, legends, the map, the rig's body, what is shown in words."""
+        """Axes, legends, the map, the rig's body and the page of text."""
         primitives = [
             *self.graph.primitives(),
             *self._plane_primitives(),
@@ -97,7 +97,7 @@ class SceneRenderer:
         return [*primitives, *self._badges()]
 
     def _badges(self) -> list[Primitive]:
-        """The twin's label, in each plane."""
+        """The twin's label in each plane."""
         text = self.display_info.label
         if not text:
             return []
@@ -152,16 +152,18 @@ class SceneRenderer:
             primitives.append(SeriesLegend("countdown", ("at least",), (c.ORANGE,)))
         return primitives
 
-    # --- what comes --------------------------------------------------------------------------------------------
+    # --- drawn for each batch
+    # -----------------------------------------------------------------------------------
 
     def draw(self, items: Sequence[LiveItem], lost: int = 0) -> None:
-        """Show a batch; ``lost`` were dropped before it, so that no model knows what it remembers."""
+        """Draw a batch. ``lost`` items were dropped before it, so the memory of the models is unknown
+        afterwards."""
         primitives: list[Primitive] = []
         if lost:
             for predictor in (*self._models, self._memory):
                 predictor.invalidate()
             first = _time_of(items[0])
-            text = f"{lost} items were too many for the viewer and are not shown; the record has them all."
+            text = f"{lost} items were too many for the viewer and are not shown. The record is complete."
             primitives.append(TextLog("log", np.array([first]), (text,), ("warning",)))
         run: list[SampleItem] = []
         for item in items:
@@ -198,7 +200,7 @@ class SceneRenderer:
         u = np.array([t.input_value for t in run], dtype=float)
         times, command, current, voltage, y = (data[:, k] for k in (1, 2, 3, 4, 7))
         if not np.isfinite(times).any():
-            times = data[:, 0]  # data without time: its running tick
+            times = data[:, 0]  # data without time: their running tick
         followed, frames, states, settling = self._follow_models(run)
         with np.errstate(divide="ignore", invalid="ignore"):
             resistance = np.where(np.abs(current) > 0.05, voltage / current, NAN)
@@ -224,7 +226,8 @@ class SceneRenderer:
         return primitives
 
     def _follow_models(self, run: Sequence[SampleItem]) -> tuple[Array, list[int], list[Array], Array]:
-        """Models' outputs (n, m), which samples are drawn as shapes, boundaries there, and how holds settle (n, 2)."""
+        """Outputs of the models (n, m), samples to draw as shapes, boundaries there, and settling of holds
+        (n, 2)."""
         outputs = np.empty((len(run), len(self._models)))
         settling = np.full((len(run), 2), NAN)
         frames: list[int] = []
@@ -259,7 +262,7 @@ class SceneRenderer:
     def _draw_frames(
         self, times: Array, u: Array, outputs: Array, boundaries: Sequence[Array]
     ) -> list[Primitive]:
-        """Trails (from the last frame on), the point that is now, the boundary, the rig."""
+        """Trails since the last frame, the present point, the boundary, and the rig."""
         inside, c = self.graph.inside, colours
         primitives: list[Primitive] = []
         places = [np.c_[u, outputs[:, j]] for j in range(outputs.shape[1])]
@@ -273,7 +276,9 @@ class SceneRenderer:
             if known:
                 chosen = [segments[k] for k in known]
                 draw_order = 2.0 if name == "measured" else 3.0
-                width = 3.5 if name == "measured" else 1.4  # the model is drawn over the data, both are seen
+                width = (
+                    3.5 if name == "measured" else 1.4
+                )  # the model is drawn over the data so that both are visible
                 primitives.append(
                     Polylines(
                         f"{inside}/{name}", times[known], chosen, [colour] * len(known), width, draw_order
@@ -292,7 +297,7 @@ class SceneRenderer:
         return primitives
 
     def _widened_axes(self, u: Array, y: Array) -> list[Primitive]:
-        """New axes where the data leave the old ones."""
+        """New axes if the data leave the old ones."""
         if not (np.isfinite(u).any() and np.isfinite(y).any()):
             return []
         x_axis = widened_axis(self.graph.x, float(np.nanmin(u)), float(np.nanmax(u)))
@@ -304,7 +309,7 @@ class SceneRenderer:
 
 
 def _settling_monitor(of: DisplayInfo) -> SettlingMonitor | None:
-    """Who watches holds come to rest, where anything is known of them."""
+    """A monitor of settling, if the noise and the rule are known."""
     if of.settling_rule is None or of.actuator is None or of.period_s is None:
         return None
     return SettlingMonitor(of.settling_rule, of.actuator, of.period_s)

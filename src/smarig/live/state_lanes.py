@@ -1,6 +1,7 @@
-"""Lanes of states under the time series: which step, where the current goes, how steps ended, how the run goes.
+"""Lanes of states under the time series: step, direction of the current, verdicts of steps, state of the
+run.
 
-A change is a state with the time it begins at. Knows no viewer.
+A change is a state with the time at which it starts.
 """
 
 from collections import deque
@@ -45,7 +46,7 @@ NAN = float("nan")
 
 
 class StateTracker:
-    """Follows a run and tells changes of state."""
+    """Follows a run and draws the changes of its states."""
 
     def __init__(self) -> None:
         self._current: dict[str, str] = {}
@@ -57,7 +58,7 @@ class StateTracker:
         return [StateLegend(path, dict(of)) for path, of in STATE_COLOURS.items()]
 
     def after(self, items: Sequence[LiveItem]) -> list[Primitive]:
-        """What changed in a batch."""
+        """The changes within a batch."""
         found: dict[str, list[tuple[float, str]]] = {}
         for item in items:
             for path, t_s, state in self._changes(item):
@@ -74,7 +75,8 @@ class StateTracker:
             return self._sample_changes(item)
         self._t_s = item.t_s
         if isinstance(item, StepItem):
-            # known only now, drawn over the whole step: a lane may be written backwards
+            # A verdict is known only at the end of its step, so its lane is written backwards over the whole
+            # step.
             return [("lanes/verdict", item.t_start_s, item.verdict), ("lanes/verdict", item.t_s, "waiting")]
         return self._event_changes(item)
 
@@ -101,7 +103,7 @@ class StateTracker:
 
 
 class SettlingMonitor:
-    """Watches samples of holds; ``after`` gives (counts off the window's mean, seconds left at least)."""
+    """Follows the samples of holds. ``after`` gives (counts from the window's mean, least seconds left)."""
 
     def __init__(self, until: Settled, actuator: Actuator, period_s: float) -> None:
         self._until, self._actuator, self._period_s = until, actuator, period_s
@@ -119,7 +121,7 @@ class SettlingMonitor:
         self._sum = 0
 
     def after(self, s: Sample, step: int | None, input_K: float) -> tuple[float, float]:
-        """Of the step that the sample belongs to; NaN between steps."""
+        """Values for the step of the sample; NaN between steps."""
         if step != self._step:
             self._step = step
             self._begin(s.current_command_A)

@@ -1,7 +1,4 @@
-"""How the views of a rig lie beside one another: pure data, made of rows, columns, tabs and views.
-
-Knows what is drawn where; refuses to know viewers.
-"""
+"""Arrangement of the views of a rig as plain data: rows, columns, tabs and views."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,7 +12,8 @@ ViewType = Literal["plane", "space", "time", "lanes", "log", "page"]
 
 @dataclass(frozen=True)
 class View:
-    """One view: what it shows (``origin`` and all below) and how. ``trails`` stay for a while."""
+    """One view: its content (``origin`` and everything below) and its kind. ``trails`` remain visible for a
+    while."""
 
     kind: ViewType
     name: str
@@ -29,7 +27,7 @@ class View:
 
 @dataclass(frozen=True)
 class Split:
-    """Parts beside one another, with shares of the room."""
+    """Adjacent parts with their shares of the space."""
 
     arrangement: Literal["rows", "columns", "tabs"]
     parts: tuple["View | Split", ...]
@@ -37,7 +35,8 @@ class Split:
 
 
 def layout(display_info: DisplayInfo, graph: Plot, plane: Plot, models: int) -> Split:
-    """Left the two planes, in the middle what scrolls, right the rig and its states."""
+    """The arrangement: the two planes on the left, time series in the middle, the rig and its states on the
+    right."""
     label_prefix = f"{display_info.label} · " if display_info.label else ""
     trails = ("measured", "settled", *(f"model_{k}" for k in range(models)))
     hysteresis = View(
@@ -93,9 +92,9 @@ def _right(display_info: DisplayInfo, label_prefix: str) -> Split:
         )
     if display_info.settling_rule is not None:
         band = 2.0 * display_info.settling_rule.band_counts
-        off = "Settling: off the window's mean (counts)"
+        off = "Settling: difference from the window's mean (counts)"
         parts.append((View("time", off, "settling", legend=True, range=(-band, band)), 1.5))
-        parts.append((View("time", "Settles in at least (s)", "countdown"), 1.2))
+        parts.append((View("time", "Least time until settled (s)", "countdown"), 1.2))
     parts.append((View("lanes", "Steps and states", "lanes"), 2.3))
     log, about = View("log", "Events and trips", "log"), View("page", f"{label_prefix}About", "about")
     parts.append((Split("tabs", (log, about)), 1.6))

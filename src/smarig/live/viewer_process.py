@@ -1,7 +1,8 @@
-"""Viewer processes: the native one, or a web server for browsers, both on loopback and ended with us.
+"""Viewer processes: the native viewer, or a web server for browsers. Both use loopback and end with this
+process.
 
-They are started directly (the wrapper on PATH would leave them orphaned), with a configuration of their own in a
-temporary folder: analytics off, nothing written into anybody's home. Knows processes; refuses to know what is shown.
+They are started directly, because the wrapper on PATH would leave them orphaned. Their configuration is in a
+temporary folder: analytics are off, and nothing is written into the user's home.
 """
 
 import atexit
@@ -21,33 +22,35 @@ from pathlib import Path
 from smarig.core import UsageError
 
 LOOPBACK = "127.0.0.1"
-MEMORY = "1GB"  # of the viewer: it forgets the oldest beyond that
+MEMORY = "1GB"  # of the viewer; it drops the oldest data beyond that
 WEB_REMARK = (
-    "The page asks the internet for fonts, updates and telemetry of its own accord; "
-    "it works with all of that blocked."
+    "The page requests fonts, updates and telemetry from the internet; "
+    "it also works with that traffic blocked."
 )
-_HOME_PREFIX = "smarig-viewer-"  # how temporary folders are called; then whose they are: PID-…
+_HOME_PREFIX = "smarig-viewer-"  # prefix of temporary folders, followed by the process that owns them: PID-…
 _ANSI_COLOUR = re.compile("\x1b\\[[0-9;]*m")
 _ERROR_PATTERN = re.compile(
     r"\b(error|panicked|fatal)\b", re.IGNORECASE
-)  # remarks of other kinds explain nothing
+)  # other kinds of messages explain nothing
 _SCREEN_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")
 
 
 def free_port(requested: int = 0) -> int:
-    """A port of loopback that nobody holds, ``requested`` itself if given; UsageError where that is taken."""
+    """A free loopback port, or ``requested`` if given. Raises UsageError if that port is taken."""
     with socket.socket() as probe:
         if os.name != "nt":
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((LOOPBACK, requested))
         except OSError:
-            raise UsageError(f"Port {requested} on {LOOPBACK} is taken; give another, or none.") from None
+            raise UsageError(
+                f"Port {requested} on {LOOPBACK} is taken. Give another port, or none."
+            ) from None
         return probe.getsockname()[1]
 
 
 def viewer_address(port: int) -> str:
-    """Of a server of ours."""
+    """The address of a server of this process."""
     return f"rerun+http://{LOOPBACK}:{port}/proxy"
 
 
@@ -60,7 +63,7 @@ def program() -> Path:
 
 
 class ViewerProcess:
-    """A process that shows what is served at an address; ``close`` ends it, and so does our own end."""
+    """A process that shows the data served at an address. ``close`` or the end of this process ends it."""
 
     def __init__(self, arguments: list[str]) -> None:
         _remove_stale_homes()
@@ -73,13 +76,13 @@ class ViewerProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                start_new_session=True,  # Ctrl-C is for the run alone
+                start_new_session=True,  # Ctrl-C is for the run only
             )
         atexit.register(self.close)
 
     @classmethod
     def native(cls, url: str) -> "ViewerProcess":
-        """A window on this screen; UsageError where there is none."""
+        """A window on this screen. Raises UsageError if there is no screen."""
         _check_screen()
         port = str(free_port())
         return cls(
@@ -88,7 +91,7 @@ class ViewerProcess:
 
     @classmethod
     def headless(cls, url: str, port: int, size: str) -> "ViewerProcess":
-        """Without a screen, asked at ``port``: for pictures."""
+        """A viewer without a screen, controlled at ``port``, for images."""
         common = [
             "--bind",
             LOOPBACK,
@@ -102,24 +105,24 @@ class ViewerProcess:
 
     @classmethod
     def web(cls, url: str, port: int) -> "ViewerProcess":
-        """A server of pages at ``port``."""
+        """A web server at ``port``."""
         return cls(["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(port), url])
 
     @property
     def running(self) -> bool:
-        """Whether somebody still looks."""
+        """Whether the viewer still runs."""
         return self.process.poll() is None
 
     @property
     def complaint(self) -> str:
-        """What it said last of something that went wrong; "" where it did not."""
+        """The last error message of the viewer, or ""."""
         with contextlib.suppress(OSError):
             lines = _ANSI_COLOUR.sub("", self._log.read_text(errors="replace")).splitlines()
             return next((line.strip() for line in reversed(lines) if _ERROR_PATTERN.search(line)), "")
         return ""
 
     def close(self) -> None:
-        """End it, whatever state it is in; idempotent."""
+        """End the process in any state; may be repeated."""
         atexit.unregister(self.close)
         if self.running:
             with contextlib.suppress(ProcessLookupError):
@@ -134,25 +137,25 @@ class ViewerProcess:
 
 
 def web_page(web_port: int, port: int) -> str:
-    """What to open in a browser."""
+    """The address to open in a browser."""
     return f"http://{LOOPBACK}:{web_port}/?url={viewer_address(port).replace('+', '%2B')}&hide_welcome_screen"
 
 
 def _check_screen() -> None:
-    """UsageError where a window cannot be opened: asked before anything runs."""
+    """Raise UsageError if a window cannot be opened, before anything runs."""
     if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in _SCREEN_VARIABLES):
         raise UsageError(
-            "There is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Use --web for a browser, or "
-            "'smarig view RUN --save FILE.rrd' to look at it elsewhere."
+            "No screen is available: neither DISPLAY nor WAYLAND_DISPLAY is set. Use --web for a browser, or "
+            "'smarig view RUN --save FILE.rrd' to view the run on another machine."
         )
 
 
 def _remove_stale_homes() -> None:
-    """Remove the folders of those who were killed and could not do it themselves."""
-    if os.name == "nt":  # asking for a process there would end it
+    """Remove the folders of viewers whose owners were killed."""
+    if os.name == "nt":  # os.kill would end the process on Windows
         return
     for home in Path(tempfile.gettempdir()).glob(f"{_HOME_PREFIX}[0-9]*-*"):
-        with contextlib.suppress(ValueError, PermissionError):  # nobody of ours; another person's
+        with contextlib.suppress(ValueError, PermissionError):  # not one of these folders, or another user's
             try:
                 os.kill(int(home.name.removeprefix(_HOME_PREFIX).partition("-")[0]), 0)
             except (ProcessLookupError, OverflowError):
@@ -160,7 +163,7 @@ def _remove_stale_homes() -> None:
 
 
 def _environment(home: Path) -> dict[str, str]:
-    """Ours, with the viewer's settings elsewhere and analytics off."""
+    """The environment of the viewer: settings in ``home`` and analytics off."""
     where = home / "rerun"
     where.mkdir()
     settings = {
@@ -180,15 +183,16 @@ def _environment(home: Path) -> dict[str, str]:
 
 
 def _continue_process(process: subprocess.Popen) -> None:
-    """A stopped process hears SIGTERM only when it goes on."""
+    """Continue a stopped process, since it handles SIGTERM only then."""
     if hasattr(signal, "SIGCONT"):
         process.send_signal(signal.SIGCONT)
 
 
 def _parent_death_signal() -> list[str]:
-    """On Linux: what asks the kernel to end the viewer when we are gone, even by kill -9, and becomes the viewer.
+    """On Linux: a command that has the kernel end the viewer when this process ends, even by kill -9.
 
-    A nicer one: where it must draw without a graphics card, the run goes first.
+    It also lowers the viewer's priority, so that the run comes first if the viewer draws without a graphics
+    card.
     """
     if not sys.platform.startswith("linux"):
         return []

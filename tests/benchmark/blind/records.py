@@ -1,4 +1,4 @@
-"""Opened boxes written by hand, as a trial returns them."""
+"""Opened boxes written by hand, in the form that a trial returns."""
 
 
 def record(number=0, verdict_word="silent", hidden=None, **given):

@@ -1,4 +1,4 @@
-"""The blind benchmark on a real Dask cluster of this machine: the same answers as without one."""
+"""The blind benchmark on a local Dask cluster gives the same answers as without one."""
 
 import os
 
@@ -37,5 +37,5 @@ def test_a_cluster_gives_the_answers_of_one_process(scheduler, tmp_path):
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "foo://x:1"])
 def test_an_address_without_a_scheduler_is_one_sentence(address, monkeypatch):
     monkeypatch.setattr(diagnosis, "CONNECT_TIMEOUT_S", 2)
-    with pytest.raises(UsageError, match=rf"No Dask scheduler answers at '{address}'"):
+    with pytest.raises(UsageError, match=rf"No Dask scheduler responds at '{address}'"):
         diagnosis.run(boxes=1, dask=address)

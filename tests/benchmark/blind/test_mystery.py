@@ -1,4 +1,4 @@
-"""The table of mysteries: what counts as right, wrong and open, and who is asked."""
+"""The table of the mystery benchmark: right, wrong and open answers, and the seeds it uses."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""A blind benchmark that is stopped goes on where it was, and its table does not mind how it came about."""
+"""A stopped blind benchmark can be continued, and its table does not depend on the interruption."""
 
 import json
 import sys
@@ -157,7 +157,7 @@ def test_an_interrupted_benchmark_keeps_its_answers(computed_boxes, tmp_path, mo
 
 @pytest.mark.parametrize("out", [Path("/dev/full"), Path("/dev/zero"), Path()])
 def test_what_is_no_file_keeps_no_answers(computed_boxes, out):
-    with pytest.raises(UsageError, match="is no file that answers could be kept in"):
+    with pytest.raises(UsageError, match="is not a file that can hold answers"):
         diagnosis.run(boxes=1, out=out)
     assert computed_boxes == []
 

@@ -1,4 +1,5 @@
-"""Boxes as they are drawn, sealed and read: the mix, determinism, silence of the files, use by the estimator."""
+"""Sealed boxes as they are drawn, written and read: categories, determinism, no trace of the label,
+identification."""
 
 import sqlite3
 from collections import Counter

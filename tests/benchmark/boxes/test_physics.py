@@ -1,4 +1,4 @@
-"""Effects of the boxes against closed forms: what the equation says, in direction and in size."""
+"""Effects of the boxes against closed forms, in direction and in size."""
 
 import math
 from functools import cache

@@ -1,4 +1,4 @@
-"""Relays switched in sorted order against an array of relays switched one by one, exactly."""
+"""Relays switched in sorted order equal an array of relays switched one by one, exactly."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from benchmarks.boxes.relays import RelayHysteresis, Relays, demagnetised
 
 
 class Naive:
-    """Every relay asked at every step."""
+    """Relays of which every one is evaluated at every step."""
 
     def __init__(self, h, on=False):
         self.h, self.on = h, np.full(h.alpha.size, on)
@@ -48,7 +48,7 @@ def test_without_feedback_a_coupled_move_is_a_plain_move():
 
 @pytest.mark.parametrize("shift_K", [12.0, 3.0, -6.0, -40.0])
 def test_feedback_comes_to_rest_where_it_agrees_with_itself(shift_K):
-    """What is felt at the share reached switches no further relay, to within the mass of one."""
+    """The hysteresis input at the final share switches no further relay, to within the mass of one."""
     h = few_relays("one_wire", 1500)
     relays, at, one = Relays(h), 0.0, abs(shift_K) * h.mass.max() / h.mass.sum()
     rng = np.random.default_rng(4)

@@ -1,6 +1,7 @@
-"""The boxes and the estimator's plant, written twice from one description, along one current staircase.
+"""The boxes and the plant of smarig, two implementations of one description, along one current staircase.
 
-They must differ by little against the effect itself. The only test of the boxes that knows ``smarig.plant``.
+Their difference must be small compared with the effect itself. This is the only test of the boxes that
+imports ``smarig.plant``.
 """
 
 from functools import cache

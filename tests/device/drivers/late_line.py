@@ -1,4 +1,4 @@
-"""A serial port with a clock of its own, at whose other end something answers as late as a test says. Nobody sleeps."""
+"""A serial port with a simulated clock, whose far end replies as late as the test requires, without waiting."""
 
 from collections.abc import Callable, Iterable
 

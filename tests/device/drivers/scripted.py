@@ -1,4 +1,4 @@
-"""A device that says what a test tells it to, behind the Link seam."""
+"""A device behind the Link interface that sends what the test prescribes."""
 
 from smarig.device.wire.exchange import Exchange, Refusal
 from smarig.device.wire.link_faults import Silent

@@ -1,4 +1,4 @@
-"""A laboratory supply of another make behind a pty, which keeps what it is told. Knows SCPI, and no driver."""
+"""A laboratory supply of another make behind a pty: it speaks SCPI and stores its commands."""
 
 import contextlib
 import os
@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 
 class Supply:
-    """A supply of another make: keeps what it is told, measures what flows through 4 Ω."""
+    """A supply of another make: it stores its commands and measures the current through 4 Ω."""
 
     def __init__(self, identity: str = "ACME,PS-3005,0,1.0", takes: float = 1.0) -> None:
         self.master, slave = os.openpty()

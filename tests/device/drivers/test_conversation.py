@@ -1,4 +1,5 @@
-"""A conversation is fresh, done once, repeated a few times, and blames the right one."""
+"""An exchange with a device: fresh replies, executed once, repeated a few times, and errors that blame the
+right device."""
 
 import pytest
 
@@ -88,7 +89,7 @@ def test_a_refusal_is_reported_with_its_reason_and_not_retried(talk, link):
 
 @pytest.mark.parametrize("code", [8, 9, 6, 99])
 def test_a_no_to_what_was_not_understood_is_no_answer(talk, link, code):
-    """The request was garbled on its way: nothing has been done, and it is said again."""
+    """The request was garbled on the line: nothing has been executed, and it is sent again."""
     link.next_replies = [Refusal(code)]
     assert talk.command({"current": 9}).retried
     assert [d["current"] for d in link.done] == [9]

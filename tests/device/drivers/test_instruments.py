@@ -1,4 +1,4 @@
-"""The amplifier and the encoder as a bench sees them, and the supply that shows how a foreign one is added."""
+"""The amplifier and the encoder as seen by a bench, and a foreign supply as an example of another driver."""
 
 import pytest
 
@@ -63,7 +63,7 @@ def test_the_first_current_arms_later_ones_do_not(link):
 
 
 @pytest.mark.parametrize("says", [{"state": 1, "output": 0}, {"state": 0, "output": 5}])
-def test_off_is_believed_only_where_it_is_seen(link, says):
+def test_off_is_confirmed_only_by_a_matching_status(link, says):
     amplifier = SmarigAmplifier(link, SETTINGS)
     assert amplifier.off() == ""
     link.status |= says
@@ -174,7 +174,7 @@ def test_a_supply_that_takes_another_current_is_switched_off(supply):
     source.close()
 
 
-def test_a_supply_that_answers_no_number_is_not_believed(supply):
+def test_a_reply_of_a_supply_that_is_not_a_number_is_refused(supply):
     source = ScpiSupply(where(supply), 24.0)
     supply.takes = float("nan")
     with pytest.raises(Garbled, match="answers 'nan' to CURR"):

@@ -1,7 +1,8 @@
-"""A reply that comes after its timeout is never taken for the answer to another request, on any line.
+"""A reply that arrives after its timeout is never taken for the reply to another request, on any line.
 
-First on a line with its own clock, where replies are as late as Hypothesis likes; then over real ptys and sockets,
-where the test says when the host's patience ends and what comes then: nothing here rests on how quickly anybody is.
+The tests use a line with a simulated clock, on which Hypothesis chooses the delays, and then real ptys and
+sockets, on which the test decides when the timeout expires and what arrives afterwards. Nothing depends on
+the speed of a machine.
 """
 
 import contextlib
@@ -33,7 +34,7 @@ from smarig.device.wire.register import load_register_map
 
 MAP = load_register_map("amplifier")
 TIMEOUT_S = 0.3
-NEVER_S = 30.0  # patience that only the test ends
+NEVER_S = 30.0  # time-out that only the test ends
 FRAMINGS = {"lines": (TextFraming(), TEXT), "modbus_rtu": (Rtu(65), rtu_framing(65))}
 SAFE = {r.name: r.safe for r in MAP.blocks["settings"]} | {"current_max": 1_000_000, "slew_max": 100_000}
 NONE, ARM, OFF = 0, 1, 2
@@ -81,7 +82,8 @@ class Watched(Conversation):
 
 
 def operations(talk):
-    """What a host does in a sitting: granted, refused for two reasons, with and without sequence words."""
+    """The operations of a host in a session: accepted, refused for two reasons, with and without sequence
+    words."""
     settings = partial(talk.settings, SAFE)
     return (
         talk.handshake,
@@ -122,7 +124,7 @@ def late(monkeypatch):
 
 
 def sit(talk, device) -> list[str]:
-    """The whole sitting; every command is done once at most."""
+    """Execute the whole session; every command is executed at most once."""
     told = []
     for operation in operations(talk):
         try:
@@ -141,7 +143,7 @@ ON_TIME = [
 
 
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_a_sitting_on_a_good_line_is_what_the_others_are_compared_with(late, framing):
+def test_a_session_on_a_good_line_is_the_reference_for_the_others(late, framing):
     talk, device, _ = late(framing, ())
     assert sit(talk, device) == ON_TIME
     assert device.state == "off"
@@ -149,8 +151,8 @@ def test_a_sitting_on_a_good_line_is_what_the_others_are_compared_with(late, fra
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 @pytest.mark.parametrize("timeouts", [1.2, 2.5, 4.5])
-def test_one_late_reply_is_believed_by_nobody_it_is_not_for(late, framing, timeouts):
-    """Whichever it is, and however late: the sitting goes on as on a good line."""
+def test_one_late_reply_never_answers_another_request(late, framing, timeouts):
+    """For any late reply and any delay, the session continues as on a good line."""
     for which in range(30):
         talk, device, _ = late(framing, [0.0] * which + [timeouts * TIMEOUT_S])
         assert sit(talk, device) == ON_TIME, which
@@ -160,7 +162,7 @@ DELAYS = st.lists(st.sampled_from([0.0, 0.0, 0.0, 0.5, 1.2, 2.5, 4.5, 7.5, LOST]
 
 
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_many_late_and_lost_replies_are_believed_by_nobody_they_are_not_for(late, framing):
+def test_many_late_and_lost_replies_never_answer_another_request(late, framing):
     @given(DELAYS)
     @example([0, 0, 0, 0, 1.2, 0, 0, LOST, 1.2, 1.2, LOST])
     def holds(timeouts):
@@ -191,7 +193,8 @@ def test_switching_off_does_not_wait_for_a_line_to_be_resynchronised(late, frami
     assert (device.state, device.output_uA) == ("off", 0)
 
 
-# --- real ptys: the test ends the host's patience, and says what comes then -----------------------------------------
+# --- real ptys: the test ends the host's time-out and decides what arrives then
+# --------------------------------
 
 
 class Held:
@@ -264,9 +267,7 @@ def test_a_late_refusal_is_not_the_next_commands_over_a_real_line(held, framing)
     there.script = [False, 1]  # refused twice; the first refusal comes late, the second is kept
     with pytest.raises(Refused):
         talk.command({"current": 1})
-    there.script = [
-        1
-    ]  # to the next request comes that refusal, and its own reply only when something else is asked
+    there.script = [1]  # the next request gets that refusal, and its own reply only with a later request
     status = talk.command({"order": ARM})
     assert status.values["state"] == 1
     assert there.device.done.count(status.values["echo"]) == 1
@@ -274,7 +275,8 @@ def test_a_late_refusal_is_not_the_next_commands_over_a_real_line(held, framing)
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 def test_a_late_status_is_not_the_next_handshakes_over_a_real_line(held, framing):
-    """Else the first command after it might carry the word that the device has just heard, and not be done."""
+    """Otherwise the first command after it could carry the word that the device has just received, and be
+    ignored."""
     talk, there = held(framing)
     there.script = [False, 1]
     talk.handshake()  # by the late reply to its first attempt
@@ -296,7 +298,7 @@ def test_late_settings_are_not_the_next_ones_over_a_real_line(held, framing):
 
 
 class Meter:
-    """Counts what it is asked; every answer is another."""
+    """Counts requests; every reply is different."""
 
     def __init__(self) -> None:
         self.asked = 0
@@ -331,7 +333,7 @@ def test_a_number_is_the_answer_to_its_own_question(timeouts):
     assert answered or LOST in timeouts or 4.5 in timeouts or len(timeouts) > 3
 
 
-def test_numbers_that_another_process_asked_for_are_no_identity():
+def test_replies_requested_by_another_process_are_not_an_identity():
     meter = Meter()
     port = LatePort(meter.reply, [0.1, 0.1])
     port.timeout = TIMEOUT_S
@@ -343,8 +345,8 @@ def test_numbers_that_another_process_asked_for_are_no_identity():
     assert line.number("MEAS?") == meter.asked == 3
 
 
-def test_a_late_zero_does_not_say_that_a_supply_is_off():
-    """The current that was measured while it was off, heard late, is no answer to whether it is off now."""
+def test_a_late_zero_does_not_confirm_that_a_supply_is_off():
+    """A late reading of the current from the time when it was off does not confirm that it is off now."""
     supply = Supply()
     line = TextLine(supply.port, 9600, NEVER_S)
     try:

@@ -1,4 +1,4 @@
-"""Modbus TCP against a server that answers what a test says: blame in our own words, and in them alone."""
+"""Modbus TCP against a server that replies as the test prescribes: errors have smarig's own messages only."""
 
 import socket
 import struct
@@ -14,7 +14,7 @@ ASKED = Exchange(0, 2, 0x100, (1,))  # function 23
 
 
 class Server:
-    """Answers each request with the next of ``pdus``; None: hangs up, b"": says nothing."""
+    """Answers each request with the next of ``pdus``; None: closes the connection, b"": no reply."""
 
     def __init__(self, *pdus):
         self._listening = socket.create_server(("127.0.0.1", 0))

@@ -1,4 +1,4 @@
-"""Where a link is: what is no address gets a sentence, before anything is opened."""
+"""Addresses of links: an invalid address gives an error message before anything is opened."""
 
 import pytest
 

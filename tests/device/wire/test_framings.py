@@ -1,4 +1,4 @@
-"""Requests and replies as bytes: known vectors, round trips by independent code, any bytes at all."""
+"""Requests and replies as bytes: known vectors, round trips with independent code, and arbitrary bytes."""
 
 import struct
 

@@ -1,4 +1,4 @@
-"""The register maps: what they promise of themselves, and that nothing is written twice."""
+"""The register maps: internal consistency, and no register defined twice."""
 
 import math
 from pathlib import Path

@@ -1,6 +1,7 @@
-"""A register renamed in its TOML: everything that must know fails and names it, and nothing else does.
+"""A register renamed in its TOML file: everything that depends on it fails and names it, and nothing else
+does.
 
-Tried in a copy of the project, as a person would: edit the file, build, start.
+The test works in a copy of the project, as a person would: edit the file, build, start.
 """
 
 import os

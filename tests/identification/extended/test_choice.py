@@ -1,4 +1,4 @@
-"""``identify(extension=…)``: the catalogue, what a model file keeps of it, and the choice on runs left out."""
+"""``identify(extension=…)``: the catalogue, the extension in a model file, and the choice by runs left out."""
 
 import numpy as np
 import pytest
@@ -64,14 +64,14 @@ def test_the_best_extension_of_a_restricted_wire_is_the_restricted_model():
     assert "restricted: largest_excess" in result.extension.text
 
 
-def test_of_a_classical_wire_no_extension_is_chosen_and_the_file_says_nothing_of_one(tmp_path):
+def test_for_a_classical_wire_no_extension_is_chosen_and_the_file_has_none(tmp_path):
     result = identify(runs(lambda u: truths.classical(u, m=10)), "table", extension="best")
     assert result.to_json()["extension"]["chosen"] == "none"
     assert result.model.extension == {}
     assert "extension" not in result.model.save(tmp_path / "m.model.json").read_text()
 
 
-def test_accommodation_is_found_and_the_runs_left_out_say_what_the_drift_in_the_first_order_curves_costs():
+def test_accommodation_is_found_and_held_out_runs_show_the_cost_of_drift_in_the_first_order_curves():
     def wire(u):
         return truths.accommodating(u, 0.6, 0.4, m=9)
 
@@ -86,7 +86,7 @@ def test_accommodation_is_found_and_the_runs_left_out_say_what_the_drift_in_the_
     )
 
 
-def test_what_the_runs_do_not_hold_is_said():
+def test_what_the_runs_do_not_hold_is_reported():
     with pytest.raises(DataError, match="second_order_transition"):
         identify(runs(restricted, [FIRST, FIRST]), "table", extension="restricted")
     result = identify(runs(restricted, [FIRST, FIRST]), "table", extension="best")

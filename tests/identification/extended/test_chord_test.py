@@ -1,4 +1,5 @@
-"""The test of equal vertical chords tells congruent, chord-equal and other loops apart, at its stated error rate."""
+"""The test of equal vertical chords distinguishes congruent, chord-equal and other loops at its stated error
+rate."""
 
 import numpy as np
 import pytest

@@ -1,6 +1,8 @@
-"""Each extension's parameters come back from noisy records of an independent truth, with intervals that cover.
+"""The parameters of each extension are recovered from noisy records of an independent truth, with correct
+coverage.
 
-Ten records each, seeds fixed; at least eight intervals of 95 % must hold the truth (fewer has probability 1 %).
+There are ten records each, with fixed seeds; at least eight intervals of 95 % must contain the truth (fewer
+has probability 1 %).
 """
 
 import numpy as np
@@ -129,7 +131,7 @@ def test_a_record_without_repeats_is_refused_with_what_is_missing():
         identify_accommodation([record(u, truths.classical(u, m=9))], relays())
 
 
-def test_repeats_of_saturation_alone_tell_of_no_accommodation():
+def test_repeats_of_saturation_alone_show_no_accommodation():
     u = [0.0, 150.0] * 6
     with pytest.raises(DataError, match="cannot drift"):
         identify_accommodation([record(u, truths.classical(u, m=9), 1)], relays())

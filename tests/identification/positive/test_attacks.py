@@ -1,4 +1,4 @@
-"""What readers with bad intentions found: each is one clear sentence now, or simply right."""
+"""Hostile inputs of the positive identification: each gives one clear error message or a correct result."""
 
 import numpy as np
 import pytest

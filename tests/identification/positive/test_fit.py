@@ -1,4 +1,5 @@
-"""The positive identification: non-negative, convergent, unique but for what the data leaves open, honest intervals."""
+"""The positive identification: non-negative, convergent, unique where the data determine it, with correct
+intervals."""
 
 import numpy as np
 import pytest

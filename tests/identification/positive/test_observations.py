@@ -1,4 +1,4 @@
-"""Every settled point is one linear equation: against the operator, which sums no surface values."""
+"""Every settled point is one linear equation, checked against the operator, which sums no surface values."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_rows_agree_with_the_operator(initial, seed):
     assert np.allclose(found.matrix(TRIANGLE) @ theta, found.y, atol=1e-10)
 
 
-def test_a_wrong_history_is_noticed():
+def test_a_wrong_history_is_detected():
     table, theta = truth(1)
     u = history(1)
     y = Preisach(table).simulate(u, "positive")

@@ -1,4 +1,4 @@
-"""What the positive identification promises: the thesis's trade-off is gone, on the twin and on real curves."""
+"""Claims of the positive identification: it avoids the thesis's trade-off, on the twin and on real curves."""
 
 import os
 from dataclasses import dataclass, replace
@@ -36,7 +36,7 @@ class PredictionErrors:
 
 @cache
 def cost(rig) -> Preview:
-    """The same for every truth: it is the rig's own model that is asked."""
+    """The same for every truth, because the preview uses the rig's own model."""
     return preview(PROTOCOL, load_rig(rig))
 
 

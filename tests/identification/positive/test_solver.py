@@ -1,4 +1,5 @@
-"""The quadratic programme: against scipy's active-set non-negative least squares, and its own optimality."""
+"""The quadratic programme against scipy's active-set non-negative least squares, and its optimality
+conditions."""
 
 import numpy as np
 import pytest

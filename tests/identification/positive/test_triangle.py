@@ -1,4 +1,4 @@
-"""Cells, nodes and slopes of the triangle: against the table that the operator runs on."""
+"""Cells, nodes and slopes of the triangle against the table that the operator uses."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What every effect promises, run over the folder: nothing at zero, something when planted, bounds, words."""
+"""The contract of every effect: identity at zero strength, a change otherwise, bounds, texts."""
 
 import math
 
@@ -99,7 +99,7 @@ def test_it_is_physics_and_not_the_length_of_a_tick(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_one_effect_in_two_plants_begins_anew_in_each(name):
+def test_one_effect_in_two_plants_has_a_separate_state_in_each(name):
     effect, wire = effect_of(name), wire_of(name)
     once = driven(FALLS_AND_RISES, effect, wire=wire, hold_s=5.0)
     assert np.array_equal(driven(FALLS_AND_RISES, effect, wire=wire, hold_s=5.0), once)
@@ -115,7 +115,7 @@ def test_composition_does_not_depend_on_the_order_given():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_time_passes_in_steps_of_any_length(name):
-    """``advance`` is ``step`` for other times: the same ticks, told one by one."""
+    """``advance`` is ``step`` for other durations: the same ticks, one by one."""
     actuator, hysteresis, initial = WIRES[wire_of(name)]
     one, other = (Plant(actuator, hysteresis, initial, 0.01, [effect_of(name)]) for _ in range(2))
     for i in FALLS_AND_RISES:
@@ -137,8 +137,8 @@ def test_where_heat_depends_on_the_output_a_long_tick_is_no_coarse_one(name):
     assert max(apart) < 2e-3 * EffectContext(actuator, hysteresis, initial).stroke
 
 
-def test_a_late_sensor_is_as_late_whatever_heat_asks_for():
-    """Ticks are cut where heat depends on the output; the sensor is asked once a tick all the same."""
+def test_the_delay_of_a_sensor_does_not_depend_on_the_heat():
+    """Ticks are divided where heat depends on the output, but the sensor is read once per tick."""
     actuator, hysteresis, initial = WIRES["one_wire"]
 
     def seen(tick_s):

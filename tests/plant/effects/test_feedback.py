@@ -1,4 +1,4 @@
-"""Where an input that depends on its own output comes to rest: closed forms, and stress in a plant."""
+"""The equilibrium of an input that depends on its own output: closed forms, and stress in a plant."""
 
 import numpy as np
 import pytest

@@ -1,8 +1,9 @@
-"""What each effect says about physics, against closed forms and against the gauge theorem.
+"""The physics of each effect, against closed forms and against the gauge theorem.
 
-The theorem (steady states, constant room and load): whatever maps the current monotonically to the local
-temperature, adds relays in parallel or scales the output is another classical Preisach operator in current.
-So such an effect keeps return-point memory and congruency exactly, and no refitted density can show it.
+The theorem (steady states, constant room and load): an effect that maps the current monotonically to the
+local temperature, adds relays in parallel or scales the output gives another classical Preisach operator in
+current. Such an effect keeps return-point memory and congruency exactly, and no refitted density can show
+it.
 """
 
 import numpy as np
@@ -254,7 +255,7 @@ def test_latent_heat_does_not_mind_how_long_a_tick_is(grains, short, growing):
     """Relays switch one by one: in a short tick none or one does, in a long one many."""
 
     def told(t, *effects):
-        """Positions at the ends of ticks (s), both ways through the loop."""
+        """Positions at the ends of ticks (s), computed both ways."""
         plant = Plant(*WIRES["one_wire"], 0.1, effects)
         if grains:
             plant = Plant(WIRES["one_wire"][0], _grains(grains), "negative", 0.1, effects)
@@ -274,7 +275,8 @@ def test_latent_heat_does_not_mind_how_long_a_tick_is(grains, short, growing):
 
 
 def test_latent_heat_is_none_where_friction_holds_the_wire():
-    """The wire cools within the play: what is felt stands, so nothing transforms and nothing is given back."""
+    """The wire cools within the play: the hysteresis input is constant, so there is no transformation and no
+    latent heat."""
     wire = WIRES["one_wire"][0]
     effects = [kind("latent_heat")(40.0), kind("coulomb_friction")(8.0)]
     plant = Plant(*WIRES["one_wire"], 0.1, effects)

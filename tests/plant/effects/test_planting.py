@@ -1,4 +1,4 @@
-"""Effects from command lines, model files and seeds; the rig that hides one."""
+"""Effects from command lines, model files and seeds, and the rig with a hidden effect."""
 
 import json
 from dataclasses import replace
@@ -53,7 +53,7 @@ def test_a_model_file_gives_back_what_was_written():
             effects_from_json([record])
 
 
-def test_what_is_there_twice_or_has_more_to_say_is_no_effect():
+def test_duplicate_or_longer_entries_are_no_effects():
     creep = {"name": "creep", "parameters": {"percent_per_decade": 1.0}}
     with pytest.raises(DataError, match="creep occurs twice"):
         effects_from_json([creep, creep])

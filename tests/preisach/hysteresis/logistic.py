@@ -1,4 +1,4 @@
-"""A form of one's own, in one file: f = x₅σ(x₆(α + x₇)) + x₈, the curves shift by a step about −x₇."""
+"""An own surface form in one file: f = x₅σ(x₆(α + x₇)) + x₈; the curves shift by a step about −x₇."""
 
 import math
 from itertools import product

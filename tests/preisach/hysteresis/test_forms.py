@@ -1,4 +1,4 @@
-"""What every form of the surface (5.5) owes, and that a new one is one file: from its fit to its page."""
+"""The contract of every form of the surface (5.5); a new form is one file, from its fit to its page."""
 
 from pathlib import Path
 
@@ -36,7 +36,7 @@ RANGES = {"one_c": (0.0, 174.1), "two_c": (-185.0, 185.0)}
 
 @pytest.fixture(autouse=True)
 def own_form():
-    """The form of one's own is loaded as a person would name it, and gone after each test."""
+    """The own form is loaded by its path, and removed after each test."""
     with own_files():
         yield resolve_name(FORMS, str(OWN))
 
@@ -186,7 +186,7 @@ def test_an_unknown_kind_of_surface_is_an_error_that_lists_the_known_ones():
         ),
     ],
 )
-def test_a_file_that_is_no_form_says_why(tmp_path, text, sentence):
+def test_a_file_that_is_no_form_is_refused_with_the_reason(tmp_path, text, sentence):
     (tmp_path / "odd.py").write_text(text, encoding="utf-8")
     with pytest.raises(UsageError, match=sentence):
         resolve_name(FORMS, str(tmp_path / "odd.py"))

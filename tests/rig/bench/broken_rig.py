@@ -1,4 +1,4 @@
-"""A rig file for one cell of the fault table: which link, which faults from when on, and where the trace goes."""
+"""A rig file for one cell of the fault table: link, faults with their start, and path of the trace."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ def lease_s(real_time: bool) -> float:
 
 
 def rig_file(folder: Path, link: str, faults: list[dict], *, real_time: bool = False) -> Path:
-    """Write it; the trace will be ``trace.csv`` beside it."""
+    """Write the rig file. The trace will be ``trace.csv`` in the same folder."""
     (folder / "faults.toml").write_text("".join(_table(fault) for fault in faults))
     framing = load_rig(BASES[link]).links.amplifier.framing
     slow = 5 if link == "rfc2217" else 1  # its port talks about itself before it carries a byte

@@ -1,4 +1,4 @@
-"""Chips for benches, too."""
+"""Fixtures of simulated chips for benches."""
 
 from firmware import chips
 

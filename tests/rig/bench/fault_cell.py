@@ -1,4 +1,5 @@
-"""Tries one cell of the fault table: a whole run on simulated devices with that fault, and what could be seen of it."""
+"""Executes one cell of the fault table: a whole run on simulated devices with that fault, and its observed
+result."""
 
 import subprocess
 import sys

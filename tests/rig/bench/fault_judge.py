@@ -1,4 +1,4 @@
-"""Is a cell safe and clear? Every demand that what was seen does not meet, as a sentence."""
+"""Checks that the result of a cell is safe and clear, and returns each violation as a sentence."""
 
 from collections.abc import Iterator
 
@@ -97,6 +97,6 @@ def _same(cell: Cell, run: Run) -> Iterator[str]:
         if not np.array_equal(run[name], true[name], equal_nan=True):
             yield f"{name} is not that of a sound run"
     retried = (run["quality"].astype(int) & int(Quality.RETRIED)) > 0
-    outlasted = cell.link == "rfc2217"  # its patience is longer than a reply is late
+    outlasted = cell.link == "rfc2217"  # its time-out exceeds the delay of replies
     if cell.fault.retries and not outlasted and cell.phase not in ("zeroing", "end") and not retried.any():
         yield "no sample is marked as retried"

@@ -225,8 +225,8 @@ HOST = (
         "sets 0 A and closes the run with the error as its cause",
         Outcome(
             1,
-            "Internal error (RuntimeError: viewer bug). This is a fault of smarig, not yours; "
-            "set SMARIG_DEBUG=1 to see where.",
+            "Internal error (RuntimeError: viewer bug). This is a bug in smarig; "
+            "set SMARIG_DEBUG=1 to see the traceback.",
         ),
         host="listener",
         loses_control=True,

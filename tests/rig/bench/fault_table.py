@@ -1,7 +1,8 @@
-"""The fault table's form: faults, phases, links, and how each cell ends. The rows are in fault_rows.py.
+"""The format of the fault table: faults, phases, links, and the ending of each cell. The rows are in
+fault_rows.py.
 
-``test_fault_table.py`` tries every cell; ``fault_page.py`` prints the table into docs/reference/faults.md. In a
-sentence … stands for what differs: names of ports, numbers; | stands between two that may come.
+``test_fault_table.py`` tests every cell; ``fault_page.py`` prints the table into docs/reference/faults.md.
+In a sentence, … stands for varying text such as ports and numbers, and | separates two alternatives.
 """
 
 import re
@@ -48,8 +49,8 @@ class Fault:
     real_time: bool = False
     by_bytes: bool = False  # not on Modbus TCP, which has checks of its own
     loses_control: bool = False  # of the current: 0 A counts from the fault on, not from when it is noticed
-    same_data: bool = False  # the run goes on and holds what a sound one holds
-    retries: bool = False  # and says which samples took several attempts
+    same_data: bool = False  # the run continues and holds the data of a run without faults
+    retries: bool = False  # the samples that took several attempts are reported
     usual: str = "in a hold"  # the phase that is tried in everyday CI
     phases: dict[str, Outcome | None] = field(default_factory=dict)
     maybe_done: tuple[str, ...] = ()  # phases in which the run may be over before it is noticed

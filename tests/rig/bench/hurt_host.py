@@ -1,7 +1,8 @@
-"""``python hurt_host.py TROUBLE TICK smarig-arguments…``: the command line, and one trouble of the host's at a tick.
+"""``python hurt_host.py TROUBLE TICK smarig-arguments…``: the command line with one failure of the host at a
+tick.
 
-Run in a process of its own: signals, exit status and stderr are those that a person gets. TICK 0 is while the
-devices are being opened.
+It runs in its own process, so signals, exit status and stderr are those that a user gets. TICK 0 is the time
+in which the devices are opened.
 """
 
 import os

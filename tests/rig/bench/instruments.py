@@ -1,11 +1,11 @@
-"""A current source and an encoder that do what a test says, by clocks of their own."""
+"""A current source and an encoder that behave as the test prescribes, each with its own clock."""
 
 from smarig.core.sample import NAN, Quality
 from smarig.device.drivers._roles import CurrentReading, PositionReading
 
 
 class FakeClock:
-    """Time that passes only when somebody sleeps."""
+    """A clock whose time passes only in sleep()."""
 
     def __init__(self):
         self.now = 100.0

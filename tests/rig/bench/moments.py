@@ -1,6 +1,7 @@
-"""When the phases of a protocol happen, as requests on each device's line and as ticks: looked up in a sound run.
+"""Times of the phases of a protocol, as requests on each device's line and as ticks, taken from a run
+without faults.
 
-In lock-step a run is the same every time, so what was the n-th request once is the n-th request again.
+In lock-step a run is the same every time, so the n-th request is always the same request.
 """
 
 from functools import cache

@@ -1,4 +1,5 @@
-"""A host that is killed in the middle of an identification, and devices that live on: what must be true afterwards."""
+"""A host that is killed during an identification while the devices continue, and the required state
+afterwards."""
 
 import csv
 import json
@@ -55,7 +56,7 @@ class SimulatedDevices:
             return np.array([float(row[2]) for row in csv.reader(file) if len(row) == 6 and row[0] != "tick"])
 
     def wait(self) -> None:
-        """Long enough for a lease to end. In lock-step time passes because the encoder, and it alone, is asked."""
+        """Wait until a lease has expired. In lock-step, time advances by polling the encoder alone."""
         if self.speed:
             time.sleep(2.5 * self.lease_s / self.speed + 0.1)
             return
@@ -85,7 +86,7 @@ def host(*arguments: str) -> subprocess.Popen:
 
 
 def undisturbed(devices, out: Path) -> Run:
-    """A run that nobody killed."""
+    """An uninterrupted run."""
     done = host("run", *protocol(devices), "--rig", str(devices.rig), "-o", str(out))
     _, err = done.communicate(timeout=RESUMES_S)
     assert done.returncode == 0, err
@@ -96,7 +97,7 @@ def killed_and_resumed(devices, whole: Run, share: float, out: Path) -> Run:
     """The run that was killed after a share of it and resumed; its output was off within the lease meanwhile."""
     run = host("run", *protocol(devices), "--rig", str(devices.rig), "-o", str(out))
     begin = 0
-    if devices.speed:  # in real time, devices have lived for a while before a run begins
+    if devices.speed:  # in real time, the devices have run for a while before a run starts
         _until(out.exists, run)
         begin = devices.driven().size
     _until(lambda: devices.driven().size > begin + share * SHORTEST * len(whole), run)

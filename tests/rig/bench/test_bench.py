@@ -1,4 +1,4 @@
-"""A bench joins two instruments by their ticks, keeps time, tells what it lost, and is safe."""
+"""A bench joins two instruments by their ticks, keeps time, reports lost samples, and is safe."""
 
 import pytest
 
@@ -120,7 +120,7 @@ def test_safe_is_idempotent_and_the_next_current_is_sent_again():
     assert source.sent == [0.2, 0.2]
 
 
-def test_ticks_that_leap_are_not_believed():
+def test_ticks_that_jump_are_refused():
     bench, _, sensor, clock = made()
     bench.step(0.1)
     sensor.ahead += MAX_TICK_GAP + 10

@@ -1,6 +1,6 @@
-"""A bench on the firmware under simavr, in real time: what every rig must do, and the twin's positions.
+"""A bench on the firmware under simavr in real time: the rig contract, and the twin's positions.
 
-Part of .ci/long, for a machine that keeps real time; the same firmware in lock-step is a rig of tests/rig.
+Part of .ci/long, for a machine that keeps real time. The same firmware in lock-step is a rig of tests/rig.
 """
 
 import contextlib
@@ -60,7 +60,7 @@ def kept_waiting():
 
 
 def in_real_time(check, make):
-    """A check that means nothing where nobody could keep real time: it is made once more then."""
+    """Repeat a check once if the machine did not keep real time."""
     for _ in range(2):
         with kept_waiting() as late_ms:
             try:

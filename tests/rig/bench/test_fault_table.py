@@ -1,7 +1,8 @@
-"""Every fault in every phase on every link is safe and clear: 0 A in time, the run closed, one sentence, no hang.
+"""Every fault in every phase on every link is safe and clear: 0 A in time, the run closed, one message, no
+hang.
 
-Everyday: each fault once, in lock-step, and three on each link. ``SMARIG_FAULTS=all``: the whole product, and faults
-that pass with real time.
+By default, each fault runs once in lock-step, and three run on each link. ``SMARIG_FAULTS=all`` runs the
+whole product, and faults that need real time.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""The bench over real bytes is the twin in process, sample by sample: one clock, one wire, one noise."""
+"""The bench over real bytes equals the twin in process, sample by sample: one clock, one wire, one noise."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ RIGS = ("serial", "modbus_tcp", "modbus_rtu")
 
 
 def record(rig, folder):
-    """Two runs of one sitting, the encoder zeroed between them."""
+    """Two runs of one session with the encoder zeroed in between."""
     with Session(rig, seed=3, wire=f"lock step {Path(rig).name}") as session:
         return [
             load_run(session.run("validation", {"points": 3}, folder / f"{k}.run.sqlite", force=True))
@@ -58,7 +58,7 @@ def test_the_firmware_built_for_this_machine_makes_no_difference(twins, framing,
     same(twins["one"], record(str(rig), tmp_path))
 
 
-def test_a_rig_that_takes_from_another_says_only_what_is_its_own():
+def test_a_rig_that_extends_another_holds_only_its_own_keys():
     twin, bench = load_rig("one_wire_twin"), load_rig("one_wire_serial")
     assert (bench.limits, bench.encoder, bench.actuator) == (twin.limits, twin.encoder, twin.actuator)
     assert (bench.kind, bench.lease_s) == ("bench", 2.0)

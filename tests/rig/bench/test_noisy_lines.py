@@ -1,6 +1,8 @@
-"""Late, garbled, dropped and noisy replies on every link: no wrong value is accepted, no poll is lost, nothing hangs.
+"""Late, garbled, dropped and noisy replies on every link: no wrong value is accepted, no poll is lost,
+nothing hangs.
 
-``SMARIG_POLLS`` says how many polls (the long campaign: 100 000 a link, quickly); the devices live in lock-step.
+``SMARIG_POLLS`` sets the number of polls (the long campaign: 100 000 per link). The devices run in
+lock-step.
 """
 
 import os

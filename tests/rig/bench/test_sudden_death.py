@@ -1,9 +1,10 @@
-"""kill -9 of the host, in the middle of an identification, with devices that live on: the lease ends the current,
-no committed sample is lost, ``resume`` finishes, and the table is that of a run that nobody killed.
+"""kill -9 of the host during an identification while the devices continue: the lease ends the current.
 
-Five moments in lock-step, where time passes after the kill because the encoder is asked; in the long campaign so many
-as ``SMARIG_KILLS`` says in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware under simavr. Moments are spread
-evenly over the run.
+No committed sample is lost, ``resume`` finishes the run, and its table equals that of an uninterrupted run.
+
+There are five moments in lock-step, where time advances after the kill because the test polls the encoder.
+The long campaign has ``SMARIG_KILLS`` moments in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware
+under simavr. Moments are spread evenly over the run.
 """
 
 import os
@@ -28,7 +29,7 @@ def devices(tmp_path):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A run that nobody killed, in lock-step."""
+    """An uninterrupted run in lock-step."""
     folder = tmp_path_factory.mktemp("whole")
     devices = SimulatedDevices(folder, 0.0, LEASE_S)
     try:

@@ -1,4 +1,4 @@
-"""Both devices as chips with a wire between them, and the rig file of a host that speaks to them."""
+"""Both devices as chips with a wire between them, and the rig file of their host."""
 
 import threading
 import time

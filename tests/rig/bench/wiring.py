@@ -1,4 +1,4 @@
-"""Devices wired otherwise than the rig file thinks: lines exchanged, another firmware, network ports between."""
+"""Devices that differ from the rig file: lines exchanged, other firmware, network ports in between."""
 
 import contextlib
 import os
@@ -122,7 +122,7 @@ def _passed(source: object, host: socket.socket, device: int, manager: rfc2217.P
 
 
 class _Connection:
-    """What a PortManager says goes to the host."""
+    """Passes the data of a PortManager to the host."""
 
     def __init__(self, host: socket.socket) -> None:
         self.write = host.sendall

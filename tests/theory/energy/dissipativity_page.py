@@ -1,4 +1,4 @@
-"""The tables of docs/explanation/dissipativity.md, from code: run this file to print them."""
+"""Prints the tables of docs/explanation/dissipativity.md from code."""
 
 from smarig.preisach.everett import Everett
 from smarig.preisach.hysteresis.fod_table import FodTable

@@ -1,8 +1,8 @@
-"""Energies relay by relay, as Table 7.1 reads: an independent reference for ``smarig.theory.energy``.
+"""Energies relay by relay as in Table 7.1: an independent reference for ``smarig.theory.energy``.
 
-The relays of ``relay_reference``, each doing its own switching work, −1 → +1 at α and +1 → −1 at β. No
-boundary, no moments, no code shared with the package. ``Game`` is the whole state graph of a few relays on
-a few levels: which energies can be taken out by any input at all.
+The relays of ``relay_reference`` do their own switching work, −1 → +1 at α and +1 → −1 at β. There is no
+boundary, no moments, and no code shared with the package. ``Game`` is the whole state graph of a few relays
+on a few levels: the energies that any input can extract.
 """
 
 from collections.abc import Iterable

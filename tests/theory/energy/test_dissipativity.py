@@ -1,7 +1,8 @@
-"""Beyond chapter 7: the loop-area criterion, the certificate, the available storage, and what they refuse.
+"""Results beyond chapter 7: the loop-area criterion, the certificate, the available storage, and their
+refusals.
 
-Reference for the criterion itself: ``relay_energy.Game``, every input there is on a few relays, which knows
-nothing of loops. Reference for areas: the forward model along finely sampled loops.
+The reference for the criterion is ``relay_energy.Game``: every possible input on a few relays, without the
+notion of loops. The reference for areas is the forward model along finely sampled loops.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""docs/explanation/dissipativity.md says what the code says."""
+"""docs/explanation/dissipativity.md agrees with the code."""
 
 from pathlib import Path
 

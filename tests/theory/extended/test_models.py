@@ -1,4 +1,4 @@
-"""What each extension of §3.5 keeps and what it gives up, and that each is plain Preisach at zero strength."""
+"""The properties that each extension of §3.5 keeps and loses; each is plain Preisach at zero strength."""
 
 from dataclasses import replace
 

@@ -1,7 +1,8 @@
-"""Wires made of relays, one by one, with what each extension adds: the independent truths of this chapter.
+"""Wires of single relays with each extension: the independent truths of these tests.
 
-Shares no code with smarig: no staircase, no Everett function, no root finder. Relays (n,) spread evenly over
-a smooth density (a Sobol sequence through inverse distributions), each carrying the same share of the stroke.
+No code is shared with smarig: no staircase, no Everett function, no root finder. Relays (n,) are spread
+evenly over a smooth density (a Sobol sequence through inverse distributions), each with the same share of
+the stroke.
 """
 
 import numpy as np
@@ -101,7 +102,7 @@ def past_extrema(inputs):
 
 
 def weights(wire, extrema, strength):
-    """Each extremum weights the relays of its triangle anew, by where they sit; the triangle keeps its sum."""
+    """Each extremum weights the relays of its triangle again by their position; the triangle keeps its sum."""
     w, corner = np.full(wire.alpha.size, wire.share), LOWER
     for j, e in enumerate(extrema):
         inside = (wire.alpha <= max(e, corner)) & (wire.beta >= min(e, corner))

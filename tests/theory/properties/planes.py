@@ -1,7 +1,8 @@
-"""Random measures on a small lattice, as a table, as relays, and relay by relay: what chapters 3 and 4 are tested on.
+"""Random measures on a small lattice, as a table, as relays, and relay by relay, for the tests of chapters 3
+and 4.
 
-A ``Lattice`` is levels and the mass ν of each cell. Its relays for the reference are made from the masses
-alone, as the definition (3.1) reads; nothing here uses the code under test but to build its subjects.
+A ``Lattice`` has levels and the mass ν of each cell. Its reference relays are made from the masses alone, as
+in definition (3.1); the code under test only builds the subjects.
 """
 
 from dataclasses import dataclass

@@ -1,18 +1,18 @@
-"""Chapter 3, number by number, on random signed measures; each with a planted violation it must find.
+"""Chapter 3, number by number, on random signed measures; each with an injected violation it must find.
 
-(3.1)       test_3_1_output_is_the_sum_of_relays            planted: masses where ν is meant (half of it)
-Obs. 3.1    test_observation_3_1_and_proposition_3_4        planted: the impossible boundary of Fig. 3.7
-(3.2)       test_3_2_output_from_the_boundary               planted: P₊ without the relays on its corner
-Prop. 3.2   test_proposition_3_2_output_variation           planted: sgn(Δu) left out
-Cor. 3.3    test_corollary_3_3_signs                        planted: a measure with negative cells
-Def. 3.1    test_definition_3_1_decaying_oscillation        planted: an oscillation that starts too small
-§3.2.6      test_3_2_6_saturations_are_symmetric_but_for_an_offset   planted: the offset left out
-§3.3.1      test_3_3_1_wiping_out                           planted: accommodation
-§3.3.2      test_3_3_2_congruency                           planted: a non-linear Preisach model
-§3.3.2      test_3_3_2_both_are_sufficient (plays)          planted: both of the above: necessary
-§3.3.3      test_3_3_3_no_accommodation                     planted: accommodation
+(3.1)       test_3_1_output_is_the_sum_of_relays            injected: masses where ν is meant (half of it)
+Obs. 3.1    test_observation_3_1_and_proposition_3_4        injected: the impossible boundary of Fig. 3.7
+(3.2)       test_3_2_output_from_the_boundary               injected: P₊ without the relays on its corner
+Prop. 3.2   test_proposition_3_2_output_variation           injected: sgn(Δu) left out
+Cor. 3.3    test_corollary_3_3_signs                        injected: a measure with negative cells
+Def. 3.1    test_definition_3_1_decaying_oscillation        injected: an oscillation that starts too small
+§3.2.6      test_3_2_6_saturations_are_symmetric_but_for_an_offset   injected: the offset left out
+§3.3.1      test_3_3_1_wiping_out                           injected: accommodation
+§3.3.2      test_3_3_2_congruency                           injected: a non-linear Preisach model
+§3.3.2      test_3_3_2_both_are_sufficient (plays)          injected: both of the above: necessary
+§3.3.3      test_3_3_3_no_accommodation                     injected: accommodation
 Prop. 3.4   see Obs. 3.1
-(3.3), (3.5)  test_3_5_density_is_half_the_mixed_derivative planted: the ½ left out
+(3.3), (3.5)  test_3_5_density_is_half_the_mixed_derivative injected: the ½ left out
 """
 
 from itertools import pairwise
@@ -31,7 +31,7 @@ TOLERANCE = 1e-12
 
 
 class Operator:
-    """What a law asks of a hysteresis: a history in, outputs out, from negative saturation."""
+    """The required interface of a hysteresis: a history in, outputs out, from negative saturation."""
 
     def __init__(self, lattice: Lattice) -> None:
         self.lattice = lattice
@@ -98,7 +98,7 @@ def test_3_1_can_fail():
 
 
 def on_by_corners(state: State, alpha, beta) -> np.ndarray:
-    """P₊ as its staircase says: (M_i, m_i) are the extrema, the present input the last of them."""
+    """P₊ by its staircase: (M_i, m_i) are the extrema, the present input is the last of them."""
     path = [*state.extrema, state.u]
     on = np.zeros(alpha.size, dtype=bool)
     for before, u in pairwise(path):

@@ -1,19 +1,19 @@
-"""Chapter 4, number by number, on random measures; every numbered one with a planted violation it must find.
+"""Chapter 4, number by number, on random measures; every numbered one with an injected violation it must find.
 
-Def. 4.1    test_definition_4_1_classes                     planted: one negative cell, one negative g, atoms
-H, V        test_strips_are_sums_of_relays                  planted: μ alone, without g; without the 2
-ν           test_masses_of_cells                            (no number of the thesis: a support of the others)
-K           test_K_is_the_largest_change_for_positive_measures   planted: a signed measure with the unsigned bound
-|ν|         test_the_signed_bound_holds                     planted: K, the modulus of whole strips
-exact       test_the_largest_change_is_exact                planted: the largest change from saturation only
-Lemma 4.1   test_lemma_4_1_k_is_continuous                  planted: relays (atoms)
-Lemma 4.2   test_lemma_4_2_1, _2, _3                        planted: relays; C without g
-Thm 4.3     test_theorem_4_3_continuity                     planted: relays; the printed step K(|u₂ − u₁|)
-ω           test_modulus_of_continuity, test_the_modulus_is_met  planted: K for ω; relays of |ν| left out
-Thm 4.4     test_theorem_4_4_only_if                        planted: K(ξ) = √ξ, no C
-Cor. 4.5    test_corollary_4_5_sobolev                      planted: C without g
-Ass. 2.1    test_assumption_2_1                             planted: a negative cell
-Prop. 4.6   test_proposition_4_6                            planted: crossing curves; the converse
+Def. 4.1    test_definition_4_1_classes                     injected: one negative cell, one negative g, atoms
+H, V        test_strips_are_sums_of_relays                  injected: μ alone, without g; without the 2
+ν           test_masses_of_cells                            (not numbered in the thesis; used by the others)
+K           test_K_is_the_largest_change_for_positive_measures   injected: a signed measure with the unsigned bound
+|ν|         test_the_signed_bound_holds                     injected: K, the modulus of whole strips
+exact       test_the_largest_change_is_exact                injected: the largest change from saturation only
+Lemma 4.1   test_lemma_4_1_k_is_continuous                  injected: relays (atoms)
+Lemma 4.2   test_lemma_4_2_1, _2, _3                        injected: relays; C without g
+Thm 4.3     test_theorem_4_3_continuity                     injected: relays; the printed step K(|u₂ − u₁|)
+ω           test_modulus_of_continuity, test_the_modulus_is_met  injected: K for ω; relays of |ν| left out
+Thm 4.4     test_theorem_4_4_only_if                        injected: K(ξ) = √ξ, no C
+Cor. 4.5    test_corollary_4_5_sobolev                      injected: C without g
+Ass. 2.1    test_assumption_2_1                             injected: a negative cell
+Prop. 4.6   test_proposition_4_6                            injected: crossing curves; the converse
 """
 
 from itertools import pairwise, product
@@ -186,7 +186,7 @@ def u_starts(levels: np.ndarray) -> np.ndarray:
 
 @st.composite
 def last_moves(draw, **kind):
-    """A lattice and a history whose last move is the one to be judged."""
+    """A lattice and a history whose last move is evaluated."""
     lattice = draw(lattices(**kind))
     return lattice, [*draw(histories(lattice, 3)), draw(st.sampled_from(lattice.points(3).tolist()))]
 

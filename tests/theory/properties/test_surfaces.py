@@ -1,4 +1,5 @@
-"""Chapter 4 of the six surfaces of Table 5.1: what is attained, what is proved, and what theory.md says of them."""
+"""Chapter 4 for the six surfaces of Table 5.1: attained values, proved bounds, and the statements of
+theory.md."""
 
 import json
 from functools import cache
@@ -138,7 +139,8 @@ def test_enclosures_hold_their_boxes(name, at, down, size, p, q):
 
 
 def test_enclosures_see_the_turn_of_a_parabola():
-    """f of one_p turns at α = 119.6: over a box about it, f at the ends alone says nothing of the middle."""
+    """f of one_p turns at α = 119.6: in a box about it, the values of f at the ends do not bound those
+    inside."""
     s = thesis_surface("one_p")
     alpha = Interval(np.array([69.6]), np.array([169.6]))
     for b in (0.0, 20.0, 60.0):
@@ -225,7 +227,7 @@ def test_largest_change_closes_in(name):
 
 
 def test_K_of_a_signed_surface_is_exceeded():
-    """two_p: memory makes a change larger than K (planted by nature): the strip's modulus is no bound."""
+    """two_p: memory makes a change larger than K, so the strip's modulus is no bound."""
     s = thesis_surface("two_p")
     assert largest_change(s, 92.5).attained > 1.005 * strips.K(s, 92.5)
     assert largest_setback(s) > 0.5
@@ -288,7 +290,7 @@ def test_the_mirror_turns_places_and_keeps_sizes():
 
 
 def test_sampled_hystereses_have_no_bounds():
-    """A hysteresis known by its values alone is judged on a grid, and its bounds are not numbers."""
+    """A hysteresis known only by its values is evaluated on a grid and has no bounds."""
     down = np.linspace(1.0, 0.0, 9)
     forc = ForcTable.from_curves([ForcCurve(a, a * down, a**2 * down) for a in (1.0, 2.0, 3.0)])
     p = properties(forc)

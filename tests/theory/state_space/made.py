@@ -1,7 +1,7 @@
-"""Made for this chapter: inputs, memory sequences and boundaries of every kind, and relays that count area.
+"""Inputs, memory sequences and boundaries of every kind, and relays that count area.
 
-Shares no code with ``smarig.theory.state_space`` beyond its constructors. Times are multiples of a half,
-so that shifting them is exact; values mix whole numbers (ties, edges, ±û) with arbitrary ones.
+No code is shared with ``smarig.theory.state_space`` beyond its constructors. Times are multiples of a half,
+so that shifting them is exact. Values mix whole numbers (ties, edges, ±û) with arbitrary ones.
 """
 
 import math

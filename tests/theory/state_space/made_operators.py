@@ -1,4 +1,4 @@
-"""Made for this chapter: a hysteresis of every kind, and the operator on it after a history."""
+"""A hysteresis of every kind, and the operator on it after a history."""
 
 import numpy as np
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""Made for this chapter: a deep state, an input that wipes it out piece by piece, a transition that forgets."""
+"""A deep state, an input that wipes it out step by step, and a wrong transition that forgets."""
 
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.theory.state_space.input_signal import InputSignal

@@ -165,7 +165,7 @@ def test_def_6_1_axiom_4d_counterexample():
         check_stationarity(ageing, DEEP, ONWARD.between(0, 1), 10)
 
 
-def test_def_6_1_axiom_4d_with_the_printed_sign_of_the_shift_speaks_of_another_input():
+def test_def_6_1_axiom_4d_with_the_printed_sign_of_the_shift_concerns_another_input():
     """σ_T as defined moves the input by −T: at t₀ + T it is 2T late, and in general not admissible."""
     with pytest.raises(UsageError):
         transition(2.0, 1.0, DEEP, ONWARD.between(0, 1).shifted(1))

@@ -1,6 +1,6 @@
-"""Chapter 6, statement by statement: where each is tested, and where a violation of it is counterexample.
+"""Chapter 6, statement by statement: the test of each, and the test of its violation by a counterexample.
 
-A list that cannot go stale: every name below must be a test of this folder.
+Every name below must be a test of this folder, so the list cannot become outdated.
 """
 
 import re

@@ -262,7 +262,7 @@ def test_G_counterexample_inverse_that_reads_the_other_coordinate():
 
 @given(curves(least=1))
 def test_range_of_G_is_staircases_that_leave_the_zero_state_once(boundary):
-    """A curve with any other slope has no sequence, and says so."""
+    """A curve with any other slope has no sequence and is refused."""
     points = boundary.points
     edges = list(zip(points, points[1:]))
     level = [b0 == b1 or a0 == a1 for (b0, a0), (b1, a1) in edges]

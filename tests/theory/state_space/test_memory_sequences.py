@@ -144,7 +144,8 @@ def test_def_6_4_counterexample_any_element_moved_past_its_predecessors_is_refus
 
 @pytest.mark.parametrize("elements", [(1.0, -5.0), (-1.0, 1.0), (0.0, 2.0), (2.0, -3.0, 1.0)])
 def test_def_6_4_as_printed_allows_what_no_input_leaves_behind(elements):
-    """Print asks nothing of |s₂|: the sequence passes its text, yet the input through it leaves another one."""
+    """The printed definition does not restrict |s₂|: the sequence satisfies it, but its input leaves another
+    one."""
     assert obeys_def_6_4(elements)
     left = F(InputSignal(range(len(elements) + 1), (0, *elements)), len(elements), BOUND).values
     assert left != elements

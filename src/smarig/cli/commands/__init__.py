@@ -1,1 +1,1 @@
-"""One file per command, found by its name; each holds ``command``."""
+"""The commands: one file each, found by its name. Each module defines ``command``."""

@@ -1,4 +1,4 @@
-"""``smarig benchmark``: measured ratios, by the names of the modules in ``benchmarks``."""
+"""``smarig benchmark``: run a module of ``benchmarks`` and print its results."""
 
 import importlib
 import json
@@ -28,18 +28,18 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.command("benchmark", epilog=EPILOG)
 @click.argument("name")
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
-@click.option("--boxes", type=int, help="diagnosis, mystery: how many.")
+@click.option("--boxes", type=int, help="diagnosis, mystery: number of boxes.")
 @click.option("--seed", type=int, help="diagnosis, mystery, critic: seed.")
-@click.option("--workers", type=int, help="diagnosis, mystery: processes.")
+@click.option("--workers", type=int, help="diagnosis, mystery: number of processes.")
 @click.option("--left-out", is_flag=True, default=None, help="diagnosis: only boxes with an unknown effect.")
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
-@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers, continued when it exists.")
+@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers; continued if it exists.")
 @json_option
 def command(name: str, quick: bool, **settings: Any) -> None:
-    """Measure speed, memory and exactness as ratios in one run, or how well diagnosis does on sealed boxes.
+    """Measure speed, memory and exactness as ratios, or the success of diagnosis on sealed boxes.
 
-    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, live, mystery, regulation, soak,
-    tracking, tracking_effects.
+    NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, live, mystery, regulation,
+    soak, tracking, tracking_effects.
     """
     make_importable("benchmarks")
     modules = catalogue_names("benchmarks")
@@ -52,6 +52,8 @@ def command(name: str, quick: bool, **settings: Any) -> None:
         if key not in signature(run).parameters:
             raise UsageError(f"Benchmark '{name}' has no --{key.replace('_', '-')}.")
     with tempfile.TemporaryDirectory() as wires:
-        os.environ.setdefault("SMARIG_HISTORY_DIR", wires)  # a benchmark's wires are nobody's
+        os.environ.setdefault(
+            "SMARIG_HISTORY_DIR", wires
+        )  # keep the wires of benchmarks out of the user's histories
         found = run(quick=quick, **chosen_settings)
     emit(found, json.dumps(found, indent=2))

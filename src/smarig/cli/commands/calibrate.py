@@ -1,4 +1,4 @@
-"""``smarig calibrate``: the wire's own constants, with intervals."""
+"""``smarig calibrate``: the constants of a wire from runs, with confidence intervals."""
 
 from pathlib import Path
 
@@ -15,10 +15,10 @@ from smarig.plant import Actuator
 )
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
-    "--actuator", type=CatalogueName("actuators"), help="Parameter set to start from (needed for -o)."
+    "--actuator", type=CatalogueName("actuators"), help="Parameter set to start from; required for -o."
 )
 @click.option(
-    "--model", type=FILE, help="Model of this wire: lets position transients give the time constant."
+    "--model", type=FILE, help="Model of this wire. With it, position transients give the time constant."
 )
 @click.option("-o", "--out", type=FILE, help="Actuator file to write (*.toml).")
 @click.option("--force", is_flag=True, help="Replace an existing actuator file.")
@@ -26,7 +26,7 @@ from smarig.plant import Actuator
 def command(
     runs: tuple[Path, ...], actuator: str | None, model: Path | None, out: Path | None, force: bool
 ) -> None:
-    """Estimate hA, time constant and resistances from what the runs measured; report what they cannot give."""
+    """Estimate hA, time constant and resistances from runs, and report those that the runs do not determine."""
     from smarig.identification import calibrate
     from smarig.record import load_run
     from smarig.replay import load_model
@@ -36,7 +36,7 @@ def command(
     check_distinct(out, model, *runs)
     result = calibrate([load_run(r) for r in runs], base, hysteresis)
     if out is not None and base is None:
-        raise UsageError("An actuator file needs a parameter set to start from: give --actuator.")
+        raise UsageError("An actuator file needs a parameter set to start from. Give --actuator.")
     if out is not None and base is not None:
         result.write_actuator(out, base, force=force)
     found = result.to_json()

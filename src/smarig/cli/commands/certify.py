@@ -1,4 +1,4 @@
-"""``smarig certify``: what can be proved of a model before a loop is closed around it."""
+"""``smarig certify``: what is proved of a model before a loop is closed around it."""
 
 from pathlib import Path
 
@@ -23,17 +23,21 @@ Examples:
     "--controller", type=VELOCITY, help="One velocity controller (default: all, at their defaults)."
 )
 @click.option(
-    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A number of --controller; repeatable."
+    "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A parameter of --controller; repeatable."
 )
 @click.option(
-    "--run", "runs", multiple=True, type=FILE, help="A run whose readings are held against the bound."
+    "--run",
+    "runs",
+    multiple=True,
+    type=FILE,
+    help="Run whose readings are compared with the bound; repeatable.",
 )
 @click.option(
     "--position-controller",
     "laws",
     multiple=True,
     metavar="N/D",
-    help="A controller K(s) of §9.2 by coefficients of 1, s, s²: 10,20/1,0.5.",
+    help="Controller K(s) of §9.2 by its coefficients of 1, s, s²: 10,20/1,0.5; repeatable.",
 )
 @click.option("-o", "--out", type=FILE, help="HTML page to write.")
 @click.option("--force", is_flag=True, help="Replace an existing page.")
@@ -47,9 +51,10 @@ def command(
     out: Path | None,
     force: bool,
 ) -> None:
-    """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ, γ and k_e
-    (Thm 8.2) with every hypothesis that fails. It covers the hysteresis alone, and states how far that reaches: the
-    loops of track and regulate are not covered. Where passivity fails, the input that breaks it is given."""
+    """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ,
+    γ and k_e (Thm 8.2), with every hypothesis that fails. If passivity fails, the input that breaks it is
+    printed. The certificate covers the hysteresis alone; it does not cover the loops of track and
+    regulate."""
     from smarig.app import ModelSource
     from smarig.certify import PositionController, certificate
     from smarig.core import check_writable
@@ -58,7 +63,7 @@ def command(
     from smarig.report import Further, certificate_page, certificate_units, certified_model, write_page
 
     if pairs and not controller:
-        raise UsageError("--set belongs to one controller: name it with --controller.")
+        raise UsageError("--set belongs to one controller. Name it with --controller.")
     source = ModelSource.of(model)
     if out is not None:
         check_distinct(out, model, *runs)

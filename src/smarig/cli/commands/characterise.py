@@ -1,4 +1,4 @@
-"""``smarig characterise``: the main job."""
+"""``smarig characterise``: initialise, test, identify, verify, diagnose and report in one command."""
 
 from contextlib import AbstractContextManager
 from itertools import count
@@ -28,16 +28,16 @@ from smarig.runner import Listener, Preview, twin_source
     type=CatalogueName("campaigns"),
     default="characterise",
     show_default=True,
-    help="What is run: by name or path.",
+    help="Campaign to run, by name or path.",
 )
-@click.option("--seed", type=SEED, default=0, show_default=True, help="Of the twin's noise.")
-@click.option("--wire", default="", help="Identity of the wire, if not the rig file's.")
-@click.option("--force", is_flag=True, help="Replace what is in the folder.")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise.")
+@click.option("--wire", default="", help="Identity of the wire (default: that of the rig file).")
+@click.option("--force", is_flag=True, help="Replace the files in the folder.")
 @click.option(
     "--continue",
     "go_on",
     is_flag=True,
-    help="Go on after an interruption: done runs are taken, others resumed.",
+    help="Continue after an interruption: keep finished runs and resume the others.",
 )
 @live_options
 @notify_option
@@ -87,11 +87,13 @@ def _text(found: dict, diagnosis: str) -> str:
     lines = [*(r["verdict"] for r in found["representation"]), *found["discoveries"], *found["warnings"]]
     best = found["identify"]
     lines.append(
-        f"Best surface: {found['surface']}, {best['rms']:.3g} {best['unit']} rms over {best['points']} points."
+        f"Best surface: {found['surface']}, {best['rms']:.3g} {best['unit']} rms error over {best['points']} points."
     )
     for name, verified in found["verify"].items():
         for run in verified["runs"]:
-            lines.append(f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms, n = {run['n']}.")
+            lines.append(
+                f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms error, n = {run['n']}."
+            )
     lines += [diagnosis] if diagnosis else []
     lines += [f"Report: {found['report']}", f"Model:  {found['model']}"]
     return "\n".join(lines)

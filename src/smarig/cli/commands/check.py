@@ -1,4 +1,4 @@
-"""``smarig check``: is the rig fit to run, and what would a protocol cost?"""
+"""``smarig check``: test a rig and preview a protocol."""
 
 import time
 from typing import Any
@@ -14,20 +14,26 @@ from smarig.protocols import Setup, parse_pairs
 from smarig.rig import Bench, Check, Twin, TwinSettings, bring_up, inconsistencies, open_rig
 from smarig.runner import preview, wire_lock
 
+_LABELS = {"lease_trips": "The lease trips"}  # of the values that are no quantities
+
 
 @click.command("check", epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending")
 @click.argument("rig", type=RIG)
 @click.option(
-    "--protocol", type=PROTOCOL, help="Preview it on the twin: duration, peak current, temperature."
+    "--protocol",
+    type=PROTOCOL,
+    help="Preview this protocol on the twin: duration, peak current, temperature.",
 )
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
 )
-@click.option("--no-current", "preview_only", is_flag=True, help="Bench: look at files only, move nothing.")
-@click.option("--yes", is_flag=True, help="Bench: the wire may be heated; do not ask.")
+@click.option(
+    "--no-current", "preview_only", is_flag=True, help="Bench: only check the files; drive no current."
+)
+@click.option("--yes", is_flag=True, help="Bench: heat the wire without confirmation.")
 @json_option
 def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
-    """Check a rig's file, constants and lease, bring a bench up; preview a protocol on its twin."""
+    """Check a rig's file, constants and lease, and bring up a bench. Preview a protocol on its twin."""
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
@@ -43,7 +49,7 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only
     }
     if file.kind == "twin":
         found["lease_trips"] = _lease_trips(Twin.named(rig))
-    lines = [f"{key:>20}: {_short(value)}" for key, value in found.items()]
+    lines = [f"{_LABELS.get(key, key):>20}: {_short(value)}" for key, value in found.items()]
     if protocol:
         cost = preview(protocol, file, parse_pairs(pairs))
         found["preview"] = cost.__dict__
@@ -60,16 +66,16 @@ def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only
         lines += ["", *_checklist(file, checks)]
     emit(found, "\n".join(lines))
     if not rig_is_fit:
-        raise RigFault("The rig is not fit to run: see the list.")
+        raise RigFault("The rig is not fit to run. See the list of checks.")
 
 
 def _confirm_heating(file: RigFile, yes: bool) -> None:
-    """Hardware moves: somebody must have said that it may."""
+    """Ask for confirmation before a real wire is heated."""
     if file.simulator is None and not yes:
-        words = f"The wire of {file.name} will be heated gently and its lease let run out. Go on?"
+        words = f"The wire of {file.name} will be heated gently, and its lease will expire once. Continue?"
         if not click.confirm(words, default=False, err=True):
             raise UsageError(
-                "Nothing was done. Give --yes to be asked no more, --no-current to look at files only."
+                "Nothing was done. Give --yes to skip the question, or --no-current to check only the files."
             )
 
 
@@ -80,11 +86,11 @@ def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]
 
 
 def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
-    """To be printed and signed."""
+    """The lines of the checklist, to be printed and signed."""
     now = time.strftime("%Y-%m-%d %H:%M")
     rows = [f"[{'x' if c.passed else ' '}] {c.name}: {c.observed}" for c in checks]
     manual_checks = [
-        "[ ] cut-out: pressed with current flowing, and the current was gone",
+        "[ ] cut-out: pressed while current flowed, and the current stopped",
         "[ ] guard and load: in place",
     ]
     return [
@@ -97,13 +103,15 @@ def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
 
 
 def _short(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.5g}"
     return " … ".join(map(_short, value)) if isinstance(value, list) else str(value)
 
 
 def _lease_trips(twin: Twin) -> bool:
-    """Whether silence longer than the lease switches the output off and latches."""
+    """Whether a pause longer than the lease switches the output off and latches a trip."""
     twin.step(0.1)
     twin.idle(twin.file.lease_s + 10 * twin.period_s)
     try:

@@ -1,4 +1,4 @@
-"""``smarig diagnose``: what the simulation gets wrong, why, and what it gains to know."""
+"""``smarig diagnose``: find what a model predicts wrongly, explain it and extend the model."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -46,22 +46,28 @@ def _taking_all_values(process: Any) -> Any:
 
 @click.command("diagnose", epilog=EPILOG)
 @click.argument("model", type=FILE, required=False)
-@click.option("--train", type=FILE, cls=_MultiValueOption, multiple=True, help="Runs to learn from; several.")
+@click.option("--train", type=FILE, cls=_MultiValueOption, multiple=True, help="Runs to fit to; several.")
 @click.option(
     "--held-out",
     type=FILE,
     cls=_MultiValueOption,
     multiple=True,
-    help="Runs used only to evaluate the gain; several.",
+    help="Runs to evaluate the gain on; several.",
 )
 @click.option(
-    "--transient", type=FILE, help="A run with the wire's temperature and its drive, instead of a model."
+    "--transient",
+    type=FILE,
+    help="Diagnose the temperature of this run instead of a model; it needs the wire's temperature and its drive.",
 )
 @click.option("-o", "--out", type=FOLDER, help="Folder for extended.model.json, diagnosis.json, report.html.")
-@click.option("--propose", type=FILE, help="Campaign file to write: the run that separates what is left.")
-@click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect out of the catalogue.")
+@click.option(
+    "--propose", type=FILE, help="Campaign file to write: the run that separates the remaining explanations."
+)
+@click.option(
+    "--without", multiple=True, metavar="EFFECT", help="Leave this effect out of the catalogue; repeatable."
+)
 @own_effects
-@click.option("--alpha", type=float, default=0.03, show_default=True, help="Chance of any false alarm.")
+@click.option("--alpha", type=float, default=0.03, show_default=True, help="Probability of any false alarm.")
 @click.option(
     "--nulls",
     type=int,
@@ -69,7 +75,7 @@ def _taking_all_values(process: Any) -> Any:
     show_default=True,
     help="Simulated timelines without any effect (null data).",
 )
-@click.option("--seed", type=int, default=0, help="Seed of the nulls.")
+@click.option("--seed", type=int, default=0, help="Seed of the null data.")
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @json_option
 def command(
@@ -85,21 +91,23 @@ def command(
     seed: int,
     force: bool,
 ) -> None:
-    """Show what a model gets wrong on runs, name the cause, extend the model, measure the gain."""
+    """Find what a model predicts wrongly on runs, name the cause, extend the model and measure the gain."""
     from smarig.core import check_writable
     from smarig.diagnosis import DIAGNOSIS_FILES, diagnose, prepare_folder
 
     if transient is not None:
         if model or train or held_out or propose:
             raise UsageError(
-                "--transient diagnoses one run's temperature: leave out MODEL, --train, --held-out and --propose."
+                "--transient diagnoses the temperature of one run. Leave out MODEL, --train, --held-out and --propose."
             )
         _transient(transient, out, force, alpha=alpha, nulls=nulls, seed=seed, without=without)
         return
     if model is None or not train:
         raise UsageError("A diagnosis needs MODEL and --train RUN…, or --transient RUN.")
     if set(train) & set(held_out):
-        raise UsageError("A run cannot teach and judge: the same file is given to --train and --held-out.")
+        raise UsageError(
+            "A run is given to both --train and --held-out. Use different runs to fit and to evaluate."
+        )
     inputs = (model, *train, *held_out)
     if out is not None:
         for name in DIAGNOSIS_FILES:
@@ -111,7 +119,7 @@ def command(
     found = diagnose(
         model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=show_message
     )
-    paths = _written(found, out, force=force)  # before hours of imagined runs
+    paths = _written(found, out, force=force)  # save the diagnosis before hours of simulated runs
     if propose is not None:
         found = _with_proposal(found, propose, force=force)
         paths = _written(found, out, force=True) if found.separating_run else paths
@@ -119,7 +127,7 @@ def command(
 
 
 def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> None:
-    """The thermal record of one run instead of a model."""
+    """Diagnose the thermal record of one run instead of a model."""
     from smarig.diagnosis import diagnose_transient, prepare_folder, write_transient
 
     if out is not None:
@@ -130,7 +138,7 @@ def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> Non
 
 
 def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
-    """Write the folder of a diagnosis, where one is wanted; returns its paths."""
+    """Write the folder of a diagnosis, if requested, and return its paths."""
     from smarig.diagnosis import DIAGNOSIS_PAGE, write_diagnosis
     from smarig.report import diagnosis_page, write_page
 
@@ -142,7 +150,7 @@ def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, 
 
 
 def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":
-    """The diagnosis with the run that would separate what is left, which is written as a campaign."""
+    """The diagnosis together with the separating run, which is written as a campaign."""
     from smarig.app import propose_run, write_campaign
 
     proposal = propose_run(found, show_message)

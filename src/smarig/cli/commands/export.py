@@ -1,4 +1,4 @@
-"""``smarig export``: a run file into other programs' formats."""
+"""``smarig export``: write a run in the format of another program."""
 
 from pathlib import Path
 
@@ -28,7 +28,7 @@ Examples:
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @json_option
 def command(run: Path, format_: str, out: Path, force: bool) -> None:
-    """Export a run for other programs; every format but csv takes its steps and events along."""
+    """Export a run for other programs. Every format except csv includes its steps and events."""
     from smarig.exchange import export_run
     from smarig.record import load_run
 

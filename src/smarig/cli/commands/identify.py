@@ -1,4 +1,4 @@
-"""``smarig identify``: FOD data to a model."""
+"""``smarig identify``: identify a model from runs."""
 
 from pathlib import Path
 
@@ -25,21 +25,23 @@ Examples:
     type=click.Choice([*surface_kinds(), BEST_KIND]),
     default=BEST_KIND,
     show_default=True,
-    help="Kind of density.",
+    help="Kind of surface.",
 )
-@click.option("--select", metavar="EXPR", help="Fit only where this holds, e.g. 'curve%2==0'.")
+@click.option("--select", metavar="EXPR", help="Fit only to the points where this holds, e.g. 'curve%2==0'.")
 @click.option(
-    "--anchor", is_flag=True, help="Keep the end values as measured, as the thesis does (default: fit them)."
+    "--anchor", is_flag=True, help="Keep the measured end values, as the thesis does (default: fit them)."
 )
 @click.option(
-    "--symmetric", is_flag=True, help="The positive surface is its own mirror image (u, y) → (−u, −y)."
+    "--symmetric",
+    is_flag=True,
+    help="Require the positive surface to equal its mirror image (u, y) → (−u, −y).",
 )
 @click.option(
     "--extension",
     type=click.Choice(extension_names()),
     default="none",
     show_default=True,
-    help="An extended model (thesis §3.5) on top; best: by runs left out.",
+    help="Extended model (thesis §3.5) on top of the surface; best: chosen by cross-validation over the runs.",
 )
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
@@ -54,7 +56,7 @@ def command(
     out: Path,
     force: bool,
 ) -> None:
-    """Identify a Preisach model: from runs that hold first-order curves, or (positive) from any runs."""
+    """Identify a Preisach model from runs with first-order curves, or (positive) from any runs."""
     from smarig.identification import identify
 
     check_distinct(out, *runs)

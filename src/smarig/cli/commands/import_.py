@@ -1,4 +1,4 @@
-"""``smarig import``: other people's data into a run file."""
+"""``smarig import``: convert the data of others into a run file."""
 
 from pathlib import Path
 
@@ -30,10 +30,10 @@ Examples:
     "--map",
     "mapping",
     type=CatalogueName("imports"),
-    help="Mapping file for csv, needed for mat: a shipped name or a path.",
+    help="Mapping file, by name or path: optional for csv, required for mat.",
 )
 @click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
-@click.option("--t0", type=float, help="Where this file begins on a clock shared with other runs, s.")
+@click.option("--t0", type=float, help="Start of this file, in s, on a clock shared with other runs.")
 @click.option("--wire", help="Identity of the wire.")
 @click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
 @click.option("--force", is_flag=True, help="Replace an existing run file.")
@@ -48,7 +48,7 @@ def command(
     out: Path,
     force: bool,
 ) -> None:
-    """Import measured data; what looks wrong in it is reported."""
+    """Import measured data and report everything that looks wrong."""
     from smarig.exchange import import_file
 
     check_distinct(out, file)

@@ -1,4 +1,4 @@
-"""``smarig list``: what there is, one line each."""
+"""``smarig list``: the entries of the catalogues, one line each."""
 
 import click
 
@@ -62,8 +62,8 @@ Examples:
 _CONTROLLER_PACKAGES = {
     "track": TRACKING_CONTROLLERS,
     "track, certify": VELOCITY_CONTROLLERS,
-}  # the commands that take them
-_SETPOINT_PI_NAME = "pi (regulate)"  # there is another pi, which tracks
+}  # the commands that use them
+_SETPOINT_PI_NAME = "pi (regulate)"  # tracking has another controller named pi
 _LISTINGS = {
     "effects": _effects,
     "rigs": _rigs,
@@ -77,12 +77,12 @@ _LISTINGS = {
 
 
 def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
-    """Own protocols, controllers or effects, by name: only they are listed then."""
+    """The names that own files define. Only these are then listed."""
     package = {"protocols": PROTOCOLS, "controllers": TRACKING_CONTROLLERS, "effects": EFFECTS}.get(kind)
     for file in files:
         if package is None or not is_path(file):
             raise UsageError(
-                f"'{file}': only own protocols, controllers and effects can be listed, ./NAME.py."
+                f"'{file}' cannot be listed. Give the file of an own protocol, controller or effect, such as ./NAME.py."
             )
     return {resolve_name(str(package), file) for file in files}
 
@@ -100,19 +100,19 @@ def _settings(group: str, name: str) -> list[str]:
 
 
 def _numbers(name: str) -> list[str]:
-    """The numbers of a controller with unit and meaning, as far as its docstring gives them."""
+    """The parameters of a controller, with unit and meaning where its docstring gives them."""
     texts, defaults = _units_and_defaults(name)
     return [_line(key, default, *texts.get(key, ("", ""))) for key, default in defaults.items()]
 
 
 def _line(key: str, default: float | None, unit: str, meaning: str) -> str:
-    value = "by the model," if default is None else f"{default:g}"
+    value = "set by the model," if default is None else f"{default:g}"
     meaning_text = f" ({meaning})" if meaning else ""
     return f"{key} = {value} {unit if unit != '1' else ''}".rstrip() + meaning_text
 
 
 def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str, float | None]]:
-    """Units and meanings of a controller's numbers, and their defaults; None for what the model sets."""
+    """Units, meanings and defaults of a controller's parameters. The default is None if the model sets it."""
     if name == _SETPOINT_PI_NAME:
         from smarig.control import SetpointPI
 
@@ -127,13 +127,14 @@ def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str
 @click.option(
     "--settings",
     is_flag=True,
-    help="Also the settings of protocols and controllers, and the parameters of effects.",
+    help="Also list the settings of protocols and controllers and the parameters of effects.",
 )
 @json_option
 def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
-    """What there is: rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and wires used.
+    """List rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and the wires used
+    so far.
 
-    With FILE.py, own protocols, controllers or effects only. "unit" is the rig's, mm or deg.
+    With FILE.py, list only these own protocols, controllers or effects. "unit" is the rig's unit, mm or deg.
     """
     own_names = _chosen(kind, files)
     found: dict[str, dict] = {k: read() for k, read in _LISTINGS.items() if kind in (k, "all")}

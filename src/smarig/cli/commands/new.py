@@ -1,6 +1,6 @@
-"""``smarig new``: a commented starting file of your own, which works as it stands.
+"""``smarig new``: write a commented starting file that works unchanged.
 
-The starting points are files of that kind themselves, called ``my_KIND``; only that word is replaced.
+The templates are valid files named ``my_KIND``. Only that word is replaced.
 """
 
 import re
@@ -44,12 +44,13 @@ Examples:
 @click.command("new", epilog=EPILOG)
 @click.argument("kind", type=click.Choice(list(_NEXT_STEP)))
 @click.argument("name")
-@click.option("-o", "--out", type=FILE, help="File to write; default: NAME.toml or NAME.py in this folder.")
+@click.option("-o", "--out", type=FILE, help="File to write (default: NAME.toml or NAME.py in this folder).")
 @json_option
 def command(kind: str, name: str, out: Path | None) -> None:
-    """Write a commented starting file: a rig, actuator, protocol, controller, effect, driver or campaign of your own.
+    """Write a commented starting file: a rig, actuator, protocol, controller, effect, driver or campaign of
+    your own.
 
-    It works as it stands, and is used by its path. Nothing existing is overwritten.
+    The file works unchanged. Commands take it by its path. An existing file is not overwritten.
     """
     template = next(_TEMPLATES.glob(f"my_{kind}.*"))
     file = out or Path(name + template.suffix)
@@ -61,41 +62,39 @@ def command(kind: str, name: str, out: Path | None) -> None:
     next_step = _NEXT_STEP[kind].format(file=shown, file_name=file.name, name=name)
     emit(
         {"kind": kind, "name": name, "file": str(file), "next": next_step},
-        f"{shown} is written. Next: {next_step}",
+        f"{shown} written. Next: {next_step}",
     )
 
 
 def _check(kind: str, name: str, file: Path, suffix: str) -> None:
-    """UsageError where the name could not be used, or a file would be lost."""
+    """Raise UsageError if the name is not usable or a file would be overwritten."""
     reason = _unusable(kind, name, python=suffix == ".py")
     if reason:
-        raise UsageError(f"{name!r} is no name for a {kind}: {reason}.")
+        raise UsageError(f"{name!r} cannot be the name of a {kind}: {reason}.")
     taken_names = catalogue_names(_PACKAGES[kind]) if kind in _PACKAGES else shipped_names(f"{kind}s")
     if name in taken_names:
-        raise UsageError(f"'{name}' is one of the {kind}s that ship: give yours another name.")
+        raise UsageError(f"'{name}' is the name of a shipped {kind}. Choose another name.")
     if file.suffix != suffix or (suffix == ".py" and file.stem != name):
-        expected = f"{name}.py, as what it defines is" if suffix == ".py" else "…toml"
-        raise UsageError(f"{file}: the file of a {kind} is called {expected}.")
+        expected = f"{name}.py, like the object that it defines" if suffix == ".py" else "…toml"
+        raise UsageError(f"{file}: the file of a {kind} must be named {expected}.")
     if file.exists():
-        raise UsageError(f"{file} exists; give another name, or another place with -o.")
+        raise UsageError(f"{file} exists. Give another name, or another path with -o.")
     if suffix == ".py" and _importable(name):
-        raise UsageError(
-            f"'{name}' is the name of a Python module, which {file.name} would hide: take another."
-        )
+        raise UsageError(f"{file.name} would hide the Python module '{name}'. Choose another name.")
 
 
 def _unusable(kind: str, name: str, *, python: bool) -> str:
-    """Why a name is none, "" if it is one."""
+    """Why a name is not usable, or "" if it is usable."""
     if not name.isidentifier() or not name.isascii() or name.startswith("_"):
-        return "letters, digits and _, a letter first"
+        return "use letters, digits and _, with a letter first"
     if python and iskeyword(name):
-        return f"it is a word of Python's own, and what defines a {kind} is called as it is"
-    return "Windows keeps it for a device" if name.upper() in _DEVICES else ""
+        return f"it is a Python keyword, and the {kind} is defined under its name"
+    return "Windows reserves it for a device" if name.upper() in _DEVICES else ""
 
 
 def _importable(name: str) -> bool:
-    """Whether ``import NAME`` means something already; nothing is imported."""
+    """Whether ``import NAME`` would find a module. Nothing is imported."""
     try:
         return find_spec(name) is not None
-    except ValueError:  # it is loaded, and does not say from where
+    except ValueError:  # a loaded module without a spec
         return True

@@ -1,4 +1,4 @@
-"""``smarig regulate``: a set-point, held from the state that stands disturbances best."""
+"""``smarig regulate``: hold a set-point from the state that is least sensitive to disturbances."""
 
 from pathlib import Path
 
@@ -22,27 +22,37 @@ Examples:
 
 @click.command("regulate", epilog=EPILOG)
 @click.argument("model", type=FILE)
-@click.option("--setpoint", type=float, required=True, help="Output to hold, on the model's scale, rig unit.")
+@click.option(
+    "--setpoint", type=float, required=True, help="Output to hold, in the rig's unit, on the model's scale."
+)
 @click.option("-o", "--out", type=FILE, help="Run file.")
 @click.option(
-    "--within", type=float, default=0.01, show_default=True, help="Distance from B_ℓ, share of the plane."
+    "--within",
+    type=float,
+    default=0.01,
+    show_default=True,
+    help="Accepted distance from B_ℓ, as a share of the plane.",
 )
-@click.option("--hold-s", type=float, default=600.0, show_default=True, help="How long the loop is closed.")
+@click.option(
+    "--hold-s", type=float, default=600.0, show_default=True, help="Duration of the closed loop, s."
+)
 @click.option(
     "--start",
     type=click.Choice(["diagonal", "ascending", "descending"]),
     default="diagonal",
     show_default=True,
-    help="The state to begin in: B_ℓ, or one on an outer branch.",
+    help="Initial state of the loop: B_ℓ, or a state on an outer branch.",
 )
 @click.option(
     "--disturbance-K",
     "push",
     type=float,
     default=0.0,
-    help="Pulse on the control input, after 60 s, for 4 τ.",
+    help="Height, in K, of a pulse on the control input after 60 s; it lasts 4 τ.",
 )
-@click.option("--controller", default="pi", show_default=True, help="The loop that holds: pi.")
+@click.option(
+    "--controller", default="pi", show_default=True, help="Controller that holds the set-point: pi."
+)
 @click.option(
     "--controller-set", "numbers", multiple=True, metavar="KEY=VALUE", help="gain (K per unit), band (unit)."
 )
@@ -60,17 +70,18 @@ def command(
     numbers: tuple[str, ...],
     options: RunOptions,
 ) -> None:
-    """Bring the wire to the state B_ℓ whose output is wanted (thesis §8.3), close a gentle loop, hold.
+    """Bring the wire to the state B_ℓ of the set-point (thesis §8.3), close a loop with a small gain, and
+    hold.
 
-    The encoder is relative: negative saturation is visited first, and what is measured there is the model's least
-    output. The way to B_ℓ is planned so that the wire's lag still reaches it.
+    The encoder is relative, so the wire first goes to negative saturation. The position measured there
+    counts as the model's least output. The input path to B_ℓ accounts for the wire's thermal lag.
     """
     from smarig.app import ModelSource, regulation
     from smarig.config import load_rig
 
     source = ModelSource.of(model)
     if source.model.effects:
-        show_message(f"{model.name} has effects: the way to B_ℓ is planned by its hysteresis alone.")
+        show_message(f"{model.name} has effects. The path to B_ℓ is planned from its hysteresis alone.")
     loop = regulation(
         source,
         load_rig(options.rig),

@@ -1,4 +1,4 @@
-"""``smarig report``: the page of a run, the index of a folder, runs over each other, models side by side."""
+"""``smarig report``: pages of runs, folders, comparisons of runs, and comparisons of models."""
 
 from pathlib import Path
 
@@ -21,16 +21,20 @@ Examples:
 @click.command("report", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=ANY_PATH, metavar="RUN|DIR...")
 @click.option(
-    "--model", "models", multiple=True, type=FILE, help="Verify this model on the runs; several are compared."
+    "--model",
+    "models",
+    multiple=True,
+    type=FILE,
+    help="Verify this model on the runs. Several models are compared.",
 )
 @click.option("-o", "--out", type=FILE, help="The HTML file; default: in the folder of the (first) run.")
 @click.option("--force", is_flag=True, help="Replace existing pages.")
 @own_effects
 @json_option
 def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
-    """Write offline HTML pages: about a run (finished, interrupted or imported), about every run in a folder with an
-    index to search, about several runs over each other, or about models on the same runs. With one model, the page of a
-    closed loop has that model's certificate."""
+    """Write offline HTML pages: of one run (finished, interrupted or imported), of every run in a folder
+    with a searchable index, of several runs in comparison, or of models on the same runs. With one model,
+    the page of a closed loop includes the certificate of that model."""
     from smarig.report import run_files
 
     if len(runs) == 1 and runs[0].is_dir() and not models:
@@ -52,13 +56,13 @@ def _folder(folder: Path, out: Path | None, force: bool) -> None:
 
     if out is not None:
         raise UsageError(
-            f"-o names one page, but a folder gets one for each run and {INDEX_FILE}; leave it out."
+            f"-o names one page, but a folder gets a page for each run and {INDEX_FILE}. Leave -o out."
         )
     made = report_folder(folder, force=force)
     for sentence in made.unreadable:
         show_message(f"Not read: {sentence}")
     pages = [{"report": str(p.report), "complete": p.complete, "cause": p.cause} for p in made.pages]
-    words = f"Report: {made.index} ({len(pages)} runs, each with a page beside it)"
+    words = f"Report: {made.index} ({len(pages)} runs, each with a page in the same folder)"
     emit({"report": str(made.index), "reports": pages, "unread": list(made.unreadable)}, words)
 
 
@@ -113,8 +117,8 @@ def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force
 
 
 def _check_no_repeats(files: list[Path] | tuple[Path, ...], kind: str) -> None:
-    """UsageError when a file is given twice: beside itself it shows nothing."""
+    """Raise UsageError if a file is given twice."""
     resolved = [file.resolve() for file in files]
     repeated = next((file for k, file in enumerate(files) if resolved[k] in resolved[:k]), None)
     if repeated is not None:
-        raise UsageError(f"{repeated} is given twice; a {kind} beside itself shows nothing.")
+        raise UsageError(f"{repeated} is given twice. Give each {kind} once.")

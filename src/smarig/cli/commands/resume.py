@@ -1,4 +1,4 @@
-"""``smarig resume``: go on with a run that was interrupted, as hysteresis allows."""
+"""``smarig resume``: continue an interrupted run from its restored state."""
 
 from pathlib import Path
 
@@ -27,14 +27,14 @@ Examples:
 
 @click.command("resume", epilog=EPILOG)
 @click.argument("run", type=FILE)
-@click.option("--rig", type=RIG, default="", help="The run's rig, if its file is elsewhere now.")
-@click.option("--protocol", type=PROTOCOL, default="", help="The run's own protocol, FILE.py, given again.")
+@click.option("--rig", type=RIG, default="", help="Rig of the run, if its file has moved.")
+@click.option("--protocol", type=PROTOCOL, default="", help="Own protocol of the run, FILE.py.")
 @own_effects
-@click.option("--wire", default="", help="Identity of the wire: must be the run's.")
+@click.option("--wire", default="", help="Identity of the wire; must equal that of the run.")
 @click.option(
-    "--speed", type=FiniteNumber(0, min_open=True), help="Twin: real time × SPEED (default: as it began)."
+    "--speed", type=FiniteNumber(0, min_open=True), help="Twin: real time × SPEED (default: that of the run)."
 )
-@click.option("--quiet", is_flag=True, help="No panel, no lines.")
+@click.option("--quiet", is_flag=True, help="Show no panel and no log lines.")
 @live_options
 @notify_option
 @json_option
@@ -48,19 +48,20 @@ def command(
     notify: str,
     live: LiveOptions,
 ) -> None:
-    """Go on with a run that was killed, stopped or tripped, in the same file.
+    """Continue a run that was killed, stopped or tripped, in the same file.
 
-    The wire is cooled and taken back to what it remembered after the last finished step; the interrupted step is made
-    again. Where that cannot be had, the protocol begins anew. Void steps stay in the record, marked.
+    The wire is cooled and brought back to the remembered extrema after the last finished step. Then the
+    interrupted step is repeated. If this is not possible, the protocol starts again. Void steps stay in the
+    record and are marked.
     """
     from smarig.identification import informed_choice
     from smarig.runner import preview, read_launch_args, resume_in, session_for
 
     before = load_run(run)
     if protocol not in ("", before.info.protocol):
-        raise UsageError(f"{run.name} is of protocol '{before.info.protocol}', not of '{protocol}'.")
+        raise UsageError(f"{run.name} is a run of protocol '{before.info.protocol}', not of '{protocol}'.")
     session = session_for(before, rig=rig, wire=wire, speed=speed)
-    show_message(f"{run.name} ended so: {before.cause.rstrip('.')}.")
+    show_message(f"{run.name} ended with the cause: {before.cause.rstrip('.')}.")
     settings = read_launch_args(before)["settings"]
     cost = preview(str(before.info.protocol), session.file, settings, chooser=informed_choice)
     done = [s for s in before.steps if not s.void]
@@ -69,7 +70,7 @@ def command(
         live, session.file, session.source, settings, f"{run.name}, resumed", resumed=True
     )
     with live_context as watchers, notified(notify, run), session, keys(session.control) as listening:
-        show_message("The rig is armed again.")
+        show_message("The rig was re-armed.")
         identity = {"wire": session.wire, "source": session.source}
         what = run_info(session.file, cost, run, **identity, done_steps=len(done), done_s=done_s)
         with with_watchers(

@@ -1,4 +1,4 @@
-"""``smarig run``: a protocol into one run file, or a campaign into a folder of them."""
+"""``smarig run``: run a protocol into one run file, or a campaign into a folder of run files."""
 
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -29,7 +29,7 @@ Examples:
 
 @click.command("run", epilog=EPILOG)
 @click.argument("experiment", type=EXPERIMENT, metavar="PROTOCOL|CAMPAIGN")
-@click.option("-o", "--out", type=ANY_PATH, help="Run file; for a campaign a folder.")
+@click.option("-o", "--out", type=ANY_PATH, help="Run file, or folder for a campaign.")
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
 )
@@ -37,14 +37,14 @@ Examples:
     "--continue",
     "go_on",
     is_flag=True,
-    help="Go on with what was interrupted: done runs are left, others resumed.",
+    help="Continue after an interruption: keep finished runs and resume the others.",
 )
 @run_options
 @json_option
 def command(
     experiment: str, out: Path | None, pairs: tuple[str, ...], go_on: bool, options: RunOptions
 ) -> None:
-    """Run a protocol or a campaign on a rig and record it; by name, or your own by its path."""
+    """Run a protocol or a campaign, by name or by the path of your own file, on a rig and record it."""
     from smarig.identification import informed_choice
 
     session = options.session()
@@ -61,9 +61,9 @@ def command(
     single = experiment in catalogue_names("smarig.protocols")
     targets = [out] if single else plan.run_files(out)
     if options.force and go_on:
-        raise UsageError("--force replaces runs, --continue goes on with them: give one of the two.")
+        raise UsageError("--force replaces runs and --continue continues them. Give only one of them.")
     for target in targets:
-        check_target(target, force=options.force or go_on, remedy=" --continue to go on with it,")
+        check_target(target, force=options.force or go_on, remedy=" --continue to continue it,")
     with options.open_session(session, steps[0].set, experiment) as display:
         for k, (step, target, cost) in enumerate(zip(steps, targets, costs, strict=True), start=1):
             place = f"run {k} of {len(steps)}" if len(steps) > 1 else ""
@@ -104,7 +104,7 @@ def _run_one(
 
 
 def _plan(experiment: str, settings: dict) -> CampaignFile:
-    """A campaign; a protocol is one of a single step."""
+    """The campaign. A single protocol becomes a campaign of one step."""
     protocols, campaigns = catalogue_names("smarig.protocols"), shipped_names("campaigns")
     if experiment in protocols:
         return CampaignFile(
@@ -116,5 +116,5 @@ def _plan(experiment: str, settings: dict) -> CampaignFile:
             f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."
         )
     if settings:
-        raise UsageError("--set belongs to a single protocol; a campaign's settings stand in its file.")
+        raise UsageError("--set belongs to a single protocol. Set the values of a campaign in its file.")
     return with_loaded_protocols(load_campaign(experiment))

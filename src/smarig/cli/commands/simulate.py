@@ -1,4 +1,4 @@
-"""``smarig simulate``: what a model says, as a run."""
+"""``smarig simulate``: the response of a model, as a run."""
 
 from pathlib import Path
 
@@ -18,12 +18,12 @@ Examples:
 
 @click.command("simulate", epilog=EPILOG)
 @click.argument("model", type=FILE)
-@click.option("--along", type=FILE, help="Run whose inputs the model follows.")
+@click.option("--along", type=FILE, help="Run whose inputs are applied to the model.")
 @click.option("--protocol", type=PROTOCOL, help="Protocol to run on the model's noise-free twin.")
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
 )
-@click.option("--rig", type=RIG, default="", help="Rig for --protocol, if not the model's.")
+@click.option("--rig", type=RIG, default="", help="Rig for --protocol (default: that of the model).")
 @click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
 @click.option("--force", is_flag=True, help="Replace an existing run file.")
 @own_effects
@@ -37,13 +37,13 @@ def command(
     out: Path,
     force: bool,
 ) -> None:
-    """Simulate a model along a run, or a protocol on its twin, into a run file."""
+    """Simulate a model along a run, or a protocol on the model's twin, and write a run file."""
     from smarig.app import simulate_protocol, simulate_run
     from smarig.record import load_run
     from smarig.replay import load_model
 
     if (along is None) == (protocol is None):
-        raise UsageError("Give either --along RUN or --protocol P.")
+        raise UsageError("Give either --along RUN or --protocol NAME.")
     check_distinct(out, model, along)
     loaded = load_model(model)
     if along is not None:

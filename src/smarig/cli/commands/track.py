@@ -1,4 +1,4 @@
-"""``smarig track``: a position follows a reference, by a model of the wire."""
+"""``smarig track``: track a reference with a controller that uses a model of the wire."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ Examples:
   smarig track wire.model.json --reference steps --rig one_wire_twin -o steps.run.sqlite
   smarig track wire.model.json --reference multisine --set low=2 --set high=8 --set seconds=240 \\
       --controller pi --controller-set gain_share=10 --rig one_wire_twin -o pi.run.sqlite
-  smarig track wire.model.json --reference wanted.csv --rig one_wire_serial -o wanted.run.sqlite
+  smarig track wire.model.json --reference reference.csv --rig one_wire_serial -o reference.run.sqlite
   smarig track wire.model.json --reference ramps --controller ./mine.py --rig one_wire_twin -o mine.run.sqlite
   smarig track wire.model.json --reference multisine --controller leaky_pi --controller-set gain=300 \\
       --rig one_wire_twin -o velocity.run.sqlite
@@ -31,7 +31,7 @@ Examples:
     "--reference",
     required=True,
     metavar="SHAPE|FILE.csv",
-    help="steps, ramps, multisine, or a file with time_s and position_mm (position_deg).",
+    help="steps, ramps, multisine, or a CSV file with time_s and position_mm (or position_deg).",
 )
 @click.option("-o", "--out", type=FILE, help="Run file.")
 @click.option(
@@ -39,27 +39,27 @@ Examples:
     "pairs",
     multiple=True,
     metavar="KEY=VALUE",
-    help="Of the reference: low, high, seconds, every_s, speed, seed; repeatable.",
+    help="Setting of the reference: low, high, seconds, every_s, speed, seed; repeatable.",
 )
 @click.option(
     "--controller",
     type=CONTROLLER,
     default="inverse",
     show_default=True,
-    help="A name ('smarig list controllers'), or your own file, ./NAME.py. Of the position or the velocity.",
+    help="Position or velocity controller: a name ('smarig list controllers') or your own file, ./NAME.py.",
 )
 @click.option(
     "--controller-set",
     "numbers",
     multiple=True,
     metavar="KEY=VALUE",
-    help="A number of the controller ('smarig list controllers --settings'); repeatable.",
+    help="Parameter of the controller ('smarig list controllers --settings'); repeatable.",
 )
 @click.option(
     "--offset-K",
     "offset_K",
     type=FiniteNumber(),
-    help="u_o of a velocity controller, K, added to its output (thesis §8.2).",
+    help="Velocity controllers: offset u_o, in K, added to the output (thesis §8.2).",
 )
 @run_options
 @json_option
@@ -73,15 +73,16 @@ def command(
     offset_K: float | None,
     options: RunOptions,
 ) -> None:
-    """Initialise the wire, close a loop, follow a reference, let go; record it, and report how well it went.
+    """Initialise the wire, close a loop, track a reference, open the loop; record the run and print its
+    result.
 
-    Positions are in the rig's unit from where initialisation zeroes the encoder. Limits, trips and lease hold as in any
-    run, and a loop of the position that diverges ends at zero current with status 3. The model's effects are in the
-    feed-forward.
+    Positions are in the rig's unit. They count from the encoder's zero, which initialisation sets. Limits,
+    trips and lease apply as in any run. A position loop that diverges ends at zero current with exit status
+    3. The feed-forward includes the model's effects.
 
-    A velocity controller (constant_gain, lead_lag, leaky_pi, saturating_gain, scheduled_gain; thesis §8.2) follows the
-    reference's velocity and not its position. Its k_e (Thm 8.2) is held against the measured ratio
-    ‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖), with every hypothesis that this rig keeps or breaks.
+    A velocity controller (constant_gain, lead_lag, leaky_pi, saturating_gain, scheduled_gain; thesis §8.2)
+    tracks the reference's velocity, not its position. The measured ratio ‖ṙ − v‖/(‖ṙ‖ + ‖u_o‖) is compared
+    with k_e (Thm 8.2), and each hypothesis is listed with whether this rig satisfies it.
     """
     from smarig.app import ModelSource, tracking
     from smarig.config import load_rig

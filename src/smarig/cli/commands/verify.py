@@ -1,4 +1,4 @@
-"""``smarig verify``: how far a model is from measured runs."""
+"""``smarig verify``: the error of a model on measured runs."""
 
 from pathlib import Path
 
@@ -11,11 +11,14 @@ from smarig.cli.parameter_types import FILE, own_effects
 @click.command("verify", epilog="\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite")
 @click.argument("model", type=FILE)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
-@click.option("--select", metavar="EXPR", help="Evaluate only where this holds, e.g. 'curve%2==1'.")
+@click.option(
+    "--select", metavar="EXPR", help="Evaluate only the points where this holds, e.g. 'curve%2==1'."
+)
 @own_effects
 @json_option
 def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
-    """Verify a model on runs: settled points simulated along the whole history of each run."""
+    """Verify a model on the settled points of runs. The model is simulated along the whole history of each
+    run."""
     from smarig.identification import verify
     from smarig.record import load_run
     from smarig.replay import load_model
@@ -26,8 +29,8 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
         for warning in run.get("warnings", ()):
             show_message(f"Warning: {warning}")
     lines = [
-        f"{run['run']}: {run['rms']:.4g} {unit} rms (NRMSE {run['nrmse']:.3g}), "
-        f"{run['max_abs']:.4g} {unit} at most, n = {run['n']}; noise floor {_floor(run, unit)}"
+        f"{run['run']}: rms error {run['rms']:.4g} {unit} (NRMSE {run['nrmse']:.3g}), "
+        f"largest {run['max_abs']:.4g} {unit}, n = {run['n']}; noise floor {_floor(run, unit)}"
         for run in found["runs"]
     ]
     emit(found, "\n".join(lines))

@@ -1,4 +1,4 @@
-"""``smarig view``: a recorded run in the viewer, with models beside it."""
+"""``smarig view``: show a recorded run in the viewer, with predictions of models."""
 
 from pathlib import Path
 
@@ -20,19 +20,22 @@ Examples:
 
 @click.command("view", epilog=EPILOG)
 @click.argument("run", type=FILE)
-@click.option("--model", "models", multiple=True, type=FILE, help="Model that predicts; repeatable.")
-@click.option("--web", is_flag=True, help="In a browser, on this machine only.")
 @click.option(
-    "--speed", type=FiniteNumber(0), default=0.0, show_default=True, help="Real time × SPEED; 0: at once."
+    "--model", "models", multiple=True, type=FILE, help="Model whose predictions are shown; repeatable."
 )
-@click.option("--save", "out", type=FILE, help="Write the view into FILE.rrd instead of showing it.")
+@click.option("--web", is_flag=True, help="Show the view in a browser, on this machine only.")
+@click.option(
+    "--speed", type=FiniteNumber(0), default=0.0, show_default=True, help="Real time × SPEED; 0: all at once."
+)
+@click.option("--save", "out", type=FILE, help="Write the view to FILE.rrd instead of showing it.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @own_effects
 @json_option
 def command(
     run: Path, models: tuple[Path, ...], web: bool, speed: float, out: Path | None, force: bool
 ) -> None:
-    """Show a run, finished or still being recorded (as far as it has come): at once, or at a speed.
+    """Show a run at once or at a speed. A run that is still being recorded is shown as far as it has been
+    written.
 
     Needs the extra 'live'. The viewer ends with this command.
     """
@@ -65,13 +68,11 @@ def command(
 
 
 def _check(out: Path | None, web: bool, speed: float) -> None:
-    """UsageError where --save could not be meant as it stands."""
+    """Raise UsageError if the options do not fit together or the name is not a recording's."""
     if out is None:
         return
     if web or speed:
         ignored_option = "--web" if web else "--speed"
-        raise UsageError(
-            f"--save writes the view instead of showing it, so {ignored_option} has no meaning: leave one out."
-        )
+        raise UsageError(f"--save writes the view instead of showing it. Leave {ignored_option} out.")
     if out.suffix.lower() != ".rrd":
-        raise UsageError(f"{out}: Rerun opens recordings that are called FILE.rrd; call it {out}.rrd.")
+        raise UsageError(f"Rerun opens only recordings named FILE.rrd. Rename {out} to {out}.rrd.")

@@ -1,8 +1,8 @@
-"""Keys while an experiment runs at a terminal: p pauses, r resumes, s or q stops safely.
+"""Keys during a run at a terminal: p pauses, r resumes, s or q stops safely.
 
-The terminal is asked for single keys only while we are in its foreground, and given back as it was on every ending.
-Its suspend key is off meanwhile: a stopped host would let the lease of a heated wire run out. Without a terminal on
-stdin, or without termios, there are no keys.
+The terminal delivers single keys only while smarig is in its foreground. It is restored on every ending. The
+suspend key is disabled, because a stopped host would let the lease of a heated wire expire. Without a
+terminal on stdin, or without termios, there are no keys.
 """
 
 import contextlib
@@ -14,13 +14,13 @@ from contextlib import contextmanager
 
 from smarig.runner import RunControl
 
-KEYS_HELP = "Keys: p pauses (the current stays), r resumes, s stops safely."
-_POLL_INTERVAL_S = 0.1  # between looks whether it is over
+KEYS_HELP = "Keys: p pauses (the current stays on), r resumes, s stops safely."
+_POLL_INTERVAL_S = 0.1  # interval at which the end of the run is checked
 
 
 @contextmanager
 def keys(control: RunControl) -> Iterator[bool]:
-    """Within: keys of the terminal on stdin reach the control; yields whether there is one."""
+    """Pass the keys of the terminal on stdin to the control. Yields whether there is such a terminal."""
     with contextlib.ExitStack() as cleanup:
         file = _terminal()
         if file is not None:
@@ -36,7 +36,7 @@ def keys(control: RunControl) -> Iterator[bool]:
 
 
 def press(control: RunControl, key: str) -> None:
-    """What a key means; others mean nothing."""
+    """Act on a key. Other keys have no effect."""
     if key == "p":
         control.paused = True
     elif key == "r":
@@ -46,18 +46,18 @@ def press(control: RunControl, key: str) -> None:
 
 
 def _terminal() -> int | None:
-    """The descriptor of a terminal whose foreground we are in, or None."""
+    """The descriptor of the terminal if smarig is in its foreground, else None."""
     try:
         file = sys.stdin.fileno()
         in_foreground = os.isatty(file) and os.tcgetpgrp(file) == os.getpgrp()
-    except (OSError, ValueError, AttributeError):  # closed, no file, or no such system
+    except (OSError, ValueError, AttributeError):  # stdin closed, not a file, or no termios
         return None
     return file if in_foreground else None
 
 
 @contextmanager
 def _single_keys(file: int) -> Iterator[None]:
-    """Keys arrive one by one, are not echoed, and none suspends us; signals of other keys stay."""
+    """Deliver keys one by one without echo. No key suspends the process; other signal keys work as usual."""
     import termios
 
     old = termios.tcgetattr(file)
@@ -70,7 +70,7 @@ def _single_keys(file: int) -> Iterator[None]:
     try:
         yield
     finally:
-        with contextlib.suppress(OSError, termios.error):  # the terminal may be gone
+        with contextlib.suppress(OSError, termios.error):  # the terminal may be closed
             termios.tcsetattr(file, termios.TCSANOW, old)
 
 
@@ -84,6 +84,6 @@ def _listen(file: int, control: RunControl, stop_event: threading.Event) -> None
                 continue
             typed = os.read(file, 64)
             if not typed:
-                return  # hung up
+                return  # disconnected
             for key in typed.decode(errors="ignore").lower():
                 press(control, key)

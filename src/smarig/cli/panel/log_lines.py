@@ -1,6 +1,7 @@
-"""What happens in a run, line by line: for people who read a log, and one JSON object a line for programs.
+"""Events of a run as lines: text for people, or one JSON object per line for programs.
 
-A log gets one line a step and one for each kind of event in a step; JSON lines leave out nothing.
+The text log has one line per step, and one for each kind of event within a step. The JSON lines are
+complete.
 """
 
 from dataclasses import asdict
@@ -17,25 +18,27 @@ from smarig.runner import SettleWindow
 
 
 class _StatusUpdates:
-    """What both kinds of lines only listen to: samples and beginnings."""
+    """Listener methods for which neither kind of line prints anything."""
 
     _status: RunStatus
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """Nothing to say: samples are in the run file."""
+        """Print nothing: samples are in the run file."""
         self._status.sample(s, step, input_value)
 
     def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
-        """Nothing to say: a step is told at its end."""
+        """Print nothing: a step is printed at its end."""
         self._status.begin(step, command, window)
 
 
 class LogLines(_StatusUpdates):
-    """``with Lines(situation, terminal) as listener``: plain lines."""
+    """Plain log lines: ``with LogLines(status, terminal) as listener``."""
 
     def __init__(self, status: RunStatus, terminal: Terminal) -> None:
         self._status, self._plain = status, terminal.plain
-        self._writer = LineWriter(terminal, lambda n: f"{n} lines were dropped: nobody read them in time.")
+        self._writer = LineWriter(
+            terminal, lambda n: f"{n} lines were dropped because they were not read in time."
+        )
         self._event_counts: dict[str, int] = {}  # events of each kind since the last step
 
     def __enter__(self) -> "LogLines":
@@ -56,7 +59,7 @@ class LogLines(_StatusUpdates):
         self._writer.close()
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """One line."""
+        """Print one line for the step."""
         number, run_info = self._status.step_number, self._status.run_info
         self._status.step(result, branch=branch, target=target)
         to = f" to {target:+.1f} K" if target is not None else ""
@@ -69,7 +72,7 @@ class LogLines(_StatusUpdates):
         )
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """One line, the first time in a step."""
+        """Print one line, for the first event of its kind in a step."""
         self._status.event(t_s, kind, text, level=level, **data)
         self._event_counts[kind] = self._event_counts.get(kind, 0) + 1
         if self._event_counts[kind] == 1:
@@ -81,7 +84,7 @@ class LogLines(_StatusUpdates):
 
 
 class JsonLogLines(_StatusUpdates):
-    """``with JsonLines(situation, terminal) as listener``: {"event": …} and {"step": …}, one a line."""
+    """JSON lines, {"event": …} and {"step": …}: ``with JsonLogLines(status, terminal) as listener``."""
 
     def __init__(self, status: RunStatus, terminal: Terminal) -> None:
         self._status = status
@@ -109,7 +112,7 @@ class JsonLogLines(_StatusUpdates):
         self._writer.close()
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """One object."""
+        """Print one object for the step."""
         number = self._status.step_number
         self._status.step(result, branch=branch, target=target)
         found = asdict(result) | {"verdict": str(result.verdict), "branch": branch, "target": target}
@@ -117,7 +120,7 @@ class JsonLogLines(_StatusUpdates):
         self._writer.put(as_json({"step": found | place | {"left_s": self._status.left_s}}))
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """One object."""
+        """Print one object for the event."""
         self._status.event(t_s, kind, text, level=level, **data)
         self._event(t_s, kind, level, text, data)
 
@@ -135,7 +138,7 @@ def _event_line(t_s: float, kind: str, level: str, text: str, data: dict[str, An
 
 
 def dropped_lines_json(n: int) -> str:
-    """The JSON line that tells how many lines nobody read."""
+    """The JSON line that reports how many lines were dropped."""
     return _event_line(
-        0.0, "lost", "warning", f"{n} lines were dropped: nobody read them in time.", {"lines": n}
+        0.0, "lost", "warning", f"{n} lines were dropped because they were not read in time.", {"lines": n}
     )

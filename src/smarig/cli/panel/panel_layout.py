@@ -1,6 +1,6 @@
-"""The panel of a running experiment as text: a few rows in a frame, for any width and height.
+"""The panel of a run as text: a few rows in a frame, for any width and height.
 
-What must be seen has a sign and a word, not only a colour. Knows a situation; refuses to know terminals and threads.
+Every important state has a sign and a word in addition to its colour.
 """
 
 from rich import box
@@ -11,10 +11,10 @@ from rich.text import Text
 
 from smarig.cli.panel.run_status import RunStatus, SettlingProgress
 
-NARROW = 96  # columns: below, rows say the needful only
+NARROW = 96  # columns; below it the rows are shortened
 _LABEL = 13  # columns of the labels
-_FRAME = 4  # columns and (half of it) rows around the rows
-_REAL_TIME_BAND = 0.1  # a pace that differs less is real time
+_FRAME = 4  # columns taken by the frame (rows: half of it)
+_REAL_TIME_BAND = 0.1  # a speed factor this close to 1 counts as real time
 
 # sign in a Unicode terminal, sign in any terminal, style
 _SIGNS = {
@@ -34,7 +34,7 @@ _DROP_ORDER = (
     "time",
     "current",
     "step",
-)  # first to go first
+)  # the first is removed first
 
 
 def clock_text(seconds: float) -> str:
@@ -48,7 +48,8 @@ def clock_text(seconds: float) -> str:
 
 
 def panel(status: RunStatus, width: int, height: int, *, plain: bool = False) -> RenderableType:
-    """The situation in a frame; ``plain`` keeps to ASCII. Where rows are few, the least important ones go."""
+    """The run status in a frame. ``plain`` uses ASCII only. If there are few rows, the least important are
+    left out."""
     rows = _rows(status, wide=width >= NARROW, plain=plain)
     inside = max(width - _FRAME - _LABEL, 10)
     lines = dict.fromkeys(rows, 1) | {"state": -(-rows["state"].cell_len // inside)}
@@ -68,7 +69,7 @@ def panel(status: RunStatus, width: int, height: int, *, plain: bool = False) ->
 
 
 def summary(status: RunStatus, *, plain: bool = False) -> Text:
-    """The one line that stays: what was run, how far it came, where it is."""
+    """The one line that remains after the run: protocol, progress and file."""
     run_info, ending = status.run_info, status.ending
     kind = ending.kind if ending else "running"
     steps = run_info.done_steps + status.finished
@@ -110,7 +111,7 @@ def _rows(status: RunStatus, *, wide: bool, plain: bool) -> dict[str, Text]:
     if status.last_event is not None:
         rows["event"] = _event(status, plain)
     if status.keys and status.ending is None:
-        rows["keys"] = Text("r goes on   s stops safely" if status.paused else "p pauses   s stops safely")
+        rows["keys"] = Text("r resumes   s stops safely" if status.paused else "p pauses   s stops safely")
     return rows
 
 
@@ -122,7 +123,7 @@ def _state(status: RunStatus, plain: bool) -> Text:
     if status.stopping:
         return _with_sign("stopped", "STOPPING:", plain).append("the current goes to zero")
     if status.paused:
-        return _with_sign("paused", "PAUSED:", plain).append("the current stays, sampling goes on")
+        return _with_sign("paused", "PAUSED:", plain).append("the current stays on, sampling continues")
     return _with_sign("running", "running" if status.last_sample else "starting", plain)
 
 
@@ -142,18 +143,18 @@ def _step(status: RunStatus, wide: bool, plain: bool) -> Text:
 
 def _settling(at: SettlingProgress, wide: bool, plain: bool) -> Text:
     if at.band_counts is None:
-        text = Text(f"holds {at.min_time_left_s:.0f} s more")
+        text = Text(f"holds for {at.min_time_left_s:.0f} s more")
     elif at.spread_counts is None:
-        text = Text(f"on its way, {at.min_time_left_s:.0f} s to go at least")
+        text = Text(f"settling, at least {at.min_time_left_s:.0f} s left")
     elif at.share < 1:
         text = Text(
-            f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts, {at.min_time_left_s:.0f} s to go"
+            f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts, {at.min_time_left_s:.0f} s left"
         )
     elif at.spread_counts <= at.band_counts:  # while paused, or in the tick before the next step
-        text = Text(f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts: stands still")
+        text = Text(f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts: settled")
     else:
-        left = f", gives up in {clock_text(at.timeout_s)}" if wide else ""
-        text = Text(f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts: moves still{left}")
+        left = f", time-out in {clock_text(at.timeout_s)}" if wide else ""
+        text = Text(f"spread {at.spread_counts:.2f} of {at.band_counts:.2f} counts: still moving{left}")
     if wide:
         text.append(f"   {_bar(at.share, 12, plain)}")
     return text
@@ -161,21 +162,21 @@ def _settling(at: SettlingProgress, wide: bool, plain: bool) -> Text:
 
 def _time(status: RunStatus, wide: bool, plain: bool) -> Text:
     if status.ending is not None:
-        return Text(f"{clock_text(status.elapsed_s)} gone")
+        return Text(f"{clock_text(status.elapsed_s)} elapsed")
     left = f"about {clock_text(status.left_s)} left" if status.left_s > 0 else "longer than expected"
-    text = Text(f"{clock_text(status.elapsed_s)} gone   {left}")
+    text = Text(f"{clock_text(status.elapsed_s)} elapsed   {left}")
     if wide and status.left_s > 0 and abs(status.speed_factor - 1) > _REAL_TIME_BAND:
         times = "x" if plain else "×"
         text.append(
-            f"   ({clock_text(status.left_s / status.speed_factor)} to wait, at {status.speed_factor:.3g} {times} "
-            "real time)"
+            f"   ({clock_text(status.left_s / status.speed_factor)} of waiting, "
+            f"at {status.speed_factor:.3g} {times} real time)"
         )
     return text
 
 
 def _event(status: RunStatus, plain: bool) -> Text:
     entry = status.last_event
-    assert entry is not None  # noqa: S101 - asked before
+    assert entry is not None  # noqa: S101 - the caller checks it
     text = Text(f"{clock_text(status.since_s(entry.t_s))} {entry.kind}: {entry.text}")
     if entry.level not in ("warning", "error"):
         return text

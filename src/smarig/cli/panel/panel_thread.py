@@ -1,6 +1,7 @@
-"""Draws the panel a few times a second from a thread of its own: a terminal that is slow or stopped holds up nothing.
+"""A thread that draws the panel a few times per second, so that a slow or stopped terminal does not delay
+the run.
 
-Afterwards one line stays; the panel, too, where a fault ended the run: it shows what the rig was doing.
+At the end one line remains. After a fault the panel remains too, since it shows the last state of the rig.
 """
 
 import contextlib
@@ -18,7 +19,7 @@ REDRAW_S = 0.25
 
 
 class PanelThread:
-    """``with Drawing(situation, terminal) as listener``."""
+    """Draws the panel: ``with PanelThread(status, terminal) as listener``."""
 
     def __init__(self, status: RunStatus, terminal: Terminal) -> None:
         self._status, self._terminal = status, terminal
@@ -41,7 +42,7 @@ class PanelThread:
         console = Console(file=self._terminal, force_terminal=True, soft_wrap=False)  # type: ignore[arg-type]
 
         def rendered() -> RenderableType:
-            console.size = ConsoleDimensions(*self._terminal.size())  # it may have been resized
+            console.size = ConsoleDimensions(*self._terminal.size())  # the terminal may have been resized
             return panel(self._status, console.width, console.height, plain=plain)
 
         live = Live(
@@ -52,7 +53,7 @@ class PanelThread:
             redirect_stderr=False,
             get_renderable=rendered,
         )
-        with contextlib.suppress(OSError):  # nobody is there any more
+        with contextlib.suppress(OSError):  # the terminal is closed
             with live:
                 live.refresh()
                 while not self._finished.wait(REDRAW_S):

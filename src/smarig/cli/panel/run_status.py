@@ -1,6 +1,6 @@
-"""Where an experiment stands, for whoever shows it: a listener that keeps what a person wants to know.
+"""The state of a run for its displays, collected by a listener.
 
-In the tick it only remembers; every figure is worked out when somebody looks. Refuses to know how it is shown.
+During a tick only values are stored. Figures are computed when they are read.
 """
 
 import time
@@ -15,12 +15,12 @@ from smarig.device import LinkFault
 from smarig.plant import Actuator
 from smarig.runner import RE_ESTABLISH, Preview, RunControl, SettleWindow
 
-_MIN_OBSERVED_S = 2.0  # of watching, before a pace is worth telling
+_MIN_OBSERVED_S = 2.0  # of observation, before the speed factor is computed
 
 
 @dataclass(frozen=True)
 class PanelRunInfo:
-    """What is run on what, known from the beginning; ``done_…``: what a run that goes on had finished before."""
+    """Facts about a run that are known at its start. ``done_…``: what a resumed run had finished before."""
 
     protocol: str
     rig: str
@@ -38,12 +38,12 @@ class PanelRunInfo:
 
     @property
     def label(self) -> str:
-        """TWIN or BENCH: whose data these will be."""
+        """TWIN or BENCH: the source of the data."""
         return self.source.upper()
 
 
 class LogEntry(NamedTuple):
-    """An event as it was told."""
+    """An event as it was reported."""
 
     t_s: float
     level: str
@@ -52,8 +52,8 @@ class LogEntry(NamedTuple):
 
 
 class SettlingProgress(NamedTuple):
-    """How far a hold is: share of its window, spread and band in counts (None: it just lasts), seconds to go at the
-    earliest, seconds until it is given up."""
+    """Progress of a hold: share of its window, spread and band in counts (None: a hold of fixed duration),
+    least time left and time to the time-out in seconds."""
 
     share: float
     spread_counts: float | None
@@ -63,7 +63,7 @@ class SettlingProgress(NamedTuple):
 
 
 class RunEnding(NamedTuple):
-    """How it ended: done, stopped or fault; a word and a sentence."""
+    """The end of a run: kind (done, stopped or fault), a word and a sentence."""
 
     kind: str
     word: str
@@ -81,7 +81,7 @@ def run_info(
     done_steps: int = 0,
     done_s: float = 0.0,
 ) -> PanelRunInfo:
-    """An experiment on a rig, with what its preview expects."""
+    """The facts about a run on a rig, with the figures of its preview."""
     actuator = Actuator.named(file.actuator)
     rig = (file.name, wire, source, actuator.two_wire, actuator.unit, file.period_s)
     cost = (expected.steps, expected.duration_s)
@@ -89,7 +89,7 @@ def run_info(
 
 
 class RunStatus:
-    """A listener; its figures may be read from another thread at any time."""
+    """A listener whose figures may be read from another thread at any time."""
 
     def __init__(
         self,
@@ -113,10 +113,10 @@ class RunStatus:
         self._first_s: float | None = None
         self._paused_ticks = self._step_ticks = 0
 
-    # --- told in the tick -------------------------------------------------------------------------
+    # --- called by the runner -----------------------------------------------------------------------
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """Remember the sample."""
+        """Store the sample."""
         del step
         if self._first_s is None:
             self._first_s = s.t_s - self.run_info.period_s
@@ -127,38 +127,38 @@ class RunStatus:
             self._step_ticks += 1
 
     def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
-        """Remember what the step is to be."""
+        """Store the command of the step."""
         del step
         self._window, self._step_ticks, self.command = window, 0, command
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """Count it, unless it was on the way back to where a run goes on."""
+        """Count the step, unless it restores the state of a resumed run."""
         del result, target
         self.finished += branch != RE_ESTABLISH
         self.command = None
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """Remember the last one, and the last error."""
+        """Store the last event, and the last error."""
         del data
         self.last_event = entry = LogEntry(t_s, level, kind, text)
         if level == "error":
             self.error = entry
 
     def end(self, error: BaseException | None) -> None:
-        """It is over, by itself or by an error."""
+        """Store how the run ended."""
         self.ending = _ending(error)
 
-    # --- for who looks ----------------------------------------------------------------------------
+    # --- read by displays ---------------------------------------------------------------------------
 
     @property
     def step_number(self) -> int:
-        """The step that is on, or the last one, from 1."""
+        """The number of the present step, or of the last one; from 1."""
         done = self.run_info.done_steps + self.finished
         return done + 1 if done < self.run_info.steps else max(done, 1)
 
     @property
     def branch(self) -> str:
-        """The name of the stretch of the protocol."""
+        """The branch of the present step."""
         command = self.command
         return command.branch if command is not None else ""
 
@@ -169,26 +169,26 @@ class RunStatus:
 
     @property
     def paused(self) -> bool:
-        """Whether a person holds it."""
+        """Whether the run is paused."""
         return self._control.paused
 
     @property
     def stopping(self) -> bool:
-        """Whether it has been asked to end."""
+        """Whether a stop was requested."""
         return self._control.stopping
 
     @property
     def elapsed_s(self) -> float:
-        """Rig time since it began."""
+        """Rig time since the start of the run."""
         return self.since_s(self.last_sample.t_s) if self.last_sample is not None else 0.0
 
     def since_s(self, t_s: float) -> float:
-        """A time of the device's, from the beginning of this run."""
+        """The device time ``t_s`` counted from the start of this run."""
         return max(t_s - self._first_s, 0.0) if self._first_s is not None else 0.0
 
     @property
     def left_s(self) -> float:
-        """Rig time still to come by the preview; not below zero, where the wire takes longer than the twin did."""
+        """Rig time left according to the preview. It stays at 0 when the run takes longer than the preview."""
         elapsed_in_step_s = (
             self.run_info.done_s + self.elapsed_s - self._paused_ticks * self.run_info.period_s
         )
@@ -196,18 +196,18 @@ class RunStatus:
 
     @property
     def share(self) -> float:
-        """Of the expected duration, 0…1."""
+        """The elapsed share of the expected duration, 0…1."""
         return 1 - self.left_s / self.run_info.duration_s if self.run_info.duration_s > 0 else 1.0
 
     @property
     def speed_factor(self) -> float:
-        """Rig seconds in a second of ours; 1 until it is known."""
+        """Rig seconds per second of real time; 1 until it is known."""
         wall_time_s = self._clock() - self._started_s
         return self.elapsed_s / wall_time_s if wall_time_s > _MIN_OBSERVED_S and self.elapsed_s > 0 else 1.0
 
     @property
     def settling(self) -> SettlingProgress | None:
-        """How far the hold is; None between steps, in closed loops and at the end."""
+        """The progress of the hold; None between steps, in closed loops and at the end."""
         if self.ending is not None:
             return None
         command, window, elapsed_in_step_s = (

@@ -1,6 +1,8 @@
-"""Standard error as a thing that may be slow, stopped (Ctrl-S) or gone: only threads of ours wait for it.
+"""Access to standard error that does not block the run when the terminal is slow, stopped (Ctrl-S) or
+closed.
 
-Written to by a descriptor of its own, so that a thread that hangs in it holds no lock which the rest needs.
+Only dedicated threads write to it, through a descriptor of their own, so that a blocked thread holds no
+shared lock.
 """
 
 import contextlib
@@ -10,25 +12,29 @@ import sys
 import threading
 from collections.abc import Callable
 
-CLOSE_TIMEOUT_S = 2.0  # at the end, for what is still to be written
+CLOSE_TIMEOUT_S = 2.0  # for the output that is left at the end
 _SIZE = (80, 24)
-_MAX_QUEUED_LINES = 2000  # lines that may wait for a reader
+_MAX_QUEUED_LINES = 2000  # that may wait to be read
 
 
 class Terminal:
-    """A file for rich and others; ``supports_panel`` where something can be drawn in place."""
+    """A file for rich and others. ``supports_panel``: whether it can be redrawn in place."""
 
     def __init__(self) -> None:
         self.encoding = getattr(sys.stderr, "encoding", None) or "utf-8"
         self._stream = sys.stderr
         try:
             self._file: int | None = os.dup(sys.stderr.fileno())
-        except (OSError, ValueError, AttributeError):  # no file of the system's: a notebook, a test
+        except (
+            OSError,
+            ValueError,
+            AttributeError,
+        ):  # stderr is not a file of the system: a notebook or a test
             self._file = None
 
     @property
     def supports_panel(self) -> bool:
-        """Whether it is a terminal that can move its cursor."""
+        """Whether it is a terminal with a movable cursor."""
         return self.isatty() and os.environ.get("TERM", "") not in ("", "dumb", "unknown")
 
     @property
@@ -37,25 +43,25 @@ class Terminal:
         return not self.encoding.lower().startswith("utf")
 
     def size(self) -> tuple[int, int]:
-        """Columns and rows, asked of the terminal itself."""
+        """Columns and rows as the terminal reports them."""
         try:
             columns, rows = os.get_terminal_size(self.fileno())
-        except OSError:  # it has gone meanwhile
+        except OSError:  # the terminal was closed meanwhile
             return _SIZE
-        return (columns, rows) if columns and rows else _SIZE  # a serial console may not know
+        return (columns, rows) if columns and rows else _SIZE  # a serial console may report zeros
 
     def isatty(self) -> bool:
-        """Whether a person sits there."""
+        """Whether stderr is a terminal."""
         return self._file is not None and os.isatty(self._file)
 
     def fileno(self) -> int:
-        """The descriptor; OSError without."""
+        """The descriptor. Raises OSError if there is none."""
         if self._file is None:
             raise OSError("no file")
         return self._file
 
     def write(self, text: str) -> int:
-        """Write all of it, however long that takes; OSError when nobody is there."""
+        """Write all of the text, however long it takes. Raises OSError if the terminal is closed."""
         if self._file is None:
             return self._stream.write(text)
         remaining = memoryview(text.encode(self.encoding, "replace"))
@@ -64,19 +70,19 @@ class Terminal:
         return len(text)
 
     def flush(self) -> None:
-        """Nothing is kept back."""
+        """Nothing to do: writes are not buffered."""
 
     def close(self) -> None:
-        """Give the descriptor back."""
+        """Close the descriptor."""
         if self._file is not None:
             file, self._file = self._file, None
             os.close(file)
 
 
 class LineWriter:
-    """Lines written by a thread of their own; those that nobody reads in time are dropped, counted and told.
+    """A thread that writes lines. Lines that are not read in time are dropped and counted.
 
-    ``dropped_text`` makes the line that tells how many.
+    ``dropped_text`` makes the line that reports the number of dropped lines.
     """
 
     def __init__(self, terminal: Terminal, dropped_text: Callable[[int], str]) -> None:
@@ -87,7 +93,7 @@ class LineWriter:
         self._thread.start()
 
     def put(self, line: str) -> None:
-        """Have a line written; never waits."""
+        """Queue a line for writing; never waits."""
         try:
             if self._dropped:
                 self._lines.put_nowait(self._dropped_text(self._dropped))
@@ -97,13 +103,13 @@ class LineWriter:
             self._dropped += 1
 
     def close(self) -> None:
-        """Let it finish, but not for ever: a thread that hangs is left hanging."""
+        """Wait for the thread, up to a limit. A blocked thread is abandoned."""
         with contextlib.suppress(queue.Full):
             self._lines.put(None, timeout=CLOSE_TIMEOUT_S)
         self._thread.join(CLOSE_TIMEOUT_S)
 
     def _write_lines(self) -> None:
-        with contextlib.suppress(OSError):  # nobody is there any more
+        with contextlib.suppress(OSError):  # the terminal is closed
             while (line := self._lines.get()) is not None:
                 self._terminal.write(line + "\n")
         self._terminal.close()

@@ -1,95 +1,89 @@
-"""A driver of your own, for a current source that speaks lines of text over a serial port (at first SCPI).
+"""A driver of your own for a current source with a text protocol on a serial port. This example speaks SCPI.
 
-It goes into a rig file, relative to it:
+Name it in a rig file in the same folder:
 
     [links.amplifier]
     driver = "./my_driver.py"
-    framing = "lines"                # for drivers that use it; this one does not
+    framing = "lines"                # this driver does not use it
     url = "/dev/serial/by-id/…"
 
-Then: smarig check ./my_rig.toml. What a current source must be able to do stands in smarig.device.drivers._roles as
-CurrentSource; a position sensor has since(), tick(), zero(), identity and close() instead.
+Then run: smarig check ./my_rig.toml. ``CurrentSource`` in smarig.device.drivers._roles lists the methods that a current
+source needs. A position sensor needs since(), tick(), zero(), identity and close() instead.
 
-An instrument without a lease keeps its current on when the host dies: it may drive a wire only behind an independent
-cut-out, with somebody at the bench.
+An instrument without a lease keeps its current on when the host fails. Let it drive a wire only behind an independent
+cut-out and with somebody at the bench.
 """
 
 import contextlib
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, ConfigError, Quality
-from smarig.device import (  # a sentence each, with a remedy # no late answer passes for the answer to another question
-    CurrentReading,
-    Garbled,
-    Silent,
-    TextLine,
-    WrongDevice,
-)
+from smarig.device import CurrentReading, Garbled, Silent, TextLine, WrongDevice
 from smarig.plant import Actuator
 
-HEADROOM = 1.2  # of the voltage that the largest current needs over the largest resistance
+HEADROOM = 1.2  # times the voltage of the largest current through the largest resistance
 
 
 def my_driver(where: LinkFile, rig: RigFile) -> "Source":
-    """The function has the file's name. It opens the instrument, proves who it is, and leaves it off."""
+    """Open the instrument, verify its identity, and leave it off. The function has the name of the file."""
     if rig.limits.current_min_A < 0:
-        raise ConfigError(f"Rig '{rig.name}': this source drives one way only.")
+        raise ConfigError(f"Rig '{rig.name}' has a negative current_min_A, but this source is unipolar.")
     heating = Actuator.named(rig.actuator).file.heating
     ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
     return Source(where, HEADROOM * rig.limits.current_max_A * ohm)
 
 
 class Source:
-    """A current source as a bench sees it."""
+    """A current source with the methods that a bench calls."""
 
-    has_lease = False  # whether it switches itself off when the host falls silent
-    tripped = ""  # why it has switched itself off, a sentence; "" where it has not
+    has_lease = False  # whether it switches itself off when the host stops sending commands
+    tripped = ""  # why it has switched itself off, as a sentence; "" if it has not
 
     def __init__(self, where: LinkFile, voltage_V: float) -> None:
         self.where, self._voltage_V = where.url, voltage_V
         self._line = TextLine(where.url, where.baud, where.timeout_s, who="*IDN?")
-        self._line.write("OUTP OFF")  # before anything else: a host that was killed may have left it on
+        self._line.write("OUTP OFF")  # first of all: a host that was killed may have left the output on
         self.identity = self._line.identify()
         if self.identity.count(",") < 2:
-            raise WrongDevice(f"At {self.where} answers '{self.identity}', which is no SCPI identity.")
+            raise WrongDevice(f"The device at {self.where} answers '{self.identity}', not an SCPI identity.")
         self.arm()
 
     def arm(self) -> None:
-        """Get ready at zero current; a latched trip is cleared."""
+        """Prepare for operation at zero current, and clear a latched trip."""
         shutdown_unconfirmed = self.off()
         if shutdown_unconfirmed:
             raise Silent(shutdown_unconfirmed)
         self._line.write(f"VOLT {self._voltage_V:.3f}")
 
     def set(self, current_A: float) -> int | None:
-        """A current from now on. Returns the last tick before it, None where the instrument counts none."""
+        """Set the current. Returns the last tick before the change, or None if the instrument counts no ticks."""
         self._line.write(f"CURR {current_A:.6f}")
         self._line.write("OUTP ON")
-        taken = self._line.number("CURR?")
-        if not abs(taken - current_A) <= 2e-3:  # true for nan, too
+        accepted_A = self._line.number("CURR?")
+        if not abs(accepted_A - current_A) <= 2e-3:  # also true for nan
             self.off()
-            raise Garbled(f"{self.where} took {taken:g} A, not {current_A:g} A. {Garbled.remedy}")
+            raise Garbled(f"{self.where} set {accepted_A:g} A instead of {current_A:g} A. {Garbled.remedy}")
         return None
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
-        """Readings from a tick on. One measurement stands for all of them; all but the last are marked as stale."""
+        """Readings from a tick on. There is one measurement: all readings except the last are marked stale."""
         current_A, voltage_V = self._line.number("MEAS:CURR?"), self._line.number("MEAS:VOLT?")
         marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
         return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
 
     def tick(self) -> int:
-        """The last tick it has; 0 where it counts none."""
+        """The last tick with a reading; 0 if the instrument counts no ticks."""
         return 0
 
     def off(self) -> str:
-        """Current to zero, and asked whether it is. Never raises; "", or a sentence where it could not be told."""
+        """Set the current to zero and verify it. Never raises; returns "", or a sentence if the reply is missing."""
         with contextlib.suppress(Silent, Garbled):
             self._line.write("CURR 0")
             self._line.write("OUTP OFF")
             if self._line.number("OUTP?") == 0:
                 return ""
-        return f"The source at {self.where} does not say that it is off: switch it off by hand, now."
+        return f"The source at {self.where} did not confirm that it is off. Switch it off by hand now."
 
     def close(self) -> None:
-        """Let go of the port. Never raises."""
+        """Close the port. Never raises."""
         self._line.close()
