@@ -4,8 +4,8 @@
              ◀──Fʳ─                            ◀─G⁻¹─
 
 ``input_signal`` is u, ``memory_sequence`` s(u, τ) and ``boundary`` B. ``maps`` connects them, ``transition`` is
-φ (6.8), and ``read_out`` is r. ``rotation`` and ``distance`` make ℬ a metric space, ``reachability`` is Theorem 6.4 as a
-construction, and ``operator_state`` converts to states of ``smarig.preisach.operator``. Use ``Preisach`` for
+φ (6.8), and ``read_out`` is r. ``rotation`` and ``distance`` make ℬ a metric space, ``reachability`` is Theorem 6.4 as
+a construction, and ``operator_state`` converts to states of ``smarig.preisach.operator``. Use ``Preisach`` for
 computations in a loop; this package contains what can be proved, drawn and measured about it.
 """
 
