@@ -33,7 +33,7 @@ def test_a_base_may_have_a_base(tmp_path):
 
 def test_what_is_wrong_in_a_base_is_reported(tmp_path):
     me = str(tmp_path / "me.toml")
-    with pytest.raises(ConfigError, match="names itself as its base"):
+    with pytest.raises(ConfigError, match="is its own base"):
         load_rig(written(tmp_path, "me", f'name = "me"\nbase = "{me}"\n'))
     with pytest.raises(ConfigError, match="'base' must name another rig file"):
         load_rig(written(tmp_path, "number", 'name = "number"\nbase = 3\n'))

@@ -302,7 +302,7 @@ GOOD = State((-185.0, 100.0, -20.0), (-16.0, 9.0, 2.0), 30.0, 4.0)
         ({"outputs": [-16.0, 9.0]}, "at least one extremum and one output for each; got 2 for 3"),
         ({"extrema": [], "outputs": []}, "got 0 for 0"),
         ({"y": float("nan")}, "not finite"),
-        ({"u": 10**400}, "beyond any input"),
+        ({"u": 10**400}, "too large for an input"),
         ({"extrema": "high"}, "extrema must be numbers"),
         ({"extrema": [-185.0, True, -20.0]}, "extrema must be numbers"),
         ({"diagonal": 1}, "'diagonal' must be true or false"),
@@ -389,5 +389,5 @@ def test_without_numba_everything_runs_plain(monkeypatch):
     assert np.array_equal(
         Preisach(thesis_surface("two_e")).simulate(u), Preisach(thesis_surface("two_e")).follow(u)
     )
-    with pytest.raises(UsageError, match=r"numba is not installed; install smarig\[fast\]"):
+    with pytest.raises(UsageError, match=r"numba is not installed. Install smarig\[fast\]"):
         Preisach(thesis_surface("two_e"), compiled=True).simulate(u)

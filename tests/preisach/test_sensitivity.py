@@ -100,5 +100,5 @@ def test_in_saturation_only_the_input_is_left():
 @pytest.mark.parametrize("h", [Preisach.from_measure([1.0], [0.0], [1.0]).hysteresis])
 def test_relays_have_no_slopes(h):
     for measure in (h, Mirrored(h), Mirrored(Mirrored(h))):
-        with pytest.raises(UsageError, match="has no slopes: sensitivities need a surface or a table"):
+        with pytest.raises(UsageError, match="has no slopes. Sensitivities need a surface or a table"):
             sensitivity(measure, State((0.0,), (-1.0,), 0.5, -1.0))

@@ -200,7 +200,7 @@ def test_one_wire_anhysteretic_state_is_negative_saturation(name: str):
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"form": "cubic"}, "Surface form 'cubic' is not one of constant, parabolic, exponential."),
+        ({"form": "cubic"}, "Surface form 'cubic' must be one of constant, parabolic, exponential."),
         ({"x": (1.0, 2.0)}, r"A constant surface has parameters x2, x3, x4, x5; got 2."),
         ({"upper": 0.0}, r"Surface range is empty: lower 0.0 ≥ upper 0.0."),
         ({"x": ("steep", 1.0, 1.0, 1.0)}, r"A constant surface has a parameter that is not a finite number"),

@@ -104,7 +104,9 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
     while name:
         path = locate("rigs", name)
         if path in (visited for visited, _ in found):
-            raise ConfigError(f"{path} names itself as its base. Name another rig file.")
+            raise ConfigError(
+                f"{path} is its own base, directly or through another file. Name another rig file."
+            )
         raw = read_toml(path)
         found.append((path, raw))
         name = raw.get("base", "")

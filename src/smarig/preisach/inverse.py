@@ -279,7 +279,7 @@ class InverseSolver:
             until = u[back[0] + more[0]] if more.size else u[-1]
             raise DataError(
                 f"The output is not monotone on the way to {target:g}: while the input "
-                f"{'rises' if up else 'falls'} from {u[back[0]]:g} to {until:g}, the output reverses, "
+                f"{'rises' if up else 'falls'} from {u[back[0]]:g} to {until:g} the output reverses, "
                 "so no inverse exists there."
             )
         return (float(u[last]), float(u[last + 1])) if there.size else None

@@ -142,7 +142,7 @@ def test_every_parameter_has_a_unit_and_every_form_its_colour(form):
 # --- unknown names ------------------------------------------------------------------------------------------
 
 
-KNOWN = "'cubic' is not one of constant, parabolic, exponential, logistic"
+KNOWN = "'cubic' must be one of constant, parabolic, exponential, logistic"
 
 
 @pytest.mark.parametrize(
@@ -239,7 +239,7 @@ def test_a_new_form_is_identified_saved_verified_and_reported(tmp_path):
 
     with (
         own_files(),
-        pytest.raises(DataError, match="'logistic' is not one of constant, parabolic, exponential"),
+        pytest.raises(DataError, match="'logistic' must be one of constant, parabolic, exponential"),
     ):
         load_model(path)
 

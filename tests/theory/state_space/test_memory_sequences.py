@@ -235,7 +235,7 @@ def test_inputs_that_are_not_functions_of_time_are_refused(times, moves, message
 def test_inputs_outside_U_are_refused():
     with pytest.raises(UsageError, match="at rest"):
         F(InputSignal((0, 1), (2, 3)), 1, BOUND)
-    with pytest.raises(UsageError, match="beyond its bound"):
+    with pytest.raises(UsageError, match="exceeds its bound"):
         H_left(InputSignal((0, 1), (0, 11)), 1, BOUND)
     with pytest.raises(UsageError, match="defined until"):
         InputSignal((0, 1), (0, 3))(1.5)

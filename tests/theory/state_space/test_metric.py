@@ -68,9 +68,9 @@ def test_claim_6_3_counterexample_a_curve_that_increases_turns_into_one_steeper_
 @pytest.mark.parametrize(
     ("x", "h", "message"),
     [
-        ([-ROOT * BOUND, -5.0, -6.0, 0.0], [0, 0, 0, 0], "rising strictly"),
+        ([-ROOT * BOUND, -5.0, -6.0, 0.0], [0, 0, 0, 0], "strictly rising"),
         ([-ROOT * BOUND, 0.0], [0, 0, 0], "one ordinate per abscissa"),
-        ([-ROOT * BOUND, -1.0], [0, 0], "spans"),
+        ([-ROOT * BOUND, -1.0], [0, 0], "must span"),
     ],
 )
 def test_claim_6_3_what_is_not_a_function_on_the_interval_is_refused(x, h, message):
@@ -194,7 +194,7 @@ def test_eq_6_11_is_a_riemann_sum(a, b):
 
 
 def test_states_of_two_spaces_have_no_distance():
-    with pytest.raises(UsageError, match="one state space"):
+    with pytest.raises(UsageError, match="different state spaces"):
         distance(anhysteretic(1.0), anhysteretic(2.0))
 
 

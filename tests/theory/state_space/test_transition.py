@@ -57,8 +57,8 @@ def test_def_6_5_counterexample_without_the_condition_inputs_could_jump():
 @pytest.mark.parametrize(
     ("t1", "t0", "boundary", "u", "message"),
     [
-        (0, 1, DEEP, ONWARD, "forward in time"),
-        (9, 0, DEEP, ONWARD, "known until"),
+        (0, 1, DEEP, ONWARD, "must not be before its start"),
+        (9, 0, DEEP, ONWARD, "defined until"),
         (1, 0, diagonal(BOUND, 5), ONWARD, "no input generates"),
     ],
 )
