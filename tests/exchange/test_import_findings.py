@@ -72,7 +72,7 @@ def test_spikes_a_dead_channel_and_held_values():
         "single-row spikes in 1 place(s), the largest 1000 degC" in s and "line 102" in s for s in _channel(x)
     )
     assert _channel(np.full(N, 7.0)) == [
-        "temperature_degC is 7 degC in every row: nominal or not connected, not measured."
+        "temperature_degC is 7 degC in every row. It is nominal or not connected, not measured."
     ]
     assert any(
         "changes only every 20 rows" in s

@@ -83,7 +83,7 @@ def test_empty_cells_become_nan_and_are_counted(write, empty):
 def test_a_truncated_last_line_is_dropped_and_reported(write):
     table = read_table(write("t,a,b\n0,1,2\n1,2,3\n2,5"), KNOWN)
     assert len(table) == 2
-    assert any("line (4) is cut short" in note for note in table.notes)
+    assert any("line (4) is incomplete" in note for note in table.notes)
 
 
 def test_the_fourth_of_many_tables_is_found_with_its_own_preamble(write):
