@@ -126,14 +126,14 @@ def test_different_references_are_reported_and_not_drawn_in_one_figure(runs):
 def test_set_points_have_their_transients_in_one_figure(runs):
     page = page_of(runs, "diagonal", "ascending")
     found = {name: closed_loop_result(runs[name]) for name in ("diagonal", "ascending")}
-    table = table_of(page, "Over the smallest")
+    table = table_of(page, "Transient / smallest")
     least = min(f.transient for f in found.values())
     for name, f in found.items():
         row = table[name]
         assert row["Start"] == name
         assert row["Largest transient (mm)"] == number(f.transient)
         assert row["Transient (counts)"] == number(f.transient / f.loop.count)
-        assert row["Over the smallest"] == number(f.transient / least)
+        assert row["Transient / smallest"] == number(f.transient / least)
         assert row["At the end (counts)"].endswith(f" ± {number(f.end.std / f.end.count, 2)}")
         assert row["Verdict"] == "rests"
     b_ell = found["diagonal"]

@@ -97,7 +97,7 @@ def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named
     assert "40 null data sets" in page.card("Probability by chance")
     e = named.error
     assert f"{e.base:.3g} → {e.extended:.3g}" in page.card("Settled points, rms (mm)")
-    assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable error removed")
+    assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable share")
 
 
 def test_steps_that_had_not_settled_are_reported(named):

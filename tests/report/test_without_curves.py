@@ -56,7 +56,7 @@ def test_a_page_without_first_order_curves_states_it():
     assert "contain no first-order curves" in drawn.visible
     assert not any("First-order descending curves and" in c for c in drawn.captions)
     assert f"{len(GROWING)} with known memory used" in drawn.card("Settled points")
-    assert "no such curve was measured" in " ".join(drawn.captions)
+    assert "No such curve was measured" in " ".join(drawn.captions)
     assert "The positive model is in MP" in drawn.visible
     replay = next(t for t in drawn.traces("model, μ ≥ 0"))
     u, y = unpacked(replay["x"]), unpacked(replay["y"])

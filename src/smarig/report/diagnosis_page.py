@@ -131,7 +131,7 @@ def _provenance(predictions: DiagnosisPredictions) -> Parts:
 _SECTIONS = (
     ("Verdict", "Verdict", _summary),
     ("Residuals of the model", "Residuals", _residuals),
-    ("Rivals", "Rivals", _explanations),
+    ("Competing explanations", "Explanations", _explanations),
     ("Do the residuals exceed the noise?", "Detection", _detection),
     ("Noise floor and numerics", "Noise", _noise),
     ("What could not have been seen", "Visibility", _visibility),

@@ -79,7 +79,7 @@ def _cards(runs: Sequence[RunSummary]) -> Html:
                 thousands(sum(run.samples for run in runs)),
                 f"{flagged or 'no'} runs with marked samples",
             ),
-            ("Wires", str(len(wires)), "different rigs and wires"),
+            ("Wires", str(len(wires)), "distinct pairs of rig and wire"),
         ]
     )
 
@@ -136,7 +136,7 @@ def _gallery(entries: Sequence[IndexEntry]) -> Html:
 
 def _caption(runs: Sequence[RunSummary]) -> Html:
     families = len({run.scale_group for run in runs})
-    scale = "All are" if families == 1 else "Runs of one rig, wire and unit are"
+    scale = "All runs are" if families == 1 else "Runs of one rig, wire and unit are"
     return paragraph(
         f"Output against hysteresis input. Lines join the settled points in order: vermilion rising, blue falling. "
         f"{scale} drawn on one scale. Each output axis begins at the minimum of its run, because every session has its "

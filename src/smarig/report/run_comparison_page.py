@@ -57,7 +57,7 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
     sections = [
         *loops_section(loops, first=len(others)),
         Section(
-            "In numbers",
+            "Differences in numbers",
             "Numbers",
             [*([_numbers_table(found)] if found else []), _metadata_differences(runs)],
         ),

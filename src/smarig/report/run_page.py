@@ -127,7 +127,7 @@ def run_cards(run: Run) -> Html:
                 thousands(m.samples),
                 "none marked" if m.clean else "some are marked, see Data quality",
             ),
-            ("Steps", str(m.steps), f"{m.settled} settled, {bad} not" if m.steps else "none recorded"),
+            ("Steps", str(m.steps), f"{m.settled} settled, {bad} failed" if m.steps else "none recorded"),
         ]
     )
 

@@ -43,13 +43,13 @@ def tracking_figure(run: Run, found: TrackingResult) -> Figure:
     unit = display_unit(run.unit)
     if f is not None:
         after = f", after the first {found.skip_s:g} s" if found.skip_s else ""
-        words = f"Error: {number(f.rms)} {unit} rms, at most {number(f.largest)} {unit}{after}, n = {f.n}."
+        words = f"The error is {number(f.rms)} {unit} rms and at most {number(f.largest)} {unit}{after}, n = {f.n}."
     loop = found.loop
     half_range = error_half_range(loop.error[loop.t_s >= found.skip_s]) if loop.count else None
     data, layout = _time_panel(run, loop, half_range)
     return Figure(
         [Panel(data, layout, 720)],
-        f"Controller {found.controller} along the reference {found.reference.name}.",
+        f"Tracking: controller {found.controller}, reference {found.reference.name}.",
         [words, _band_text(loop, half_range), run_caption(run)],
         source_label(run),
     )
@@ -232,7 +232,7 @@ def _box(
 def _band_text(loop: LoopSegment, half_range: float | None) -> str:
     if half_range is None:
         return ""
-    words = f"Error: measured − reference, in encoder counts. Band: ± {SETTLING_BAND_COUNTS:g} counts."
+    words = f"Second row: error (measured − reference) in counts, with a band of ± {SETTLING_BAND_COUNTS:g} counts."
     return f"{words}{clipped_text(loop.error, half_range)}"
 
 

@@ -45,12 +45,12 @@ def tracking_overlay_figure(loops: Sequence[ComparedTracking]) -> Figure | None:
     data.append(_reference_line(loops[0], size))
     titles = (output_title(run), f"Error ({'counts' if counted else display_unit(run.unit)})", "Current (A)")
     layout = stacked_layout(titles, (0.42, 0.34, 0.24), f"Time since the loop was closed ({unit})")
-    words = "Error: measured − reference."
+    words = "Second row: error (measured − reference)."
     if counted:
         settled_errors = [each.loop.error[each.loop.t_s >= each.result.skip_s] for each in loops]
         half_range = error_half_range(np.concatenate(settled_errors))
         layout["yaxis2"]["range"] = [-half_range, half_range]
-        words = f"Error: measured − reference, in encoder counts. Band: ± {SETTLING_BAND_COUNTS:g} counts."
+        words = f"Second row: error (measured − reference) in counts, with a band of ± {SETTLING_BAND_COUNTS:g} counts."
         words += clipped_text(np.concatenate([each.loop.error for each in loops]), half_range)
     return Figure(
         [Panel(data, layout, 680)],

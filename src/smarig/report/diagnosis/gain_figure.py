@@ -44,7 +44,7 @@ def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
         f"Floor {gain.floor:.2g} {unit}: the noise and the uncertainty of the density after training.",
         ""
         if gain.weight is None
-        else "Each rms and the floor weight each reading by 1/σ² of its prediction.",
+        else "In all rms values and in the floor, a reading has the weight 1/σ² of its prediction.",
         "Pale: readings with more than twice the smallest σ, such as positions during motion."
         if _pale_readings(gain).any()
         else "",

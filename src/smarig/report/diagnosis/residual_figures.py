@@ -98,7 +98,7 @@ def _residual_channel_figure(
         for name in names
         for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.labelled)
     ]
-    zero = "" if kind == "current" else ", minus the mean (the zero is free)"
+    zero = "" if kind == "current" else " (the mean is removed, because the zero is free)"
     fluctuation_text = (
         f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms); "
         f"light band: ± 2 σ including ambient fluctuation (σ = {whole:.2g} {unit}, rms)."

@@ -45,11 +45,11 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
     )
     return Figure(
         [Panel(data, first, 380, wide=True), by_time, by_input],
-        f"Held-out run against the {surface} model.",
+        f"The {surface} model on the held-out run.",
         [
             f"First panel: {e.n} settled points in order of time. Other panels: model − measured against time and "
-            f"against the input. rms {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at most "
-            f"{e.max_abs:.3g} {unit}{floor}. {zero}",
+            f"against the input. The error is {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at "
+            f"most {e.max_abs:.3g} {unit}{floor}. {zero}",
             run_caption(run),
         ],
         source_label(run),

@@ -83,7 +83,8 @@ def count_text(count: float, half_range: float, unit: str) -> str:
     """A sentence on the lines at ± 1 count, or on the count size if they are outside the axis."""
     if not count:
         return ""
-    return f" {'Dotted: ±' if count < 3 * half_range else 'Off the scale:'} 1 count ({count:.3g} {unit})."
+    size = f"1 count ({count:.3g} {unit})"
+    return f" Dotted: ± {size}." if count < 3 * half_range else f" {size} is off the scale."
 
 
 def noise_band(low: float, high: float, half: float, name: str) -> Trace:

@@ -68,7 +68,7 @@ def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
         panels,
         f"Differences from {runs[0].name} at each common step.",
         [
-            "Only steps that both runs reached by the same inputs in the same order, because of the hysteresis: "
+            "Only steps with the same preceding inputs in both runs are compared: "
             + "; ".join(
                 f"{e.name}: n = {e.difference.size}, rms {number(e.rms)}, at most {number(e.max_abs)} {e.run.unit}"
                 for _, e in others
