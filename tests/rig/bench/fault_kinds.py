@@ -1,4 +1,4 @@
-"""Similar rows of the fault table: lost devices, noisy lines, rebooting devices. Used by fault_rows.py."""
+"""Rows that are alike: lost devices, noisy lines, devices that start anew. Made for fault_rows.py."""
 
 from rig.bench.fault_table import AMPLIFIER, DONE, ENCODER, Fault, Outcome
 
@@ -73,7 +73,7 @@ def restarted_message(device: str) -> Outcome:
 
 
 def anew(name: str, kind: str, device: str, does: str, **more) -> Fault:
-    """The amplifier may have rebooted before it is switched off; it is off then."""
+    """The amplifier may have started anew by the time it is switched off: it is off then."""
     said = restarted_message(device)
     phases = {"opening": DONE} | ({"zeroing": DONE, "end": DONE} if device == AMPLIFIER else {})
     host = "sees another boot count in the next reply, sets 0 A and closes the run"

@@ -1,5 +1,4 @@
-"""Prints the fault table: ``PYTHONPATH=tests python tests/rig/bench/fault_page.py`` writes
-docs/reference/faults.md."""
+"""Prints the fault table: ``PYTHONPATH=tests python tests/rig/bench/fault_page.py`` writes docs/reference/faults.md."""
 
 from collections.abc import Iterator
 from pathlib import Path

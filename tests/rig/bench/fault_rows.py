@@ -1,4 +1,4 @@
-"""The rows of the fault table: the fault of a device, the response of the host, and the message to the user."""
+"""The rows of the fault table: what befalls which device, what the host does about it, what a person reads."""
 
 from rig.bench.broken_rig import TIMEOUT_S
 from rig.bench.fault_kinds import BOTH, NOISE, PORT, all_lost, anew, noise, on, restarted_message
