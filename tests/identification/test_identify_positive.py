@@ -252,7 +252,7 @@ def planted(share):
     return made_run(inputs, Preisach.from_surface(table).simulate(inputs) + noise)
 
 
-def test_the_cost_of_non_negativity_is_reported_where_it_occurs():
+def test_what_non_negativity_costs_is_said_where_it_costs():
     asked = [w for w in identify(planted(3.0), "positive").warnings if "asks for negative mass" in w]
     assert len(asked) == 1
     fit = identify(planted(3.0), "positive").model.fit
