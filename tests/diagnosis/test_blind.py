@@ -1,11 +1,15 @@
 """An effect is hidden by code of its own, and must be found; nothing is hidden, and nothing may be said."""
 
+import os
+
 import pytest
 
 from diagnosis.boxes_opened import answer
 
+long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
 
-@pytest.mark.parametrize("number", [3, 4, 6])
+
+@pytest.mark.parametrize("number", [3, pytest.param(4, marks=long), pytest.param(6, marks=long)])
 def test_it_is_silent_where_nothing_is_hidden(number):
     found = answer(number)
     assert found.verdict.word == "silent"

@@ -180,7 +180,7 @@ def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
         run_watched(tmp_path, "web", listener)
         server = ViewerProcess.web(address(port), web_port)
         try:
-            with Browser(*SIZE) as page:
+            with Browser(1280, 800) as page:
                 until(lambda: is_served(web_port), "the page is served")
                 page.ask(
                     "Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}]

@@ -1,7 +1,7 @@
 """kill -9 of the host, in the middle of an identification, with devices that live on: the lease ends the current,
 no committed sample is lost, ``resume`` finishes, and the table is that of a run that nobody killed.
 
-Five moments in lock-step, where time passes after the kill because the encoder is asked; in the long campaign so many
+Three moments in lock-step, where time passes after the kill because the encoder is asked; in the long campaign so many
 as ``SMARIG_KILLS`` says in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware under simavr. Moments are spread
 evenly over the run.
 """
@@ -13,7 +13,7 @@ import pytest
 from rig.bench.mortal import SimulatedDevices, killed_and_resumed, same_table, undisturbed
 from rig.bench.wired_chips import Chips
 
-KILLS = int(os.environ.get("SMARIG_KILLS", "5"))
+KILLS = int(os.environ.get("SMARIG_KILLS", "3"))
 CHIP_KILLS = int(os.environ.get("SMARIG_CHIP_KILLS", "0"))
 SPEED = 20.0 if "SMARIG_KILLS" in os.environ else 0.0
 LEASE_S = 2.0 if SPEED else 0.5  # of the device's time: a tenth of a second of ours in real time
