@@ -61,7 +61,9 @@ def find(package: str, name: str) -> Any:
     if own_file is not None:
         return own_file.found
     loaded = not name.startswith("_") and f"{package}.{name}" in sys.modules
-    if not loaded and name not in (known := names(package)):  # a folder is looked through once a name, not each time
+    if not loaded and name not in (
+        known := names(package)
+    ):  # a folder is looked through once a name, not each time
         raise UsageError(f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
     return getattr(importlib.import_module(f"{package}.{name}"), name)
 
