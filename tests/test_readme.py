@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 import smarig
+from docs.blocks import Command
+from smarig.cli import run as cli
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.S)
@@ -35,6 +37,21 @@ def in_shell(command, tmp_path):
     )
     assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     return done
+
+
+@pytest.fixture
+def run_line(tmp_path, monkeypatch):
+    """Runs a line of the README in the test's folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def do(line):
+        words = Command(line, 0).words
+        if words:
+            assert cli(words) == 0, line
+        else:
+            in_shell(line, tmp_path)
+
+    return do
 
 
 def test_a_lab_day(tmp_path):
@@ -68,7 +85,7 @@ def test_shell_completion(tmp_path):
     assert "validation" in shipped_names.stdout
 
 
-def test_seeing_it(tmp_path):
+def test_seeing_it(tmp_path, run_line):
     """But for the two commands that open a viewer."""
     made = smarig.run(
         "validation", rig="one_wire_twin", out=tmp_path / "runs" / "v.run.sqlite", points=2
@@ -80,7 +97,7 @@ def test_seeing_it(tmp_path):
     assert len(opening) == 2
     for command in commands:
         if command not in opening:
-            in_shell(command, tmp_path)
+            run_line(command)
     assert {"comparison.html", "validation.nc"} <= {p.name for p in tmp_path.iterdir()}
     assert list((tmp_path / "runs").glob("index.html"))
 
@@ -104,28 +121,28 @@ def test_hysteresis_alone(monkeypatch, tmp_path, capsys):
     assert "Dissipative: no loop" in capsys.readouterr().out
 
 
-def test_a_measure_that_is_positive(tmp_path):
-    in_shell("smarig run validation --rig one_wire_twin -o validation.run.sqlite --seed 1", tmp_path)
+def test_a_measure_that_is_positive(tmp_path, run_line):
+    run_line("smarig run validation --rig one_wire_twin -o validation.run.sqlite --seed 1")
     for command in lines_of("sh", "--surface positive"):
-        in_shell(command, tmp_path)
+        run_line(command)
     assert (tmp_path / "positive.model.json").is_file()
 
 
-def test_closing_the_loop(tmp_path):
+def test_closing_the_loop(tmp_path, run_line):
     made = smarig.run("first_order_descending", rig="one_wire_twin", out=tmp_path / "fod.run.sqlite", seed=1)
     smarig.identify(made, surface="exponential").model.save(tmp_path / "wire.model.json")
     for command in lines_of("sh", "smarig certify"):
-        in_shell(command, tmp_path)
+        run_line(command)
     assert {"certificate.html", "held.html", "steps.run.sqlite"} <= {p.name for p in tmp_path.iterdir()}
 
 
-def test_other_peoples_data(tmp_path, shared_data):
+def test_other_peoples_data(tmp_path, shared_data, run_line):
     (tmp_path / "forc.txt").write_bytes((shared_data / "forc_magnetic" / "MSM33-55-1_d330.forc").read_bytes())
     (tmp_path / "test.csv").write_bytes((shared_data / "sma_staircase" / "test.csv").read_bytes())
     for name in ("B_MnZn_HP_ferrite.mat", "H_MnZn_HP_ferrite.mat"):
         (tmp_path / name).write_bytes((shared_data / "ferrite_nested" / name).read_bytes())
     for command in lines_of("sh", "--format forc"):
-        in_shell(command, tmp_path)
+        run_line(command)
 
 
 def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):

@@ -14,6 +14,13 @@ from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
 TRAIN = ("congruency", "first_order_descending")
+RIVALS = (
+    "ambient_drift",
+    "creep",
+    "slip",
+    "walking",
+)  # what competes: how the others fare is of no concern here
+WITHOUT = [part for k in effect_types() if k.name not in RIVALS for part in ("--without", k.name)]
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +56,8 @@ def diagnosed(session_folder):
 
     with contextlib.redirect_stdout(said), pytest.MonkeyPatch.context() as patched:
         patched.setattr(package, "diagnose", keeping)
-        assert cli(command(session_folder, "-o", str(session_folder / "out"), "--nulls", "60", "--json")) == 0
+        words = ("-o", str(session_folder / "out"), "--nulls", "40", "--json", *WITHOUT)
+        assert cli(command(session_folder, *words)) == 0
     return json.loads(said.getvalue()), kept[0]
 
 

@@ -1,11 +1,15 @@
 """An effect injected by independent code is found, and without an effect there is no finding."""
 
+import os
+
 import pytest
 
 from diagnosis.boxes_opened import answer
 
+long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
 
-@pytest.mark.parametrize("number", [3, 4, 6])
+
+@pytest.mark.parametrize("number", [3, pytest.param(4, marks=long), pytest.param(6, marks=long)])
 def test_it_finds_nothing_if_nothing_is_hidden(number):
     found = answer(number)
     assert found.verdict.word == "silent"

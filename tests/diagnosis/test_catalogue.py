@@ -52,6 +52,7 @@ LONG = {
     "amplifier_gain",
     "backlash",
     "convection",
+    "coulomb_friction",
     "creep",
     "cross_talk",
     "dead_zone",

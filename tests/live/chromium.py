@@ -57,7 +57,10 @@ class Browser:
         port = port_file.read_text().split()[0]
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/json/list") as answer:
             page = next(target for target in json.load(answer) if target["type"] == "page")
-        self._socket = self._websocket.create_connection(page["webSocketDebuggerUrl"], timeout=180)
+        # byte by byte, in Python, that check takes longer than all else; recv() decodes what came all the same
+        self._socket = self._websocket.create_connection(
+            page["webSocketDebuggerUrl"], timeout=180, skip_utf8_validation=True
+        )
         self.ask("Page.enable")
         self.ask("Runtime.enable")
         return self

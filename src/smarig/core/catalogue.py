@@ -60,10 +60,14 @@ def catalogue_entry(package: str, name: str) -> Any:
     own_file = _OWN.get((package, name))
     if own_file is not None:
         return own_file.found
-    known = catalogue_names(package)
-    if name not in known:
+    if not _is_loaded(package, name) and name not in (known := catalogue_names(package)):
         raise UsageError(f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
     return getattr(importlib.import_module(f"{package}.{name}"), name)
+
+
+def _is_loaded(package: str, name: str) -> bool:
+    """Whether the folder was searched for this name before: searching it each time is slow."""
+    return not name.startswith("_") and f"{package}.{name}" in sys.modules
 
 
 def catalogue_summary(package: str, name: str) -> str:

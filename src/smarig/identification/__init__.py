@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from smarig.core.front_door import front_door
 
 if TYPE_CHECKING:
-    from smarig.identification.adaptive.informed_choice import informed_choice as informed_choice
+    from smarig.identification.adaptive import informed_choice as informed_choice
     from smarig.identification.calibration.calibrate import Calibration as Calibration
     from smarig.identification.calibration.calibrate import calibrate as calibrate
     from smarig.identification.calibration.holds import valid_rows as valid_rows

@@ -21,7 +21,7 @@ from smarig.runner.preview import Preview, preview
 from smarig.runner.session import Session
 
 PROTOCOL = "first_order_descending"
-SEEDS = 10 if os.environ.get("SMARIG_LONG") else 5
+SEEDS = 10 if os.environ.get("SMARIG_LONG") else 3
 SURFACES = ("constant", "parabolic", "exponential")
 
 

@@ -2,7 +2,7 @@
 
 No committed sample is lost, ``resume`` finishes the run, and its table equals that of an uninterrupted run.
 
-There are five moments in lock-step, where time advances after the kill because the test polls the encoder.
+There are three moments in lock-step, where time advances after the kill because the test polls the encoder.
 The long campaign has ``SMARIG_KILLS`` moments in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware
 under simavr. Moments are spread evenly over the run.
 """
@@ -14,7 +14,7 @@ import pytest
 from rig.bench.mortal import SimulatedDevices, killed_and_resumed, same_table, undisturbed
 from rig.bench.wired_chips import Chips
 
-KILLS = int(os.environ.get("SMARIG_KILLS", "5"))
+KILLS = int(os.environ.get("SMARIG_KILLS", "3"))
 CHIP_KILLS = int(os.environ.get("SMARIG_CHIP_KILLS", "0"))
 SPEED = 20.0 if "SMARIG_KILLS" in os.environ else 0.0
 LEASE_S = 2.0 if SPEED else 0.5  # of the device's time: a tenth of a second of ours in real time
