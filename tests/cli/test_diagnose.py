@@ -14,12 +14,8 @@ from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
 TRAIN = ("congruency", "first_order_descending")
-RIVALS = (
-    "ambient_drift",
-    "creep",
-    "slip",
-    "walking",
-)  # what competes: how the others fare is of no concern here
+# The effects that compete; the others are tested in tests/diagnosis.
+RIVALS = ("ambient_drift", "creep", "slip", "walking")
 WITHOUT = [part for k in effect_types() if k.name not in RIVALS for part in ("--without", k.name)]
 
 

@@ -1,4 +1,4 @@
-"""Recovery of the surface from noisy, quantised FOD runs of the twin: ten seeds; 20 and both rigs in the long campaign."""
+"""Recovery of the surface from noisy, quantised FOD runs of the twin: ten seeds, or 20 and both rigs (SMARIG_LONG)."""
 
 import os
 from dataclasses import dataclass
