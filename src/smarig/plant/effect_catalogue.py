@@ -103,9 +103,8 @@ def _effect_from_record(name: str, parameters: Mapping[str, float]) -> Effect:
 
 def mystery_effects(seed: int, arrangement: str) -> tuple[Effect, ...]:
     """The hidden effect of a seed: one of the catalogue at 0.6 to 1.8 times its typical strength, or none."""
-    draw = random.Random(
-        f"mystery {arrangement} {seed}"
-    )  # the same draw in every version of Python and numpy
+    # Python's own generator draws the same in every version of every library
+    draw = random.Random(f"mystery {arrangement} {seed}")
     if draw.random() < NO_EFFECT_SHARE:
         return ()
     kind = draw.choice([k for k in effect_types(arrangement) if k.name not in own_entries(EFFECTS)])

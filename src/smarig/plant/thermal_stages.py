@@ -58,9 +58,8 @@ class ThermalStages:
         for hook in self._source:
             source_K = hook(source_K, now)
         now.source_K = source_K
-        common_ambient_K = (
-            0.0 if heating.two_wire else ambient_K
-        )  # an ambient change is common to both wires and cancels in T₁ − T₂
+        # an ambient change is common to both wires and cancels in T₁ − T₂
+        common_ambient_K = 0.0 if heating.two_wire else ambient_K
         if self._lag:
             self.lags = self._lags()
         hysteresis_input_K = now.input_K = (

@@ -76,10 +76,8 @@ def _prepared_arrays(keyed: KeyedEverett) -> tuple[tuple[Any, ...], Search]:
     buckets: dict[tuple[int, str], tuple] = {}
 
     def search(levels: Array, u: Array, side: str) -> NDArray[np.intp]:
-        key = (
-            id(levels),
-            side,
-        )  # the levels exist as long as the hysteresis, which exists as long as ``keyed``
+        # the levels exist as long as the hysteresis, which exists as long as ``keyed``
+        key = id(levels), side
         if key not in buckets:
             buckets[key] = _buckets(levels, side)
         return _ranks()(*buckets[key], u)

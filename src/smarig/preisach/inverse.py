@@ -228,9 +228,8 @@ class InverseSolver:
 
         def residual(u: float) -> float:
             far = sign * (segment.output(u) - target)
-            return (
-                0.0 if -tiny < far < tiny else far
-            )  # accept the target to rounding; do not search the last bit
+            # accept the target to rounding; do not search the last bit
+            return 0.0 if -tiny < far < tiny else far
 
         return residual
 

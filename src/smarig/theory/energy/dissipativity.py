@@ -76,9 +76,8 @@ def certify(hysteresis: Everett) -> DissipativityCertificate:
     >>> certify(thesis_surface("one_e")).dissipative, certify(thesis_surface("one_p")).dissipative
     (True, False)
     """
-    return _certified(
-        getattr(hysteresis, "hysteresis", hysteresis)
-    )  # accept an operator in place of its hysteresis
+    # an operator is accepted in place of its hysteresis
+    return _certified(getattr(hysteresis, "hysteresis", hysteresis))
 
 
 @singledispatch

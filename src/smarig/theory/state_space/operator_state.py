@@ -37,9 +37,8 @@ def boundary_of(state: State, hysteresis: Everett) -> Boundary:
         return Boundary(((-bound, bound), *staircase_points([-bound, *moves])), bound)
     if moves == [base]:
         return diagonal(bound, base)
-    opposite = (
-        2 * base - moves[0]
-    )  # the boundary leaves the line α = 2ℓ − β at (opposite, s₁) or (s₁, opposite)
+    # the boundary leaves the line α = 2ℓ − β at (opposite, s₁) or (s₁, opposite)
+    opposite = 2 * base - moves[0]
     stairs = staircase_points([min(max(opposite, -bound), bound), *moves])
     line = diagonal_ends(bound, base)[:1] if abs(opposite) < bound else ()
     return Boundary(((-bound, bound), *line, *stairs), bound)

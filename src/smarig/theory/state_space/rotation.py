@@ -86,7 +86,6 @@ def rotated(boundary: Boundary) -> RotatedBoundary:
     array([0., 0., 0.])
     """
     beta, alpha = boundary.beta, boundary.alpha
-    abscissa, kept = np.unique(
-        (beta - alpha) / ROOT, return_index=True
-    )  # corners closer than rounding are merged
+    # corners closer than rounding are merged
+    abscissa, kept = np.unique((beta - alpha) / ROOT, return_index=True)
     return RotatedBoundary(abscissa, (beta + alpha)[kept] / ROOT, boundary.bound)
