@@ -65,10 +65,10 @@ def test_close_the_loop(tmp_path):
     assert set(off) == {"inverse", "pi"}
     assert off["inverse"] < 0.8
     assert off["pi"] > 1.5 * off["inverse"]
-    last = re.search(r"^In the last \S+ s \S+ mm \((\S+) counts\) from the set-point", said, re.M)
+    last = re.search(r"^Last \S+ s: mean error \S+ mm \((\S+) counts\)", said, re.M)
     assert last is not None
     assert abs(float(last[1].replace("\N{MINUS SIGN}", "-"))) < 2
-    assert "does not rest" not in said
+    assert "at the end of the hold" not in said
     pushed = re.search(r"^Largest transient .*\((\S+) counts\)", said, re.M)
     assert pushed is not None
     assert 2 < float(pushed[1]) < 20

@@ -177,7 +177,7 @@ def _reference_line(each: ComparedTracking, size: float) -> Trace:
     t, y = np.array(reference.t_s) / size, np.array(reference.position)
     if reference.held:
         t, y = np.repeat(t, 2)[1:-1], np.repeat(y[:-1], 2)
-    return line(t, y, "wanted", INK, width=1.4, dash="dot", yaxis="y")
+    return line(t, y, "reference", INK, width=1.4, dash="dot", yaxis="y")
 
 
 def _time_trace(each: ComparedLoop, t: Array, values: Array, row: int) -> Trace:

@@ -174,9 +174,9 @@ def initialisation_figure(run: Run) -> Figure | None:
         "Initialisation: steady temperature of the current and temperature of the wire.",
         [
             f"In {cycles} cycles the amplitude of the wire's temperature decays from {np.nanmax(wire):.0f} to "
-            f"{last:.0f} {run.input_unit}. The steady temperature of the current starts at {np.nanmax(steady):.0f} "
-            f"{run.input_unit}, because the wire lags by its time constant. The black curve must decay evenly to reach "
-            "the anhysteretic state (§5.2.2).",
+            f"{last:.0f} {run.input_unit}. The amplitude is smaller than that of the steady temperature of "
+            f"the current ({np.nanmax(steady):.0f} {run.input_unit} at first), because of the time constant. The "
+            "black curve must decay evenly to reach the anhysteretic state (§5.2.2).",
             run_caption(run),
         ],
         source_label(run),
