@@ -34,7 +34,9 @@ CELL = 2.0 / SIDE
 def random_walk(n: int, seed: int = 0) -> Array:
     """Inputs (n,) in [−1, 1]: a sum of steps uniform on ±3 cells, reflected at both ends.
 
-    >>> u = random_walk(100_000) >>> bool(u.min() < -0.999 and u.max() > 0.999) True
+    >>> u = random_walk(100_000)
+    >>> bool(u.min() < -0.999 and u.max() > 0.999)
+    True
     """
     path = np.random.default_rng(seed).uniform(-3 * CELL, 3 * CELL, n).cumsum()
     return np.abs((path + 1.0) % 4.0 - 2.0) - 1.0

@@ -22,8 +22,11 @@ def random_truth(seed: int, rig: str = "one_wire_twin", *, cells: int = CELLS) -
     feature ρ_k with random weights w_k, and a reversible share r of 3 to 15 %. Its density is constant on
     each of the ``cells``² / 2 cells, so a twin's output is exact.
 
-    >>> truth = random_truth(1) >>> truth.lower, truth.upper, round(truth.everett(truth.upper, truth.lower),
-    2) (0.0, 174.1, 12.54) >>> bool(np.diff(truth.values[-1]).min() > 0) True
+    >>> truth = random_truth(1)
+    >>> truth.lower, truth.upper, round(truth.everett(truth.upper, truth.lower), 2)
+    (0.0, 174.1, 12.54)
+    >>> bool(np.diff(truth.values[-1]).min() > 0)
+    True
     """
     setup = Setup.of(rig)
     nominal = thesis_surface(setup.actuator.file.hysteresis.surface)

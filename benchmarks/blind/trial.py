@@ -115,9 +115,10 @@ def rescaled_to_range(
     """Effects of relays on a range ``own`` (K), in the parameters of a model with the range ``model_range``
     (K).
 
-    >>> rescaled_to_range({"r_phase": {"at": 0.5}}, (0.0, 100.0), (0.0, 200.0)) {'r_phase': {'at': 0.25}} >>>
-    rescaled_to_range({"saturation": {"clip_percent": 0.0}}, (0.0, 81.0), (0.0, 100.0)) {'saturation':
-    {'clip_percent': 10.0}}
+    >>> rescaled_to_range({"r_phase": {"at": 0.5}}, (0.0, 100.0), (0.0, 200.0))
+    {'r_phase': {'at': 0.25}}
+    >>> rescaled_to_range({"saturation": {"clip_percent": 0.0}}, (0.0, 81.0), (0.0, 100.0))
+    {'saturation': {'clip_percent': 10.0}}
     """
     found = {name: dict(values) for name, values in effects.items()}
     if "saturation" in found:

@@ -39,8 +39,9 @@ class RelayHysteresis:
 class Relays:
     """The state of the relays of a hysteresis; initially all off.
 
-    >>> pile = Relays(RelayHysteresis(np.array([2.0, 3.0]), np.array([1.0, 0.5]), np.array([1.0, 3.0]), 1.0,
-    0.0)) >>> pile.move(2.5), pile.move(3.0), pile.move(0.8) (0.25, 1.0, 0.75)
+    >>> pile = Relays(RelayHysteresis(np.array([2.0, 3.0]), np.array([1.0, 0.5]), np.array([1.0, 3.0]), 1.0, 0.0))
+    >>> pile.move(2.5), pile.move(3.0), pile.move(0.8)
+    (0.25, 1.0, 0.75)
     """
 
     def __init__(self, hysteresis: RelayHysteresis) -> None:

@@ -398,7 +398,7 @@ def test_a_listing_explains_the_numbers(capsys, tmp_path, monkeypatch):
     printed = call(capsys, "list", "controllers", "--settings")[1]
     assert "lead_s = 0.31 s (how far ahead what is wanted is looked at)" in printed
     assert "walk = 0.022 unit/√s (" in printed
-    assert "gain = by the model, K/unit (kelvin" in printed
+    assert "gain = set by the model, K/unit (kelvin" in printed
     assert "cooling_share = 1.7 (gain" in printed
     (tmp_path / "mine.py").write_text(MINE)
     printed = call(capsys, "list", "controllers", "./mine.py", "--settings")[1]

@@ -99,8 +99,8 @@ MISTAKES = [
     (2, ("track", "FLAT", *STEPS, *ON, "-o", "x"), "does not move within this rig's limits"),
     (2, ("regulate", "FALLING", "--setpoint", "-5", *ON, "-o", "x"), "falls as its input rises, by 8.705 mm"),
     (2, ("track", "FALLING", *STEPS, *ON, "-o", "x"), "falls as its input rises"),
-    (2, ("track", "STILL", *STEPS, *ON, "-o", "x"), "moves by 0.000174 mm only within this rig's limits"),
-    (2, ("track", "ONE", *STEPS, "--rig", "COOL", "-o", "x"), "less than 10 counts of the encoder"),
+    (2, ("track", "STILL", *STEPS, *ON, "-o", "x"), "moves by only 0.000174 mm within this rig's limits"),
+    (2, ("track", "ONE", *STEPS, "--rig", "COOL", "-o", "x"), "A loop needs 10 counts of the encoder"),
     (4, ("certify", "LARGE"), "hysteresis key rows is 1e+300, beyond any wire's"),
     (4, ("track", "LARGE", *STEPS, *ON, "-o", "x"), "beyond any wire's"),
     (4, ("regulate", "LARGE", "--setpoint", "6", *ON, "-o", "x"), "beyond any wire's"),
@@ -179,6 +179,6 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
         smarig.regulate(one, 10**400, **on)
     with pytest.raises(UsageError, match="seed must be a whole number"):
         tracking_loop(ModelSource.of(one), load_rig("one_wire_twin"), "steps", {"seed": 10**400})
-    with pytest.raises(UsageError, match="The model is given"):
+    with pytest.raises(UsageError, match="The model must be a name"):
         ModelSource.of(3)
     assert not (tmp_path / "x.run.sqlite").exists()

@@ -148,7 +148,7 @@ def test_a_run_cannot_be_training_and_held_out(session_folder, capsys):
     run = str(session_folder / "validation.run.sqlite")
     model = str(session_folder / "wire.model.json")
     assert cli(["diagnose", model, "--train", run, "--held-out", run]) == 2
-    assert "cannot teach and judge" in capsys.readouterr().err
+    assert "is given to both --train and --held-out" in capsys.readouterr().err
 
 
 def test_runs_of_two_sessions_are_one_timeline_with_two_zeros(session_folder, tmp_path, capsys):

@@ -116,7 +116,7 @@ def test_it_agrees_with_help(capsys):
     assert cli(["verify", "--help"]) == 0
     words = capsys.readouterr().out.split("Options:")[1]
     page = commands.pages()["commands"].split("## smarig verify\n")[1].split("\n## ")[0]
-    for text in ("--select", "Evaluate only where this holds"):
+    for text in ("--select", "Evaluate only the points where this holds"):
         assert text in words
         assert text in page
 

@@ -24,9 +24,7 @@ def said_by(name, folder):
 
 def errors(said):
     """Label → rms error for each line with an error."""
-    return {
-        m[1]: float(m[2]) for m in re.finditer(r"^(\S+) .*?(?:rms error|unseen run) ([\d.]+) mm", said, re.M)
-    }
+    return {m[1]: float(m[2]) for m in re.finditer(r"^(\S+) .*?held-out run ([\d.]+) mm", said, re.M)}
 
 
 def test_first_steps(tmp_path):

@@ -95,9 +95,9 @@ def test_only_error_lines_are_reported(tmp_path):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--web", "--save", "v.rrd"], "so --web has no meaning"),
-        (["--speed", "3", "--save", "v.rrd"], "so --speed has no meaning"),
-        (["--save", "view"], "call it view.rrd"),
+        (["--web", "--save", "v.rrd"], "Leave --web out"),
+        (["--speed", "3", "--save", "v.rrd"], "Leave --speed out"),
+        (["--save", "view"], "Rename view to view.rrd"),
     ],
 )
 def test_a_view_that_is_saved_takes_no_options_of_one_that_is_shown(

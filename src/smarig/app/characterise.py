@@ -120,7 +120,7 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> No
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise StorageError(f"Folder {out} is not writable: {error.strerror or error}.") from None
+        raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
     targets = [
         *([] if go_on else plan.run_files(out / "runs")),
         out / "model.json",

@@ -27,7 +27,8 @@ GOOD, BAD = GREEN, VERMILION
 def blend(cold: Colour, hot: Colour, share: float) -> Colour:
     """A mixture of two colours, ``share`` of the second, clipped to 0…1.
 
-    >>> blend((0, 0, 0), (200, 100, 50), 0.5) (100, 50, 25)
+    >>> blend((0, 0, 0), (200, 100, 50), 0.5)
+    (100, 50, 25)
     """
     s = min(max(share, 0.0), 1.0)
     r, g, b = (round(c + s * (h - c)) for c, h in zip(cold, hot, strict=True))

@@ -35,7 +35,8 @@ class Axis:
 def nice_step(rough: float) -> float:
     """The next of 1, 2, 5 × 10ⁿ from ``rough`` up.
 
-    >>> nice_step(34.8), nice_step(0.0021) (50.0, 0.005)
+    >>> nice_step(34.8), nice_step(0.0021)
+    (50.0, 0.005)
     """
     power = 10.0 ** math.floor(math.log10(rough))
     return next(float(f"{m * power:.6g}") for m in (1, 2, 5, 10) if m * power >= rough * (1 - 1e-9))
