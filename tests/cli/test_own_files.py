@@ -271,7 +271,7 @@ def test_own_effects_are_looked_for_by_name(capsys, here):
     status, out, _ = call(capsys, "list", "effects", "./soft_mount.py", "--json")
     assert list(json.loads(out)["effects"]) == ["soft_mount"]
     with pytest.raises(UsageError, match="No effect 'soft_mount'"):
-        smarig.plant.effect_catalogue.from_pairs(["soft_mount"])
+        smarig.plant.effect_catalogue.effects_from_pairs(["soft_mount"])
 
 
 # --- controllers --------------------------------------------------------------------------------------------

@@ -47,7 +47,7 @@ def test_every_path_exists(name):
 
 def test_every_module_of_the_tour_and_the_journey_exists():
     page = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
-    tour = page.split("## The ten-minute tour", 1)[1].split("## Ten typical", 1)[0]
+    tour = page.split("## The ten-minute tour", 1)[1].split("## Typical changes", 1)[0]
     modules = re.findall(r"`([a-z_/]+\.py)`", tour)
     assert len(modules) > 20
     assert not [m for m in modules if not list((ROOT / "src/smarig").glob(f"**/{m}"))]

@@ -146,9 +146,9 @@ def test_a_model_of_another_rig_is_refused(two_wire, tmp_path, capsys):
 )
 def test_the_viewer_does_not_outlive_a_host_that_was_killed():
     program = (
-        "from smarig.live.viewer_process import ViewerProcess, address, free_port\n"
+        "from smarig.live.viewer_process import ViewerProcess, free_port, viewer_address\n"
         "import time\n"
-        "v = ViewerProcess.web(address(free_port()), free_port())\n"
+        "v = ViewerProcess.web(viewer_address(free_port()), free_port())\n"
         "print(v.process.pid, v._home, flush=True)\n"
         "time.sleep(60)\n"
     )
