@@ -108,7 +108,7 @@ def test_a_run_being_recorded_is_not_replaced(tmp_path):
         first.send_signal(signal.SIGTERM)
         first.communicate(timeout=60)
     assert second.returncode == 2
-    assert "is being recorded by process" in second.stderr
+    assert "is recording" in second.stderr
     assert first.returncode == 130
 
 
