@@ -100,7 +100,7 @@ MISTAKES = [
     (2, ("track", "FALLING", *STEPS, *ON, "-o", "x"), "falls as its input rises"),
     (2, ("track", "STILL", *STEPS, *ON, "-o", "x"), "moves by 0.000174 mm only within this rig's limits"),
     (2, ("track", "ONE", *STEPS, "--rig", "COOL", "-o", "x"), "less than 10 counts of the encoder"),
-    (4, ("certify", "LARGE"), "hysteresis key rows is 1e+300, beyond any wire's"),
+    (4, ("certify", "LARGE"), "hysteresis key rows is 1e+300; the largest number is 1e+12"),
     (4, ("track", "LARGE", *STEPS, *ON, "-o", "x"), "the largest number is"),
     (4, ("regulate", "LARGE", "--setpoint", "6", *ON, "-o", "x"), "the largest number is"),
     (2, following("TWICE"), "twice.csv has 2 columns 'position_mm'"),
@@ -108,7 +108,7 @@ MISTAKES = [
     (
         2,
         following("WORD"),
-        "word.csv is not a reference: line 3: position_mm is 'x', which is no finite number.",
+        "word.csv is not a reference: line 3: position_mm is 'x', which is not a finite number.",
     ),
     (2, following("BACK"), "line 4: time_s must increase, but 5 follows 5."),
     (2, following("EMPTY"), "it has no rows below its columns."),

@@ -279,7 +279,7 @@ def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
     try:
         while process.poll() is None and not recording(out):
             pass
-        with pytest.raises(UsageError, match="being recorded"):
+        with pytest.raises(UsageError, match="is recording"):
             write_run(out, {}, {"tick": [0]}, [], force=True)
     finally:
         process.send_signal(signal.SIGTERM)

@@ -338,8 +338,8 @@ def test_a_run_by_a_shipped_controller_holds_no_file(here):
         ("def pull(known, wanted):\n    yield 0.0\n", "the controller must have the file's name"),
         (CONTROLLER.replace("error =", "error = undefined +"), "push.py, line 6: NameError"),
         (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: it ended"),
-        (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it yields currents"),
-        (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it asked for nan A"),
+        (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it must yield currents"),
+        (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it commanded nan A"),
         (CONTROLLER.replace("gain_K", "seconds"), "'seconds' means something else in the record"),
     ],
 )

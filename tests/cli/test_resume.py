@@ -267,5 +267,5 @@ def test_resuming_with_another_experiment_is_refused(capsys, tmp_path, killed):
         ["validation", "--set", "points=3", "--wire", "b"],
     ):
         status, _, err = call(capsys, "run", *other, "--rig", "one_wire_twin", "-o", killed, "--continue")
-        assert (status, "give another folder" in err) == (2, True)
+        assert (status, "Give another folder" in err) == (2, True)
     assert killed.read_bytes() == before

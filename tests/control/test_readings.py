@@ -83,7 +83,7 @@ def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
     assert found.worst.supplied.min() == pytest.approx(broken.supplied_after(2000), abs=SPREADS * 300)
     own = passivity_of_run(wire, model_of("two_p"))
     assert own.within is None
-    assert "no bound to hold it against: the model is not dissipative" in own.text
+    assert "no bound to compare with: the model is not dissipative" in own.text
 
 
 def test_gaps_cut_the_sum_and_not_the_memory(run):

@@ -58,7 +58,7 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
 
 
 def test_both_wires_are_looked_at():
-    """The second one's heating must decrease the counts: first its diode lets nothing through, then it counts upwards."""
+    """The heating of wire 2 must decrease the counts: first its diode blocks, then it counts upwards."""
     found, _ = checked(lambda s: s._replace(current_A=max(s.current_A, 0.0)), "two_wire_twin")
     assert found["encoder direction"].passed
     assert list(found)[-1] == "read-back, wire 2"
