@@ -319,7 +319,7 @@ MISTAKES = [
         "Allow a larger distance",
     ),
     (2, ["regulate", "ONE", "--setpoint", "6", "--hold-s", "-1", "-o", "x", *ON], "negative"),
-    (2, ["regulate", "ONE", "--setpoint", "6", "--hold-s", "1e12", "-o", "x", *ON], "in parts"),
+    (2, ["regulate", "ONE", "--setpoint", "6", "--hold-s", "1e12", "-o", "x", *ON], "into several holds"),
     (
         2,
         ["regulate", "ONE", "--setpoint", "6", "--hold-s", "9", "--disturbance-K", "3", "-o", "x", *ON],

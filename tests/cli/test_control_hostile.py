@@ -101,15 +101,15 @@ MISTAKES = [
     (2, ("track", "FALLING", *STEPS, *ON, "-o", "x"), "falls as its input rises"),
     (2, ("track", "STILL", *STEPS, *ON, "-o", "x"), "moves by only 0.000174 mm within this rig's limits"),
     (2, ("track", "ONE", *STEPS, "--rig", "COOL", "-o", "x"), "A loop needs 10 counts of the encoder"),
-    (4, ("certify", "LARGE"), "hysteresis key rows is 1e+300, beyond any wire's"),
-    (4, ("track", "LARGE", *STEPS, *ON, "-o", "x"), "beyond any wire's"),
-    (4, ("regulate", "LARGE", "--setpoint", "6", *ON, "-o", "x"), "beyond any wire's"),
+    (4, ("certify", "LARGE"), "hysteresis key rows is 1e+300; the largest number is 1e+12"),
+    (4, ("track", "LARGE", *STEPS, *ON, "-o", "x"), "the largest number is"),
+    (4, ("regulate", "LARGE", "--setpoint", "6", *ON, "-o", "x"), "the largest number is"),
     (2, following("TWICE"), "twice.csv has 2 columns 'position_mm'"),
     (2, following("SHORT"), "short.csv is not a reference: line 3 has no position_mm."),
     (
         2,
         following("WORD"),
-        "word.csv is not a reference: line 3: position_mm is 'x', which is no finite number.",
+        "word.csv is not a reference: line 3: position_mm is 'x', which is not a finite number.",
     ),
     (2, following("BACK"), "line 4: time_s must increase, but 5 follows 5."),
     (2, following("EMPTY"), "it has no rows below its columns."),
@@ -155,7 +155,7 @@ def test_no_kind_of_hysteresis_holds_numbers_beyond_any_wire(value):
     fod["nodes"][4] = value
     turned["image"]["rows"][2][1] = value
     for data in (forc, fod, turned):
-        with pytest.raises(DataError, match=r"hysteresis key (y|nodes|rows) is .*, beyond any wire's"):
+        with pytest.raises(DataError, match=r"hysteresis key (y|nodes|rows) is .*; the largest number is"):
             load_hysteresis(data)
 
 

@@ -195,7 +195,7 @@ def test_a_rig_file_may_bring_its_driver(capsys, here, monkeypatch):
     killed = cut(run.path, here / "elsewhere" / "k.run.sqlite", 1500)
     status, _, err = call(capsys, "resume", killed)
     assert status == 2
-    assert f"brings a driver of its own, {here / 'shunted.py'}" in err
+    assert f"whose own driver {here / 'shunted.py'}" in err
     assert session_for(load_run(killed), rig="../mine.toml").file.name == "mine"
 
 
@@ -236,7 +236,7 @@ def test_a_model_brings_no_driver_and_moves_no_hardware(capsys, here):
     simulate = ["--protocol", "validation", "--set", "points=2", "-o", "s.run.sqlite"]
     status, _, err = call(capsys, "simulate", "g.model.json", *simulate)
     assert status == 2
-    assert "brings a driver of its own" in err
+    assert "whose own driver" in err
     assert call(capsys, "simulate", "g.model.json", *simulate, "--rig", "bench_one_wire")[0] == 0
     assert load_run("s.run.sqlite").meta["source"] == "simulation"
     assert not (here / "executed").exists()
@@ -338,9 +338,9 @@ def test_a_run_by_a_shipped_controller_holds_no_file(here):
         ("def pull(known, wanted):\n    yield 0.0\n", "the controller must have the file's name"),
         (CONTROLLER.replace("error =", "error = undefined +"), "push.py, line 6: NameError"),
         (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: it ended"),
-        (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it yields currents"),
-        (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it asked for nan A"),
-        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' has another meaning in the record"),
+        (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it must yield currents"),
+        (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it commanded nan A"),
+        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' means something else in the record"),
     ],
 )
 def test_a_wrong_controller_is_one_sentence_before_anything_flows(capsys, tracked, here, text, says):

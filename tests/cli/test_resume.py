@@ -45,7 +45,7 @@ def test_resume_reports_how_it_ended(capsys, killed):
 @pytest.mark.parametrize(
     ("status", "arguments", "says"),
     [
-        (2, ["whole.run.sqlite"], "is done"),
+        (2, ["whole.run.sqlite"], "is finished"),
         (2, ["nowhere.run.sqlite"], "nowhere.run.sqlite"),
         (2, ["killed.run.sqlite", "--rig", "two_wire_twin"], "not on 'two_wire_twin'"),
         (2, ["killed.run.sqlite", "--wire", "b"], "of wire 'twin-one-wire', not of 'b'"),
@@ -255,7 +255,7 @@ def test_a_campaign_resumes_where_it_was_interrupted(capsys, tmp_path):
     assert first.read_bytes() == done
     assert [load_run(p).cause for p in (second, third)] == ["done", "done"]
     assert any(s.void for s in load_run(second).steps)
-    assert "is done." in err
+    assert "is finished." in err
     assert "Resumed" in err
 
 
@@ -267,5 +267,5 @@ def test_resuming_with_another_experiment_is_refused(capsys, tmp_path, killed):
         ["validation", "--set", "points=3", "--wire", "b"],
     ):
         status, _, err = call(capsys, "run", *other, "--rig", "one_wire_twin", "-o", killed, "--continue")
-        assert (status, "give another folder" in err) == (2, True)
+        assert (status, "Give another folder" in err) == (2, True)
     assert killed.read_bytes() == before

@@ -148,9 +148,9 @@ def test_the_ends_of_the_range_need_no_sinusoid():
 def test_what_limits_do_not_allow_is_refused_in_a_sentence():
     setup, hysteresis = Setup.of("one_wire_twin"), thesis_surface("one_e")
     cool = Setup(setup.actuator, setup.limits.model_copy(update={"temperature_max_K": 120.0}), 0.1)
-    with pytest.raises(UsageError, match=r"from 0.0 to 119.5 K.*cannot be wiped out.*Widen the limits"):
+    with pytest.raises(UsageError, match=r"allow 0.0 to 119.5 K.*cannot be wiped out.*Widen the limits"):
         plan_approach(cool, hysteresis, 60.0, 0.01)
-    with pytest.raises(UsageError, match="outside what this rig and this hysteresis have in common"):
+    with pytest.raises(UsageError, match="outside the common range of this rig and this hysteresis"):
         plan_approach(setup, hysteresis, 180.0, 0.01)
     with pytest.raises(UsageError, match="a share of the plane between 0 and 1, got 0"):
         plan_approach(setup, hysteresis, 60.0, 0.0)

@@ -29,7 +29,7 @@ def test_signals_need_a_time_that_goes_on(controller, dt_s):
 
 @pytest.mark.parametrize("size", [1e200, 1e160])
 def test_sums_that_overflow_decide_nothing(size):
-    with pytest.raises(UsageError, match="beyond what can be computed with"):
+    with pytest.raises(UsageError, match="overflow the computation"):
         inequalities(GAIN, [size, size], 0.1)
 
 
@@ -41,9 +41,9 @@ def test_an_index_that_is_no_number_is_no_index(ask, index):
 
 
 def test_an_index_that_overflows_decides_nothing():
-    with pytest.raises(UsageError, match="beyond what can be computed with"):
+    with pytest.raises(UsageError, match="overflow the computation"):
         SEEN.finite_gain(1e200)
-    with pytest.raises(UsageError, match="beyond what can be computed with"):
+    with pytest.raises(UsageError, match="overflow the computation"):
         inequalities(GAIN, [1e3], 0.1).strictly_passive(1e305)
 
 
@@ -60,7 +60,7 @@ def test_a_gain_is_not_negative_and_an_index_may_be():
 def test_an_index_is_delta_or_gamma():
     nonsense: Any = "foo"
     for ask in (lambda: violating_signal(GAIN, 0.1, nonsense), lambda: SEEN.violated_at(nonsense, 4.0)):
-        with pytest.raises(UsageError, match="An index is delta or gamma, not 'foo'"):
+        with pytest.raises(UsageError, match="Unknown index 'foo'"):
             ask()
     assert violating_signal(GAIN, 0.1, "delta").size
 
@@ -84,7 +84,7 @@ def test_no_supply_of_what_is_no_number():
     ("rate", "offset"), [(-1.0, 0.0), (0.0, -1.0), (math.nan, 0.0), ([0.0, math.nan], 0.0)]
 )
 def test_no_bound_from_what_is_no_norm(rate, offset):
-    with pytest.raises(UsageError, match="A norm is a number from 0 on"):
+    with pytest.raises(UsageError, match="A norm of the rate or of the offset is negative"):
         sharp_bound(GAIN, rate, offset)
 
 
@@ -107,7 +107,7 @@ def test_a_bound_that_overflows_is_a_hypothesis_that_fails(gain):
     found = stability(thesis_surface("one_e"), controller)
     assert k_e(controller) == math.inf
     assert found.holds is False
-    assert "k_e is beyond what can be computed with" in found.text
+    assert "k_e overflows with" in found.text
     assert stability(thesis_surface("one_e"), constant_gain(1e-300)).holds
 
 

@@ -127,7 +127,7 @@ def test_it_equals_the_output_of_the_operator():
 
 def test_set_points_and_centres_outside_are_refused_in_one_sentence():
     psi = Psi(thesis_surface("one_e"))
-    with pytest.raises(UsageError, match=r"set-point 13 lies outside .* \[0, 12.54\]; give one inside\.$"):
+    with pytest.raises(UsageError, match=r"set-point 13 is outside .* \[0, 12.54\]. Give one inside\.$"):
         psi.right_inverse(13.0)
     for bad in (-0.1, float("nan")):
         with pytest.raises(UsageError, match="outside"):
@@ -137,5 +137,5 @@ def test_set_points_and_centres_outside_are_refused_in_one_sentence():
 
 
 def test_what_is_no_hysteresis_is_refused():
-    with pytest.raises(UsageError, match="ψ is of a hysteresis, such as a model's, not of a str"):
+    with pytest.raises(UsageError, match="ψ needs a hysteresis, such as a model's, not a str"):
         Psi("a")

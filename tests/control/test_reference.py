@@ -51,7 +51,7 @@ def test_a_file(tmp_path):
         ("time_s,position_deg\n0,1\n1,2\n", "no column 'position_mm'"),
         ("time_s,position_mm\n0,1\n", "at least two times"),
         ("time_s,position_mm\n0,1\n0,2\n", "increase"),
-        ("time_s,position_mm\n1,1\n2,2\n", "begin at 0"),
+        ("time_s,position_mm\n1,1\n2,2\n", "start at 0"),
         ("time_s,position_mm\n0,x\n1,2\n", "not a reference"),
         ("time_s,position_mm\n0,1\n1\n", "not a reference"),
         ("time_s,position_mm\n0,nan\n1,2\n", "finite"),
@@ -95,13 +95,13 @@ NOT_NUMBERS = [
 
 @pytest.mark.parametrize(("t_s", "position"), NOT_NUMBERS)
 def test_a_reference_has_as_many_numbers_as_times(t_s, position):
-    with pytest.raises(UsageError, match="needs as many positions as times, all of them numbers"):
+    with pytest.raises(UsageError, match="needs equally many times and positions, all of them numbers"):
         Reference("r", t_s, position)
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1", None])
 def test_a_seed_is_a_whole_number(seed):
-    with pytest.raises(UsageError, match="seed is a whole number from 0 on"):
+    with pytest.raises(UsageError, match="seed must be an integer from 0 on"):
         reference("steps", 2.0, 8.0, seed=seed)
 
 
@@ -113,5 +113,5 @@ def test_a_shape_takes_numbers(key, value):
 
 
 def test_bounds_too_far_apart_are_refused():
-    with pytest.raises(UsageError, match="too far apart"):
+    with pytest.raises(UsageError, match="differ too much"):
         reference("steps", -1e308, 1e308)

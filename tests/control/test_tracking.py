@@ -201,7 +201,7 @@ def test_a_loop_that_diverges_trips_to_zero():
 def test_what_is_no_number_trips_to_zero():
     follow = reference("ramps", 2.0, 8.0, seconds=60.0, seed=1)
     flowed, ended = driven(track(controller_model(), broken, follow, prepare=False))
-    assert "asked for nan A" in str(ended)
+    assert "commanded nan A" in str(ended)
     assert flowed.size == 2
 
 

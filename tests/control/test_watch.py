@@ -83,7 +83,7 @@ def sensed(sources, position, *, rest=40.0, wanted=6.0):
 
 def test_a_source_that_drifts_while_the_encoder_stands_is_detected():
     drifting = np.linspace(40.0, 100.0, 8000)
-    assert "is the encoder stuck" in sensed(drifting, lambda _: 6.02)
+    assert "Check the encoder" in sensed(drifting, lambda _: 6.02)
     assert not sensed(drifting, lambda y: 0.5 * y), "a wire that moves half as far as the model says"
 
 
@@ -94,7 +94,7 @@ def test_a_room_that_warms_is_no_stuck_encoder():
 
 def test_a_set_point_out_of_reach_is_reported_when_the_source_has_been_at_its_limit():
     n = round(14 * SETUP.tau_s / SETUP.period_s)
-    assert "out of the wire's reach" in sensed(np.full(n, SETUP.upper_K), lambda y: y)
+    assert "set-point is unreachable" in sensed(np.full(n, SETUP.upper_K), lambda y: y)
     assert not sensed(np.full(n // 3, SETUP.upper_K), lambda y: y)
     top = H.y_upper - 0.2
     assert not sensed(np.full(n, SETUP.upper_K), lambda y: y, rest=140.0, wanted=top), (
@@ -122,7 +122,7 @@ def test_an_encoder_that_freezes_off_the_set_point_does_not_heat_without_end():
     twin = Frozen(plain.file, plain.actuator, plain.settings)
     twin.frozen = 4500, -6
     runner = Runner(Guard(twin, twin.file.limits, twin.actuator), twin.position_per_count, [])
-    with pytest.raises(LimitExceeded, match="is the encoder stuck"):
+    with pytest.raises(LimitExceeded, match="Check the encoder"):
         runner.run(regulate(SETUP, hysteresis=H, setpoint=6.0, hold_s=7200.0))
     assert twin.output_A == 0.0
     assert twin.specimen.plant.hysteresis_input_K < 100.0
@@ -143,7 +143,7 @@ def test_limits_short_of_saturation_are_refused(start):
     limits = setup.limits.model_copy(update={"current_min_A": -0.8, "current_max_A": 0.8})
     short = Setup(setup.actuator, limits, setup.period_s)
     with pytest.raises(
-        UsageError, match=r"begins in negative saturation, at -185 K; this rig's limits reach"
+        UsageError, match=r"starts in negative saturation, at -185 K. This rig's limits reach"
     ):
         next(regulate(short, hysteresis=thesis_surface("two_e"), setpoint=1.0, start=start))
 

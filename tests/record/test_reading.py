@@ -55,7 +55,7 @@ def test_a_run_has_a_readable_repr(path):
     assert repr(run) == "Run(wiping_out on bench (twin), 300 samples, 0.01 h, 3 steps, done)"
     assert len(run) == 300
     assert not run.has("temperature_degC")
-    with pytest.raises(UsageError, match="A run has no column 'curent_A'; there are: tick, t_s, step"):
+    with pytest.raises(UsageError, match="A run has no column 'curent_A'. Its columns are: tick, t_s, step"):
         run["curent_A"]
 
 

@@ -171,7 +171,7 @@ def test_an_existing_file_is_kept(tmp_path):
     Recorder(path, META).close()
     before = path.read_bytes()
     with pytest.raises(
-        UsageError, match=r"a\.run\.sqlite exists; give another name or --force to replace it"
+        UsageError, match=r"a\.run\.sqlite exists. Give another name, or --force to replace it"
     ):
         Recorder(path, META)
     assert path.read_bytes() == before
@@ -276,7 +276,7 @@ def test_a_sample_that_no_file_can_keep_costs_no_other(tmp_path, tick):
     for k in (1, 2, tick, 3):
         rec.sample(sample(k), 0, 0.0)
     rec.event(0.3, "mark", "something")
-    with pytest.raises(StorageError, match=f"1 samples were not kept, the first of tick {tick}"):
+    with pytest.raises(StorageError, match=f"1 samples were not recorded, the first of tick {tick}"):
         rec.close("stopped")
     run = load_run(path)
     assert run["tick"].tolist() == [1, 2, 3]

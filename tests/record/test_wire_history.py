@@ -86,7 +86,7 @@ def test_a_worn_wire_is_refused_before_anything_moves(tmp_path):
     text = RIG.read_text(encoding="utf-8").replace("[limits]", "[limits]\ncycles_max = 1")
     rig.write_text(text, encoding="utf-8")
     smarig.run("congruency", rig=str(rig), out=tmp_path / "a.run.sqlite")
-    with pytest.raises(LimitExceeded, match="has done 1 cycles, its limit is cycles_max = 1"):
+    with pytest.raises(LimitExceeded, match="has completed 1 cycles; its limit is cycles_max = 1"):
         smarig.run("congruency", rig=str(rig), out=tmp_path / "b.run.sqlite")
     assert not (tmp_path / "b.run.sqlite").exists()
 

@@ -62,7 +62,7 @@ def test_a_failed_write_leaves_everything_as_it_was(tmp_path, kind: str, existin
 def test_an_existing_run_is_kept_unless_forced(tmp_path):
     path = tmp_path / "a.run.sqlite"
     write_run(path, META, COLUMNS, STEPS, force=False)
-    with pytest.raises(UsageError, match=r"a\.run\.sqlite exists; give another name or --force"):
+    with pytest.raises(UsageError, match=r"a\.run\.sqlite exists. Give another name, or --force"):
         write_run(path, META, {"tick": [1]}, [], force=False)
     assert len(load_run(path)) == 4
     write_run(path, META, {"tick": [1]}, [], force=True)

@@ -163,7 +163,7 @@ def test_no_block_spans_two_runs_and_none_turns_upwards(timeline):
 
 def test_a_run_without_settled_steps_is_refused_unless_another_has_some(runs):
     bare = replace(runs[1], steps=())
-    with pytest.raises(DataError, match=r"hold no settled steps.*\.$"):
+    with pytest.raises(DataError, match=r"contain no settled steps.*\.$"):
         build_timeline([bare], TAU_S)
     both = build_timeline([runs[0], bare], TAU_S)
     assert len(both.settled) == len(runs[0].settled)

@@ -58,13 +58,13 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
 
 
 def test_both_wires_are_looked_at():
-    """The second one's heating must count downwards: first its diode lets nothing through, then it counts upwards."""
+    """The heating of wire 2 must decrease the counts: first its diode blocks, then it counts upwards."""
     found, _ = checked(lambda s: s._replace(current_A=max(s.current_A, 0.0)), "two_wire_twin")
     assert found["encoder direction"].passed
     assert list(found)[-1] == "read-back, wire 2"
     found, _ = checked(lambda s: s._replace(counts=abs(s.counts)), "two_wire_twin")
     assert list(found)[-1] == "encoder direction, wire 2"
-    assert "must count downwards" in found["encoder direction, wire 2"].observed
+    assert "must decrease the counts" in found["encoder direction, wire 2"].observed
 
 
 def test_a_source_without_a_lease_is_reported():
@@ -72,7 +72,7 @@ def test_a_source_without_a_lease_is_reported():
     lying.identity, lying.has_lease = lambda: ["a supply"], False
     *_, last = bring_up(lying, lying.file)
     assert (last.name, last.passed) == ("lease", True)
-    assert "only the cut-out ends what flows" in last.observed
+    assert "only the cut-out stops the current" in last.observed
 
 
 class Leased:
@@ -113,4 +113,4 @@ class Leased:
 def test_a_lease_that_trips_with_current_still_flowing_fails(left_A, passes):
     lease, re_arm = _check_lease(Leased(left_A), load_rig("one_wire_twin"))
     assert (lease.passed, re_arm.passed) == (passes, True), lease
-    assert ("0.1000 A flowed then" in lease.observed) != passes
+    assert ("0.1000 A flowed after the trip" in lease.observed) != passes

@@ -24,7 +24,7 @@ class Deaf:
         (
             Interrupted("interrupted by the keyboard (Ctrl-C)"),
             RigFault,
-            f"Run interrupted by .* it is closed. {SHUTDOWN_UNCONFIRMED}",
+            f"Run interrupted by .* Its file is closed. {SHUTDOWN_UNCONFIRMED}",
         ),
         (
             LimitExceeded("Too hot. The current is at zero."),
@@ -41,7 +41,7 @@ def test_an_unconfirmed_shutdown_does_not_claim_zero_current(ending, kind, says)
 
 def test_nor_does_the_end_of_a_run():
     with (
-        pytest.raises(RigFault, match=f"{SHUTDOWN_UNCONFIRMED} What was recorded until then is whole."),
+        pytest.raises(RigFault, match=f"{SHUTDOWN_UNCONFIRMED} The recorded data are complete."),
         _confirmed_shutdown(Deaf()),
     ):
         pass

@@ -29,11 +29,11 @@ def from_tick(tick, **changes):
 
 
 LIES = [
-    ("read_back", from_tick(50, current_A=lambda x: x * 0.8), "are set: check amplifier and shunt"),
-    ("resistance", from_tick(50, voltage_V=lambda x: 5 * x), "ohm, outside"),
-    ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm, outside"),
+    ("read_back", from_tick(50, current_A=lambda x: x * 0.8), "is set. Check amplifier and shunt"),
+    ("resistance", from_tick(50, voltage_V=lambda x: 5 * x), "ohm is outside"),
+    ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm is outside"),
     ("jump", lambda s: s._replace(counts=s.counts + 120) if s.tick == 60 else s, "jumped by 1"),
-    ("still", from_tick(0, counts=lambda _: 3), "heated through and did not move"),
+    ("still", from_tick(0, counts=lambda _: 3), "fully heated and did not move"),
 ]
 
 
@@ -55,7 +55,7 @@ def test_an_encoder_that_sticks_on_a_hot_wire_trips_as_it_cools():
 
     guard, twin = guarded(sticking)
     heated(guard, 1300, 1.0)
-    with pytest.raises(LimitExceeded, match="cooled through and did not move"):
+    with pytest.raises(LimitExceeded, match="fully cooled and did not move"):
         heated(guard, 900, 0.0)
     assert twin.output_A == 0.0
 
@@ -82,7 +82,7 @@ def test_an_amplifier_that_measures_nothing_trips():
     guard, twin = guarded(
         lambda s: s._replace(current_A=0.0, quality=int(Quality.STALE)) if s.tick > 50 else s
     )
-    with pytest.raises(LimitExceeded, match="gave no reading of the current for 20 samples"):
+    with pytest.raises(LimitExceeded, match="returned no current reading for 20 samples"):
         heated(guard)
     assert twin.output_A == 0.0
     assert twin.tick <= 50 + MAX_STALE_SAMPLES + 1

@@ -16,12 +16,12 @@ def test_shipped_rigs_are_sound(name):
     ("line", "says"),
     [
         ('links.amplifier.driver = "smarig_amp"', "no driver 'smarig_amp'; did you mean smarig_amplifier?"),
-        ('links.encoder_daq.url = ""', "links.encoder_daq.url: say where it is"),
+        ('links.encoder_daq.url = ""', "links.encoder_daq.url is missing"),
         ("lease_s = 5.0", "lease_s = 5 is outside 0.5…2 s"),
         ("protection.slew_max_A_per_s = 1.0", "is below limits.current_rate_A_per_s = 25"),
-        ("protection.resistance_max_ohm = 3.0", "do not hold the wire's 4.5 … 5 ohm"),
-        ("protection.heat_max_A2s = 0.5", "should lie between 10 (a steady 1 A)"),
-        ("protection.heat_max_A2s = 20.0", "should lie between 10 (a steady 1 A)"),
+        ("protection.resistance_max_ohm = 3.0", "contain the wire's 4.5 … 5 ohm"),
+        ("protection.heat_max_A2s = 0.5", "should be between 10 (a steady 1 A)"),
+        ("protection.heat_max_A2s = 20.0", "should be between 10 (a steady 1 A)"),
     ],
 )
 def test_inconsistencies_are_reported(tmp_path, capsys, line, says):

@@ -99,5 +99,5 @@ def test_an_exception_anywhere_leaves_the_current_at_zero(where):
 
 def test_an_unknown_command_is_refused():
     _, runner = setup()
-    with pytest.raises(UsageError, match="yields Hold, Waveform, Drive, Zero or Mark, not 'full speed'"):
+    with pytest.raises(UsageError, match="yield Hold, Waveform, Drive, Zero or Mark, got 'full speed'"):
         runner.run(c for c in ["full speed"])

@@ -10,7 +10,7 @@
 /* simavr/runner.c uses this layout: little-endian, without padding. */
 struct plant {
     uint8_t tick;  /* incremented when `output_uA` of a new tick is available */
-    uint8_t taken; /* 1 while the firmware copies the inputs: the simulator waits, otherwise the copy could be inconsistent */
+    uint8_t taken; /* 1 while the firmware copies the inputs: the simulator waits, so the copy is consistent */
     int32_t output_uA;
     int32_t first;  /* current in uA, or raw counts */
     int32_t second; /* voltage in uV; not used by the DAQ */

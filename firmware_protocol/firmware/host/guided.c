@@ -1,6 +1,6 @@
 /*
  * Coverage-guided fuzzing of both devices with libFuzzer. The input is a script of requests, ticks and moments. Check
- * words are corrected in half of the requests, because otherwise no input passes them. promises.h states what must hold.
+ * words are corrected in half of the requests, because otherwise no input passes. promises.h states what must hold.
  */
 #include <stddef.h>
 #include <string.h>

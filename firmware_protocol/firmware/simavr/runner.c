@@ -75,7 +75,7 @@ static void open_pty(void)
     if (pty < 0 || grantpt(pty) || unlockpt(pty))
         fail("no pty");
     const char *path = ptsname(pty);
-    const int kept = open(path, O_RDWR | O_NOCTTY); /* stays open, because otherwise reading fails while no host is connected */
+    const int kept = open(path, O_RDWR | O_NOCTTY); /* stays open: reading would fail without a host */
     if (kept < 0)
         fail(path);
     make_raw(kept);

@@ -81,7 +81,7 @@ def position_loops(scope: CertificateScope) -> str:
         return f"{head} Nothing is proved of them with this model{_reason_text(scope)}."
     time = "" if scope.monotone else ", in continuous time"
     return (
-        f"{head} Proved with this model: {_storage_symbol(scope)} + Φ(e) does not increase{time} if the gain is "
+        f"{head} Proved with this model{time}: {_storage_symbol(scope)} + Φ(e) does not increase if the gain is "
         "constant or switched by the error alone, the reference is constant, and there is no tick of delay. This "
         "bounds the energy and nothing else."
     )

@@ -59,8 +59,8 @@ def test_its_own_reply_is_taken_and_a_refusal_is_one():
     [
         (bytes([3, 4, 0, 7, 0, 9]), Garbled, "a reply to function 3"),
         (bytes([3 | 0x80, 2]), Garbled, "a reply to function 3"),
-        (bytes([23, 6, 0, 7, 0, 9, 0, 1]), Garbled, "3 words came where 2"),
-        (b"", Silent, "no answer within 0.3 s"),
+        (bytes([23, 6, 0, 7, 0, 9, 0, 1]), Garbled, "3 words instead of 2"),
+        (b"", Silent, "no reply within 0.3 s"),
         (None, Garbled, "the connection was cut"),
     ],
 )

@@ -23,7 +23,7 @@ from smarig.device.links.opening import opened
 )
 def test_an_invalid_address_is_reported(framing, url):
     links = load_rig("bench_one_wire").links
-    with pytest.raises(ConfigError, match="is no address of .*://HOST:PORT"):
+    with pytest.raises(ConfigError, match="is not an address of .*://HOST:PORT"):
         opened(links.amplifier.model_copy(update={"framing": framing, "url": url}), 65)
 
 

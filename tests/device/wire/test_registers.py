@@ -31,7 +31,7 @@ def test_a_value_is_rounded_to_the_nearest_and_refused_beyond_the_words():
     assert current.rounded(0.1234564) == 0.123456
     assert current.rounded(0.8) == 0.8
     assert math.isnan(current.rounded(math.nan))
-    with pytest.raises(UsageError, match="current = 3000 A is not between"):
+    with pytest.raises(UsageError, match="current = 3000 A must be between"):
         current.encode(3000.0)
 
 

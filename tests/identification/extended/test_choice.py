@@ -50,7 +50,7 @@ def test_an_extension_is_kept_in_the_file_and_predicts_from_it(name, tmp_path):
         verify(again, trained[2]).runs[0].settled.rms
         < verify(identify(trained, "table").model, trained[2]).runs[0].settled.rms
     )
-    with pytest.raises(UsageError, match="takes classical models"):
+    with pytest.raises(UsageError, match="requires a classical model"):
         again.check_classical("A loop")
 
 
