@@ -104,7 +104,7 @@ def test_steps_of_several_runs_share_one_time_constant():
 
 def test_a_hold_too_short_for_its_time_constant_is_reported():
     found = calibrate([heated(0, 60.0, 0.0, 6.0)])
-    assert "hold the step longer" in found.not_available["tau"]
+    assert "Hold the step longer" in found.not_available["tau"]
 
 
 def test_a_ramp_has_no_step():
@@ -155,7 +155,7 @@ def test_measured_staircase():
     assert clipped.sum() >= 9
     assert gain.n == 82 - clipped.sum()
     assert 200 < gain.ci95[0] < gain.ci95[1] < 260
-    assert "not straight" in gain.source
+    assert "not linear" in gain.source
     mean_ohm = (found.parameters["R_M"].value + found.parameters["R_A"].value) / 2
     assert estimate(found, "hA").value == pytest.approx(mean_ohm / gain.value, rel=0.15)
     assert "cannot be determined" in found.not_available["tau"]
