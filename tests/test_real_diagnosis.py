@@ -5,6 +5,7 @@ expectation, the test states it.
 """
 
 import json
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from smarig.replay import build_timeline, predict
 
 NULLS = 40
 EARLY = 6500  # rows of the cycles: the first 25
+long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
 CYCLE = {"cycle", "reversals"}
 BY_CYCLE = {"walking", "training", "fatigue"}
 
@@ -93,7 +95,7 @@ def test_a_heating_step_shows_a_sensor_that_answers_late(shared_data, tmp_path):
     assert "latent_heat" in found.undetectable
 
 
-@pytest.mark.parametrize("pulse", [0, 1, 2])
+@pytest.mark.parametrize("pulse", [0, pytest.param(1, marks=long), pytest.param(2, marks=long)])
 def test_force_pulses_show_a_late_sensor_and_too_much_wandering_for_latent_heat(shared_data, tmp_path, pulse):
     """Expected was latent heat with half the residual; the thermometer wanders by 1 K over thousands of samples."""
     source = shared_data / "sma_force_pulse" / f"AB{pulse}.csv"
