@@ -49,7 +49,7 @@ def _shipped() -> str:
         "Rigs": (("rig", "kind", "actuator", "tick", "wire"), _rigs()),
         "Actuators": (("actuator", "arrangement", "source"), _actuators()),
         "Campaigns": (("campaign", "holds", "steps"), _campaigns()),
-        "Drivers": (("driver", "speaks to"), _modules("smarig.device.drivers")),
+        "Drivers": (("driver", "instrument"), _modules("smarig.device.drivers")),
         "Formats to import": (("format", "reads"), _modules("smarig.exchange.readers")),
         "Formats to export": (("format", "writes"), _modules("smarig.exchange.writers")),
         "Import mappings": (("mapping", "reads", "source"), _mappings()),

@@ -23,7 +23,7 @@ from smarig.record import load_run
 from smarig.runner.preview import Preview
 from smarig.runner.session import Session
 
-CONTROLLERS, VELOCITY_CONTROLLERS = (
+POSITION, VELOCITY = (
     catalogue_names(TRACKING_CONTROLLERS),
     catalogue_names(VELOCITY_CONTROLLERS),
 )
@@ -94,8 +94,8 @@ def holding(setup):
 
 def recorded(rig, folder, wire):
     """Every controller in one session."""
-    loops = {name: following(name, rig) for name in CONTROLLERS}
-    loops |= {name: velocity_following(name, rig) for name in VELOCITY_CONTROLLERS}
+    loops = {name: following(name, rig) for name in POSITION}
+    loops |= {name: velocity_following(name, rig) for name in VELOCITY}
     with Session(rig, seed=3, wire=wire) as session:
         return {
             name: load_run(

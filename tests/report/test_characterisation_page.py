@@ -2,19 +2,18 @@
 
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 
 import numpy as np
 import plotly.graph_objects as go
 import pytest
 
 from report.pages import LOADING, Page, unpacked
-from smarig.app import characterise as application
 from smarig.app.characterise import characterise
 from smarig.diagnosis.diagnose import diagnose
 from smarig.identification.density_report import density_report
 from smarig.plant.effect_catalogue import effect_types
 from smarig.report.characterisation_page import characterisation_page
-
 
 COMPETE = ("ambient_drift", "creep", "slip", "walking")
 
@@ -24,7 +23,9 @@ def evidence(tmp_path_factory):
     """What characterising the one-wire twin finds; few effects compete: the diagnosis has a page of its own."""
     without = [k.name for k in effect_types() if k.name not in COMPETE]
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(application, "diagnose", partial(diagnose, nulls=40, without=without))
+        patched.setattr(
+            import_module("smarig.app.characterise"), "diagnose", partial(diagnose, nulls=40, without=without)
+        )
         return characterise("one_wire_twin", tmp_path_factory.mktemp("one"), seed=2).evidence
 
 
