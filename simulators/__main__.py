@@ -22,9 +22,9 @@ from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
 from simulators.pace import HOST_TIMEOUT_s, LockStep, Pace, RealTime
 from simulators.server import Server, TickTrace
-from simulators.station import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
+from simulators.framed_device import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
 from simulators.transports import Port, Pty, TcpPort
-from simulators.world import AMPLIFIER, DAQ, SimulatedBench
+from simulators.simulated_bench import AMPLIFIER, DAQ, SimulatedBench
 from smarig.config import RigFile, load_rig
 from smarig.core import SmarigError, UsageError
 from smarig.device import load_register_map

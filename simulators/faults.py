@@ -9,7 +9,7 @@
     to_s = 60
 
 Times are seconds of device time since power-up. Exchanges are requests on the device's line, counted from 1.
-The faults take effect in line_troubles.py (bytes), reading_troubles.py (readings) and world.py (power).
+The faults take effect in line_troubles.py (bytes), reading_troubles.py (readings) and simulated_bench.py (power).
 """
 
 from pathlib import Path

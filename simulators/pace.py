@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from simulators.layout import RegisterLayout
-from simulators.world import DAQ, SimulatedBench
+from simulators.simulated_bench import DAQ, SimulatedBench
 from smarig.device import Exchange, Refusal, load_register_map
 
 Tick = Callable[[], None]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from simulators.line import DeviceLine
 from simulators.pace import Pace
-from simulators.world import SimulatedBench
+from simulators.simulated_bench import SimulatedBench
 
 LONGEST_SLEEP_s = 0.1  # so that a stop by a signal is noticed
 

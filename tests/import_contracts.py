@@ -7,7 +7,7 @@ import grimp
 from importlinter import Contract, ContractCheck, fields, output
 
 
-class FrontDoors(Contract):
+class ExportedNamesOnly(Contract):
     """Other packages import ``smarig.PACKAGE``, never ``smarig.PACKAGE.module``.
 
     ``container`` holds the packages; ``except_for`` lists modules that anybody may import.
@@ -22,21 +22,21 @@ class FrontDoors(Contract):
         allowed = set(self.except_for or ())  # type: ignore[call-overload]
         broken = [
             {"importer": importer, "imported": module}
-            for door in sorted(graph.find_children(str(self.container)))
-            for module in sorted(graph.find_descendants(door) - allowed)
+            for package in sorted(graph.find_children(str(self.container)))
+            for module in sorted(graph.find_descendants(package) - allowed)
             for importer in sorted(graph.find_modules_that_directly_import(module))
-            if importer != door
-            and not importer.startswith(f"{door}.")
-            and not _through(door, graph.get_import_details(importer=importer, imported=module))
+            if importer != package
+            and not importer.startswith(f"{package}.")
+            and not _through(package, graph.get_import_details(importer=importer, imported=module))
         ]
         return ContractCheck(kept=not broken, metadata={"broken": broken})
 
     def render_broken_contract(self, check: ContractCheck) -> None:
-        """One line for each import that passes by a front door."""
+        """One line for each import that passes by the package."""
         for link in check.metadata["broken"]:
             output.print_error(f"{link['importer']} imports {link['imported']}", bold=False)
 
 
-def _through(door: str, details: Sequence[Mapping[str, Any]]) -> bool:
+def _through(package: str, details: Sequence[Mapping[str, Any]]) -> bool:
     """Whether the lines import from the package: a function may have the name of its module."""
-    return bool(details) and all(line["line_contents"].startswith(f"from {door} import") for line in details)
+    return bool(details) and all(line["line_contents"].startswith(f"from {package} import") for line in details)

@@ -1,4 +1,4 @@
-/* made by python -m smarig.device.wire.generate from the maps in firmware_protocol; do not edit */
+/* made by python -m smarig.device.encoding.generate from the maps in firmware_protocol; do not edit */
 #ifndef SMARIG_REGISTERS_H
 #define SMARIG_REGISTERS_H
 

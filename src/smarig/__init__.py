@@ -9,7 +9,7 @@ Public names are imported on first use, so that ``import smarig`` is fast.
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.app import regulate as regulate
@@ -29,4 +29,4 @@ if TYPE_CHECKING:
     from smarig.runner import resume as resume
     from smarig.runner import run as run
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

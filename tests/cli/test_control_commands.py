@@ -396,7 +396,7 @@ def mine(known, wanted, *, k=0.5, told_s=2.0):
 def test_a_listing_explains_the_numbers(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     printed = call(capsys, "list", "controllers", "--settings")[1]
-    assert "lead_s = 0.31 s (how far ahead what is wanted is looked at)" in printed
+    assert "lead_s = 0.31 s (preview time of the reference)" in printed
     assert "walk = 0.022 unit/√s (" in printed
     assert "gain = set by the model, K/unit (kelvin" in printed
     assert "cooling_share = 1.7 (gain" in printed

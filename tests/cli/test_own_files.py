@@ -179,7 +179,7 @@ def test_an_own_effect_is_the_same_over_real_bytes(capsys, here):
     assert (a["counts"] == b["counts"]).all()
     assert [f["kind"] for f in a.meta["own_files"]] == ["effect"]
     killed = cut(a.path, here / "k.run.sqlite", 1500)
-    assert "its own effect" in call(capsys, "resume", killed)[2]
+    assert "an own effect" in call(capsys, "resume", killed)[2]
     assert call(capsys, "resume", killed, "--effect", "./soft_mount.py", "--quiet")[0] == 0
 
 
@@ -203,7 +203,7 @@ def test_a_rig_file_may_bring_its_driver(capsys, here, monkeypatch):
     ("text", "says"),
     [
         (None, "There is no file"),
-        ("def shunted(where, rig):\n    return object()\n", "gives no arm, close, has_lease, identity"),
+        ("def shunted(where, rig):\n    return object()\n", "lacks arm, close, has_lease, identity"),
         ("def shunted(where, rig):\n    return 1 / 0\n", "shunted.py, line 2: ZeroDivisionError"),
         ("def shunted(where): ...\n", "must be a function shunted(where, rig)"),
     ],
@@ -337,7 +337,7 @@ def test_a_run_by_a_shipped_controller_holds_no_file(here):
         ("import nowhere\n", "push.py, line 1: ModuleNotFoundError"),
         ("def pull(known, wanted):\n    yield 0.0\n", "the controller must have the file's name"),
         (CONTROLLER.replace("error =", "error = undefined +"), "push.py, line 6: NameError"),
-        (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: it ended"),
+        (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: the generator ended"),
         (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it must yield currents"),
         (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it commanded nan A"),
         (CONTROLLER.replace("gain_K", "seconds"), "'seconds' means something else in the record"),
@@ -363,9 +363,9 @@ def test_what_was_measured_before_a_controller_failed_is_kept(capsys, tracked, h
     (here / "push.py").write_text(fails)
     status, _, err = call(capsys, *tracked)
     assert status == 2
-    assert "push.py, line 10: it ended" in err
+    assert "push.py, line 10: the generator ended" in err
     run = load_run("t.run.sqlite")
-    assert "it ended" in run.cause
+    assert "the generator ended" in run.cause
     assert run["current_command_A"][-51:].any()
     closed_s = next(e.t_s for e in run.events if e.text == "closed loop")
     assert np.sum(run["t_s"] > closed_s) >= 51

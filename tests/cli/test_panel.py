@@ -12,7 +12,7 @@ from smarig.config import load_rig
 from smarig.core.command import Elapsed, Hold, Settled, StepResult, StepVerdict, Waveform
 from smarig.core.errors import Interrupted, LimitExceeded
 from smarig.core.sample import NAN, Sample
-from smarig.device.wire.link_faults import Silent
+from smarig.device.encoding.link_faults import Silent
 from smarig.record import load_run
 from smarig.runner.preview import Preview
 from smarig.runner.run_control import RunControl

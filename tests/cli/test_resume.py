@@ -48,7 +48,7 @@ def test_resume_reports_how_it_ended(capsys, killed):
         (2, ["whole.run.sqlite"], "is finished"),
         (2, ["nowhere.run.sqlite"], "nowhere.run.sqlite"),
         (2, ["killed.run.sqlite", "--rig", "two_wire_twin"], "not on 'two_wire_twin'"),
-        (2, ["killed.run.sqlite", "--wire", "b"], "of wire 'twin-one-wire', not of 'b'"),
+        (2, ["killed.run.sqlite", "--wire", "b"], "to wire 'twin-one-wire', not to 'b'"),
         (4, ["notes.txt"], "is not a run file"),
     ],
 )

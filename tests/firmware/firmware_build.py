@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import pytest
 
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.register import RegisterMap, load_register_map, to_words
+from smarig.device.encoding.crc import crc16
+from smarig.device.encoding.register import RegisterMap, load_register_map, to_words
 
 FIRMWARE = Path(__file__).resolve().parents[2] / "firmware_protocol" / "firmware"
 RTU, LINES = 0, 1

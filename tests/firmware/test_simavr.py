@@ -8,7 +8,7 @@ import time
 
 from firmware.codes import ARMED, LEASE, NONE, REARM, TRIPPED
 from firmware.firmware_build import frame, read_line, sealed, status_of
-from smarig.device.wire.register import load_register_map, to_words
+from smarig.device.encoding.register import load_register_map, to_words
 
 MAP = load_register_map("amplifier")
 WORDS = MAP.size("status")

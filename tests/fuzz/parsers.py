@@ -11,15 +11,16 @@ import atheris
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
-with atheris.instrument_imports(include=["smarig.device.wire", "simulators"]):
+with atheris.instrument_imports(include=["smarig.device.encoding", "simulators"]):
     from simulators.amplifier import Amplifier
     from simulators.encoder_daq import EncoderDaq
     from simulators.framing import answer
     from simulators.lines import TextFraming
     from simulators.modbus import Rtu, Tcp
-    from smarig.device.wire import lines, rtu
-    from smarig.device.wire.crc import crc16
-    from smarig.device.wire.exchange import Exchange, Refusal
+    from smarig.device.encoding import lines
+    from smarig.device.encoding import rtu
+    from smarig.device.encoding.crc import crc16
+    from smarig.device.encoding.exchange import Exchange, Refusal
 
 ADDRESS = 65
 FRAMINGS = (TextFraming(), Rtu(ADDRESS), Tcp(ADDRESS))

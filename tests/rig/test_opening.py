@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.core.errors import Interrupted, LimitExceeded, RigFault
-from smarig.device.wire.link_faults import Silent
+from smarig.device.encoding.link_faults import Silent
 from smarig.rig.open_rig import _confirmed_shutdown
 
 SHUTDOWN_UNCONFIRMED = "The amplifier could not be told."

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from simulators.faults import SimulatedFault
 from simulators.lines import TextFraming
 from simulators.pace import LockStep
-from simulators.station import PythonAmplifier, PythonDaq
-from simulators.world import SimulatedBench
-from smarig.device.wire import lines
-from smarig.device.wire.exchange import Exchange, Refusal
+from simulators.framed_device import PythonAmplifier, PythonDaq
+from simulators.simulated_bench import SimulatedBench
+from smarig.device.encoding import lines
+from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.rig.specimen import RawReading
 
 PERIOD_s = 0.1

@@ -10,11 +10,12 @@ from typing import Any
 
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu
-from simulators.station import PythonAmplifier, PythonDaq
+from simulators.framed_device import PythonAmplifier, PythonDaq
 from smarig.core.resources import shipped
-from smarig.device.wire import lines, rtu
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import from_words, load_register_map
+from smarig.device.encoding import lines
+from smarig.device.encoding import rtu
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.register import from_words, load_register_map
 
 FOLDER = shipped("firmware_protocol") / "golden"
 MAKERS = {"amplifier": PythonAmplifier, "encoder_daq": PythonDaq}

@@ -3,7 +3,7 @@
 from golden import Script
 from golden_words import NO_SENSOR, frame
 
-from smarig.device.wire.exchange import Exchange
+from smarig.device.encoding.exchange import Exchange
 
 
 def ring() -> Script:

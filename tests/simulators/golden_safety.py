@@ -23,7 +23,7 @@ from golden_words import (
     good,
 )
 
-from smarig.device.wire.exchange import Exchange
+from smarig.device.encoding.exchange import Exchange
 
 
 def lease() -> Script:

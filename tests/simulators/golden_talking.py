@@ -3,7 +3,7 @@
 from golden import Script
 from golden_words import AMPERE, ARM, ARMED, OFF, REARM, SWITCH_OFF, WIRE, armed, frame, good, line
 
-from smarig.device.wire.exchange import Exchange
+from smarig.device.encoding.exchange import Exchange
 
 
 def handshake() -> Script:

@@ -2,7 +2,7 @@
 
 from golden import Script
 
-from smarig.device.wire.crc import crc16
+from smarig.device.encoding.crc import crc16
 
 OFF, ARMED, TRIPPED = 0, 1, 2
 NONE, ARM, SWITCH_OFF, REARM = 0, 1, 2, 3

@@ -6,8 +6,10 @@ import time
 import tty
 from functools import partial
 
-from smarig.device.wire import lines, rtu
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.encoding import lines
+
+from smarig.device.encoding import rtu
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 PATIENCE_S = 60.0  # ends a test that has failed
 

@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
-from simulators.station import PythonAmplifier, PythonDaq
-from smarig.device.wire import lines, rtu
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.exchange import Exchange, Refusal
+from simulators.framed_device import PythonAmplifier, PythonDaq
+from smarig.device.encoding import lines
+from smarig.device.encoding import rtu
+from smarig.device.encoding.crc import crc16
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 FRAMINGS = (TextFraming(), Rtu(65), Tcp(65))
 bits = st.binary(max_size=300)

@@ -3,7 +3,7 @@
 from benches import Bench, PERIOD_s
 
 from simulators.pace import MAX_CATCH_UP_TICKS, HOST_TIMEOUT_s, RealTime
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 BEYOND_THE_MAP = Exchange(500, 1, 0x100, (1, 0, 0, 1, 5))
 

@@ -11,8 +11,8 @@ from simulators.line_troubles import LineFaults
 from simulators.lines import TextFraming
 from simulators.server import Server
 from simulators.transports import Pty
-from smarig.device.wire import lines
-from smarig.device.wire.exchange import Exchange
+from smarig.device.encoding import lines
+from smarig.device.encoding.exchange import Exchange
 
 
 class Once(Bench):

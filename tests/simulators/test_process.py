@@ -14,9 +14,9 @@ import pytest
 from talks import PATIENCE_S, Talk
 
 from smarig.core.resources import shipped
-from smarig.device.wire import lines
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import load_register_map
+from smarig.device.encoding import lines
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.register import load_register_map
 
 AMPLIFIER = load_register_map("amplifier")
 DAQ = load_register_map("encoder_daq")

@@ -5,7 +5,7 @@ import contextlib
 import pytest
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 
-from smarig.device.wire.register import load_register_map
+from smarig.device.encoding.register import load_register_map
 
 
 @pytest.fixture(params=["modbus_tcp", "modbus_rtu"])

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from simulators.amplifier import Amplifier
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.register import load_register_map
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.register import load_register_map
 
 MAP = load_register_map("amplifier")
 currents = st.sampled_from([0, 1, 49_999, 300_000, -300_000, 1_000_000, 1_000_001, -5_000_000])

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.app.characterise import characterise as characterise
@@ -17,4 +17,4 @@ if TYPE_CHECKING:
     from smarig.app.simulated_run import simulate_run as simulate_run
     from smarig.app.tracking_loop import tracking as tracking
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

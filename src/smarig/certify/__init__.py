@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.certify.certificate_scope import CONTROL_FINDINGS as CONTROL_FINDINGS
@@ -19,4 +19,4 @@ if TYPE_CHECKING:
     from smarig.certify.rig_assessment import RigAssessment as RigAssessment
     from smarig.certify.storage_bound import StorageBound as StorageBound
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

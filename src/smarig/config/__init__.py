@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.config.config_files import load_actuator as load_actuator
@@ -24,4 +24,4 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

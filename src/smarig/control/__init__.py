@@ -5,7 +5,7 @@ A closed loop is a protocol like any other: a generator of commands, so the rig'
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.control.argument_checks import finite as finite
@@ -55,4 +55,4 @@ if TYPE_CHECKING:
     from smarig.control.velocity.velocity_protocol import velocity_tracking as velocity_tracking
     from smarig.control.velocity.velocity_protocol import with_lead_in as with_lead_in
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.core import file_content as file_content
@@ -55,4 +55,4 @@ if TYPE_CHECKING:
     from smarig.core.toml_file import load_toml as load_toml
     from smarig.core.toml_file import read_toml as read_toml
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -20,6 +20,8 @@ FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
     ),
     "smarig.drivers": ("smarig.device.drivers", {}),
     "smarig.drivers._roles": ("smarig.device.drivers._roles", {}),
+    "smarig.device.wire": ("smarig.device.encoding", {}),
+    "smarig.device.wire.link_faults": ("smarig.device.encoding.link_faults", {}),
     "smarig.errors": ("smarig.core.errors", {}),
     "smarig.links": ("smarig.device.links", {}),
     "smarig.links.serial_line": ("smarig.device.links.serial_line", {"GONE": "PORT_ERRORS"}),
@@ -34,8 +36,8 @@ FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
         {"few": "checked_count", "increasing": "checked_partition", "line": "evenly_spaced"},
     ),
     "smarig.sample": ("smarig.core.sample", {}),
-    "smarig.wire": ("smarig.device.wire", {}),
-    "smarig.wire.blame": ("smarig.device.wire.link_faults", {}),
+    "smarig.wire": ("smarig.device.encoding", {}),
+    "smarig.wire.blame": ("smarig.device.encoding.link_faults", {}),
 }
 
 

@@ -8,7 +8,7 @@ records of wire temperature.
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
@@ -51,4 +51,4 @@ if TYPE_CHECKING:
     from smarig.diagnosis.refit.refit import Refit as Refit
     from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.exchange.drift import DriftDecision as DriftDecision
@@ -17,4 +17,4 @@ if TYPE_CHECKING:
     from smarig.exchange.mapping import MappingFile as MappingFile
     from smarig.exchange.mapping import load_mapping as load_mapping
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

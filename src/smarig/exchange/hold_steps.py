@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.exchange.draft import directions, step_row
+from smarig.exchange.reader_result import directions, step_row
 
 Array = NDArray[np.float64]
 WINDOW_S = 25.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.exchange.channel_faults import quantum, unused_findings
-from smarig.exchange.draft import RunDraft, directions, step_row
+from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.exchange.mapping import Column, MappingFile, require_columns

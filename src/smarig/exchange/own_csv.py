@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError
 from smarig.exchange.channel_faults import quantum
-from smarig.exchange.draft import RunDraft
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.findings import duplicate_columns, record_findings, saturation_marks
 from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
 from smarig.exchange.loop_faults import LoopRecord, loop_findings

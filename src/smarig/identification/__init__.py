@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.identification.adaptive import informed_choice as informed_choice
@@ -43,4 +43,4 @@ if TYPE_CHECKING:
     from smarig.identification.verify import Verification as Verification
     from smarig.identification.verify import verify as verify
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

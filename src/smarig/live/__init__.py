@@ -6,7 +6,7 @@ plain values. Only ``rerun_output`` passes primitives to a viewer.
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.live.display_info import rig_display_info as rig_display_info
@@ -18,4 +18,4 @@ if TYPE_CHECKING:
     from smarig.live.viewer_process import free_port as free_port
     from smarig.live.viewer_process import viewer_address as viewer_address
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.plant.actuator import Actuator as Actuator
@@ -36,4 +36,4 @@ if TYPE_CHECKING:
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages
     from smarig.plant.thermal_stages import apply_hooks as apply_hooks
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

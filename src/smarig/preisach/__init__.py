@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.preisach.compiled import compiled_available as compiled_available
@@ -35,4 +35,4 @@ if TYPE_CHECKING:
     from smarig.preisach.state import State as State
     from smarig.preisach.turning_points import turning_points as turning_points
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

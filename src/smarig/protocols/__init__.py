@@ -3,7 +3,7 @@
 import inspect
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.protocols._building_blocks import checked_count as checked_count
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from smarig.protocols.initialise import initialise as initialise
     from smarig.protocols.validation import validation as validation
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)
 
 
 def misfit(name: str, found: Any) -> str:

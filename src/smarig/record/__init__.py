@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.record import schema as schema
@@ -27,4 +27,4 @@ if TYPE_CHECKING:
     from smarig.record.wire_history import load_wire_history as load_wire_history
     from smarig.record.wire_history import wire_histories as wire_histories
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.replay.extended_model import extended_operator as extended_operator
@@ -45,4 +45,4 @@ if TYPE_CHECKING:
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.report.certificate.certificate_page import Further as Further
@@ -27,4 +27,4 @@ if TYPE_CHECKING:
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.rig.bench import Bench as Bench
@@ -19,4 +19,4 @@ if TYPE_CHECKING:
     from smarig.rig.specimen import TwinSettings as TwinSettings
     from smarig.rig.twin import Twin as Twin
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

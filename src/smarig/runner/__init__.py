@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.runner.bounded_listener import BoundedListener as BoundedListener
@@ -29,4 +29,4 @@ if TYPE_CHECKING:
     from smarig.runner.settling_detection import Approach as Approach
     from smarig.runner.settling_detection import SettleWindow as SettleWindow
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -25,7 +25,7 @@ from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener
 from smarig.runner.run_control import RunControl
 from smarig.runner.settling_detection import Approach, SettleWindow
-from smarig.runner.shift import Shift
+from smarig.runner.restart_shift import Shift
 
 BACKLOG = 2000  # samples of an earlier current that a ring may still contain
 

@@ -34,7 +34,7 @@ from smarig.runner.run_metadata import (
     twin_source,
 )
 from smarig.runner.runner import Runner
-from smarig.runner.shift import Shift
+from smarig.runner.restart_shift import Shift
 from smarig.runner.signal_handling import stop_on_signals
 
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from smarig.core.front_door import front_door
+from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.theory.energy.available_storage import available_storage as available_storage
@@ -37,4 +37,4 @@ if TYPE_CHECKING:
     from smarig.theory.state_space.operator_state import boundary_of as boundary_of
     from smarig.theory.state_space.operator_state import distance as distance
 
-__getattr__, __dir__, __all__ = front_door(__name__)
+__getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -1,8 +1,8 @@
 """A device behind the Link interface that sends what the test prescribes."""
 
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.link_faults import Silent
-from smarig.device.wire.register import RegisterMap, to_words
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.link_faults import Silent
+from smarig.device.encoding.register import RegisterMap, to_words
 
 
 class Scripted:

@@ -12,9 +12,9 @@ from smarig.device.drivers import smarig_amplifier, smarig_encoder_daq
 from smarig.device.drivers.scpi_supply import ScpiSupply, scpi_supply
 from smarig.device.drivers.smarig_amplifier import SmarigAmplifier
 from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
-from smarig.device.wire.exchange import Refusal
-from smarig.device.wire.link_faults import Garbled, Refused, Silent, WrongDevice
-from smarig.device.wire.register import load_register_map
+from smarig.device.encoding.exchange import Refusal
+from smarig.device.encoding.link_faults import Garbled, Refused, Silent, WrongDevice
+from smarig.device.encoding.register import load_register_map
 
 SETTINGS = {"period": 0.1, "lease": 1.0, "current_max": 1.0, "resistance_max": 20.0}
 OFF, ARM = 2, 1

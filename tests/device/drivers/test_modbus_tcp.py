@@ -7,8 +7,8 @@ import threading
 import pytest
 
 from smarig.device.links.modbus_tcp import ModbusTcp
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.link_faults import Garbled, Silent
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.link_faults import Garbled, Silent
 
 ASKED = Exchange(0, 2, 0x100, (1,))  # function 23
 

@@ -7,7 +7,7 @@ from smarig.config import load_rig
 from smarig.core.command import Elapsed, Hold
 from smarig.core.errors import LeaseExpired
 from smarig.core.sample import Quality
-from smarig.device.wire.link_faults import Garbled, Silent
+from smarig.device.encoding.link_faults import Garbled, Silent
 from smarig.plant.actuator import Actuator
 from smarig.rig.bench import MAX_BLOCK_TICKS, MAX_TICK_GAP, SENSOR_TIMEOUT_S, Bench
 from smarig.rig.guard import Guard

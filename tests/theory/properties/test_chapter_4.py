@@ -28,7 +28,7 @@ from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
-from smarig.theory.properties import strips
+from smarig.theory.properties import strip_integrals as strips
 from smarig.theory.properties.classes import classes
 from smarig.theory.properties.continuity import lipschitz, modulus
 from smarig.theory.properties.monotone import crossing_ascending, crossing_descending, monotone

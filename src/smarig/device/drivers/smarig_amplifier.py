@@ -8,8 +8,8 @@ from smarig.device.drivers._conversation import Conversation, Status
 from smarig.device.drivers._roles import CurrentReading
 from smarig.device.links.link import Link, let_go_on_failure
 from smarig.device.links.opening import opened
-from smarig.device.wire.link_faults import Rebooted, Refused
-from smarig.device.wire.register import load_register_map
+from smarig.device.encoding.link_faults import Rebooted, Refused
+from smarig.device.encoding.register import load_register_map
 
 TRIES_OFF = 3
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 
 class Link(Protocol):

@@ -11,9 +11,9 @@ from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ModbusIOException
 from pymodbus.pdu import ExceptionResponse
 
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.link_faults import Garbled, Silent
-from smarig.device.wire.rtu import function as _function
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.encoding.rtu import function as _function
 
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # smarig reports each of its errors once
 UNANSWERED = "No response received"  # start of its message after a time-out

@@ -10,9 +10,11 @@ from importlib.util import find_spec
 
 import serial
 
-from smarig.device.wire import lines, rtu
-from smarig.device.wire.exchange import Exchange, Refusal
-from smarig.device.wire.link_faults import Garbled, Silent
+from smarig.device.encoding import lines
+
+from smarig.device.encoding import rtu
+from smarig.device.encoding.exchange import Exchange, Refusal
+from smarig.device.encoding.link_faults import Garbled, Silent
 
 _TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
 PORT_ERRORS = (

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from smarig.core import UsageError
-from smarig.exchange.draft import RunDraft
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.mapped_csv import read_mapped_csv
 from smarig.exchange.mapping import load_mapping
 from smarig.exchange.own_csv import read_own_csv

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from smarig.core import UsageError
-from smarig.exchange.draft import RunDraft
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.mapped_csv import mapped_draft
 from smarig.exchange.mapping import load_mapping
 from smarig.exchange.mat_file import file_set, read_mat_table

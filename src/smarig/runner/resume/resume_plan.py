@@ -15,7 +15,7 @@ from smarig.preisach import Preisach, RelayMeasure
 from smarig.protocols import Setup
 from smarig.record import Run, Step
 from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
-from smarig.runner.shift import Shift
+from smarig.runner.restart_shift import Shift
 
 RE_ESTABLISH = "re-establish"
 COLD_TAUS = 10.0  # at zero current, for any initial temperature of the wire

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from smarig.preisach import Everett, FodSurface, Interval, Mirrored, RelayMeasure
 from smarig.theory.properties import enclosure
-from smarig.theory.properties.extreme import Extreme, least, least_of
+from smarig.theory.properties.branch_and_bound import Extreme, least, least_of
 from smarig.theory.properties.triangle_grid import TriangleGrid, masses
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from smarig.preisach import Everett, FodSurface, Mirrored
 from smarig.theory.properties import enclosure
-from smarig.theory.properties.extreme import Extreme, least, least_of
+from smarig.theory.properties.branch_and_bound import Extreme, least, least_of
 from smarig.theory.properties.sweep_changes import largest_setback
 from smarig.theory.properties.triangle_grid import TriangleGrid
 

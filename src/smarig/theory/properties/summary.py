@@ -9,7 +9,7 @@ import numpy as np
 from smarig.preisach import Everett, unmirrored
 from smarig.theory.properties.classes import MeasureClasses, classes
 from smarig.theory.properties.continuity import lipschitz, modulus
-from smarig.theory.properties.extreme import Extreme
+from smarig.theory.properties.branch_and_bound import Extreme
 from smarig.theory.properties.monotone import (
     Crossing,
     Monotonicity,
@@ -17,7 +17,7 @@ from smarig.theory.properties.monotone import (
     crossing_descending,
     monotone,
 )
-from smarig.theory.properties.strips import K, bound
+from smarig.theory.properties.strip_integrals import K, bound
 from smarig.theory.properties.sweep_changes import ChangeBounds, largest_change
 from smarig.theory.properties.triangle_grid import MeasureKind, TriangleGrid
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach import Everett
-from smarig.theory.properties.strips import K, candidates
+from smarig.theory.properties.strip_integrals import K, candidates
 from smarig.theory.properties.triangle_grid import LEVELS, TriangleGrid
 from smarig.theory.properties.variation import uncertainty
 

@@ -2,7 +2,7 @@
 second-order curves.
 """
 
-from smarig.identification.extended.excess_run import excess_values, fitted_excess, largest_excess
+from smarig.identification.extended.second_order_runs import excess_values, fitted_excess, largest_excess
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 
 

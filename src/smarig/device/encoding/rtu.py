@@ -6,8 +6,8 @@ Receivers that discard a noisy buffer as a whole never recover on a noisy line.
 
 import struct
 
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.encoding.crc import crc16
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 READ, WRITE, BOTH = 3, 16, 23
 REFUSAL_BYTES = 5

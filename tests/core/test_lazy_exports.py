@@ -14,16 +14,16 @@ import pytest
 import smarig
 
 PACKAGE = Path(smarig.__file__).parent
-DOORS = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py") if p.parent.name != "cli")
+PACKAGES = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py") if p.parent.name != "cli")
 
 
-@pytest.mark.parametrize("package", ["", *DOORS])
-def test_what_a_front_door_lists_is_there(package):
+@pytest.mark.parametrize("package", ["", *PACKAGES])
+def test_every_listed_name_is_there(package):
     """Also where a module has the name of what it defines, and was imported before."""
-    door = importlib.import_module(f"smarig.{package}".rstrip("."))
-    for name in door.__all__:
+    module = importlib.import_module(f"smarig.{package}".rstrip("."))
+    for name in module.__all__:
         try:
-            value = getattr(door, name)
+            value = getattr(module, name)
         except ImportError as error:  # an extra that is not installed
             pytest.skip(str(error))
         assert value is not None, name

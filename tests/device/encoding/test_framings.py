@@ -13,9 +13,11 @@ from pymodbus.pdu.register_message import (
     WriteMultipleRegistersRequest,
 )
 
-from smarig.device.wire import lines, rtu
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.encoding import lines
+
+from smarig.device.encoding import rtu
+from smarig.device.encoding.crc import crc16
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 WORD = st.integers(0, 0xFFFF)
 EXCHANGES = st.one_of(

@@ -1,4 +1,4 @@
-"""Front doors: the public names of each package, imported on first use."""
+"""The public names of each package, imported on first use."""
 
 import ast
 import importlib
@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import Any
 
 
-class _FrontDoor(ModuleType):
+class _LazyPackage(ModuleType):
     """A package whose exported names are not overwritten by its modules of the same name."""
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -19,23 +19,23 @@ class _FrontDoor(ModuleType):
         super().__setattr__(name, value)
 
 
-def front_door(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+def lazy_exports(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the imports under its ``if TYPE_CHECKING:``.
 
     Type checkers read the same list. Importing a package imports none of its modules.
     """
-    door = sys.modules[package]
-    homes = _listed(Path(str(door.__file__)))
-    door.__class__ = _FrontDoor
+    module = sys.modules[package]
+    homes = _listed(Path(str(module.__file__)))
+    module.__class__ = _LazyPackage
 
     def get(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home = importlib.import_module(homes[name])
-        value = None if home is door else getattr(home, name, None)
+        value = None if home is module else getattr(home, name, None)
         if value is None:  # the exported name is a module
             value = importlib.import_module(f"{homes[name]}.{name}")
-        door.__dict__[name] = value
+        module.__dict__[name] = value
         return value
 
     return get, lambda: sorted(homes), sorted(homes)

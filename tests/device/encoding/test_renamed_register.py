@@ -40,7 +40,7 @@ import sys
 sys.path.append(sys.argv[1])
 from device.drivers.scripted import Scripted
 from smarig.config import load_rig
-from smarig.device.wire.register import load_register_map
+from smarig.device.encoding.register import load_register_map
 """
 
 
@@ -75,7 +75,7 @@ def python(folder, *arguments):
 @pytest.mark.parametrize("renamed", RENAMED, indirect=True, ids=lambda r: "-".join(r))
 def test_a_renamed_register_stops_what_is_generated_and_what_names_it(renamed):
     folder, device, name = renamed
-    checked = python(folder, "-m", "smarig.device.wire.generate", "--check")
+    checked = python(folder, "-m", "smarig.device.encoding.generate", "--check")
     assert checked.returncode == 1
     assert "smarig_registers.h" in checked.stdout + checked.stderr
     assert "registers.md" in checked.stdout + checked.stderr
@@ -92,7 +92,7 @@ def test_the_firmware_does_not_compile_in_exactly_the_files_that_name_it(renamed
         pytest.skip("gcc is not installed")
     folder, device, name = renamed
     short = SHORT[device]
-    assert python(folder, "-m", "smarig.device.wire.generate").returncode == 0
+    assert python(folder, "-m", "smarig.device.encoding.generate").returncode == 0
     word = re.compile(rf"\b{short}_{name.upper()}(_\w+)?\b")
     others = set(re.findall(r"#define (\w+)", (folder / FIRMWARE / "smarig_registers.h").read_text("utf-8")))
     wrong, named = set(), set()

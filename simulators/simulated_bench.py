@@ -10,7 +10,7 @@ from simulators.amplifier import SATURATED
 from simulators.encoder_daq import INDEX
 from simulators.faults import BrownOut, ClockDrift, Reboot, SimulatedFault
 from simulators.reading_troubles import EncoderFaults, WireFaults
-from simulators.station import AmplifierStation, DaqStation, Station
+from simulators.framed_device import AmplifierStation, DaqStation, Station
 from smarig.device import Exchange, load_register_map
 from smarig.rig import RawReading
 

@@ -1,6 +1,6 @@
 """Generates the C header and the reference page from the register maps.
 
-``python -m smarig.device.wire.generate`` writes both; ``--check`` reports whether they are up to date.
+``python -m smarig.device.encoding.generate`` writes both; ``--check`` reports whether they are up to date.
 """
 
 import sys
@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from smarig.core import shipped
-from smarig.device.wire.register import DeviceFault, Register, RegisterMap, Value, load_register_map
+from smarig.device.encoding.register import DeviceFault, Register, RegisterMap, Value, load_register_map
 
 DEVICES = ("amplifier", "encoder_daq")
 GENERATED_NOTE = (
-    "made by python -m smarig.device.wire.generate from the maps in firmware_protocol; do not edit"
+    "made by python -m smarig.device.encoding.generate from the maps in firmware_protocol; do not edit"
 )
 
 
@@ -131,6 +131,6 @@ if __name__ == "__main__":
     found = outdated(write=not check)
     for path in found:
         sys.stderr.write(
-            f"{path} {'is not up to date: python -m smarig.device.wire.generate' if check else 'written'}\n"
+            f"{path} {'is not up to date: python -m smarig.device.encoding.generate' if check else 'written'}\n"
         )
     sys.exit(1 if check and found else 0)

@@ -2,8 +2,8 @@
 
 import re
 
-from smarig.device.wire.crc import crc16
-from smarig.device.wire.exchange import Exchange, Refusal
+from smarig.device.encoding.crc import crc16
+from smarig.device.encoding.exchange import Exchange, Refusal
 
 _REPLY = re.compile(rb"(?:=(?P<words>(?: [0-9A-F]{4})*)|! (?P<code>[0-9A-F]{1,2})) \*(?P<crc>[0-9A-F]{4})")
 
