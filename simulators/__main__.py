@@ -15,6 +15,7 @@ import click
 
 from simulators.faults import SimulatedFault, Unplugged, load_faults
 from simulators.firmware import FirmwareAmplifier, FirmwareDaq, open_library
+from simulators.framed_device import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
 from simulators.framing import ServerFraming
 from simulators.line import DeviceLine
 from simulators.line_troubles import LineFaults
@@ -22,9 +23,8 @@ from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
 from simulators.pace import HOST_TIMEOUT_s, LockStep, Pace, RealTime
 from simulators.server import Server, TickTrace
-from simulators.framed_device import AmplifierStation, DaqStation, PythonAmplifier, PythonDaq
-from simulators.transports import Port, Pty, TcpPort
 from simulators.simulated_bench import AMPLIFIER, DAQ, SimulatedBench
+from simulators.transports import Port, Pty, TcpPort
 from smarig.config import RigFile, load_rig
 from smarig.core import SmarigError, UsageError
 from smarig.device import load_register_map

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from simulators.framing import Receiver, ServerFraming
 from simulators.line_troubles import LineFaults
-from simulators.transports import Port
 from simulators.simulated_bench import SimulatedBench
+from simulators.transports import Port
 
 FRAME_END_s = 0.002  # of silence: more than 3.5 characters, and long enough for the timing of a computer
 

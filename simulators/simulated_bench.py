@@ -9,8 +9,8 @@ from typing import Protocol
 from simulators.amplifier import SATURATED
 from simulators.encoder_daq import INDEX
 from simulators.faults import BrownOut, ClockDrift, Reboot, SimulatedFault
-from simulators.reading_troubles import EncoderFaults, WireFaults
 from simulators.framed_device import AmplifierStation, DaqStation, Station
+from simulators.reading_troubles import EncoderFaults, WireFaults
 from smarig.device import Exchange, load_register_map
 from smarig.rig import RawReading
 

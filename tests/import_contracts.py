@@ -39,4 +39,6 @@ class ExportedNamesOnly(Contract):
 
 def _through(package: str, details: Sequence[Mapping[str, Any]]) -> bool:
     """Whether the lines import from the package: a function may have the name of its module."""
-    return bool(details) and all(line["line_contents"].startswith(f"from {package} import") for line in details)
+    return bool(details) and all(
+        line["line_contents"].startswith(f"from {package} import") for line in details
+    )

@@ -84,7 +84,7 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.certify.velocity.stability",
             "smarig.control.velocity.velocity_protocol",
             "smarig.certify.rig_assessment",
-            "smarig.control.regulation.psi",
+            "smarig.control.regulation.anhysteretic_output",
             "smarig.control.regulation.approach",
             "smarig.control.regulation.setpoint_pi",
             "smarig.control.regulation.regulation_protocol",

@@ -40,7 +40,6 @@ REPEATED_MODULES = {
     "mat": "a reader and a writer of one format",
     "inverse": "the inverse of the operator, and the tracking controller of that name in the catalogue",
     "measured_input": "the drive of a simulation (plant), and how it is taken from runs (replay)",
-    "diagnosis_text": "text on the terminal (diagnosis), and of the page (report)",
 }
 
 

@@ -17,8 +17,7 @@ with atheris.instrument_imports(include=["smarig.device.encoding", "simulators"]
     from simulators.framing import answer
     from simulators.lines import TextFraming
     from simulators.modbus import Rtu, Tcp
-    from smarig.device.encoding import lines
-    from smarig.device.encoding import rtu
+    from smarig.device.encoding import lines, rtu
     from smarig.device.encoding.crc import crc16
     from smarig.device.encoding.exchange import Exchange, Refusal
 

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from simulators.faults import SimulatedFault
+from simulators.framed_device import PythonAmplifier, PythonDaq
 from simulators.lines import TextFraming
 from simulators.pace import LockStep
-from simulators.framed_device import PythonAmplifier, PythonDaq
 from simulators.simulated_bench import SimulatedBench
 from smarig.device.encoding import lines
 from smarig.device.encoding.exchange import Exchange, Refusal

@@ -8,12 +8,11 @@ import json
 from pathlib import Path
 from typing import Any
 
+from simulators.framed_device import PythonAmplifier, PythonDaq
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu
-from simulators.framed_device import PythonAmplifier, PythonDaq
 from smarig.core.resources import shipped
-from smarig.device.encoding import lines
-from smarig.device.encoding import rtu
+from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.register import from_words, load_register_map
 

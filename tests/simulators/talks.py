@@ -6,9 +6,7 @@ import time
 import tty
 from functools import partial
 
-from smarig.device.encoding import lines
-
-from smarig.device.encoding import rtu
+from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange, Refusal
 
 PATIENCE_S = 60.0  # ends a test that has failed

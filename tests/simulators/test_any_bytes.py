@@ -5,11 +5,10 @@ import random
 from hypothesis import given
 from hypothesis import strategies as st
 
+from simulators.framed_device import PythonAmplifier, PythonDaq
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu, Tcp
-from simulators.framed_device import PythonAmplifier, PythonDaq
-from smarig.device.encoding import lines
-from smarig.device.encoding import rtu
+from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.exchange import Exchange, Refusal
 

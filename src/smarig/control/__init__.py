@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from smarig.control.controller_settings import documented_numbers as documented_numbers
     from smarig.control.controller_settings import finite_number as finite_number
     from smarig.control.lagged_operator import LaggedOperator as LaggedOperator
+    from smarig.control.regulation.anhysteretic_output import Psi as Psi
     from smarig.control.regulation.approach import plan_approach as plan_approach
     from smarig.control.regulation.boundary_plane import BoundaryPlane as BoundaryPlane
-    from smarig.control.regulation.psi import Psi as Psi
     from smarig.control.regulation.regulation_protocol import REGULATION_PLANNED as REGULATION_PLANNED
     from smarig.control.regulation.regulation_protocol import SETPOINT_DISTURBED as SETPOINT_DISTURBED
     from smarig.control.regulation.regulation_protocol import SETPOINT_LOOP_CLOSED as SETPOINT_LOOP_CLOSED

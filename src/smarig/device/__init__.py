@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from smarig.device.drivers._roles import PositionSensor as PositionSensor
     from smarig.device.drivers._roles import missing_members as missing_members
     from smarig.device.drivers.smarig_amplifier import smarig_amplifier as smarig_amplifier
-    from smarig.device.links.text_line import TextLine as TextLine
     from smarig.device.encoding.crc import crc16 as crc16
     from smarig.device.encoding.exchange import Exchange as Exchange
     from smarig.device.encoding.exchange import Refusal as Refusal
@@ -26,5 +25,6 @@ if TYPE_CHECKING:
     from smarig.device.encoding.register import from_words as from_words
     from smarig.device.encoding.register import load_register_map as load_register_map
     from smarig.device.encoding.register import to_words as to_words
+    from smarig.device.links.text_line import TextLine as TextLine
 
 __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core import DataError, StorageError, UsageError, catalogue_entry
-from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.mapping import mapping_text
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
 from smarig.record import write_run
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.exchange.channel_faults import quantum, unused_findings
-from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.exchange.mapping import Column, MappingFile, require_columns
+from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.text_table import Table, TableLayout, read_table
 from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError
 from smarig.exchange.channel_faults import quantum
-from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.findings import duplicate_columns, record_findings, saturation_marks
 from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
 from smarig.exchange.text_table import Table, TableLayout, read_table
 from smarig.exchange.time_axis import check_time, time_findings

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import UsageError
-from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import protocol_name, source_label
-from smarig.report.diagnosis.diagnosis_text import findings
+from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.models.characterisation_cards import characterisation_cards, model_recommendation
 from smarig.report.models.density_figures import density_figure, maps_figure
 from smarig.report.models.evidence import Evidence

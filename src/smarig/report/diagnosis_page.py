@@ -13,12 +13,12 @@ from smarig.report.diagnosis.detection_figure import detection_figure, similar_e
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis.diagnosis_summary import summary
 from smarig.report.diagnosis.diagnosis_tables import candidates_table, explanations_table, visibility_table
-from smarig.report.diagnosis.diagnosis_text import distinguishing_text, next_experiment
 from smarig.report.diagnosis.explanations_figure import explanations_figure
 from smarig.report.diagnosis.gain_figure import gain_figure
 from smarig.report.diagnosis.input_offset_figure import input_offset_figure
 from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import channel_figure, residual_figure
+from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 

@@ -27,8 +27,8 @@ from smarig.report.components.run_description import (
 from smarig.report.components.style import INK, MODEL, template
 from smarig.report.components.thumbnail import thumbnail
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
-from smarig.report.diagnosis.diagnosis_text import findings
 from smarig.report.diagnosis.residual_figures import residual_figure
+from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.models.density_figures import map_panel
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
 from smarig.report.runs.run_summary import summary_of

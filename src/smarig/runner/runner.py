@@ -23,9 +23,9 @@ from smarig.core import (
 from smarig.rig import Guard
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener
+from smarig.runner.restart_shift import Shift
 from smarig.runner.run_control import RunControl
 from smarig.runner.settling_detection import Approach, SettleWindow
-from smarig.runner.restart_shift import Shift
 
 BACKLOG = 2000  # samples of an earlier current that a ring may still contain
 

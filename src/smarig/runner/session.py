@@ -23,6 +23,7 @@ from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import wire_lock
 from smarig.runner.own_files import OWN_FILES, used_own_files
 from smarig.runner.preview import Preview, ProtocolFactory, preview
+from smarig.runner.restart_shift import Shift
 from smarig.runner.run_control import RunControl
 from smarig.runner.run_metadata import (
     CLOSED_LOOP,
@@ -34,7 +35,6 @@ from smarig.runner.run_metadata import (
     twin_source,
 )
 from smarig.runner.runner import Runner
-from smarig.runner.restart_shift import Shift
 from smarig.runner.signal_handling import stop_on_signals
 
 

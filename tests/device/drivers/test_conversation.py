@@ -7,7 +7,15 @@ from device.drivers.scripted import Scripted
 from smarig.core.errors import ConfigError
 from smarig.device.drivers._conversation import ATTEMPTS, PAUSES_S, STALE_REPLIES, Conversation
 from smarig.device.encoding.exchange import Refusal
-from smarig.device.encoding.link_faults import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
+from smarig.device.encoding.link_faults import (
+    Garbled,
+    Rebooted,
+    Refused,
+    Silent,
+    Stale,
+    WrongDevice,
+    WrongMap,
+)
 from smarig.device.encoding.register import load_register_map
 
 MAP = load_register_map("amplifier")

@@ -21,16 +21,16 @@ from hypothesis import strategies as st
 
 from device.drivers.late_line import LOST, LatePort
 from device.drivers.supply import Supply
+from simulators.framed_device import PythonAmplifier
 from simulators.lines import TextFraming
 from simulators.modbus import Rtu
-from simulators.framed_device import PythonAmplifier
 from smarig.device.drivers._conversation import Conversation
-from smarig.device.links.modbus_tcp import ModbusTcp
-from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
-from smarig.device.links.text_line import TextLine
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import Garbled, Refused, Silent, Stale
 from smarig.device.encoding.register import load_register_map
+from smarig.device.links.modbus_tcp import ModbusTcp
+from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
+from smarig.device.links.text_line import TextLine
 
 MAP = load_register_map("amplifier")
 TIMEOUT_S = 0.3

@@ -6,9 +6,9 @@ import threading
 
 import pytest
 
-from smarig.device.links.modbus_tcp import ModbusTcp
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.links.modbus_tcp import ModbusTcp
 
 ASKED = Exchange(0, 2, 0x100, (1,))  # function 23
 

@@ -13,9 +13,7 @@ from pymodbus.pdu.register_message import (
     WriteMultipleRegistersRequest,
 )
 
-from smarig.device.encoding import lines
-
-from smarig.device.encoding import rtu
+from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.exchange import Exchange, Refusal
 

@@ -10,7 +10,14 @@ from hypothesis import strategies as st
 from smarig.core.errors import ConfigError, UsageError
 from smarig.core.toml_file import check_table
 from smarig.device.encoding.generate import DEVICES, header, outdated, reference
-from smarig.device.encoding.register import VALUE_RANGES, Register, Value, from_words, load_register_map, to_words
+from smarig.device.encoding.register import (
+    VALUE_RANGES,
+    Register,
+    Value,
+    from_words,
+    load_register_map,
+    to_words,
+)
 
 MAPS = [load_register_map(name) for name in DEVICES]
 VALUES = [r.value for m in MAPS for r in m.registers.values() if not r.field] + [

@@ -13,8 +13,8 @@ import numpy as np
 
 from rig.bench.wired_chips import PERIOD_S, write_rig
 from smarig.device.drivers._conversation import Conversation
-from smarig.device.links.serial_line import TEXT, SerialLine
 from smarig.device.encoding.register import load_register_map
+from smarig.device.links.serial_line import TEXT, SerialLine
 from smarig.identification.fod_data import fod_data
 from smarig.record import Run, load_run
 

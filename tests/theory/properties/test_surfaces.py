@@ -21,9 +21,9 @@ from smarig.preisach.operator import Preisach
 from smarig.theory.butterfly import butterfly_relays, butterfly_table
 from smarig.theory.properties import enclosure, properties
 from smarig.theory.properties import strip_integrals as strips
+from smarig.theory.properties.branch_and_bound import least
 from smarig.theory.properties.classes import classes
 from smarig.theory.properties.continuity import lipschitz, modulus
-from smarig.theory.properties.branch_and_bound import least
 from smarig.theory.properties.monotone import crossing_ascending, crossing_descending, monotone
 from smarig.theory.properties.sweep_changes import largest_change, largest_setback
 from smarig.theory.properties.triangle_grid import TriangleGrid

@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 from smarig.control.current_limits import limited_current, ramp_to_zero
 from smarig.control.divergence_monitor import DivergenceLimits, DivergenceMonitor
+from smarig.control.regulation.anhysteretic_output import Psi
 from smarig.control.regulation.approach import ApproachPlan, plan_approach
-from smarig.control.regulation.psi import Psi
 from smarig.control.regulation.sensor_plausibility import SensorPlausibility
 from smarig.control.regulation.setpoint_pi import SetpointController, SetpointPI
 from smarig.core import (

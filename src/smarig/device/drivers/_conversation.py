@@ -17,10 +17,18 @@ from itertools import accumulate, cycle, islice
 from typing import NamedTuple
 
 from smarig.core import ConfigError
-from smarig.device.links.link import Link
 from smarig.device.encoding.exchange import Exchange, Refusal
-from smarig.device.encoding.link_faults import Garbled, Rebooted, Refused, Silent, Stale, WrongDevice, WrongMap
+from smarig.device.encoding.link_faults import (
+    Garbled,
+    Rebooted,
+    Refused,
+    Silent,
+    Stale,
+    WrongDevice,
+    WrongMap,
+)
 from smarig.device.encoding.register import RawValues, RegisterMap
+from smarig.device.links.link import Link
 
 ATTEMPTS = 3  # on an open line, and the same number again after it was reopened
 STALE_REPLIES = 4  # discarded before a request is repeated

@@ -8,8 +8,8 @@ file.
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, ConfigError, Quality
 from smarig.device.drivers._roles import CurrentReading
-from smarig.device.links.text_line import TextLine
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
+from smarig.device.links.text_line import TextLine
 from smarig.plant import Actuator
 
 HEADROOM = 1.2  # factor on the voltage that the largest current needs at the largest resistance

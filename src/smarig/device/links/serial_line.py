@@ -10,9 +10,7 @@ from importlib.util import find_spec
 
 import serial
 
-from smarig.device.encoding import lines
-
-from smarig.device.encoding import rtu
+from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import Garbled, Silent
 

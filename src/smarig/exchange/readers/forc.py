@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import DataError, UsageError
-from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.drift import ForcCurves, correct_drift_if_it_helps
 from smarig.exchange.forc_file import ForcFile, read_forc
+from smarig.exchange.reader_result import RunDraft
 from smarig.record import FORC_PROTOCOL
 
 

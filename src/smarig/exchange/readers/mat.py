@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from smarig.core import UsageError
-from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.mapped_csv import mapped_draft
 from smarig.exchange.mapping import load_mapping
 from smarig.exchange.mat_file import file_set, read_mat_table
+from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
 from smarig.exchange.with_heating_model import with_heating_model
 

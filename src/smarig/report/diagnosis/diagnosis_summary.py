@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from smarig.diagnosis import Diagnosis, share_text
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.components.run_description import display_unit
-from smarig.report.diagnosis.diagnosis_text import findings, verdict_sentence
+from smarig.report.diagnosis.verdict_text import findings, verdict_sentence
 
 _Card = tuple[str, str, str]
 _WORSE_RATIO = 1.02  # times the base model's error: a larger error is a loss

@@ -9,7 +9,7 @@ from smarig.plant import EffectType
 from smarig.report.components.html import Html, table, tag
 from smarig.report.components.numbers import number
 from smarig.report.diagnosis.candidate_rows import candidate_name, nats_text, top_candidates
-from smarig.report.diagnosis.diagnosis_text import explanation_text, unit_suffix
+from smarig.report.diagnosis.verdict_text import explanation_text, unit_suffix
 
 
 def explanations_table(d: Diagnosis) -> Html:

@@ -12,7 +12,7 @@ from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, a
 from smarig.report.components.run_description import capitalised, display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
 from smarig.report.diagnosis.diagnosis_predictions import Array, rig_text, rms
-from smarig.report.diagnosis.diagnosis_text import gain_text
+from smarig.report.diagnosis.verdict_text import gain_text
 from smarig.report.runs.representation_figure import noise_band
 
 _ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors

@@ -14,8 +14,8 @@ from smarig.core import DataError, Hold, Settled, Waveform
 from smarig.preisach import Preisach, RelayMeasure
 from smarig.protocols import Setup
 from smarig.record import Run, Step
-from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
 from smarig.runner.restart_shift import Shift
+from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
 
 RE_ESTABLISH = "re-establish"
 COLD_TAUS = 10.0  # at zero current, for any initial temperature of the wire

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from smarig.preisach import Everett, unmirrored
+from smarig.theory.properties.branch_and_bound import Extreme
 from smarig.theory.properties.classes import MeasureClasses, classes
 from smarig.theory.properties.continuity import lipschitz, modulus
-from smarig.theory.properties.branch_and_bound import Extreme
 from smarig.theory.properties.monotone import (
     Crossing,
     Monotonicity,

@@ -5,8 +5,8 @@ It is identified from second-order curves, like the nonlinear model. A higher or
 which no protocol measures.
 """
 
-from smarig.identification.extended.second_order_runs import excess_values, fitted_excess, largest_excess
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
+from smarig.identification.extended.second_order_runs import excess_values, fitted_excess, largest_excess
 
 
 def restricted(data: ExtensionData) -> FittedExtension:
