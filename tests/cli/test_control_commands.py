@@ -212,7 +212,7 @@ def test_a_file_gives_the_reference(capsys, one, tmp_path):
 def test_a_notebook_is_pointed_to_the_closed_loop_functions(tmp_path):
     import smarig
 
-    with pytest.raises(UsageError, match=r"'track' closes a loop .*smarig\.track\(model, …\)"):
+    with pytest.raises(UsageError, match=r"'track' is not a protocol .*smarig\.track\(model, …\)"):
         smarig.run("track", rig="one_wire_twin", out=tmp_path / "t.run.sqlite")
 
 
@@ -284,7 +284,7 @@ MISTAKES = [
     (2, ["certify", "ONE", "-o", "ONE", "--force"], "both input and output"),
     (4, ["certify", "BROKEN"], "not a model file"),
     (2, ["track", "ONE", *RAMPS, *ON], "-o"),
-    (2, ["run", "track", "-o", "x", *ON], "'smarig track MODEL …' ('smarig track --help')"),
+    (2, ["run", "track", "-o", "x", *ON], "'smarig track MODEL …' (see 'smarig track --help')"),
     (2, ["run", "regulate", "-o", "x", *ON], "'smarig regulate MODEL …'"),
     (2, ["check", "one_wire_twin", "--protocol", "regulate"], "'smarig regulate MODEL …'"),
     (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),

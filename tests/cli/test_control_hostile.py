@@ -86,7 +86,7 @@ MISTAKES = [
     (2, tracking("--set", "seed=" + "9" * 400), "whole number from 0 to 2^53"),
     (2, tracking("--set", "seed=-1"), "whole number from 0 to 2^53"),
     (2, tracking("--set", "seconds=0.001"), "The reference lasts 0.001 s. It must last at least"),
-    (2, ("certify", "ONE", "--controller", "constant_gain", "--set", "gain=5e-324"), "gain is beyond what"),
+    (2, ("certify", "ONE", "--controller", "constant_gain", "--set", "gain=5e-324"), "gain is outside ±"),
     (2, regulating("--hold-s", "0"), "A hold of 0 s is shorter than a tick of this rig, 0.1 s."),
     (2, regulating("--controller-set", "band=-1"), "'pi': band must not be negative (given: -1)"),
     (2, regulating("--disturbance-K", "175"), "A disturbance of 175 K exceeds this rig's whole range"),

@@ -170,7 +170,7 @@ def test_overlapping_clocks_of_one_session_are_refused(session_folder, capsys):
     train = str(session_folder / "congruency.run.sqlite")
     twice = ["diagnose", str(session_folder / "wire.model.json"), "--train", train, "--train", train]
     assert cli(twice) == 4
-    assert "of one session" in capsys.readouterr().err
+    assert "belong to one session" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["wire.model.json", "congruency.run.sqlite", "validation.run.sqlite"])
@@ -245,5 +245,5 @@ def test_an_extended_model_is_verified_along_the_whole_session_or_reports_missin
         (session_folder / "out/extended.model.json").read_text().replace(str(session_folder), "/nowhere")
     )
     astray, warnings = verified(capsys, moved, run)
-    assert "what came earlier in the session counts, but /nowhere/" in warnings
+    assert "depend on earlier runs of the session, but /nowhere/" in warnings
     assert astray > 2 * rms

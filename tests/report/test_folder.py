@@ -42,7 +42,7 @@ def test_a_run_whose_description_is_damaged_is_named_and_the_others_are_there(fo
     made = report_folder(folder)
     assert [page.report.name for page in made.pages] == ["a b#1.html"]
     assert [
-        ("plain.run.sqlite" in s, "its key 'start_epoch' is not a moment" in s) for s in made.unreadable
+        ("plain.run.sqlite" in s, "its key 'start_epoch' is not a date" in s) for s in made.unreadable
     ] == [(True, True)]
     assert "start_epoch" in Page(made.index.read_text(encoding="utf-8")).visible
 

@@ -69,5 +69,5 @@ def finite_number(what: str, value: Any) -> float:
     if not math.isfinite(found):
         raise UsageError(f"{what} is not finite (given: {value}).")
     if found and not SMALLEST <= abs(found) <= LARGEST:
-        raise UsageError(f"{what} is outside ±{SMALLEST:g} … ±{LARGEST:g} (given: {value}).")
+        raise UsageError(f"{what} is outside ±{SMALLEST:g} … ±{LARGEST:g} (given: {str(value)[:24]}).")
     return found
