@@ -1,4 +1,4 @@
-"""``smarig benchmark forward``: speed, memory and exactness of the operator, as ratios measured in one run.
+"""``smarig benchmark forward``: speed, memory and accuracy of the operator, as ratios measured in one run.
 
 The measure has 5050 relays on a 100 × 100 grid over [−1, 1] (α ≥ β at cell centres, masses uniform on [0,
 1), seed 0). The random walk has steps uniform on ±3 grid cells, so each step crosses a few thresholds. It is

@@ -1,4 +1,4 @@
-"""``smarig benchmark inverse``: speed and exactness of the inverse, compared with an external root finder.
+"""``smarig benchmark inverse``: speed and accuracy of the inverse, compared with an external root finder.
 
 The targets are the outputs of another random walk (``forward.random_walk``), so each is reachable. Each is
 inverted from the state that the previous one left. The baseline applies scipy's brentq to ``peek``, the best

@@ -112,7 +112,7 @@ MISTAKES = [
         "word.csv is not a reference: line 3: position_mm is 'x', which is not a finite number.",
     ),
     (2, following("BACK"), "line 4: time_s must increase, but 5 follows 5."),
-    (2, following("EMPTY"), "it has no rows below its columns."),
+    (2, following("EMPTY"), "it has no rows below its header."),
     (2, following(""), "No reference ''. There are: steps, ramps, multisine, or a CSV file"),
 ]
 
@@ -164,10 +164,10 @@ def test_a_notebooks_slips_get_a_sentence(files, tmp_path):
     slips = {
         "The model must be a name or a path, not None": partial(smarig.track, None, "steps", **on),
         "The reference must be a name or a path, not 3": partial(smarig.track, one, 3, **on),
-        "Give the controller by its name, not by None": partial(
-            smarig.track, one, "steps", controller=None, **on
+        "The controller must be a name, not None": partial(smarig.track, one, "steps", controller=None, **on),
+        "The controller's parameters must be a mapping": partial(
+            smarig.regulate, one, 6.0, numbers=[1], **on
         ),
-        "Give the controller's parameters by name": partial(smarig.regulate, one, 6.0, numbers=[1], **on),
         "The run must be a name or a path, not None": partial(
             smarig.track, one, "steps", rig="one_wire_twin", out=None
         ),

@@ -1,4 +1,4 @@
-"""``smarig new``: every starting file works unchanged, and nothing is overwritten."""
+"""``smarig new``: every template works unchanged, and nothing is overwritten."""
 
 import json
 import os

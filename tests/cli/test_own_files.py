@@ -266,7 +266,7 @@ def test_a_campaign_distinguishes_two_files_of_one_name(capsys, here):
 def test_own_effects_are_looked_for_by_name(capsys, here):
     status, _, err = call(capsys, "diagnose", "m.json", "--train", "f.run.sqlite", "--effect", "walking")
     assert status == 2
-    assert "is not the file of an own effect" in err
+    assert "is not the file of an effect of your own" in err
     call(capsys, "new", "effect", "soft_mount")
     status, out, _ = call(capsys, "list", "effects", "./soft_mount.py", "--json")
     assert list(json.loads(out)["effects"]) == ["soft_mount"]

@@ -1,4 +1,4 @@
-"""A certificate states what is proved of its model, and no more, consistently in text, page and JSON."""
+"""A certificate states what is proved about its model, and no more, consistently in text, page and JSON."""
 
 import html
 import json
@@ -61,7 +61,7 @@ def test_what_is_not_dissipative_gets_no_bound(kind):
         assert [promise for promise in PROMISES if promise in words] == []
         assert not re.search(r"k_e = \d", words), "its formula is no promise"
         assert "not covered: passive" in words
-        assert "Nothing is proved of them with this model, because this model is not dissipative." in words
+        assert "Nothing is proved about them with this model, because this model is not dissipative." in words
         assert "nothing is certified, because this model is not dissipative" in words
     plain = found.to_json()
     assert [c["k_e"] for c in plain["controllers"]] == [None] * len(found.controllers)

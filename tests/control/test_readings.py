@@ -170,7 +170,7 @@ def test_what_cannot_be_evaluated_is_refused(run):
         HysteresisAnalysis.of(thesis_surface("one_e")),
         Preisach(thesis_surface("one_e")).state,
     )
-    with pytest.raises(DataError, match="equally many readings"):
+    with pytest.raises(DataError, match="the same number of readings"):
         segment_passivity(hysteresis_analysis, [0.0, 1.0], [0.0], 0.0, 0, cold)
     with pytest.raises(DataError, match="contains a gap"):
         segment_passivity(hysteresis_analysis, [0.0, 1.0], [0.0, np.nan], 0.0, 0, cold)

@@ -95,13 +95,13 @@ NOT_NUMBERS = [
 
 @pytest.mark.parametrize(("t_s", "position"), NOT_NUMBERS)
 def test_a_reference_has_as_many_numbers_as_times(t_s, position):
-    with pytest.raises(UsageError, match="needs equally many times and positions, all of them numbers"):
+    with pytest.raises(UsageError, match="needs the same number of times and positions, all of them numbers"):
         Reference("r", t_s, position)
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1", None])
 def test_a_seed_is_a_whole_number(seed):
-    with pytest.raises(UsageError, match="seed must be an integer from 0 on"):
+    with pytest.raises(UsageError, match="seed must be an integer ≥ 0"):
         reference("steps", 2.0, 8.0, seed=seed)
 
 

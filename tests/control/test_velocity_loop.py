@@ -124,7 +124,7 @@ def test_an_output_that_opposes_its_input_is_an_error():
     backwards = FodTable.from_arrays(
         nodes, nodes, [[0.0, np.nan, np.nan], [0.0, -1.0, np.nan], [0.0, 0.0, 1.0]]
     )
-    with pytest.raises(DataError, match="runs against the input"):
+    with pytest.raises(DataError, match="falls as the input rises"):
         velocity_loop(backwards, constant_gain(1.0), [0.5], dt_s=1.0)
 
 

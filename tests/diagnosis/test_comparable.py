@@ -58,7 +58,7 @@ def test_several_wires_are_refused(recorded, edited):
     [
         ("update sample set t_s = 0", "is not increasing"),
         ("update sample set t_s = -t_s", "is not increasing"),
-        ("update sample set t_s = t_s * 1e9", "years by its clock"),
+        ("update sample set t_s = t_s * 1e9", "years according to its clock"),
         ("update sample set position = 1e300", "values of position are larger than any rig can measure"),
         ("update sample set position = 9e999", "values of position are larger than any rig can measure"),
         ("update sample set current_A = -1e10", "values of current_A are larger"),

@@ -133,7 +133,10 @@ def test_conditions_are_described_not_stored(mapped):
     ("change", "said"),
     [
         (('unit = "um"', 'unit = "mn"'), "columns.position.unit: unit 'mn' is unknown; did you mean"),
-        (('unit = "um"', 'unit = "degC"'), "'degC' is a temperature, a length was expected"),
+        (
+            ('unit = "um"', 'unit = "degC"'),
+            "'degC' is a unit of temperature, but a unit of length was expected",
+        ),
         (("summary", "sumary"), "unknown key 'sumary'; did you mean summary"),
         (("offset = 1000.0", "ofset = 1000.0"), "unknown key 'columns.position.ofset'"),
         (("temperature_degC =", "temperature ="), "temperature"),

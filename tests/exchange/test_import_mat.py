@@ -172,7 +172,9 @@ def test_either_of_two_files_brings_the_other(write, imported, given_file):
 
 
 def test_a_missing_or_misnamed_file_of_a_pair_is_named(write, mapped):
-    with pytest.raises(UsageError, match=r"H_x\.mat belongs with B_x\.mat, which is not in the same folder"):
+    with pytest.raises(
+        UsageError, match=r"H_x\.mat must be read together with B_x\.mat, which is not in the same folder"
+    ):
         mapped(matlab(H=H), PAIR, "H_x.mat")
     with pytest.raises(UsageError, match=r"named H_\*\.mat and B_\*\.mat; .*M_x\.mat is none of them"):
         mapped(matlab(H=H), PAIR, "M_x.mat")
@@ -324,7 +326,7 @@ def test_any_damage_is_read_or_refused(tmp_path, damage):
         (("[mat]", '[mat]\nfiles = ["B.mat"]'), r"mat.*'B.mat' is not a file name with one '\*'"),
         (("[mat]", '[mat]\nfiles = ["../*.mat"]'), r"not a file name"),
         (("[mat]", '[mat]\nloops = "diagonal"'), "mat.loops"),
-        (("[mat]", '[mat]\n[file]\ndelimiter = "tab"'), r"\[mat\] goes with \[columns\] alone"),
+        (("[mat]", '[mat]\n[file]\ndelimiter = "tab"'), r"\[mat\] is used with \[columns\] only"),
         (("[mat]", '[mat]\nloops = "rows"\n[time]\ncolumn = "t"'), "leave out"),
     ],
 )

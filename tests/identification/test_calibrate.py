@@ -274,7 +274,7 @@ def test_what_was_found_goes_into_an_actuator_file(tmp_path):
         found.write_actuator(tmp_path / "b.toml", None)
     with pytest.raises(UsageError, match=r"ends in \.toml"):
         found.write_actuator(tmp_path / "b.txt", base)
-    with pytest.raises(UsageError, match="Nothing was found"):
+    with pytest.raises(UsageError, match="The data determine no constant"):
         Calibration({}, {}).write_actuator(tmp_path / "b.toml", base)
 
 

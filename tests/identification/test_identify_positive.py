@@ -274,7 +274,7 @@ def test_too_few_curves_to_choose_the_smoothing_are_reported():
 
 def test_an_output_that_falls_as_the_input_rises_is_refused_with_what_to_do():
     inputs, outputs = fod_run("one_c", seed=1).points()
-    with pytest.raises(DataError, match="Turn its sign"):
+    with pytest.raises(DataError, match="Change the sign of the output"):
         identify(made_run(inputs, -outputs), "positive")
 
 

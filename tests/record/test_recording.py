@@ -276,7 +276,7 @@ def test_a_sample_that_no_file_can_keep_costs_no_other(tmp_path, tick):
     for k in (1, 2, tick, 3):
         rec.sample(sample(k), 0, 0.0)
     rec.event(0.3, "mark", "something")
-    with pytest.raises(StorageError, match=f"1 samples were not recorded, the first of tick {tick}"):
+    with pytest.raises(StorageError, match=f"1 samples were not recorded; the first has tick {tick}"):
         rec.close("stopped")
     run = load_run(path)
     assert run["tick"].tolist() == [1, 2, 3]

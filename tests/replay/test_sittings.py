@@ -162,7 +162,7 @@ def test_a_session_without_its_first_run_begins_like_the_others(apart):
 
 def test_clocks_that_overlap_within_one_session_are_refused(apart):
     late = with_columns(apart[0][1], t_s=apart[0][1]["t_s"] - 5.0)
-    with pytest.raises(DataError, match="to one session by their records, but their clocks overlap"):
+    with pytest.raises(DataError, match="belong to one session, but their clocks overlap"):
         build_timeline([apart[0][0], late, *apart[1]], TAU_S)
 
 

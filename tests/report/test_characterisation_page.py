@@ -146,7 +146,7 @@ def test_the_summary_names_the_model_that_the_theorems_apply_to(evidence, page):
     words = page.visible[at : at + 700]
     rms, verification = evidence.choice.held_out_rms, evidence.verifications
     assert (
-        "The positive model is in it by construction, so the stability results of chapter 8 apply to that model"
+        "The positive model is in MP by construction, so the stability results of chapter 8 apply to that model"
         in words
     )
     assert "The positive model predicts less well" in words

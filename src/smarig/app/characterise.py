@@ -85,7 +85,7 @@ def characterise(
             f"Campaign '{plan.name}' has no step with purpose = \"train\". Add one to identify from."
         )
     if force and go_on:
-        raise UsageError("Give either --force or --continue: runs are replaced or resumed.")
+        raise UsageError("--force replaces runs and --continue continues them. Give only one of them.")
     _check_folder(out, plan, force, go_on)
     runs = _run_all(
         rig=rig,

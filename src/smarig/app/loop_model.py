@@ -62,8 +62,8 @@ def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:
         )
     if model.input.unit != "K":
         raise UsageError(
-            f"Model {model.name} has an input in {model.input.unit or 'no unit'}; a rig is driven by kelvin above "
-            "ambient."
+            f"The input of model {model.name} is in {model.input.unit or 'no unit'}, but the input of a rig is in K "
+            "above ambient."
         )
     setup = Setup(actuator, rig.limits, rig.period_s)
     controller_model = ControllerModel(
@@ -98,10 +98,10 @@ def _check_motion(controller_model: ControllerModel, model: Model) -> None:
 def check_arguments(controller: Any, numbers: Any) -> None:
     """Raise UsageError if the controller is not a name or its parameters are not a mapping."""
     if not isinstance(controller, str | Path):
-        raise UsageError(f"Give the controller by its name, not by {controller!r}.")
+        raise UsageError(f"The controller must be a name, not {controller!r}.")
     if not isinstance(numbers, Mapping | None):
         raise UsageError(
-            f"Give the controller's parameters by name, such as {{'gain': 2}}, not by {numbers!r}."
+            f"The controller's parameters must be a mapping, such as {{'gain': 2}}, not {numbers!r}."
         )
 
 

@@ -70,7 +70,7 @@ def tracking(
     for key in pairs:
         if key in recorded_settings or key in _REFERENCE_SETTINGS:
             raise UsageError(
-                f"Controller '{controller}': '{key}' has another meaning in the record. Rename it."
+                f"Controller '{controller}': '{key}' has another meaning in the record. Rename this parameter."
             )
     if package == VELOCITY_CONTROLLERS:
         make = velocity_factory(
@@ -109,7 +109,7 @@ def _reference(
                 f"position_{unit}."
             )
         if settings:
-            raise UsageError("--set belongs to steps, ramps and multisine. Leave it out with a file.")
+            raise UsageError("--set applies to steps, ramps and multisine only. Leave it out for a file.")
         return reference_from_csv(Path(wanted), unit)
     for key in settings:
         if key not in _REFERENCE_SETTINGS:

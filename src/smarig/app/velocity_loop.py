@@ -35,7 +35,7 @@ def refuse_offset(offset_K: Any, controller: str) -> None:
     if offset_K is not None:
         names = ", ".join(catalogue_names(VELOCITY_CONTROLLERS))
         raise UsageError(
-            f"An offset u_o belongs to velocity controllers ({names}), but '{controller}' feeds back "
+            f"An offset u_o applies to velocity controllers only ({names}), but '{controller}' feeds back "
             "the position."
         )
 
@@ -44,7 +44,7 @@ def velocity_reference(reference: Reference, controller: str, offset_K: float) -
     """The reference with a velocity, from the encoder's zero on. Raises UsageError if it has no velocity."""
     if reference.held:
         raise UsageError(
-            f"'{controller}' feeds back the velocity, which is infinite where steps jump. Give ramps, "
+            f"'{controller}' feeds back the velocity, which is infinite at the jumps of steps. Give ramps, "
             "multisine or a CSV file."
         )
     led = with_lead_in(reference)

@@ -1,4 +1,4 @@
-"""Certificates: what is proved of a model before a loop is closed around it (thesis ch. 8, §9.2)."""
+"""Certificates: what is proved about a model before a loop is closed around it (thesis ch. 8, §9.2)."""
 
 from typing import TYPE_CHECKING
 

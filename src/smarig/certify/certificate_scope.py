@@ -78,7 +78,7 @@ def position_loops(scope: CertificateScope) -> str:
         "regulate: inverse, pi, gain_scheduled)."
     )
     if not scope.dissipative:
-        return f"{head} Nothing is proved of them with this model{_reason_text(scope)}."
+        return f"{head} Nothing is proved about them with this model{_reason_text(scope)}."
     time = "" if scope.monotone else ", in continuous time"
     return (
         f"{head} Proved with this model{time}: {_storage_symbol(scope)} + Φ(e) does not increase if the gain is "

@@ -160,7 +160,7 @@ def segment_passivity(
     """
     inputs, outputs = np.asarray(u, dtype=float), np.asarray(y, dtype=float)
     if inputs.ndim != 1 or inputs.shape != outputs.shape or not inputs.size:
-        raise DataError("A segment needs equally many readings and inputs, at least one of each.")
+        raise DataError("A segment needs the same number of readings and inputs, at least one of each.")
     if not (np.isfinite(inputs).all() and np.isfinite(outputs).all()):
         raise DataError("A segment contains a gap. All its inputs and readings must be finite.")
     supplied, spread = trapezoid(inputs, outputs), noise * noise_weight(inputs, outputs)

@@ -75,7 +75,9 @@ def indistinguishable_states(hysteresis: Everett) -> IndistinguishableStates:
     True
     """
     if not hysteresis.lower < 0.0 < hysteresis.upper:
-        raise UsageError("All memory is on one side of u = 0, so zero input has only one state.")
+        raise UsageError(
+            "The input range is on one side of u = 0, so only one state is possible at zero input."
+        )
     operator = Preisach(hysteresis, "anhysteretic")
     first, target = operator.state, operator.y
 

@@ -60,7 +60,9 @@ class PositionController:
         """A checked controller: finite, at most of second order, proper except for a PD."""
         n, d = tuple(map(float, numerator)), tuple(map(float, denominator))
         if not (n and d and np.isfinite([*n, *d]).all() and d[-1] != 0 and len(d) <= _ORDER + 1):
-            raise UsageError("A position controller needs finite coefficients of second order at most.")
+            raise UsageError(
+                "A position controller needs finite coefficients and may be at most of second order."
+            )
         if len(np.trim_zeros(n, "b")) > len(d) + 1:
             raise UsageError("A position controller may differentiate its error at most once.")
         return cls(n, d)

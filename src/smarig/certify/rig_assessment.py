@@ -12,7 +12,7 @@ from smarig.protocols import Setup
 
 @dataclass(frozen=True)
 class RigAssessment:
-    """What is proved of one velocity controller with one model, and the effect of a rig with a velocity filter."""
+    """What is proved about one velocity controller with one model, and the effect of a rig with a velocity filter."""
 
     result: ControllerResult
     setup: Setup

@@ -60,7 +60,9 @@ class _OwnEffect(click.ParamType):
         """The name of the effect."""
         del param, ctx
         if value not in own_entries(EFFECTS) and not is_path(value):
-            raise UsageError(f"'{value}' is not the file of an own effect. Give a path such as ./NAME.py.")
+            raise UsageError(
+                f"'{value}' is not the file of an effect of your own. Give a path such as ./NAME.py."
+            )
         return resolve_name(EFFECTS, value)
 
 

@@ -90,11 +90,13 @@ _OPTIONS = (
         "effects",
         multiple=True,
         metavar="NAME[.PARAMETER]=VALUE",
-        help="Twin: inject an effect (see 'smarig list effects'), or an own one: ./FILE.py=3; repeatable.",
+        help="Twin: inject an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
     ),
     click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise."),
     click.option(
-        "--speed", type=FiniteNumber(0, min_open=True), help="Twin: real time × SPEED (default: free)."
+        "--speed",
+        type=FiniteNumber(0, min_open=True),
+        help="Twin: real time × SPEED (default: as fast as possible).",
     ),
     click.option("--wire", default="", help="Identity of the wire (default: that of the rig file)."),
     click.option("--notes", default="", help="Note to store with the run."),

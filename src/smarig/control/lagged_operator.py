@@ -75,6 +75,6 @@ class LaggedOperator:
             self.upper - self.lower + abs(command_at_rest)
         ):
             raise DataError(
-                f"The loop has no solution between {near:g} and {far:g}, where the output runs against the input."
+                f"The loop has no solution between {near:g} and {far:g}, where the output falls as the input rises."
             )
         return u

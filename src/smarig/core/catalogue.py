@@ -173,7 +173,7 @@ def _check_name(package: str, path: Path) -> None:
         )
     if path.stem in _shipped(package):
         raise UsageError(
-            f"{path}: '{path.stem}' is the name of a shipped {kind}. Rename the file and what it defines."
+            f"{path}: '{path.stem}' is the name of a shipped {kind}. Rename the file and the {kind} in it."
         )
 
 

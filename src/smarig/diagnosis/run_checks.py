@@ -41,7 +41,8 @@ def _clock(run: Run) -> None:
         raise DataError(f"{run.path}: the clock t_s is not increasing.")
     if t[-1] - t[0] > MAX_DURATION_S:
         raise DataError(
-            f"{run.path} lasts {(t[-1] - t[0]) / 3.156e7:.3g} years by its clock t_s (seconds). Check the unit."
+            f"{run.path} lasts {(t[-1] - t[0]) / 3.156e7:.3g} years according to its clock t_s (in seconds). Check "
+            "the unit."
         )
 
 

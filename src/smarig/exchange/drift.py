@@ -92,7 +92,7 @@ def held_out_misses(curves: ForcCurves) -> Array:
     misses = [_miss(*parts[k - 1 : k + 2]) for k in range(1, len(parts) - 1, 2)]
     found = np.concatenate(misses)
     if not found.size:
-        raise DataError("Neighbouring curves share no field, so none predicts another.")
+        raise DataError("Neighbouring curves have no field range in common, so none predicts another.")
     return found
 
 

@@ -142,9 +142,9 @@ class MappingFile(TomlTable):
         if bool(self.columns) == bool(self.branch):
             raise ValueError("give exactly one of [columns] and [[branch]]")
         if self.mat and ("file" in self.model_fields_set or self.branch):
-            raise ValueError("[mat] goes with [columns] alone; leave out [file] and [[branch]]")
+            raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
         if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
-            raise ValueError("[mat] loops have numbers instead of a time; leave out [time] and steps")
+            raise ValueError("the loops of [mat] have a number and no time; leave out [time] and steps")
         for where, columns in self.tables():
             if self.input.channel not in columns:
                 raise ValueError(f"{where} has no '{self.input.channel}', which [input] names as its channel")
@@ -223,4 +223,4 @@ def _expect(unit: str, expected: str, key: str) -> None:
     except UsageError as error:
         raise ValueError(f"{key}: {error}") from None
     if found != expected:
-        raise ValueError(f"{key}: '{unit}' is a {found}, a {expected} was expected")
+        raise ValueError(f"{key}: '{unit}' is a unit of {found}, but a unit of {expected} was expected")

@@ -181,7 +181,7 @@ def _variable(element: memoryview, order: str) -> tuple[str, Variable]:
     shape = struct.unpack(f"{order}{len(size) // 4}i", size)
     what, name, rest = _element(rest, order)
     if what != _INT8 or min(shape, default=-1) < 0:
-        raise ValueError("no name, or less than nothing")
+        raise ValueError("no name, or a negative size")
     return bytes(name).decode("ascii"), Variable(shape, kind, order, rest)
 
 
@@ -220,7 +220,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
             )
     loops, readings = next(iter(matrices.values())).shape
     if readings < 2:
-        raise DataError(f"{path} holds {readings} reading(s) a loop. At least two are needed.")
+        raise DataError(f"{path} holds {readings} reading(s) per loop. At least two are needed.")
     columns = {name: x.ravel() for name, x in matrices.items()}
     notes = [
         f"Variable '{name}': {int(np.isnan(x).sum())} of {x.size} numbers are NaN."
@@ -248,7 +248,9 @@ def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
         files = [path.with_name(p.replace("*", common)) for p in patterns]
         missing = [file for file in files if not file.is_file()]
         if missing:
-            raise UsageError(f"{path} belongs with {missing[0].name}, which is not in the same folder.")
+            raise UsageError(
+                f"{path} must be read together with {missing[0].name}, which is not in the same folder."
+            )
         return files
     raise UsageError(f"The mapping reads files named {' and '.join(patterns)}; {path} is none of them.")
 

@@ -69,7 +69,7 @@ def convert(values: Any, unit: str, to: str) -> Any:
     (26.85..., 0.015)
     """
     if dimension(unit) != dimension(to):
-        raise UsageError(f"unit '{unit}' is a {dimension(unit)}, '{to}' is a {dimension(to)}")
+        raise UsageError(f"'{unit}' is a unit of {dimension(unit)}, '{to}' is a unit of {dimension(to)}")
     if unit == to:
         return values
     (_, a, b), (_, c, d) = _UNITS[unit], _UNITS[to]

@@ -57,7 +57,7 @@ def matches(expression: str, values: Mapping[str, NDArray]) -> NDArray[np.bool_]
         except (ZeroDivisionError, OverflowError):
             raise _selection_error(expression, "it divides by zero or overflows") from None
         except TypeError:
-            raise _selection_error(expression, "it calculates with a condition") from None
+            raise _selection_error(expression, "it uses a condition as a number") from None
     if result.dtype != np.bool_ or result.shape != np.shape(values["curve"]):
         raise _selection_error(expression, f"it is not a condition on {', '.join(SELECTABLE_NAMES)}")
     return result

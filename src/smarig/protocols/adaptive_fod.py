@@ -127,7 +127,8 @@ def _check(setup: Setup, input_K: float) -> None:
 def _hold_result(input_K: float, result: StepResult | None) -> HoldResult:
     if not isinstance(result, StepResult):
         raise UsageError(
-            "adaptive_fod chooses its inputs from results. Run it on a rig or a twin; it cannot be listed."
+            "adaptive_fod chooses its inputs from results. Run it on a rig or a twin; its commands cannot be listed "
+            "in advance."
         )
     return HoldResult(
         input_K, result.counts, result.counts_sd, result.n, result.verdict is StepVerdict.SETTLED

@@ -16,7 +16,7 @@ def minor_loops(
         0 <= low_A < high_A and 0 < loop_s <= 86_400 and 1 <= loops <= 1000 and loops * loop_s <= 864_000
     ):
         raise UsageError(
-            "minor_loops needs 0 ≤ low_A < high_A, 0 < loop_s ≤ 86400, 1 ≤ loops ≤ 1000, ten days in all at most; got "
+            "minor_loops needs 0 ≤ low_A < high_A, 0 < loop_s ≤ 86400, 1 ≤ loops ≤ 1000, at most ten days in all; got "
             f"{low_A:g}, {high_A:g}, {loop_s:g}, {loops}."
         )
     half = max(1, round(loop_s / 2 / setup.period_s))

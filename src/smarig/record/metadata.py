@@ -88,7 +88,7 @@ def is_timestamp(value: Any) -> bool:
 
 
 _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
-    is_text: "a text",
+    is_text: "a string",
     _name: "a valid name or path",
     is_table: "a table",
     _list: "a list",
@@ -140,7 +140,7 @@ def check_metadata(meta: Mapping[str, Any]) -> None:
             _check_key(meta.get(key) or {}, name, kind, f" in '{key}'")
     for key in ("effects", "warnings"):
         if not all(map(is_text, meta.get(key) or ())):
-            raise TypeError(f"its key '{key}' contains a value that is not a text")
+            raise TypeError(f"its key '{key}' contains a value that is not a string")
 
 
 def _check_key(table: Mapping[str, Any], key: str, kind: Callable[[Any], bool], where: str) -> None:

@@ -137,8 +137,8 @@ class Recorder:
             raise
         if rejected:
             raise StorageError(
-                f"Run {self.path}: {len(rejected)} samples were not recorded, the first of tick {rejected[0][0]}: this "
-                "tick is duplicate or invalid. All other samples are recorded."
+                f"Run {self.path}: {len(rejected)} samples were not recorded; the first has tick {rejected[0][0]}, "
+                "which is a duplicate or invalid. All other samples are recorded."
             )
 
     def _write_batch(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:

@@ -203,7 +203,7 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
 
 def _meta_value(key: Any, value: Any) -> Any:
     if not isinstance(key, str):
-        raise TypeError("a key of its description is not a text")
+        raise TypeError("a key of its description is not a string")
     try:
         return decode_json(value)
     except (ValueError, TypeError) as error:

@@ -85,10 +85,10 @@ class WireHistory:
         """The history in one line.
 
         >>> WireHistory("a", runs=2, cycles=20, hours_hot=1.25, dose_K_h=160.0, largest_input_K=174.0).sentence()
-        '2 runs, 20 cycles, 1.25 h hot (160 K h), at most 174.0 K above ambient'
+        '2 runs, 20 cycles, 1.25 h above half of the range (160 K h), at most 174.0 K above ambient'
         """
         runs = f"{self.runs} run{'s' if self.runs != 1 else ''}, {self.cycles} cycle{'s' if self.cycles != 1 else ''}"
-        hot = f"{self.hours_hot:.2f} h hot ({self.dose_K_h:.4g} K h)"
+        hot = f"{self.hours_hot:.2f} h above half of the range ({self.dose_K_h:.4g} K h)"
         return f"{runs}, {hot}, at most {self.largest_input_K:.1f} K above ambient"
 
     def save(self) -> None:

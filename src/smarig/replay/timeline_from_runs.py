@@ -38,7 +38,7 @@ def build_timeline(runs: Sequence[Run], tau_s: float) -> Timeline:
     for run in runs:
         if not (run.has("t_s") and (run.has("current_command_A") or run.has("current_A"))):
             raise DataError(
-                f"{run.path} has no clock or no current. A diagnosis of such runs needs a measured input as the drive."
+                f"{run.path} has no clock or no current. A diagnosis without them needs runs with a measured input."
             )
     timelines = [_session_timeline(some, tau_s) for some in _runs_by_session(runs)]
     timelines = [timeline for timeline in timelines if len(timeline.settled)]
@@ -83,9 +83,9 @@ def _check_clock(runs: Sequence[Run]) -> None:
     for before, run in zip(runs, runs[1:]):
         if run["t_s"][0] <= before["t_s"][-1]:
             raise DataError(
-                f"{before.path.name} and {run.path.name} belong to one session by their records, but their clocks "
-                "overlap. "
-                "Imported runs share one clock. Give the start of each run on it with 'smarig import --t0 SECONDS'."
+                f"According to their records, {before.path.name} and {run.path.name} belong to one session, but "
+                "their clocks overlap. Imported runs share one clock. Give the start of each run on it with "
+                "'smarig import --t0 SECONDS'."
             )
 
 

@@ -124,7 +124,8 @@ def _started_simulator(
     """The links of the devices while they run. They detect the end of this process at the end of their input."""
     if settings.initial is not None or not settings.noise:
         raise UsageError(
-            "Simulated devices follow the rig file. Use a twin in process for another initial state or no noise."
+            "Simulated devices follow the rig file. For another initial state, or no noise, use a rig with kind = "
+            '"twin".'
         )
     with_type = [effect for effect in settings.effects if isinstance(effect, Effect)]
     if len(with_type) < len(settings.effects) or any(

@@ -72,7 +72,7 @@ class Specimen:
 
     def __init__(self, rig: RigFile, actuator: Actuator, settings: TwinSettings) -> None:
         if settings.seed < 0:
-            raise UsageError(f"Seed {settings.seed} is negative. Give a whole number from 0 up.")
+            raise UsageError(f"Seed {settings.seed} is negative. Give a whole number ≥ 0.")
         self.tick = 0
         self.file, self.actuator = rig, actuator
         hysteresis = actuator.file.hysteresis

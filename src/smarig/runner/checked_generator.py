@@ -130,7 +130,7 @@ def _text(what: str, value: object) -> str:
         with contextlib.suppress(UnicodeEncodeError):
             value.encode("utf-8")
             return str(value)
-    raise UsageError(f"{what} must be a text, got {_short_repr(value)}")
+    raise UsageError(f"{what} must be a string, got {_short_repr(value)}")
 
 
 def _short_repr(value: object) -> str:

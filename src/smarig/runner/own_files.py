@@ -55,7 +55,7 @@ def check_own_files(run: Run) -> None:
         loaded = own_entries(package).get(name)
         if loaded is None:
             raise UsageError(
-                f"{run.path.name} was made with an own {kind}, {path}. To execute this file, give it again: "
+                f"{run.path.name} was made with a user's own {kind}, {path}. To execute this file, give it again: "
                 f"smarig resume {run.path.name} --{kind} {path}."
             )
         if loaded.sha256 != sha256:

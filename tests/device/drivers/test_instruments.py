@@ -78,7 +78,7 @@ def test_samples_that_cannot_be_those_requested_are_refused(link, first, count):
     """Asked for from tick 4 on, of a device that has counted 9."""
     amplifier = SmarigAmplifier(link, SETTINGS)
     link.status |= {"tick": 9, "ring_first": first, "ring_count": count}
-    with pytest.raises(Garbled, match="Its ring is inconsistent"):
+    with pytest.raises(Garbled, match="Its ring buffer is inconsistent"):
         amplifier.since(4, 16)
     link.status |= {"ring_first": 5}
     assert [r.tick for r in amplifier.since(4, 16)] == list(range(5, 5 + count))
@@ -200,7 +200,7 @@ def test_a_supply_that_was_left_on_is_off_before_it_is_identified(supply):
 
 def test_a_device_that_is_no_supply_is_reported(supply):
     supply.identity = "hello"
-    with pytest.raises(WrongDevice, match="not SCPI"):
+    with pytest.raises(WrongDevice, match="not an SCPI identity"):
         ScpiSupply(where(supply), 24.0)
 
 

@@ -41,9 +41,9 @@ def sharp_bound(
     delta, gamma = controller.delta, controller.gamma
     rates, offsets = np.asarray(rate_norm, dtype=float), np.asarray(offset_norm, dtype=float)
     if not (np.all(rates >= 0) and np.all(offsets >= 0)):
-        raise UsageError("A norm of the rate or of the offset is negative or NaN. Give numbers from 0 on.")
+        raise UsageError("A norm of the rate or of the offset is negative or NaN. Give numbers ≥ 0.")
     if np.isnan(stored):
-        raise UsageError("The stored energy is not decided, so there is no bound.")
+        raise UsageError("The stored energy could not be determined, so there is no bound.")
     driven = ((gamma + delta) * rates + offsets) / delta
     return driven + np.sqrt(max(stored, 0.0) / delta)
 

@@ -25,18 +25,28 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
     return getattr(importlib.import_module(f"benchmarks.{name}"), "run", None)
 
 
-@click.command("benchmark", epilog=EPILOG)
+@click.command(
+    "benchmark", short_help="Measure speed, accuracy, and the success of the diagnosis.", epilog=EPILOG
+)
 @click.argument("name")
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
 @click.option("--boxes", type=int, help="diagnosis, mystery: number of boxes.")
 @click.option("--seed", type=int, help="diagnosis, mystery, critic: seed.")
 @click.option("--workers", type=int, help="diagnosis, mystery: number of processes.")
-@click.option("--left-out", is_flag=True, default=None, help="diagnosis: only boxes with an unknown effect.")
+@click.option(
+    "--left-out",
+    is_flag=True,
+    default=None,
+    help="diagnosis: only boxes with an effect that is left out of the catalogue.",
+)
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
-@click.option("-o", "--out", type=FILE, help="diagnosis: file of answers; continued if it exists.")
+@click.option(
+    "-o", "--out", type=FILE, help="diagnosis: file for the answers; an existing file is continued."
+)
 @json_option
 def command(name: str, quick: bool, **settings: Any) -> None:
-    """Measure speed, memory and exactness as ratios, or the success of diagnosis on sealed boxes.
+    """Measure speed, memory and accuracy as ratios to a reference program, or the success rate of the diagnosis on
+    sealed boxes (synthetic data sets with hidden effects).
 
     NAME: adaptive, critic, density, diagnosis, forward, identify, inverse, links, live, mystery, regulation,
     soak, tracking, tracking_effects.

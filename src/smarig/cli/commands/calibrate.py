@@ -11,7 +11,9 @@ from smarig.plant import Actuator
 
 
 @click.command(
-    "calibrate", epilog="\b\nExample:\n  smarig calibrate validation.run.sqlite --actuator gorbet_one_wire"
+    "calibrate",
+    short_help="Estimate the constants of a wire from runs.",
+    epilog="\b\nExample:\n  smarig calibrate validation.run.sqlite --actuator gorbet_one_wire",
 )
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(

@@ -1,4 +1,4 @@
-"""``smarig certify``: what is proved of a model before a loop is closed around it."""
+"""``smarig certify``: what is proved about a model before a loop is closed around it."""
 
 from pathlib import Path
 
@@ -17,10 +17,12 @@ Examples:
 """
 
 
-@click.command("certify", epilog=EPILOG)
+@click.command(
+    "certify", short_help="List what is proved about a model: passivity, stability.", epilog=EPILOG
+)
 @click.argument("model", type=FILE)
 @click.option(
-    "--controller", type=VELOCITY, help="One velocity controller (default: all, at their defaults)."
+    "--controller", type=VELOCITY, help="Velocity controller (default: all of them, with default parameters)."
 )
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A parameter of --controller; repeatable."
@@ -37,7 +39,8 @@ Examples:
     "laws",
     multiple=True,
     metavar="N/D",
-    help="Controller K(s) of §9.2 by its coefficients of 1, s, s²: 10,20/1,0.5; repeatable.",
+    help="Position controller K(s) of §9.2 as numerator/denominator, each with the coefficients of 1, s, s², for "
+    "instance 10,20/1,0.5; repeatable.",
 )
 @click.option("-o", "--out", type=FILE, help="HTML page to write.")
 @click.option("--force", is_flag=True, help="Replace an existing page.")
@@ -52,9 +55,9 @@ def command(
     force: bool,
 ) -> None:
     """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ,
-    γ and k_e (Thm 8.2), with every hypothesis that fails. If passivity fails, the input that breaks it is
-    printed. The certificate covers the hysteresis alone; it does not cover the loops of track and
-    regulate."""
+    γ and k_e (Thm 8.2), with every hypothesis that fails. If passivity fails, an input that violates it
+    is printed. The certificate covers the hysteresis alone; it does not cover the closed loops of the commands
+    track and regulate."""
     from smarig.app import ModelSource
     from smarig.certify import PositionController, certificate
     from smarig.core import check_writable
@@ -63,7 +66,7 @@ def command(
     from smarig.report import Further, certificate_page, certificate_units, certified_model, write_page
 
     if pairs and not controller:
-        raise UsageError("--set belongs to one controller. Name it with --controller.")
+        raise UsageError("--set applies to one controller only. Name it with --controller.")
     source = ModelSource.of(model)
     if out is not None:
         check_distinct(out, model, *runs)

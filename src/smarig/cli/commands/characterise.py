@@ -19,6 +19,7 @@ from smarig.runner import Listener, Preview, twin_source
 
 @click.command(
     "characterise",
+    short_help="Do the whole job: experiments, model, diagnosis, report.",
     epilog=f"{STREAMS}\n\n\b\nExample:\n  smarig characterise --rig one_wire_twin --out out/one_wire",
 )
 @click.option("--rig", type=RIG, required=True, help="Rig by name or path.")

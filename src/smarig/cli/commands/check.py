@@ -14,10 +14,14 @@ from smarig.protocols import Setup, parse_pairs
 from smarig.rig import Bench, Check, Twin, TwinSettings, bring_up, inconsistencies, open_rig
 from smarig.runner import preview, wire_lock
 
-_LABELS = {"lease_trips": "The lease trips"}  # of the values that are no quantities
+_LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities
 
 
-@click.command("check", epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending")
+@click.command(
+    "check",
+    short_help="Check a rig, bring up a bench, preview a protocol.",
+    epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending",
+)
 @click.argument("rig", type=RIG)
 @click.option(
     "--protocol",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis import Diagnosis
 
 EPILOG = """\b
-Example:
+Examples:
   smarig diagnose wire.model.json --train fod.run.sqlite --train loops.run.sqlite \\
       --held-out validation.run.sqlite -o diagnosis --propose next.toml
   smarig run next.toml --rig one_wire_twin -o more
@@ -44,36 +44,47 @@ def _taking_all_values(process: Any) -> Any:
     return take_all
 
 
-@click.command("diagnose", epilog=EPILOG)
+@click.command(
+    "diagnose", short_help="Find the cause of a model's errors and extend the model.", epilog=EPILOG
+)
 @click.argument("model", type=FILE, required=False)
-@click.option("--train", type=FILE, cls=_MultiValueOption, multiple=True, help="Runs to fit to; several.")
+@click.option("--train", type=FILE, cls=_MultiValueOption, multiple=True, help="Runs to fit to, one or more.")
 @click.option(
     "--held-out",
     type=FILE,
     cls=_MultiValueOption,
     multiple=True,
-    help="Runs to evaluate the gain on; several.",
+    help="Runs to measure the gain on, one or more.",
 )
 @click.option(
     "--transient",
     type=FILE,
-    help="Diagnose the temperature of this run instead of a model; it needs the wire's temperature and its drive.",
+    help="Diagnose the measured wire temperature of this run, instead of a model; the run also needs the current or "
+    "another input that heats the wire.",
 )
 @click.option("-o", "--out", type=FOLDER, help="Folder for extended.model.json, diagnosis.json, report.html.")
 @click.option(
-    "--propose", type=FILE, help="Campaign file to write: the run that separates the remaining explanations."
+    "--propose",
+    type=FILE,
+    help="Campaign file to write: the run that distinguishes the remaining explanations.",
 )
 @click.option(
     "--without", multiple=True, metavar="EFFECT", help="Leave this effect out of the catalogue; repeatable."
 )
 @own_effects
-@click.option("--alpha", type=float, default=0.03, show_default=True, help="Probability of any false alarm.")
+@click.option(
+    "--alpha",
+    type=float,
+    default=0.03,
+    show_default=True,
+    help="Probability of a false alarm in the whole diagnosis.",
+)
 @click.option(
     "--nulls",
     type=int,
     default=400,
     show_default=True,
-    help="Simulated timelines without any effect (null data).",
+    help="Number of simulated data sets without any effect (null data).",
 )
 @click.option("--seed", type=int, default=0, help="Seed of the null data.")
 @click.option("--force", is_flag=True, help="Replace existing files.")

@@ -18,7 +18,7 @@ Examples:
 """
 
 
-@click.command("identify", epilog=EPILOG)
+@click.command("identify", short_help="Identify a Preisach model from runs.", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
     "--surface",
@@ -29,7 +29,9 @@ Examples:
 )
 @click.option("--select", metavar="EXPR", help="Fit only to the points where this holds, e.g. 'curve%2==0'.")
 @click.option(
-    "--anchor", is_flag=True, help="Keep the measured end values, as the thesis does (default: fit them)."
+    "--anchor",
+    is_flag=True,
+    help="Keep the measured outputs at both ends of the range, as the thesis does (default: fit them).",
 )
 @click.option(
     "--symmetric",
@@ -56,7 +58,7 @@ def command(
     out: Path,
     force: bool,
 ) -> None:
-    """Identify a Preisach model from runs with first-order curves, or (positive) from any runs."""
+    """Identify a Preisach model from runs with first-order curves or, with --surface positive, from any runs."""
     from smarig.identification import identify
 
     check_distinct(out, *runs)

@@ -17,7 +17,7 @@ Examples:
 """
 
 
-@click.command("import", epilog=EPILOG)
+@click.command("import", short_help="Import measured data and report what looks wrong.", epilog=EPILOG)
 @click.argument("file", type=FILE)
 @click.option(
     "--format",

@@ -82,7 +82,8 @@ def _chosen(kind: str, files: tuple[str, ...]) -> set[str]:
     for file in files:
         if package is None or not is_path(file):
             raise UsageError(
-                f"'{file}' cannot be listed. Give the file of an own protocol, controller or effect, such as ./NAME.py."
+                f"'{file}' cannot be listed. Give a file with a protocol, controller or effect of your own, such as "
+                "./NAME.py."
             )
     return {resolve_name(str(package), file) for file in files}
 
@@ -121,7 +122,7 @@ def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str
     return documented_numbers(catalogue_entry(package, name)), dict(default_numbers(package, name))
 
 
-@click.command("list", epilog=EPILOG)
+@click.command("list", short_help="List rigs, protocols, controllers, effects, wires, …", epilog=EPILOG)
 @click.argument("kind", type=click.Choice([*_LISTINGS, "all"]), default="all")
 @click.argument("files", nargs=-1, metavar="[FILE.py]...")
 @click.option(
@@ -134,7 +135,8 @@ def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
     """List rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and the wires used
     so far.
 
-    With FILE.py, list only these own protocols, controllers or effects. "unit" is the rig's unit, mm or deg.
+    With FILE.py, list only the protocols, controllers or effects of your own in these files. "unit" is the
+    rig's unit, mm or deg.
     """
     own_names = _chosen(kind, files)
     found: dict[str, dict] = {k: read() for k, read in _LISTINGS.items() if kind in (k, "all")}

@@ -1,4 +1,4 @@
-"""``smarig new``: write a commented starting file that works unchanged.
+"""``smarig new``: write a commented template that works unchanged.
 
 The templates are valid files named ``my_KIND``. Only that word is replaced.
 """
@@ -41,16 +41,15 @@ Examples:
 """
 
 
-@click.command("new", epilog=EPILOG)
+@click.command("new", short_help="Write a commented template for your own file.", epilog=EPILOG)
 @click.argument("kind", type=click.Choice(list(_NEXT_STEP)))
 @click.argument("name")
 @click.option("-o", "--out", type=FILE, help="File to write (default: NAME.toml or NAME.py in this folder).")
 @json_option
 def command(kind: str, name: str, out: Path | None) -> None:
-    """Write a commented starting file: a rig, actuator, protocol, controller, effect, driver or campaign of
-    your own.
+    """Write a commented template for your own rig, actuator, protocol, controller, effect, driver or campaign.
 
-    The file works unchanged. Commands take it by its path. An existing file is not overwritten.
+    The file works unchanged. Commands accept the path of this file. An existing file is not overwritten.
     """
     template = next(_TEMPLATES.glob(f"my_{kind}.*"))
     file = out or Path(name + template.suffix)

@@ -20,10 +20,13 @@ Examples:
 """
 
 
-@click.command("regulate", epilog=EPILOG)
+@click.command("regulate", short_help="Hold a set-point in closed loop (thesis §8.3).", epilog=EPILOG)
 @click.argument("model", type=FILE)
 @click.option(
-    "--setpoint", type=float, required=True, help="Output to hold, in the rig's unit, on the model's scale."
+    "--setpoint",
+    type=float,
+    required=True,
+    help="Output to hold, in the rig's unit, counted from the zero of the model.",
 )
 @click.option("-o", "--out", type=FILE, help="Run file.")
 @click.option(
@@ -31,7 +34,7 @@ Examples:
     type=float,
     default=0.01,
     show_default=True,
-    help="Accepted distance from B_ℓ, as a share of the plane.",
+    help="Accepted distance from B_ℓ, as a share of the area of the Preisach plane.",
 )
 @click.option(
     "--hold-s", type=float, default=600.0, show_default=True, help="Duration of the closed loop, s."
@@ -54,7 +57,11 @@ Examples:
     "--controller", default="pi", show_default=True, help="Controller that holds the set-point: pi."
 )
 @click.option(
-    "--controller-set", "numbers", multiple=True, metavar="KEY=VALUE", help="gain (K per unit), band (unit)."
+    "--controller-set",
+    "numbers",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Parameter of the controller: gain (K per unit of output) or band (unit of output); repeatable.",
 )
 @run_options
 @json_option

@@ -18,7 +18,7 @@ Examples:
 """
 
 
-@click.command("report", epilog=EPILOG)
+@click.command("report", short_help="Write offline HTML pages of runs.", epilog=EPILOG)
 @click.argument("runs", nargs=-1, required=True, type=ANY_PATH, metavar="RUN|DIR...")
 @click.option(
     "--model",
@@ -33,7 +33,7 @@ Examples:
 @json_option
 def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
     """Write offline HTML pages: of one run (finished, interrupted or imported), of every run in a folder
-    with a searchable index, of several runs in comparison, or of models on the same runs. With one model,
+    with a searchable index, of several runs compared, or of models compared on the same runs. With one model,
     the page of a closed loop includes the certificate of that model."""
     from smarig.report import run_files
 

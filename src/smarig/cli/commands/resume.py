@@ -25,10 +25,12 @@ Examples:
 """
 
 
-@click.command("resume", epilog=EPILOG)
+@click.command("resume", short_help="Continue a run that was killed, stopped or tripped.", epilog=EPILOG)
 @click.argument("run", type=FILE)
 @click.option("--rig", type=RIG, default="", help="Rig of the run, if its file has moved.")
-@click.option("--protocol", type=PROTOCOL, default="", help="Own protocol of the run, FILE.py.")
+@click.option(
+    "--protocol", type=PROTOCOL, default="", help="Your own protocol file that the run used, FILE.py."
+)
 @own_effects
 @click.option("--wire", default="", help="Identity of the wire; must equal that of the run.")
 @click.option(
@@ -50,9 +52,9 @@ def command(
 ) -> None:
     """Continue a run that was killed, stopped or tripped, in the same file.
 
-    The wire is cooled and brought back to the remembered extrema after the last finished step. Then the
-    interrupted step is repeated. If this is not possible, the protocol starts again. Void steps stay in the
-    record and are marked.
+    The wire is cooled and taken again through the extrema that it remembered after the last finished step.
+    Then the interrupted step is repeated. If this is not possible, the protocol starts again. Steps that no
+    longer count stay in the record, marked void.
     """
     from smarig.identification import informed_choice
     from smarig.runner import preview, read_launch_args, resume_in, session_for

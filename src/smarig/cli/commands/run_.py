@@ -27,7 +27,7 @@ Examples:
 """
 
 
-@click.command("run", epilog=EPILOG)
+@click.command("run", short_help="Run a protocol or a campaign on a rig.", epilog=EPILOG)
 @click.argument("experiment", type=EXPERIMENT, metavar="PROTOCOL|CAMPAIGN")
 @click.option("-o", "--out", type=ANY_PATH, help="Run file, or folder for a campaign.")
 @click.option(
@@ -116,5 +116,5 @@ def _plan(experiment: str, settings: dict) -> CampaignFile:
             f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."
         )
     if settings:
-        raise UsageError("--set belongs to a single protocol. Set the values of a campaign in its file.")
+        raise UsageError("--set applies to a single protocol only. Set the values of a campaign in its file.")
     return with_loaded_protocols(load_campaign(experiment))

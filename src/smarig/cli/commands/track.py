@@ -25,7 +25,7 @@ Examples:
 """
 
 
-@click.command("track", epilog=EPILOG)
+@click.command("track", short_help="Track a reference in closed loop.", epilog=EPILOG)
 @click.argument("model", type=FILE)
 @click.option(
     "--reference",
@@ -76,7 +76,7 @@ def command(
     """Initialise the wire, close a loop, track a reference, open the loop; record the run and print its
     result.
 
-    Positions are in the rig's unit. They count from the encoder's zero, which initialisation sets. Limits,
+    Positions are in the rig's unit. They are counted from the encoder's zero, which initialisation sets. Limits,
     trips and lease apply as in any run. A position loop that diverges ends at zero current with exit status
     3. The feed-forward includes the model's effects.
 

@@ -34,10 +34,10 @@ Examples:
 def command(
     run: Path, models: tuple[Path, ...], web: bool, speed: float, out: Path | None, force: bool
 ) -> None:
-    """Show a run at once or at a speed. A run that is still being recorded is shown as far as it has been
+    """Show a run, all at once or at a chosen speed. A run that is still being recorded is shown as far as it has been
     written.
 
-    Needs the extra 'live'. The viewer ends with this command.
+    Needs the extra 'live'. Ending this command also closes the viewer.
     """
     from smarig.core import atomic_file
     from smarig.live import save_recording, view_run

@@ -114,8 +114,9 @@ def plan_approach(
     if old_memory_area > within * plane.area:
         raise UsageError(
             f"The rig's limits allow {reach[0]:.1f} to {reach[1]:.1f} K; the hysteresis reaches from "
-            f"{plane.lower:.1f} to {plane.upper:.1f} K. Memory beyond the limits cannot be wiped out and may keep the "
-            f"wire {old_memory_area / plane.area:.1%} of the plane away from B_ℓ. Widen the limits, or allow more than "
+            f"{plane.lower:.1f} to {plane.upper:.1f} K. Memory beyond the limits cannot be wiped out and may leave the "
+            f"state at a distance of {old_memory_area / plane.area:.1%} of the plane from B_ℓ. Widen the limits, or "
+            "allow more than "
             f"{within:.1%}."
         )
     candidates: list[ApproachPlan] = []

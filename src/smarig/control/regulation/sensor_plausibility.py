@@ -54,6 +54,7 @@ class SensorPlausibility:
             self._last_motion = self._operator.y, position
         elif abs(self._operator.y - output) > EXPECTED_MOTION * self._range:
             raise LimitExceeded(
-                f"By the model the wire moved by {abs(self._operator.y - output):.3g}, by the encoder only by "
+                f"According to the model the wire moved by {abs(self._operator.y - output):.3g}, but according to "
+                "the encoder only by "
                 f"{abs(position - read):.3g}. Check the encoder and the wire. The current is at zero."
             )

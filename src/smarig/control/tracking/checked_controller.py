@@ -55,8 +55,8 @@ class CheckedController:
                 yielded = _EXHAUSTED
         if yielded is _EXHAUSTED:
             raise UsageError(
-                f"{self._location()}: the generator ended. A controller must yield until the loop closes it "
-                "(while True)."
+                f"{self._location()}: the generator ended. A controller must yield (while True) until the "
+                "run closes it."
             )
         current_A = _number(yielded)
         if current_A is None:

@@ -38,7 +38,7 @@ class Reference:
             self.position
         ):
             raise UsageError(
-                f"Reference {self.name} needs equally many times and positions, all of them numbers."
+                f"Reference {self.name} needs the same number of times and positions, all of them numbers."
             )
         numbers = np.array([self.t_s, self.position], dtype=float)
         if numbers.shape[1] < 2 or not np.isfinite(numbers).all():
@@ -105,7 +105,7 @@ def reference(
     ):
         finite(f"The reference's {name}", value)
     if not (isinstance(seed, Integral) and seed >= 0):
-        raise UsageError(f"The reference's seed must be an integer from 0 on (given: {seed}).")
+        raise UsageError(f"The reference's seed must be an integer ≥ 0 (given: {seed}).")
     if not math.isfinite(high - low):
         raise UsageError(
             f"The reference's low and high differ too much: {low:g}, {high:g}. Give smaller values."
@@ -186,7 +186,7 @@ def _cell(row: Mapping[str, str | None], column: str, line: int) -> float:
 def _check_rows(rows: Sequence[tuple[int, float, float]]) -> None:
     """Raise ValueError if there are no rows or time does not increase."""
     if not rows:
-        raise ValueError("it has no rows below its columns")
+        raise ValueError("it has no rows below its header")
     for (_, before_s, _), (line, t_s, _) in pairwise(rows):
         if t_s <= before_s:
             raise ValueError(f"line {line}: time_s must increase, but {t_s:g} follows {before_s:g}")

@@ -132,7 +132,7 @@ class Conversation:
             raise Garbled(
                 f"The {self.name} returned samples from tick {first} on; samples from {requested_tick} on were "
                 "requested, "
-                f"and its tick is {own}. Its ring is inconsistent. {Garbled.remedy}"
+                f"and its tick is {own}. Its ring buffer is inconsistent. {Garbled.remedy}"
             )
         return first
 

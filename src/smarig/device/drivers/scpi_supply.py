@@ -19,7 +19,8 @@ def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
     """The supply of a rig file: identified, switched off, with its voltage limited."""
     if rig.limits.current_min_A < 0:
         raise ConfigError(
-            f"Rig '{rig.name}' has current_min_A = {rig.limits.current_min_A:g} A. A supply drives one sign only."
+            f"Rig '{rig.name}' has current_min_A = {rig.limits.current_min_A:g} A. A supply gives current of one "
+            "sign only."
         )
     heating = Actuator.named(rig.actuator).file.heating
     ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
@@ -40,7 +41,7 @@ class ScpiSupply:
         self.identity = self._line.identify()
         if self.identity.count(",") < 2:
             raise WrongDevice(
-                f"The device at {self.where} identifies itself as '{self.identity}'. This is not SCPI."
+                f"The device at {self.where} identifies itself as '{self.identity}'. This is not an SCPI identity."
             )
         self.arm()
 

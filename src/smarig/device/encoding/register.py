@@ -95,7 +95,7 @@ class Register(TomlTable):
     def value(self) -> Value:
         """Its value. Raises UsageError for a ring."""
         if self.type == "record":
-            raise UsageError(f"Register {self.name} is a ring of records, not a number.")
+            raise UsageError(f"Register {self.name} is a ring buffer of records, not a number.")
         return Value(name=self.name, type=self.type, text=self.text, lsb=self.lsb, unit=self.unit)
 
     @cached_property

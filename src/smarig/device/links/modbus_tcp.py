@@ -83,7 +83,7 @@ class ModbusTcp:
     def more(self, exchange: Exchange) -> list[int] | Refusal:
         """Raise Silent: a reply carries the number of its request, so late replies are never confused with others."""
         del exchange
-        raise Silent(f"{self.where}: no other reply. {Silent.remedy}")
+        raise Silent(f"{self.where}: no further reply arrived. {Silent.remedy}")
 
     def reopen(self) -> None:
         """Close and connect. Raises Silent if nothing listens there."""

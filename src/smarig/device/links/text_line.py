@@ -42,7 +42,9 @@ class TextLine:
             if math.isnan(_number(answer)):
                 self.identity, self._late = answer, False
                 return answer
-        raise Garbled(f"{self.where} answers {self._who} with numbers. {Garbled.remedy}")
+        raise Garbled(
+            f"{self.where} answers {self._who} with numbers instead of its identity. {Garbled.remedy}"
+        )
 
     def write(self, text: str) -> None:
         """Send a line that has no answer."""
@@ -62,7 +64,7 @@ class TextLine:
             if answer != self.identity:
                 self._late = False
                 return answer
-        raise Garbled(f"{self.where} answers {question} only with its name. {Garbled.remedy}")
+        raise Garbled(f"{self.where} answers {question} only with its identity. {Garbled.remedy}")
 
     def number(self, question: str) -> float:
         """The answer as a number. Raises Garbled if it is not a number."""

@@ -57,7 +57,7 @@ def thermal_record_of(run: Run) -> ThermalRecord:
     name = "input" if run.input_unit not in ("K", "degC", "°C") else "current_A"
     if not (run.has("temperature_degC") and run.has(name)):
         raise DataError(
-            f"{run.path} holds no wire temperature with its drive. A thermal diagnosis needs both."
+            f"{run.path} lacks the wire temperature or the input that heats the wire. A thermal diagnosis needs both."
         )
     clock = run.has("t_s")
     t = run["t_s"] if clock else np.arange(float(len(run)))

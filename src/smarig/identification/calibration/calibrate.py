@@ -51,7 +51,7 @@ class Calibration:
             )
         if not self.parameters:
             raise UsageError(
-                "Nothing was found for an actuator file. See which constants the data do not determine."
+                "The data determine no constant of an actuator file. See the reason that is given for each constant."
             )
         return write(Path(path), calibrated(base.file, self.parameters, Path(path).stem), force=force)
 

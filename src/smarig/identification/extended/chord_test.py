@@ -85,7 +85,8 @@ def compare_loops(found: Iterable[MinorLoop], noise: NoiseFloor, *, alpha: float
         used += len(group)
     if not used:
         raise DataError(
-            "No two minor loops share their ends and an input between. Run the congruency protocol."
+            "No two minor loops have the same end inputs and a measured input in common between them. Run the "
+            "congruency protocol."
         )
     return ChordTest(shape.p_value(noise), chord.p_value(noise), shape.rms, chord.rms, used, alpha)
 

@@ -68,8 +68,8 @@ def identify_moving(runs: Sequence[Run], *, reach: float | None = None) -> Movin
     loops = np.flatnonzero(~first)
     if loops.size < _FEWEST:
         raise DataError(
-            f"{loops.size} points lie off first-order curves, but a feedback needs at least {_FEWEST}. "
-            "Measure minor loops between equal inputs after several histories."
+            f"Only {loops.size} points are not on first-order curves, but the feedback k needs at least {_FEWEST} "
+            "such points. Measure minor loops between the same inputs after different histories."
         )
     surface = first_order_surface(record, np.flatnonzero(first))
     table = surface.table
@@ -116,7 +116,9 @@ def shifted_surface(surface: FodTable, k: float) -> FodTable:
     u, y = surface.nodes, surface.values
     up = u + k * np.diag(y)
     if np.any(np.diff(up) <= 0):
-        raise UsageError(f"Feedback k = {k:g} turns the ascending branch back, so no such operator exists.")
+        raise UsageError(
+            f"With feedback k = {k:g} the ascending branch turns back, so no such operator exists."
+        )
     w = np.linspace(up[0], up[-1], u.size)
     rows = np.full_like(y, np.nan)  # y at (α_i, w_j), α still that of u
     for i in range(u.size):
@@ -132,7 +134,7 @@ def _range(surface: FodTable, reach: float | None) -> tuple[float, float]:
     stroke = float(np.ptp(np.diag(surface.values)))
     reach = 0.25 * (surface.upper - surface.lower) / stroke if reach is None else reach
     if not reach > 0:
-        raise UsageError(f"The reach of k must be positive, got {reach:g}.")
+        raise UsageError(f"The search range of k must be positive, got {reach:g}.")
     return max(-reach, -_SHARE / slope_range(surface).greatest), reach
 
 

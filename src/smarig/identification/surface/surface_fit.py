@@ -162,8 +162,8 @@ def fit_surface(
     trials = [_refined(problem, p) for p in starts]
     if not trials:
         raise DataError(
-            f"No {form} surface resembles the data: the output does not rise with the input. Turn its sign, "
-            "or check the input."
+            f"No {form} surface resembles the data: the output does not rise with the input. Change the sign of the "
+            "output, or check the input."
         )
     best = min(trials, key=lambda trial: trial.cost)
     return _surface_fit(problem, best.x, weights, best.status > 0, len(trials))

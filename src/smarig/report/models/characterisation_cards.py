@@ -100,7 +100,7 @@ def model_recommendation(e: Evidence) -> Html:
             "warning", paragraph(*words, ". The stability results of chapter 8 do not apply to it.")
         )
     words += [
-        ". The positive model is in it by construction, so the stability results of chapter 8 apply to that model. "
+        ". The positive model is in MP by construction, so the stability results of chapter 8 apply to that model. "
     ]
     names = " ".join(shlex.quote(p.run) for p in e.best.model.provenance)
     command = tag("code", f"smarig identify {names} --surface positive -o positive.model.json")

@@ -153,7 +153,7 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         "The identification input, re-simulated with each surface.",
         [
             "Dashed: the measured points, joined in order. Coloured: the Preisach operator with the same sequence of "
-            "inputs, also between the points. "
+            "inputs, drawn also between the points. "
             + "; ".join(_error_text(n, f) for n, f in found.items())
             + ".",
             run_caption(run),

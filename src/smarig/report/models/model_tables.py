@@ -101,7 +101,11 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
         ("Smoothing λ", number(fit.smoothing), by),
         ("Effective parameters", f"{fit.freedom:.0f}", f"residual σ {fit.sigma:.3g} {unit}"),
         ("Cells", str(fit.cells), f"{fit.at_zero} at the bound μ = 0"),
-        ("Directions determined by data", str(fit.rank), f"by smoothness alone: {fit.null_space}"),
+        (
+            "Combinations of masses determined by data",
+            str(fit.rank),
+            f"by smoothness alone: {fit.null_space}",
+        ),
         (
             "Reversible share",
             f"{100 * fit.reversible_share:.1f} %",

@@ -28,7 +28,8 @@ def representation_figure(test: Representation, run: Run) -> Figure:
     curves[1]["marker"] = {"symbol": "circle-open", "size": 9}
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(y_title)}
     shift = (
-        f" The corners differ by {test.offset:.3g} {test.unit}. Congruency permits that; only the shapes must agree."
+        f" The corners of the two loops differ by {test.offset:.3g} {test.unit}. Congruency permits that; only the "
+        "shapes must agree."
         if relative
         else ""
     )

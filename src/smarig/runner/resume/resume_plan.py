@@ -273,6 +273,6 @@ def _reference(run: Run, replayed: ReplayedProtocol, path_K: RestorePath, setup:
         if matches and done.step.t_start_s >= zeroed_s and done.step.position is not None:
             return done.step
     raise DataError(
-        f"{run.path.name}: the encoder has restarted, and the run has no settled step in the first state of the path "
-        "back. The zero of the encoder is lost. Run the protocol again."
+        f"{run.path.name}: the encoder has restarted, and the run has no settled step at the first input of the path "
+        "back to the remembered state. The zero of the encoder is lost. Run the protocol again."
     )

@@ -91,7 +91,8 @@ class AccommodatingPreisach:
             self._memory.reset(initial)
             if self._memory.state.diagonal:
                 raise UsageError(
-                    "Accommodation must start from saturation: in the anhysteretic state no branch swept last."
+                    "Accommodation must start from saturation: in the anhysteretic state there is no "
+                    "branch that swept last."
                 )
             self._swept = [_new_branch(u, k % 2 == 1) for k, u in enumerate(self._memory.state.extrema)]
         return self._read_out()

@@ -116,7 +116,7 @@ def extrema_along(points: Sequence[Point]) -> list[float]:
     for (b0, a0), (b1, a1) in pairwise(points):
         if a0 != a1 and b0 != b1:
             raise UsageError(
-                f"The boundary slopes between (β, α) = ({b0:g}, {a0:g}) and ({b1:g}, {a1:g}), which no input "
+                f"The boundary is slanted between (β, α) = ({b0:g}, {a0:g}) and ({b1:g}, {a1:g}), which no input "
                 "generates. Approximate it by a staircase (state_space.reachability)."
             )
         extrema.append(b1 if a0 == a1 else a1)

@@ -53,7 +53,7 @@ class MemorySequence:
         """
         if not within > 0:
             raise UsageError(
-                f"An infinite memory sequence needs a positive difference to end at, got {within:g}."
+                f"An infinite memory sequence needs a positive difference at which it is cut off, got {within:g}."
             )
         values: list[float] = []
         for element in elements:

@@ -40,5 +40,5 @@ def _parameter_fault(p: inspect.Parameter) -> str:
     if type(p.default) is int:
         return f"the default of its number '{p.name}' is an integer: write {p.default}.0"
     if type(p.default) is not float or not (math.isfinite(p.default) and p.default >= 0):
-        return f"the default of its number '{p.name}' is {p.default!r}; it must be a finite number from 0 on"
+        return f"the default of its number '{p.name}' is {p.default!r}; it must be a finite number ≥ 0"
     return ""
