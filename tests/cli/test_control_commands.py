@@ -289,7 +289,7 @@ MISTAKES = [
     (2, ["check", "one_wire_twin", "--protocol", "regulate"], "'smarig regulate MODEL …'"),
     (2, ["track", "ONE", *RAMPS, "-o", "x", "--rig", "two_wire_twin"], "is of a one-wire rig"),
     (2, ["track", "ONE", *RAMPS, "--controller", "leaky_p", "-o", "x", *ON], "did you mean leaky_pi"),
-    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "which is infinite where steps jump"),
+    (2, ["track", "ONE", *VELOCITY_STEPS, "-o", "x", *ON], "which is infinite at the jumps of steps"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "500", "-o", "x", *ON], "whole range, 174.1 K"),
     (2, ["track", "ONE", *RAMPS, *LEAKY, "--offset-K", "nan", "-o", "x", *ON], "not a finite number"),
     (2, ["track", "ONE", *RAMPS, "--offset-K", "5", "-o", "x", *ON], "'inverse' feeds back the position"),

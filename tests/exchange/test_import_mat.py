@@ -194,7 +194,7 @@ def test_a_missing_or_misnamed_file_of_a_pair_is_named(write, mapped):
         ({"H": H, "B": B[:-1]}, MAPPING, "'H' and 'B' differ in size, 1 × 5 and 1 × 4"),
         ({"H": np.outer(H, [1, 2]), "B": np.outer(B, [1, 2, 3])}, LOOPS, "in size, 5 × 2 and 5 × 3"),
         ({"H": np.outer(H, [1, 2]), "B": np.outer(B, [1, 2])}, MAPPING, r"5 × 2, a vector.*\[mat\] loops ="),
-        ({"H": H[:1], "B": B[:1]}, MAPPING, r"holds 1 reading\(s\) a loop"),
+        ({"H": H[:1], "B": B[:1]}, MAPPING, r"holds 1 reading\(s\) per loop"),
         ({"H": "five", "B": B}, MAPPING, "'H' is of MATLAB class char; a matrix of numbers"),
         ({"H": np.array([1, "a"], dtype=object), "B": B}, MAPPING, "'H' is of MATLAB class cell"),
         ({"H": {"x": 1.0}, "B": B}, MAPPING, "'H' is of MATLAB class struct"),

@@ -37,7 +37,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
     if d.verdict.word == "ambiguous":
         yield f"The cause is in this set with 90 % probability: {', '.join(d.verdict.names)}."
     yield (
-        f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, refitted without effects)"
+        f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, "
+        "refitted without effects)"
         + ("" if best is None else f", {e.extended:.4g} {e.unit} (extended model)")
         + f"; noise floor {e.noise_floor:.2g} {e.unit}."
     )
