@@ -179,7 +179,7 @@ def test_an_own_effect_is_the_same_over_real_bytes(capsys, here):
     assert (a["counts"] == b["counts"]).all()
     assert [f["kind"] for f in a.meta["own_files"]] == ["effect"]
     killed = cut(a.path, here / "k.run.sqlite", 1500)
-    assert "an own effect" in call(capsys, "resume", killed)[2]
+    assert "a user's own effect" in call(capsys, "resume", killed)[2]
     assert call(capsys, "resume", killed, "--effect", "./soft_mount.py", "--quiet")[0] == 0
 
 

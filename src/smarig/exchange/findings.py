@@ -69,6 +69,6 @@ def _command_error(measured: Array, command: Array) -> list[str]:
     if typical <= 0.003 * span:
         return []
     return [
-        f"The measured current is off its command by {1000 * typical:.2g} mA typically and "
+        f"The measured current differs from its command by {1000 * typical:.2g} mA typically and "
         f"{1000 * np.nanmax(np.abs(off)):.2g} mA at most."
     ]

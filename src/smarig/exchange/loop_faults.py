@@ -92,7 +92,8 @@ def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
     if false.mean() < 0.01:
         return []
     return [
-        f"The input moves against its branch in {int(false.sum())} rows, by up to {back.max():.3g} "
+        f"The input moves opposite to the direction of its branch in {int(false.sum())} rows, by up to "
+        f"{back.max():.3g} "
         f"{loop.input_unit}: a hysteresis model takes such noise for reversals. Smooth it or use a threshold."
     ]
 

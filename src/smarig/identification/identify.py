@@ -264,8 +264,8 @@ def _no_fit_reason(observations: Observations, symmetric: bool) -> str:
     negated = replace(observations, y=-observations.y)
     if _explains_output(fit_positive(negated, symmetric=symmetric), negated):
         return (
-            "No positive measure fits this output, but one fits its negative: it falls while the input rises. Turn "
-            "its sign (a negative scale in the mapping of an import) and identify again."
+            "No positive measure fits this output, but one fits its negative: it falls while the input rises. Change "
+            "the sign of the output (a negative scale in the mapping of an import) and identify again."
         )
     return (
         "No positive measure fits this output, nor its negative: it does not move with the input. Check what "

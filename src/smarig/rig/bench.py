@@ -137,7 +137,7 @@ class Bench:
                 Alarm(
                     "warning",
                     "lost",
-                    f"{lost} samples were lost because the encoder's ring was not read in time.",
+                    f"{lost} samples were lost because the encoder's ring buffer was not read in time.",
                 )
             )
         return found

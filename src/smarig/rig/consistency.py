@@ -56,5 +56,6 @@ def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
     if not steady < p.heat_max_A2s < OVER_CURRENT**2 * steady:
         yield (
             f"protection.heat_max_A2s = {p.heat_max_A2s:g} should be between {steady:g} (a steady {largest_A:g} A) "
-            f"and {OVER_CURRENT**2 * steady:.4g} (over-current trips first): lower trips in use, higher never trips."
+            f"and {OVER_CURRENT**2 * steady:.4g} (over-current trips first): a lower limit trips in normal use, a "
+            "higher one never trips."
         )

@@ -151,7 +151,9 @@ def _passive(energy: StorageBound) -> Hypothesis:
 def _output_follows_input(found: HysteresisAnalysis) -> Hypothesis:
     monotonicity = found.monotone
     if monotonicity.holds:
-        return Hypothesis("output follows input", True, "no branch runs against its input (Assumption 2.1)")
+        return Hypothesis(
+            "output follows input", True, "no branch moves opposite to its input (Assumption 2.1)"
+        )
     back = with_unit(monotonicity.setback, found.units.output, 3)
     why = f"a monotone move can bring the output back by {back}, so u_k Δy_k may fall short of ∫u dy"
     return Hypothesis("output follows input", False, why)
