@@ -93,7 +93,7 @@ def test_rows_left_out_are_no_jump():
 
 def test_noise_in_the_input_is_counted():
     noisy = U + np.random.default_rng(2).normal(0, 4, N)
-    assert any("against its branch" in s for s in _loop(noisy, _healthy()))
+    assert any("direction of its branch" in s for s in _loop(noisy, _healthy()))
 
 
 def test_swapped_branches_run_the_wrong_way_round():

@@ -70,7 +70,7 @@ def test_staircase_faults_are_reported():
     assert "steps of 0.085 mm" in said
     assert "'dLd0 [mm]' is column 'dLzmd0 [mm]' -0.248: the same data with another zero" in said
     assert "-0.008 → 0.248 mm over 2 visits" in said
-    assert "off its command by 5 mA" in said
+    assert "differs from its command by 5 mA" in said
     assert int((run["quality"] == 4).sum()) == 10
 
 
