@@ -46,9 +46,7 @@ class MatLayout(TomlTable):
     """
 
     files: tuple[str, ...] = ()  # names of files that belong together; * is the same text in each
-    loops: Literal["none", "columns", "rows"] = (
-        "none"  # whether each column or each row of the matrices is one loop
-    )
+    loops: Literal["none", "columns", "rows"] = "none"  # which part of the matrices is one loop
 
     @model_validator(mode="after")
     def _patterns(self) -> "MatLayout":
@@ -132,9 +130,7 @@ class MappingFile(TomlTable):
     ignore: dict[str, str] = Field(default_factory=dict)  # columns not used, each with the reason
     compare: tuple[SensorComparison, ...] = ()  # pairs of columns that should agree
     steps: Literal["none", "rows"] = "none"  # whether every row is a settled step
-    initial: Literal["", "negative", "positive", "anhysteretic"] = (
-        ""  # state at the start of the data; empty: unknown
-    )
+    initial: Literal["", "negative", "positive", "anhysteretic"] = ""  # state at the start; empty: unknown
     notes: str = ""  # free text
 
     @model_validator(mode="after")
