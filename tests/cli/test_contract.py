@@ -27,6 +27,7 @@ def test_help_has_an_example_and_json(capsys, command):
     assert f"smarig {command}" in out
     assert "--json" in out
     assert "Example" in out
+    assert "<=None" not in out, "a number without bounds has no range"
 
 
 def test_the_root_lists_all_commands(capsys):

@@ -76,6 +76,10 @@ class FiniteNumber(click.FloatRange):
             self.fail(f"{value} is not a finite number.", param, ctx)
         return number
 
+    def _describe_range(self) -> str:
+        """The range that help shows; nothing where there are no bounds."""
+        return "" if self.min is None and self.max is None else super()._describe_range()
+
 
 own_effects = click.option(
     "--effect",
