@@ -340,7 +340,7 @@ def test_a_run_by_a_shipped_controller_holds_no_file(here):
         (CONTROLLER.replace("while True", "for _ in range(3)"), "push.py, line 7: the generator ended"),
         (CONTROLLER.replace("yield 0.0", "yield None"), "push.py, line 4: it must yield currents"),
         (CONTROLLER.replace("yield 0.0", "yield float('nan')"), "push.py, line 4: it commanded nan A"),
-        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' means something else in the record"),
+        (CONTROLLER.replace("gain_K", "seconds"), "'seconds' has another meaning in the record"),
     ],
 )
 def test_a_wrong_controller_is_one_sentence_before_anything_flows(capsys, tracked, here, text, says):

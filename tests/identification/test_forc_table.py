@@ -245,7 +245,7 @@ def test_wrong_curves_are_refused_by_name():
     a = ForcCurve(1.0, np.array([1.0, 0.0]), np.array([1.0, 0.0]))
     with pytest.raises(DataError, match="at least two"):
         ForcTable.from_curves([a])
-    with pytest.raises(DataError, match="have their peak at 1: average"):
+    with pytest.raises(DataError, match=r"have their peak at 1\. Average"):
         ForcTable.from_curves([a, a])
     with pytest.raises(DataError, match="starts at or below negative saturation"):
         ForcTable.from_curves([a, ForcCurve(0.0, np.array([0.0]), np.array([0.0]))])

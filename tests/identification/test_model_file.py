@@ -81,9 +81,9 @@ def test_nothing_is_overwritten_without_force(tmp_path, model):
         (lambda d: d.update(schema_version=9), "schema version 9"),
         (lambda d: d.pop("format"), "not a model file"),
         (lambda d: d["hysteresis"].update(kind="neural"), "unknown kind of hysteresis 'neural'"),
-        (lambda d: d["hysteresis"]["x"].pop("x3"), "has parameters x2, x3"),
+        (lambda d: d["hysteresis"]["x"].pop("x3"), "requires the parameters x2, x3"),
         (lambda d: d["hysteresis"]["x"].update(x3="steep"), "x3 is 'steep', expected a number"),
-        (lambda d: d["hysteresis"]["x"].update(x3=1e308), "x3 is 1e.308, beyond any wire"),
+        (lambda d: d["hysteresis"]["x"].update(x3=1e308), "x3 is 1e.308; the largest number"),
         (
             lambda d: d.update(effects=[{"name": "creep", "parameters": {"a": 1}}]),
             "creep has no parameter .a.",

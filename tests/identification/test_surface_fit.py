@@ -164,7 +164,7 @@ def test_what_cannot_be_fitted_is_reported():
     data = fod_data(fod_run("one_e"))
     with pytest.raises(DataError, match="needs 9 FOD points or more; there are 6"):
         fit_surface(select(data, "curve == 0 or curve == 2"), "exponential")
-    with pytest.raises(UsageError, match="not one of constant"):
+    with pytest.raises(UsageError, match="must be one of constant"):
         fit_surface(data, "cubic")
     with pytest.raises(UsageError, match="not one of residual"):
         fit_surface(data, weights="triple")

@@ -315,7 +315,7 @@ def test_refusals_are_one_sentence_and_touch_nothing(whole, tmp_path):
         (lambda: resume(done.path), "is finished"),
         (lambda: resume(path, rig="two_wire_twin"), "was run on rig 'one_wire_twin', not on 'two_wire_twin'"),
         (lambda: resume(path, rig=str(other)), "not on 'elsewhere'"),
-        (lambda: resume(path, wire="b"), "is of wire 'a', not of 'b'"),
+        (lambda: resume(path, wire="b"), "belongs to wire 'a', not to 'b'"),
     ):
         with pytest.raises(UsageError, match=sentence):
             refused()

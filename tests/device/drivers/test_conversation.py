@@ -107,7 +107,7 @@ def test_another_device_and_another_map_are_refused_with_the_remedy(link):
     for change, error, words in (
         ({"kind": 0x5344}, WrongDevice, "exchanged in the rig file"),
         ({"map_hash": 7}, WrongMap, "Update its firmware"),
-        ({"map_hash": 7, "version": MAP.device.version + 1}, WrongMap, "Bring smarig up to date"),
+        ({"map_hash": 7, "version": MAP.device.version + 1}, WrongMap, "Update smarig"),
     ):
         with pytest.raises(error, match=words):
             Conversation(Scripted(MAP, **change), MAP).handshake()
