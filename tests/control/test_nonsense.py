@@ -89,7 +89,7 @@ def test_no_bound_from_what_is_no_norm(rate, offset):
 
 
 def test_no_bound_where_the_stored_energy_is_not_decided():
-    with pytest.raises(UsageError, match="not decided"):
+    with pytest.raises(UsageError, match="could not be determined"):
         sharp_bound(GAIN, 1.0, 0.0, math.nan)
     assert sharp_bound(GAIN, 1.0, 0.0, math.inf) == np.inf
 
