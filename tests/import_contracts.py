@@ -1,5 +1,6 @@
 """A contract for import-linter: only a package itself imports its modules; others import its public names."""
 
+import importlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -27,7 +28,7 @@ class ExportedNamesOnly(Contract):
             for importer in sorted(graph.find_modules_that_directly_import(module))
             if importer != package
             and not importer.startswith(f"{package}.")
-            and not _through(package, graph.get_import_details(importer=importer, imported=module))
+            and not _exported(package, module, graph.get_import_details(importer=importer, imported=module))
         ]
         return ContractCheck(kept=not broken, metadata={"broken": broken})
 
@@ -37,8 +38,9 @@ class ExportedNamesOnly(Contract):
             output.print_error(f"{link['importer']} imports {link['imported']}", bold=False)
 
 
-def _through(package: str, details: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether the lines import from the package: a function may have the name of its module."""
-    return bool(details) and all(
-        line["line_contents"].startswith(f"from {package} import") for line in details
+def _exported(package: str, module: str, details: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether the lines import a public name from the package: a function may have the name of its module."""
+    return module.removeprefix(f"{package}.") in importlib.import_module(package).__all__ and all(
+        line["line_contents"].startswith(f"from {package} import") and ";" not in line["line_contents"]
+        for line in details
     )

@@ -4,7 +4,10 @@ used.
 A contract of import-linter (``import_contracts``) checks that other packages import nothing else.
 """
 
+import ast
 import importlib
+import pickle
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +15,9 @@ from pathlib import Path
 import pytest
 
 import smarig
+import smarig.core
+import smarig.preisach
+from smarig.core.lazy_exports import _value
 
 PACKAGE = Path(smarig.__file__).parent
 PACKAGES = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py") if p.parent.name != "cli")
@@ -46,3 +52,39 @@ def test_importing_a_package_imports_none_of_its_modules():
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = smarig.nothing
+
+
+def test_a_listed_name_that_does_not_exist_is_an_attribute_error():
+    package = type(smarig)("smarig.core")
+    with pytest.raises(AttributeError, match="lists 'nothing', which smarig.core.errors does not have"):
+        _value(package, "smarig.core.errors", "nothing")
+
+
+def test_a_package_is_pickled_by_its_name():
+    assert pickle.loads(pickle.dumps(smarig.preisach)) is smarig.preisach
+
+
+def test_a_module_of_the_user_replaces_an_exported_name(monkeypatch):
+    monkeypatch.setattr(smarig.core, "file_content", ast)
+    assert smarig.core.file_content is ast
+
+
+def test_dir_shows_public_names_and_module_attributes():
+    assert {"Session", "__file__", "__doc__"} <= set(dir(smarig))
+
+
+def test_it_can_be_imported_from_a_zip_file(tmp_path):
+    shutil.make_archive(str(tmp_path / "packed"), "zip", PACKAGE.parent, "smarig")
+    code = "import smarig; from smarig.preisach import Preisach; print(Preisach.__module__, smarig.__file__)"
+    found = subprocess.run(
+        [
+            sys.executable,
+            "-S",
+            "-c",
+            f"import sys; sys.path[:0] = [{str(tmp_path / 'packed.zip')!r}, *{sys.path!r}]; {code}",
+        ],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "packed.zip" in found.stdout

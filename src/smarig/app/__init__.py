@@ -16,5 +16,5 @@ if TYPE_CHECKING:
     from smarig.app.simulated_run import simulate_protocol as simulate_protocol
     from smarig.app.simulated_run import simulate_run as simulate_run
     from smarig.app.tracking_loop import tracking as tracking
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

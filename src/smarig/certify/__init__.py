@@ -18,5 +18,5 @@ if TYPE_CHECKING:
     from smarig.certify.position_supply_rate import PositionController as PositionController
     from smarig.certify.rig_assessment import RigAssessment as RigAssessment
     from smarig.certify.storage_bound import StorageBound as StorageBound
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

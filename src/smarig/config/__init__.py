@@ -23,5 +23,5 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import Quantity as Quantity
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -54,5 +54,5 @@ if TYPE_CHECKING:
     from smarig.control.velocity.velocity_protocol import running_ratio as running_ratio
     from smarig.control.velocity.velocity_protocol import velocity_tracking as velocity_tracking
     from smarig.control.velocity.velocity_protocol import with_lead_in as with_lead_in
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

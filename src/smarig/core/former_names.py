@@ -4,6 +4,7 @@ They work only after an own file has been loaded (``catalogue``). smarig itself 
 """
 
 import importlib
+import importlib.util
 import sys
 from collections.abc import Mapping, Sequence
 from importlib.abc import Loader, MetaPathFinder
@@ -41,6 +42,25 @@ FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
 }
 
 
+# former package: the present package, for modules that kept their names
+FOLDERS: Mapping[str, str] = {
+    "smarig.device.wire": "smarig.device.encoding",
+    "smarig.drivers": "smarig.device.drivers",
+    "smarig.links": "smarig.device.links",
+    "smarig.model": "smarig.plant",
+    "smarig.wire": "smarig.device.encoding",
+}
+
+
+def _present(former: str) -> tuple[str, Mapping[str, str]] | None:
+    """The present module, and the names that changed in it; None for a module that never existed."""
+    if former in FORMER:
+        return FORMER[former]
+    folder, _, name = former.rpartition(".")
+    present = f"{FOLDERS[folder]}.{name}" if folder in FOLDERS else ""
+    return (present, {}) if present and importlib.util.find_spec(present) else None
+
+
 class _FormerModule(Loader):
     """Creates a module whose names are looked up in the present module."""
 
@@ -48,13 +68,14 @@ class _FormerModule(Loader):
         del spec  # the default module is sufficient
 
     def exec_module(self, module: ModuleType) -> None:
-        present, renamed = FORMER[module.__name__]
+        present, renamed = _present(module.__name__) or (module.__name__, {})
         home = importlib.import_module(present)
 
         def get(name: str) -> Any:
             return getattr(home, renamed.get(name, name))
 
         module.__dict__["__getattr__"] = get
+        module.__dict__["__all__"] = [n for n in {*dir(home), *renamed} if not n.startswith("_")]
 
 
 class _FormerModules(MetaPathFinder):
@@ -64,9 +85,9 @@ class _FormerModules(MetaPathFinder):
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         del path, target
-        if fullname not in FORMER:
+        if _present(fullname) is None:
             return None
-        is_package = any(name.startswith(f"{fullname}.") for name in FORMER)
+        is_package = any(name.startswith(f"{fullname}.") for name in [*FORMER, *(f"{p}." for p in FOLDERS)])
         return ModuleSpec(fullname, _FormerModule(), is_package=is_package)
 
 

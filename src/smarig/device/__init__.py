@@ -26,5 +26,5 @@ if TYPE_CHECKING:
     from smarig.device.encoding.register import load_register_map as load_register_map
     from smarig.device.encoding.register import to_words as to_words
     from smarig.device.links.text_line import TextLine as TextLine
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

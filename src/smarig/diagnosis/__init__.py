@@ -50,5 +50,5 @@ if TYPE_CHECKING:
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit
     from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

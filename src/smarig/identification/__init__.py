@@ -42,5 +42,5 @@ if TYPE_CHECKING:
     from smarig.identification.verify import RunVerification as RunVerification
     from smarig.identification.verify import Verification as Verification
     from smarig.identification.verify import verify as verify
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

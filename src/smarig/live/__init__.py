@@ -17,5 +17,5 @@ if TYPE_CHECKING:
     from smarig.live.viewer_process import ViewerProcess as ViewerProcess
     from smarig.live.viewer_process import free_port as free_port
     from smarig.live.viewer_process import viewer_address as viewer_address
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -34,5 +34,5 @@ if TYPE_CHECKING:
     from smarig.preisach.sensitivity import sensitivities as sensitivities
     from smarig.preisach.state import State as State
     from smarig.preisach.turning_points import turning_points as turning_points
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

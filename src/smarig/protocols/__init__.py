@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from smarig.protocols.first_order_descending import first_order_descending as first_order_descending
     from smarig.protocols.initialise import initialise as initialise
     from smarig.protocols.validation import validation as validation
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)
 
 
 def misfit(name: str, found: Any) -> str:

@@ -26,5 +26,5 @@ if TYPE_CHECKING:
     from smarig.record.wire_history import WireHistory as WireHistory
     from smarig.record.wire_history import load_wire_history as load_wire_history
     from smarig.record.wire_history import wire_histories as wire_histories
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

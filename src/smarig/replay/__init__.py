@@ -44,5 +44,5 @@ if TYPE_CHECKING:
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

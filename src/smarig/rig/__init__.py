@@ -18,5 +18,5 @@ if TYPE_CHECKING:
     from smarig.rig.specimen import Specimen as Specimen
     from smarig.rig.specimen import TwinSettings as TwinSettings
     from smarig.rig.twin import Twin as Twin
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -28,5 +28,5 @@ if TYPE_CHECKING:
     from smarig.runner.session import run as run
     from smarig.runner.settling_detection import Approach as Approach
     from smarig.runner.settling_detection import SettleWindow as SettleWindow
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

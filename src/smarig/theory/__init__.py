@@ -36,5 +36,5 @@ if TYPE_CHECKING:
     from smarig.theory.state_space.boundary import staircase_points as staircase_points
     from smarig.theory.state_space.operator_state import boundary_of as boundary_of
     from smarig.theory.state_space.operator_state import distance as distance
-
-__getattr__, __dir__, __all__ = lazy_exports(__name__)
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

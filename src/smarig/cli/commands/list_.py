@@ -47,7 +47,9 @@ def _controllers() -> dict[str, str]:
         for use, p in _CONTROLLER_PACKAGES.items()
         for n in catalogue_names(p)
     }
-    return listed_ | {_SETPOINT_PI_NAME: f"regulate: {(SetpointPI.__doc__ or '').splitlines()[0]}"}
+    return listed_ | {
+        _SETPOINT_PI_NAME: f"regulate: {next(iter((SetpointPI.__doc__ or '').splitlines()), '')}"
+    }
 
 
 def _wires() -> dict[str, str]:

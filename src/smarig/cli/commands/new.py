@@ -65,17 +65,21 @@ def command(kind: str, name: str, out: Path | None) -> None:
     )
 
 
+def _article(kind: str) -> str:
+    return "an" if kind[0] in "aeiou" else "a"
+
+
 def _check(kind: str, name: str, file: Path, suffix: str) -> None:
     """Raise UsageError if the name is not usable or a file would be overwritten."""
     reason = _unusable(kind, name, python=suffix == ".py")
     if reason:
-        raise UsageError(f"{name!r} cannot be the name of a {kind}: {reason}.")
+        raise UsageError(f"{name!r} cannot be the name of {_article(kind)} {kind}: {reason}.")
     taken_names = catalogue_names(_PACKAGES[kind]) if kind in _PACKAGES else shipped_names(f"{kind}s")
     if name in taken_names:
         raise UsageError(f"'{name}' is the name of a shipped {kind}. Choose another name.")
     if file.suffix != suffix or (suffix == ".py" and file.stem != name):
         expected = f"{name}.py, like the object that it defines" if suffix == ".py" else "…toml"
-        raise UsageError(f"{file}: the file of a {kind} must be named {expected}.")
+        raise UsageError(f"{file}: the file of {_article(kind)} {kind} must be named {expected}.")
     if file.exists():
         raise UsageError(f"{file} exists. Give another name, or another path with -o.")
     if suffix == ".py" and _importable(name):
