@@ -48,7 +48,9 @@ def plot(thing: Any, model: Model | None = None) -> go.Figure:
     other object.
     """
     del model
-    raise UsageError(f"An object of type {type(thing).__name__} cannot be plotted. Pass a run, a model or a diagnosis.")
+    raise UsageError(
+        f"An object of type {type(thing).__name__} cannot be plotted. Pass a run, a model or a diagnosis."
+    )
 
 
 @plot.register
