@@ -237,3 +237,10 @@ def test_symmetry_is_for_the_positive_surface_and_a_range_around_zero(capsys, tm
         assert says in err
         assert err.strip().count("\n") == 0
     assert not model.exists()
+
+
+def test_controllers_are_listed_without_docstrings():
+    """``python -OO`` removes them."""
+    words = [sys.executable, "-OO", "-m", "smarig", "list", "controllers", "--settings"]
+    found = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert "pi (regulate)" in found.stdout

@@ -72,7 +72,12 @@ def _is_loaded(package: str, name: str) -> bool:
 
 def catalogue_summary(package: str, name: str) -> str:
     """First line of the docstring of a catalogue entry."""
-    return next(iter((catalogue_entry(package, name).__doc__ or "").strip().splitlines()), "(no docstring)")
+    return docstring_summary(catalogue_entry(package, name))
+
+
+def docstring_summary(documented: Any) -> str:
+    """First line of a docstring; "(no docstring)" where there is none, as under ``python -OO``."""
+    return next(iter((documented.__doc__ or "").strip().splitlines()), "(no docstring)")
 
 
 def suggestion(name: str, known: list[str]) -> str:

@@ -5,7 +5,15 @@ import click
 from smarig.cli.output import emit, json_option
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
 from smarig.control import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, default_numbers, documented_numbers
-from smarig.core import UsageError, catalogue_entry, catalogue_names, catalogue_summary, is_path, resolve_name
+from smarig.core import (
+    UsageError,
+    catalogue_entry,
+    catalogue_names,
+    catalogue_summary,
+    docstring_summary,
+    is_path,
+    resolve_name,
+)
 from smarig.exchange import load_mapping
 from smarig.plant import EFFECTS, effect_types
 from smarig.protocols import PROTOCOLS, setting_texts
@@ -47,9 +55,7 @@ def _controllers() -> dict[str, str]:
         for use, p in _CONTROLLER_PACKAGES.items()
         for n in catalogue_names(p)
     }
-    return listed_ | {
-        _SETPOINT_PI_NAME: f"regulate: {next(iter((SetpointPI.__doc__ or '').splitlines()), '')}"
-    }
+    return listed_ | {_SETPOINT_PI_NAME: f"regulate: {docstring_summary(SetpointPI)}"}
 
 
 def _wires() -> dict[str, str]:
