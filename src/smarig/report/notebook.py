@@ -10,7 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from smarig.core import UsageError
-from smarig.diagnosis import Diagnosis
+from smarig.diagnosis import Diagnosis, capitalised
 from smarig.identification import density_report, verify
 from smarig.record import Run
 from smarig.replay import Model
@@ -18,7 +18,6 @@ from smarig.report.components.decimate import path
 from smarig.report.components.figure import WATERMARK, Panel, Trace, axis, dots, line, unpacked
 from smarig.report.components.html import Html, bullets, tag
 from smarig.report.components.run_description import (
-    capitalised,
     input_title,
     output_title,
     protocol_name,

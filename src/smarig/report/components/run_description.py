@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import Quality
+from smarig.diagnosis import capitalised
 from smarig.record import Run
 from smarig.report.components.numbers import thousands
 
@@ -20,11 +21,6 @@ def source_label(*runs: Run) -> str:
 def protocol_name(run: Run) -> str:
     """The displayed name of the protocol."""
     return str(run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
-
-
-def capitalised(words: str) -> str:
-    """The words with a capital first letter."""
-    return words[:1].upper() + words[1:]
 
 
 def run_caption(run: Run) -> str:

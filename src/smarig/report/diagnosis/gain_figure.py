@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis import Diagnosis, HeldOutGain
+from smarig.diagnosis import Diagnosis, HeldOutGain, capitalised
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
-from smarig.report.components.run_description import capitalised, display_unit, source_label
+from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
 from smarig.report.diagnosis.diagnosis_predictions import Array, rig_text, rms
 from smarig.report.diagnosis.verdict_text import gain_text
