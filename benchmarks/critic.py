@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis import NULL_DATA_SETS, diagnose
+from smarig.diagnosis import NULL_DATA_SETS, diagnose_commanded
 from smarig.identification import identify
 from smarig.plant import effects_from_pairs
 from smarig.record import load_run
@@ -48,7 +48,7 @@ def _row(levels: int, hidden: str, seed: int) -> dict[str, Any]:
         record = load_run(path)
         model = identify([record], "positive").model
         begin = monotonic()
-        found = diagnose(model, [record], seed=seed)
+        found = diagnose_commanded(model, [record], seed=seed)
         seconds = monotonic() - begin
     return {
         "hidden": hidden or "nothing",

@@ -1,6 +1,6 @@
 """Diagnosis of the rig ``mystery`` with one proposed run, as a new user would do it.
 
-For each seed: characterise, diagnose, propose, execute the proposed run, diagnose again. The hidden effect
+For each seed: characterise, diagnose_commanded, propose, execute the proposed run, diagnose again. The hidden effect
 of the twin is read last.
 """
 
@@ -13,7 +13,7 @@ from typing import Any
 
 from smarig.app import characterise, propose_run
 from smarig.core import UsageError
-from smarig.diagnosis import Diagnosis, diagnose
+from smarig.diagnosis import Diagnosis, diagnose_commanded
 from smarig.plant import mystery_effects
 from smarig.record import load_run
 from smarig.runner import Session
@@ -63,7 +63,7 @@ def solve_seed(seed: int) -> dict[str, Any]:
             training_paths = {run.path for run in first.timeline.runs}
             validation = [run for run in evidence.runs.values() if run.path not in training_paths]
             model = evidence.identifications[evidence.chosen].model
-            last = diagnose(model, [*first.timeline.runs, load_run(path)], validation)
+            last = diagnose_commanded(model, [*first.timeline.runs, load_run(path)], validation)
     hidden = mystery_effects(seed, ARRANGEMENT)
     return {
         "seed": seed,

@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.tracking import RIG, controller_model, references, simulate_loop
 from smarig.control import TRACKING_CONTROLLERS, ControllerModel, default_settings
 from smarig.core import catalogue_names
-from smarig.diagnosis import diagnose
+from smarig.diagnosis import diagnose_commanded
 from smarig.identification import identify
 from smarig.plant import Effect, effects_from_json, effects_from_pairs
 from smarig.record import load_run
@@ -93,7 +93,7 @@ def _diagnosed(
         runs = {name: load_run(path) for name, path in paths.items()}
         train = [runs[name] for name in TRAIN]
         model = identify(train, "positive").model
-        found = diagnose(model, train, [runs[HELD_OUT]], nulls=nulls)
+        found = diagnose_commanded(model, train, [runs[HELD_OUT]], nulls=nulls)
     return {
         "verdict": found.verdict.word,
         "names": list(found.verdict.names),

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.boxes import Label, SealedBox, draw_box, write_box
 from benchmarks.boxes.relays import RelayHysteresis
 from smarig.core import SmarigError
-from smarig.diagnosis import Diagnosis, diagnose, joint_density_from_best_start
+from smarig.diagnosis import Diagnosis, diagnose_commanded, joint_density_from_best_start
 from smarig.identification import identify
 from smarig.plant import SupportsHooks, effects_from_json
 from smarig.record import load_run
@@ -55,7 +55,7 @@ def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int
     train = [load_run(path) for path in sealed.train]
     held_out = [load_run(path) for path in sealed.held_out]
     model = identify(train, SURFACE).model
-    return diagnose(model, train, held_out, nulls=nulls, seed=number, without=without)
+    return diagnose_commanded(model, train, held_out, nulls=nulls, seed=number, without=without)
 
 
 def _answer_record(found: Diagnosis) -> Record:

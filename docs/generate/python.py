@@ -63,6 +63,8 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.identification.extended.choose_extension",
             "smarig.identification.extended.chord_test",
             "smarig.diagnosis.diagnose",
+            "smarig.diagnosis.commanded_diagnosis",
+            "smarig.diagnosis.measured.measured_diagnosis",
             "smarig.diagnosis.explain.explanation",
         ),
     ),

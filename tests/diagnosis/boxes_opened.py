@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.boxes import draw_box, write_box
 from benchmarks.boxes.box_effects import EFFECTS
-from smarig.diagnosis.diagnose import Diagnosis, diagnose
+from smarig.diagnosis.commanded_diagnosis import Diagnosis, diagnose_commanded
 from smarig.identification.identify import identify
 from smarig.record import load_run
 
@@ -28,4 +28,4 @@ def answer(number: int, hidden=None, channels=(), without=(), times=1.0) -> Diag
         train = [load_run(path) for path in box.train]
         held_out = [load_run(path) for path in box.held_out]
         model = identify(train, "positive").model
-        return diagnose(model, train, held_out, nulls=NULLS, alpha=ALPHA, without=without)
+        return diagnose_commanded(model, train, held_out, nulls=NULLS, alpha=ALPHA, without=without)

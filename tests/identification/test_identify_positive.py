@@ -272,10 +272,11 @@ def test_too_few_curves_to_choose_the_smoothing_are_reported():
     assert not any("smoothing" in w for w in result.warnings)
 
 
-def test_an_output_that_falls_as_the_input_rises_is_refused_with_what_to_do():
+def test_an_output_that_falls_as_the_input_rises_has_the_model_of_its_negative():
     inputs, outputs = fod_run("one_c", seed=1).points()
-    with pytest.raises(DataError, match="Change the sign of the output"):
-        identify(made_run(inputs, -outputs), "positive")
+    rising, falling = (identify(made_run(inputs, sign * outputs), "positive").model for sign in (1.0, -1.0))
+    assert any("falls while the input rises" in w for w in falling.warnings)
+    assert np.allclose(falling.predict(inputs), -rising.predict(inputs), atol=1e-9)
 
 
 @pytest.mark.parametrize("mean", [0.0, 5.0])

@@ -10,7 +10,7 @@ import pytest
 
 from report.pages import LOADING, Page, unpacked
 from smarig.app.characterise import characterise
-from smarig.diagnosis.diagnose import diagnose
+from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.identification.density_report import density_report
 from smarig.plant.effect_catalogue import effect_types
 from smarig.report.characterisation_page import characterisation_page
@@ -24,7 +24,9 @@ def evidence(tmp_path_factory):
     without = [k.name for k in effect_types() if k.name not in COMPETE]
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(
-            import_module("smarig.app.characterise"), "diagnose", partial(diagnose, nulls=40, without=without)
+            import_module("smarig.app.characterise"),
+            "diagnose_commanded",
+            partial(diagnose_commanded, nulls=40, without=without),
         )
         return characterise("one_wire_twin", tmp_path_factory.mktemp("one"), seed=2).evidence
 

@@ -14,9 +14,9 @@ import pytest
 
 import smarig
 from report.pages import LOADING, Page, unpacked
+from smarig.diagnosis.commanded_diagnosis import Diagnosis, ErrorSummary
 from smarig.diagnosis.critique.critique import critique
 from smarig.diagnosis.critique.visibility import visibility
-from smarig.diagnosis.diagnose import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.held_out_gain import held_out_gain

@@ -10,7 +10,7 @@ from typing import Any
 
 from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
 from smarig.core import DataError, StorageError, UsageError
-from smarig.diagnosis import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, Diagnosis, diagnose, write_diagnosis
+from smarig.diagnosis import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, Diagnosis, diagnose_commanded, write_diagnosis
 from smarig.diagnosis import DIAGNOSIS_MODEL as EXTENDED
 from smarig.identification import (
     Identification,
@@ -211,7 +211,7 @@ def _try_diagnosis(
     held_out_runs = _runs_for(plan, runs, "held_out")
     train_runs = [run for run in runs.values() if run not in held_out_runs and run.settled]
     try:
-        return diagnose(model, train_runs, held_out_runs, progress=progress), []
+        return diagnose_commanded(model, train_runs, held_out_runs, progress=progress), []
     except DataError as error:
         return None, [f"No diagnosis: {error}"]
 

@@ -2,8 +2,8 @@
 
 In the order of the work, after ``smarig.replay``: ``explain.candidates`` (what may be wrong), ``critique.refit``
 (fit of density and noise), ``critique.critique`` (does anything exceed the noise?), ``explain.search`` (which
-effects explain it?), ``diagnosis_verdict`` and ``held_out_gain``. ``diagnose`` runs them all. ``thermal`` diagnoses
-records of wire temperature.
+effects explain it?), ``diagnosis_verdict`` and ``held_out_gain``. ``diagnose_commanded`` runs them all.
+``measured`` diagnoses runs that have only a measured input, ``thermal`` records of wire temperature.
 """
 
 from typing import TYPE_CHECKING
@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.diagnosis.commanded_diagnosis import NORMAL_95 as NORMAL_95
+    from smarig.diagnosis.commanded_diagnosis import Diagnosis as Diagnosis
+    from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
     from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS as MIN_SPREAD_NATS
     from smarig.diagnosis.critique.critique import NULL_DATA_SETS as NULL_DATA_SETS
@@ -20,8 +23,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.critique.visibility import IMITATION_THRESHOLD as IMITATION_THRESHOLD
     from smarig.diagnosis.critique.visibility import VisibilityTable as VisibilityTable
     from smarig.diagnosis.critique.visibility import visibility as visibility
-    from smarig.diagnosis.diagnose import NORMAL_95 as NORMAL_95
-    from smarig.diagnosis.diagnose import Diagnosis as Diagnosis
     from smarig.diagnosis.diagnose import diagnose as diagnose
     from smarig.diagnosis.diagnosis_files import DIAGNOSIS_FILES as DIAGNOSIS_FILES
     from smarig.diagnosis.diagnosis_files import DIAGNOSIS_JSON as DIAGNOSIS_JSON
@@ -46,6 +47,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.explain.parameter_fit import ParameterFit as ParameterFit
     from smarig.diagnosis.explain.parameter_fit import fit_parameters as fit_parameters
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
+    from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
+    from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
+    from smarig.diagnosis.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

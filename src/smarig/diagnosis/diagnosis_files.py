@@ -6,7 +6,8 @@ from typing import Any
 
 from smarig.core import StorageError, UsageError, atomic_file, check_replaceable
 from smarig.core import file_content as file_kind
-from smarig.diagnosis.diagnose import Diagnosis
+from smarig.diagnosis.commanded_diagnosis import Diagnosis
+from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
 from smarig.diagnosis.thermal.thermal_diagnosis import ThermalDiagnosis
 
 DIAGNOSIS_FILES = DIAGNOSIS_JSON, DIAGNOSIS_MODEL, DIAGNOSIS_PAGE = (
@@ -28,7 +29,9 @@ def prepare_folder(out: Path, *, force: bool) -> None:
         check_replaceable(out / name, kind)
 
 
-def write_diagnosis(result: Diagnosis, out: Path, *, force: bool = False) -> dict[str, Any]:
+def write_diagnosis(
+    result: Diagnosis | MeasuredDiagnosis, out: Path, *, force: bool = False
+) -> dict[str, Any]:
     """Write the diagnosis; returns the paths, by key of the command line's JSON object."""
     paths: dict[str, Any] = {"out": str(out)}
     if result.extended:

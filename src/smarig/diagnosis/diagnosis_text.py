@@ -8,7 +8,7 @@ import numpy as np
 from smarig.diagnosis.held_out_gain import HeldOutGain
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.diagnose import Diagnosis
+    from smarig.diagnosis.commanded_diagnosis import Diagnosis
 
 FAR_OFF_RATIO = 10.0  # times the rms error of a refitted density: the model is of another wire or state
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
@@ -32,7 +32,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
             d.verdict.word, "Best explanation, but not sufficient"
         )
         for effect in d.effects():
-            values = ", ".join(_parameter_text(n, v) for n, v in effect["parameters"].items())
+            values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
             yield f"{opening}: {effect['name']} ({values}), probability {effect['probability']:.2f}."
     if d.verdict.word == "ambiguous":
         yield f"The cause is in this set with 90 % probability: {', '.join(d.verdict.names)}."
@@ -58,19 +58,20 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
             "then, effects of time and of cycles are assessed wrongly. Give every run of the session."
         )
     if gain is not None and d.extended:
-        yield _gain_text(gain, e.unit)
+        yield gain_text(gain, e.unit)
     if d.separating_run:
         yield d.separating_run["why"]
     if d.visibility.invisible:
         yield f"Effects that these data cannot show at any strength: {', '.join(d.visibility.invisible)}."
 
 
-def _parameter_text(name: str, v: dict[str, Any]) -> str:
+def parameter_text(name: str, v: dict[str, Any]) -> str:
+    """A parameter with its 95 % interval and unit."""
     ends = v["ci95"]
     return f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + f" {v['unit']}"
 
 
-def _gain_text(gain: HeldOutGain, unit: str) -> str:
+def gain_text(gain: HeldOutGain, unit: str) -> str:
     """The gain of the extended model on held-out runs."""
     opening = f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g} → {gain.extended:.4g} {unit}"
     if gain.original is not None:

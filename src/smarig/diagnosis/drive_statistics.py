@@ -14,8 +14,9 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.measurement import input_noise_sd
 from smarig.preisach import sensitivities
-from smarig.replay import MeasuredInput, PlantModel, Prediction, ReadingSeries, Timeline, input_noise_sd
+from smarig.replay import MeasuredInput, PlantModel, Prediction, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -46,8 +46,9 @@ from smarig.record import FORC_PROTOCOL, Run, load_run
 from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provenance
 
 _LARGEST_VALUE = 1e30
-_UNEXPLAINED_SHARE = (
-    0.9  # of the output's standard deviation: a fit with larger residuals does not follow the output
+_UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
+_LEAST_CORRELATION = (
+    0.3  # of output and input: a smaller one is that of outputs that do not follow their input
 )
 
 
@@ -239,38 +240,42 @@ def _positive(
     inputs = np.concatenate([run.points()[0] for run in runs])
     if np.ptp(inputs) == 0:
         raise DataError(f"The input is {inputs[0]:g} at every point. The output is not driven.")
-    fit = fit_positive(observations, symmetric=symmetric)
-    if not _explains_output(fit, observations):
-        raise DataError(_no_fit_reason(observations, symmetric))
+    fit, table, warnings = fit_positive(observations, symmetric=symmetric), None, []
+    spread = float(np.std(observations.y))
+    if fit.rms > _UNEXPLAINED_SHARE * spread:
+        negative = fit_positive(replace(observations, y=-observations.y), symmetric=symmetric)
+        if negative.rms < fit.rms:  # as of strain, which falls while a wire gets hot
+            fit, table = negative, FodTable(negative.table.nodes, -negative.table.values, negative.table.unit)
+            warnings = [
+                "The output falls while the input rises. The measure is that of its negative; the model predicts the "
+                "output as recorded."
+            ]
+    if fit.rms > _UNEXPLAINED_SHARE * spread and _correlation(runs) < _LEAST_CORRELATION:
+        raise DataError(
+            "No positive measure fits this output, nor its negative: it does not move with the input. Check what "
+            "was recorded as input and as output."
+        )
+    if fit.rms > _UNEXPLAINED_SHARE * spread:
+        warnings.append(
+            f"The model leaves {fit.rms / spread:.0%} of the output's standard deviation unexplained. The output "
+            "hardly follows the input through a Preisach model. Diagnose the runs."
+        )
     figures = positive_figures(fit, observations, data, weights, select)
     return _FittedHysteresis(
-        image=fit.table,
+        image=fit.table if table is None else table,
         mirrored=points_alone and data.mirrored,
         figures=figures,
         density=density_report(fit.table),
-        warnings=positive_warnings(fit),
+        warnings=[*warnings, *positive_warnings(fit)],
         positive=fit,
     )
 
 
-def _explains_output(fit: PositiveFit, observations: Observations) -> bool:
-    return fit.rms <= _UNEXPLAINED_SHARE * float(np.std(observations.y))
-
-
-def _no_fit_reason(observations: Observations, symmetric: bool) -> str:
-    """The reason why no fit follows the output: a wrong sign, or no relation to the input, shown by a fit of its
-    negative.
-    """
-    negated = replace(observations, y=-observations.y)
-    if _explains_output(fit_positive(negated, symmetric=symmetric), negated):
-        return (
-            "No positive measure fits this output, but one fits its negative: it falls while the input rises. Change "
-            "the sign of the output (a negative scale in the mapping of an import) and identify again."
-        )
-    return (
-        "No positive measure fits this output, nor its negative: it does not move with the input. Check what "
-        "was recorded as input and as output."
-    )
+def _correlation(runs: Sequence[Run]) -> float:
+    """The largest absolute correlation of inputs and outputs within a run."""
+    pairs = [run.points() for run in runs]
+    moved = [(u, y) for u, y in pairs if u.size > 2 and np.ptp(u) > 0 and np.ptp(y) > 0]
+    return max((abs(float(np.corrcoef(u, y)[0, 1])) for u, y in moved), default=0.0)
 
 
 def _unsettled_warning(runs: Sequence[Run], data: FodData, found: _FittedHysteresis) -> list[str]:

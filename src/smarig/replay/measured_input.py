@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
+from smarig.measurement import input_noise_sd
 from smarig.plant import EffectType, is_testable
 from smarig.preisach import Everett, turning_points
 from smarig.record import Run
@@ -182,18 +183,6 @@ class _MeasuredInputRun:
             run=np.full(rows.size, number, dtype=np.int64),
         )
         return begin + float(own[-1]), placed_run
-
-
-def input_noise_sd(u: Array) -> float:
-    """Standard deviation of an input's noise from second differences, of the noisiest tenth (noise is intermittent).
-
-    At least 1e-9 of the range.
-
-    >>> float(round(input_noise_sd(np.linspace(0, 1, 50)), 12))
-    1e-09
-    """
-    second_differences = np.abs(u[:-2] - 2 * u[1:-1] + u[2:])
-    return float(np.quantile(second_differences, 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(u))
 
 
 def _reading_rows(y: Array, a: int, b: int, per_branch: int) -> Integers:

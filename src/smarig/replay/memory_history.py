@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
+from smarig.measurement import assumed_start, reversals
 from smarig.preisach import Preisach, RelayMeasure, State
 from smarig.record import CONTINUED, Run
+from smarig.replay.measured_input import driven_by_input
 
 Array = NDArray[np.float64]
 Start = Literal["negative", "positive", "anhysteretic"]
@@ -65,13 +67,14 @@ def memory_histories(
     """Range (u₋, u₊) of all runs together, and the history of each; with inverted signs if ``mirrored``.
 
     A run starts in its recorded state, in the final state of the run before it if it continues that run without a gap,
-    or in saturation if its first sample is there. Otherwise its start is unknown.
+    or in saturation if its first sample is there. Otherwise its start is unknown; that of a run with a measured input
+    is then assumed (``assumed_start``).
     """
     sign = -1.0 if mirrored else 1.0
     records = [run.points() for run in runs]
     named: list[Start | None] = [recorded_start(run, mirrored=mirrored) for run in runs]
     inputs = merged_inputs(sign * np.concatenate([u for u, _ in records]))
-    lower, upper = _range(inputs, named)
+    lower, upper = _range(inputs, named, absolute=not driven_by_input(runs))
     found: list[MemoryHistory] = []
     at = 0
     for k, (run, (_, y)) in enumerate(zip(runs, records)):
@@ -81,6 +84,10 @@ def memory_histories(
             start = found[-1].final_state
         if start is None:
             start = _saturated_start(run, sign, lower, upper)
+        first_known = 0
+        if start is None and driven_by_input([run]):
+            own = sign * run.points()[0]
+            start, first_known = assumed_start(own, reversals(own), (lower, upper))
         u = inputs[at : at + y.size]
         at += y.size
         first = Preisach(RelayMeasure.zero(lower, upper), start).state if start is not None else None
@@ -95,7 +102,7 @@ def memory_histories(
                 inputs=u,
                 outputs=sign * y,
                 start=first,
-                states=states,
+                states=(*(None,) * first_known, *states[first_known:]),
                 final_state=final_state,
                 turns=np.delete(path, where),
                 continued=continued,
@@ -140,14 +147,17 @@ def _saturated_start(run: Run, sign: float, lower: float, upper: float) -> Start
     return None
 
 
-def _range(inputs: Array, starts: Sequence[Start | None]) -> tuple[float, float]:
-    """Range of the relays: that of the inputs, including zero for a run from rest, symmetric around B*."""
+def _range(inputs: Array, starts: Sequence[Start | None], *, absolute: bool) -> tuple[float, float]:
+    """Range of the relays: that of the inputs, including zero for a run from rest, symmetric around B*.
+
+    ``absolute``: zero input is the rest state, which it is for a current, but not for a temperature in °C.
+    """
     if inputs.size == 0:
         raise DataError("The runs contain no settled points. A model needs settled points.")
     lower, upper = float(inputs.min()), float(inputs.max())
-    if "negative" in starts:  # a cold wire rests at zero input
+    if "negative" in starts and absolute:  # a cold wire rests at zero input
         lower = min(lower, 0.0)
-    if "positive" in starts:
+    if "positive" in starts and absolute:
         upper = max(upper, 0.0)
     if "anhysteretic" in starts:
         reach = max(-lower, upper)

@@ -77,6 +77,7 @@ class _ModelFileSchema(_FrozenSchema):
     extension: dict[
         str, Any
     ] = {}  # kind and values of an extended model (§3.5); left out for a classical model
+    measurement: dict[str, Any] = {}  # measurement effects of a measured input; left out if there are none
     parameters: list[str]  # names of the covariance's rows
     covariance: list[list[float | None]]  # of the parameters
     intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
@@ -93,7 +94,8 @@ class Model(NotebookDisplay):
     ``parameters`` (p,) names the rows of ``covariance`` (p, p); ``intervals`` are 95 %; both are empty for
     tables. ``mirrored``: the hysteresis is the mirror image of the fitted one. ``effects`` are plain values
     {name, parameters}, empty for the pure hysteresis. ``extension``: kind and values of an extended model (§3.5),
-    empty for a classical one; ``hysteresis`` is the classical one in both cases.
+    empty for a classical one; ``hysteresis`` is the classical one in both cases. ``measurement``: effects between a
+    recorded input or output and those of the hysteresis, empty if there are none (``measured_prediction``).
     """
 
     name: str
@@ -115,6 +117,7 @@ class Model(NotebookDisplay):
     effects: tuple[dict[str, Any], ...] = ()
     warnings: tuple[str, ...] = ()
     extension: dict[str, Any] = field(default_factory=dict)
+    measurement: dict[str, Any] = field(default_factory=dict)
 
     @property
     def unit(self) -> str:
@@ -148,8 +151,9 @@ class Model(NotebookDisplay):
         target = Path(path)
         with atomic_file(target, force=force) as part:
             data = _to_file(self).model_dump(mode="json")
-            if not self.extension:
-                del data["extension"]
+            for key in ("extension", "measurement"):
+                if not data[key]:
+                    del data[key]
             part.write_text(_pretty(data), encoding="utf-8")
         return target
 
@@ -210,7 +214,7 @@ def _to_file(model: Model) -> _ModelFileSchema:
             name: getattr(model, name)
             for name in (
                 *("name", "created", "twin", "rig", "actuator", "arrangement"),
-                *("input", "output", "mirrored", "fit", "noise_floor", "extension"),
+                *("input", "output", "mirrored", "fit", "noise_floor", "extension", "measurement"),
             )
         },
     )

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError
+from smarig.measurement import assumed_start, reversals
 from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay.extended_model import Operator
 from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input
+from smarig.replay.measured_prediction import simulate_measured
 from smarig.replay.memory_history import (
     INPUT_TOLERANCE,
     SATURATION_TOLERANCE,
@@ -42,10 +44,12 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
     NaN while the memory is unknown. Raises UsageError if the inputs have another unit. A model with effects is
     simulated along the runs in the order of their clocks.
     """
-    if model.effects:
+    if model.measurement or model.effects:
         for run in runs:
             check_input(model, run)
-        return _simulate_runs_with_effects(model, runs)
+        return (
+            simulate_measured(model, runs) if model.measurement else _simulate_runs_with_effects(model, runs)
+        )
     outputs: list[Array] = []
     operator, known, h = model.operator(), False, model.hysteresis
     for k, run in enumerate(runs):
@@ -57,7 +61,11 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
         is_continued = known and continues_run(runs[k - 1], run)
         known = is_continued or _set_initial_state(operator, h, run)
         inputs, settled = input_path(run)
-        y, known = _simulate_inputs(operator, h, _snapped_to_saturation(h, inputs), known)
+        inputs = _snapped_to_saturation(h, inputs)
+        if known or not driven_by_input([run]):
+            y, known = _simulate_inputs(operator, h, inputs, known)
+        else:
+            y, known = _simulate_from_assumed_start(operator, h, inputs), True
         outputs.append(y[settled])
         end = run["input"][-1:]  # the memory continues from the last input, not from the last settled one
         if end.size and np.isfinite(end[0]):
@@ -71,6 +79,11 @@ def simulate_samples(model: Model, run: Run) -> Array:
     NaN while the memory is unknown; an unknown input holds the last one. With effects: along the currents.
     """
     check_input(model, run)
+    if model.measurement:
+        known = np.isfinite(run["input"]) & np.isfinite(run["position"])
+        y = np.full(len(run), np.nan)
+        y[known] = simulate_measured(model, [run])[0]
+        return y
     if model.effects:
         return _simulate_samples_with_effects(model, run)
     operator, h = model.operator(), model.hysteresis
@@ -130,6 +143,15 @@ def _simulate_inputs(operator: Operator, h: Everett, inputs: Array, known: bool)
         known = bool(saturated.any())
         y[: int(np.argmax(saturated)) if known else inputs.size] = np.nan
     return y, known
+
+
+def _simulate_from_assumed_start(operator: Operator, h: Everett, inputs: Array) -> Array:
+    """Outputs along a measured input whose state at the start is not known, NaN up to its first reversal."""
+    start, first = assumed_start(inputs, reversals(inputs), (h.lower, h.upper))
+    operator.reset(start)
+    y, _ = _simulate_inputs(operator, h, inputs, known=True)
+    y[:first] = np.nan
+    return y
 
 
 def _snapped_to_saturation(h: Everett, inputs: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.diagnosis import Diagnosis
+from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
 from smarig.plant import effect_types
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
@@ -19,14 +19,19 @@ from smarig.report.diagnosis.input_offset_figure import input_offset_figure
 from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import channel_figure, residual_figure
 from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment
+from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
 Parts = Iterator[Html | Figure]
 
 
-def diagnosis_page(d: Diagnosis) -> str:
+def diagnosis_page(d: Diagnosis | MeasuredDiagnosis) -> str:
     """The self-contained HTML page of a diagnosis, for ``write_page``."""
+    return measured_diagnosis_page(d) if isinstance(d, MeasuredDiagnosis) else _commanded_page(d)
+
+
+def _commanded_page(d: Diagnosis) -> str:
     predictions = DiagnosisPredictions.of(d)
     sections = [Section(title, short, list(parts(predictions))) for title, short, parts in _SECTIONS]
     runs = d.timeline.runs

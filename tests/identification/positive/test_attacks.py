@@ -17,7 +17,13 @@ def changed(change):
     return made_run([s.target for s in run.settled], [change(s.position) for s in run.settled])
 
 
-@pytest.mark.parametrize("kind", ["constant", "exponential", "positive"])
+def test_an_output_of_the_other_sign_has_the_same_measure():
+    falling, rising = identify(changed(lambda y: -y), "positive"), identify(changed(lambda y: y), "positive")
+    assert any("falls while the input rises" in w for w in falling.model.warnings)
+    assert np.allclose(falling.positive.masses, rising.positive.masses, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["constant", "exponential"])
 def test_an_output_of_the_wrong_sign_is_reported(kind):
     with pytest.raises(DataError, match="sign"):
         identify(changed(lambda y: -y), kind)

@@ -11,7 +11,7 @@ from smarig.cli.parameter_types import FILE, FOLDER, own_effects
 from smarig.core import TOML, UsageError
 
 if TYPE_CHECKING:
-    from smarig.diagnosis import Diagnosis
+    from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
 
 EPILOG = """\b
 Examples:
@@ -104,7 +104,7 @@ def command(
 ) -> None:
     """Find what a model predicts wrongly on runs, name the cause, extend the model and measure the gain."""
     from smarig.core import check_writable
-    from smarig.diagnosis import DIAGNOSIS_FILES, diagnose, prepare_folder
+    from smarig.diagnosis import DIAGNOSIS_FILES, MeasuredDiagnosis, diagnose, prepare_folder
 
     if transient is not None:
         if model or train or held_out or propose:
@@ -131,7 +131,9 @@ def command(
         model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=show_message
     )
     paths = _written(found, out, force=force)  # save the diagnosis before hours of simulated runs
-    if propose is not None:
+    if propose is not None and isinstance(found, MeasuredDiagnosis):
+        show_message("No rig made these runs, so no run is proposed and no campaign is written.")
+    elif propose is not None and not isinstance(found, MeasuredDiagnosis):
         found = _with_proposal(found, propose, force=force)
         paths = _written(found, out, force=True) if found.separating_run else paths
     emit(found.to_json() | paths, found.text())
@@ -148,7 +150,7 @@ def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> Non
     emit(thermal.to_json() | written, thermal.text())
 
 
-def _written(found: "Diagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
+def _written(found: "Diagnosis | MeasuredDiagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
     """Write the folder of a diagnosis, if requested, and return its paths."""
     from smarig.diagnosis import DIAGNOSIS_PAGE, write_diagnosis
     from smarig.report import diagnosis_page, write_page

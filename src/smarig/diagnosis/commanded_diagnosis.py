@@ -1,0 +1,337 @@
+"""The diagnosis of runs with settled steps: test the residuals, find effects, extend the model, measure the gain."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from smarig.core import NotebookDisplay, UsageError
+from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, critique
+from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
+from smarig.diagnosis.diagnosis_text import text_lines
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
+from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.diagnosis.explain.search import SearchLevel
+from smarig.diagnosis.explain.signed_density import find_explanations
+from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.diagnosis.run_checks import check_comparable
+from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
+from smarig.record import Run, load_run
+from smarig.replay import (
+    Model,
+    PlantModel,
+    Timeline,
+    actuator_for_run,
+    build_timeline,
+    driven_by_input,
+    file_hash,
+    load_model,
+    numerics,
+    plant_model_of,
+    provenance,
+)
+
+NORMAL_95 = 1.96
+MIN_ALPHA = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorSummary:
+    """Rms errors of the training runs' settled points: given, base and extended model, and the noise floor."""
+
+    unit: str
+    noise_floor: float
+    original: float
+    base: float
+    extended: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis(NotebookDisplay):
+    """The verdict of a diagnosis, with its evidence.
+
+    ``base`` is the plant model without effects, with its density identified again; the gain is counted against it.
+    ``model`` is the extended model if effects were found, else the given one. ``gain`` is None without held-out
+    runs. ``numerics`` is the error of the diagnosis's own time steps at settled points. ``separating_run`` is the
+    proposal of ``smarig.app.proposal``, if it was requested.
+    """
+
+    verdict: DiagnosisVerdict
+    timeline: Timeline
+    first: Critique
+    levels: tuple[SearchLevel, ...]
+    base: PlantModel
+    visibility: VisibilityTable
+    error: ErrorSummary
+    gain: HeldOutGain | None
+    model: Model
+    numerics: float
+    alpha: float
+    nulls: int
+    seconds: float
+    separating_run: dict[str, Any] | None = None
+
+    @property
+    def best(self) -> ParameterFit | None:
+        """The best explanation, or None if the verdict has none."""
+        has_explanation = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
+        return self.levels[-1].best if self.levels and has_explanation else None
+
+    @property
+    def left(self) -> str | None:
+        """The variable or effect on which the remaining residuals depend; None if nothing stands out."""
+        last = self.levels[-1].critique if self.levels and self.extended else None
+        if last is None or last.silent:
+            return None
+        plain = last.best(1, generic=True)
+        return plain[0].candidate.depends_on if plain else last.largest.candidate.name
+
+    @property
+    def extended(self) -> bool:
+        """Whether ``model`` is an extended one."""
+        return self.verdict.word in ("named", "ambiguous")
+
+    def text(self) -> str:
+        """The findings as text."""
+        return "\n".join(text_lines(self))
+
+    def effects(self) -> list[dict[str, Any]]:
+        """The effects of the best explanation: name, probability, parameters with 95 % intervals."""
+        best = self.best
+        return [] if best is None else [_effect_json(p, best, self.verdict) for p in best.effects]
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the command line."""
+        e, gain = self.error, self.gain
+        held_out = gain and {
+            "given": gain.original,
+            "base": gain.base,
+            "extended": gain.extended,
+            "noise_floor": gain.floor,
+            "removable_share": gain.removable_share,
+            "ci95": gain.interval(),
+            "blocks": gain.blocks,
+        }
+        return {
+            "verdict": self.verdict.word,
+            "effects": self.effects(),
+            "set": list(self.verdict.names),
+            "depends_on": self.verdict.depends_on,
+            "not_identifiable": list(self.visibility.invisible),
+            "error": {
+                "unit": e.unit,
+                "noise_floor": e.noise_floor,
+                "base": e.base,
+                "extended": e.extended,
+                "given": e.original,
+            },
+            "held_out": held_out,
+            "separating_run": self.separating_run,
+            "alpha": self.alpha,
+            "p_value": self.first.p_value,
+            "stands_out": not self.first.silent,
+            "nulls": self.nulls,
+            "model": self.model.name,
+            "numerics": self.numerics,
+            "seconds": self.seconds,
+        }
+
+    def __repr__(self) -> str:
+        finding = (
+            " + ".join(str(p) for p in self.best.effects) if self.best else self.verdict.depends_on or ""
+        )
+        return f"Diagnosis({self.verdict.word}{': ' if finding else ''}{finding})"
+
+
+def _effect_json(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:
+    kind: EffectType = effect.kind
+    fitted = {q: s for (name, q), s in best.spread.items() if name == kind.name}
+    return {
+        "name": kind.name,
+        "probability": verdict.probability(kind.name),
+        "parameters": {
+            p.name: {
+                "value": effect.values[p.name],
+                "ci95": _interval(effect.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
+                "unit": p.unit,
+            }
+            for p in kind.parameters
+        },
+    }
+
+
+def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -> list[float] | None:
+    if spread is None:
+        return None
+    half = NORMAL_95 * spread
+    return [max(value - half, bounds[0]), min(value + half, bounds[1])]
+
+
+@threadpool_limits.wrap(
+    limits=1, user_api="blas"
+)  # matrices have a few hundred rows: threads would only wait for each other
+def diagnose_commanded(
+    model: Model | str | Path,
+    train: Sequence[Run | str | Path] | Run | str | Path,
+    held_out: Sequence[Run | str | Path] | Run | str | Path = (),
+    *,
+    alpha: float = ALPHA,
+    nulls: int = NULL_DATA_SETS,
+    seed: int = 0,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Diagnose a model on runs of one wire: what it predicts wrongly, why, and what an extended model gains.
+
+    ``diagnose`` also diagnoses runs that have only a measured input.
+
+    The density is identified from ``train``; ``held_out`` runs only measure the gain. ``without`` names effects to
+    leave out of the catalogue. ``alpha`` is the probability of any false alarm, ``nulls`` the number of null data
+    sets. Raises DataError if the runs hold no settled steps or overlap, and UsageError for invalid settings.
+    """
+    started, report_progress = time.monotonic(), progress or (lambda _: None)
+    _check(alpha, nulls, seed)
+    original = model if isinstance(model, Model) else load_model(model)
+    train_runs, held_out_runs = _runs(train), _runs(held_out)
+    check_comparable(original, [*train_runs, *held_out_runs])
+    if driven_by_input(train_runs):
+        raise UsageError("These runs have only a measured input. Use diagnose or diagnose_measured.")
+    timeline, plant_model = _timeline_and_subject(original, train_runs)
+    if held_out_runs:
+        _check_held_out(original, train_runs, held_out_runs)
+    catalogue, insensitive = _visible_effect_types(_catalogue(plant_model, without), timeline, plant_model)
+    report_progress(
+        f"{len(timeline.settled)} settled points, {sum(len(r) for r in timeline.other_readings)} other readings"
+    )
+    criticise = partial(critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed)
+    seen = find_explanations(timeline, plant_model, criticise, report_progress)
+    base, first, levels = seen.base, seen.first, seen.levels
+    verdict = decide_verdict(first, levels)
+    base = with_posterior_density(timeline, base, seen.plain)
+    extended = base
+    if levels and verdict.explanations:
+        best_explanation = levels[-1].explanations[0]
+        extended = with_posterior_density(timeline, best_explanation.plant_model, best_explanation.refitted)
+    final_refit = (levels[-1].critique if levels else first).refitted
+    noise, open_density = final_refit.noise, final_refit.posterior.variances
+    gain = (
+        held_out_gain(
+            train=train_runs,
+            held_out=held_out_runs,
+            base=base,
+            extended=extended,
+            noise=noise,
+            variances=open_density,
+            original=plant_model,
+        )
+        if held_out_runs
+        else None
+    )
+    return Diagnosis(
+        verdict=verdict,
+        timeline=timeline,
+        first=first,
+        levels=tuple(levels),
+        base=base,
+        visibility=visibility(first, insensitive),
+        error=ErrorSummary(
+            timeline.unit,
+            _floor(noise.white[: len(timeline.settled)]),
+            settled_rms(timeline, plant_model),
+            settled_rms(timeline, base),
+            settled_rms(timeline, extended),
+        ),
+        gain=gain,
+        model=_extended(original, extended, train_runs, verdict)
+        if verdict.word in ("named", "ambiguous")
+        else original,
+        numerics=numerics(timeline, base),
+        alpha=alpha,
+        nulls=nulls,
+        seconds=time.monotonic() - started,
+    )
+
+
+def _check(alpha: float, nulls: int, seed: int) -> None:
+    if not MIN_ALPHA <= alpha < 0.5:
+        raise UsageError(f"The false alarm probability must lie between 0 and 0.5, but is {alpha:g}.")
+    if seed < 0:
+        raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
+    if nulls < 1 / alpha:
+        raise UsageError(
+            f"{nulls} null data sets cannot resolve a probability of {alpha:g}. Use at least {int(1 / alpha) + 1}."
+        )
+
+
+def _runs(original: Any) -> list[Run]:
+    several = [original] if isinstance(original, Run | str | Path) else list(original)
+    return [run if isinstance(run, Run) else load_run(run) for run in several]
+
+
+def _check_held_out(model: Model, train_runs: list[Run], held_out_runs: list[Run]) -> None:
+    """Raise before any computation if the held-out runs cannot measure the gain."""
+    if any(_same(a, b) for a in train_runs for b in held_out_runs):
+        raise UsageError(
+            "A held-out run is a copy of a training run. Hold out a run that is not used for training."
+        )
+    build_timeline([*train_runs, *held_out_runs], actuator_for_run(model, train_runs[0]).tau_s)
+
+
+def _same(a: Run, b: Run) -> bool:
+    """Whether two runs are the same measurement, and not only parts of one file."""
+    return file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"])
+
+
+def _timeline_and_subject(model: Model, runs: list[Run]) -> tuple[Timeline, PlantModel]:
+    if not runs:
+        raise UsageError("A diagnosis needs at least one training run.")
+    timeline = build_timeline(runs, actuator_for_run(model, runs[0]).tau_s)
+    return timeline, plant_model_of(model, timeline.runs[0])
+
+
+def _catalogue(plant_model: PlantModel, without: Sequence[str]) -> list[EffectType]:
+    all_types = effect_types("two_wire" if plant_model.actuator.two_wire else "one_wire")
+    all_types += (
+        effect_types_only_on("untrained") if isinstance(plant_model.actuator, PassThroughActuator) else ()
+    )
+    names = [k.name for k in effect_types()]
+    for name in without:
+        if name not in names:
+            raise UsageError(f"Effect '{name}' cannot be left out: the catalogue has no such effect.")
+    return [k for k in all_types if k.name not in without]
+
+
+def _visible_effect_types(
+    all_types: list[EffectType], timeline: Timeline, plant_model: PlantModel
+) -> tuple[list[EffectType], list[str]]:
+    """(effects that these data could show, names of the effects that act before the input was measured)."""
+    seen = [k for k in all_types if timeline.drive.can_show(k, plant_model.hysteresis)]
+    return seen, [k.name for k in all_types if k not in seen]
+
+
+def _floor(noise: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(noise**2)))
+
+
+def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdict: DiagnosisVerdict) -> Model:
+    """The given model with its density identified jointly with the effects, and with these effects."""
+    return replace(
+        original,
+        name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.catalogue_effects)}",
+        hysteresis=plant_model.hysteresis,
+        effects=tuple(e.to_json() for e in plant_model.catalogue_effects),
+        parameters=(),
+        covariance=np.empty((0, 0)),
+        intervals={},
+        provenance=tuple(provenance(run) for run in train),
+        warnings=(
+            *original.warnings,
+            f"Effects by diagnosis ({verdict.word}); density identified jointly.",
+        ),
+    )

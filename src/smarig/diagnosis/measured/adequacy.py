@@ -1,0 +1,43 @@
+"""Where a model misses records: shares of its square error between runs, slow, by branch, by level, and fast."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.measured.measured_hypothesis import MeasuredHypothesis
+
+Array = NDArray[np.float64]
+PARTS = ("between_runs", "slow", "branch", "level", "fast")
+SLOW_WAVES, LEVEL_WAVES = 6, 4
+
+
+def error_parts(found: MeasuredHypothesis) -> dict[str, float]:
+    """Shares of the weighted square error on held-out blocks, by part; they add up to 1.
+
+    Each part explains what the parts before it left: means of runs, slow waves over the readings, means of blocks,
+    waves over the measured output. The rest is fast.
+    """
+    known = np.isfinite(found.errors)
+    plan, left = found.fit.problem.plan, found.weighted[known]
+    total, shares = float(left @ left), []
+    for columns in (
+        _means(plan.record[known]),
+        _waves(np.arange(left.size, dtype=float), SLOW_WAVES),
+        _means(plan.block[known]),
+        _waves(plan.y[known], LEVEL_WAVES),
+    ):
+        after = left - columns @ np.linalg.lstsq(columns, left, rcond=None)[0]
+        shares.append(float(left @ left - after @ after))
+        left = after
+    values = [*shares, float(left @ left)]
+    return {name: value / total if total else 0.0 for name, value in zip(PARTS, values)}
+
+
+def _means(group: NDArray[np.int64]) -> Array:
+    """One column for each group of readings (m,)."""
+    return (group[:, None] == np.unique(group)[None, :]).astype(float)
+
+
+def _waves(z: Array, count: int) -> Array:
+    """Cosines (m, count) over the ranks of z."""
+    rank = (np.argsort(np.argsort(z, kind="stable"), kind="stable") + 0.5) / z.size
+    return np.cos(np.pi * rank[:, None] * np.arange(1, count + 1))

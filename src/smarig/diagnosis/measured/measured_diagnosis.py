@@ -1,0 +1,306 @@
+"""The diagnosis of a model on runs with a measured input: data of others, without current and without settled steps.
+
+Every hypothesis, the plain variables included, is judged by its errors on blocks left out of the fit. A name must earn
+its place there and on the held-out runs; otherwise the finding is the variable on which the errors depend.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import DataError, NotebookDisplay
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.measured.adequacy import error_parts
+from smarig.diagnosis.measured.held_out_runs import RunOffset, condition_table, held_out_error, run_offsets
+from smarig.diagnosis.measured.measured_hypothesis import (
+    Comparison,
+    MeasuredHypothesis,
+    adequate_error,
+    reading_noise,
+)
+from smarig.diagnosis.measured.measured_search import SearchStep, compared, search_effects
+from smarig.diagnosis.measured.measured_text import measured_lines
+from smarig.diagnosis.measured.measured_verdict import MeasuredVerdict, decide, smallest_chance
+from smarig.measurement import (
+    InputRecord,
+    MeasurementEffect,
+    MeasurementEffectType,
+    input_records,
+    measurement_effect_types,
+)
+from smarig.record import Run
+from smarig.replay import MeasurementPart, Model, provenance, simulate_runs
+
+Array = NDArray[np.float64]
+WORSE = 1.0  # times the plain model's error on held-out runs: a larger error is worse
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredDiagnosis(NotebookDisplay):
+    """The verdict on a model and runs with a measured input, with its evidence.
+
+    ``steps`` are the rounds of the search. ``base`` is the plain model fitted to the training runs, ``best`` the model
+    with the effects found (None if none is named). ``noise`` is the standard deviation of one reading. ``given_error``
+    (m,) are the errors of the given model at the readings, NaN where it predicts nothing. ``offsets`` are held-out runs
+    whose input disagrees with that of the training runs. ``model`` is the extended model, else the given one.
+    """
+
+    verdict: DiagnosisVerdict
+    reason: str
+    comparison: Comparison
+    train: int
+    steps: tuple[SearchStep, ...]
+    base: MeasuredHypothesis
+    best: MeasuredHypothesis | None
+    noise: float
+    given_error: Array
+    gain: HeldOutGain | None
+    offsets: tuple[RunOffset, ...]
+    model: Model
+    p_value: float
+    runs: tuple[Run, ...]
+    seconds: float
+
+    @property
+    def extended(self) -> bool:
+        """Whether ``model`` is an extended one."""
+        return self.best is not None
+
+    @property
+    def unit(self) -> str:
+        """Unit of the output."""
+        return self.runs[0].unit
+
+    @property
+    def records(self) -> tuple[InputRecord, ...]:
+        """All records, training first."""
+        return self.comparison.plan.records
+
+    def text(self) -> str:
+        """The findings as text."""
+        return "\n".join(measured_lines(self))
+
+    def rms(self, found: MeasuredHypothesis | None = None) -> float:
+        """Rms error at the training readings: of the plain model, or of a hypothesis."""
+        error = (found or self.base).fit.error[self.comparison.train]
+        return float(np.sqrt(np.mean(error**2)))
+
+    @property
+    def given_rms(self) -> float | None:
+        """Rms error of the given model at the training readings, or None if it predicts none of them."""
+        error = self.given_error[self.comparison.train]
+        known = np.isfinite(error)
+        return float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else None
+
+    def effects(self) -> list[dict[str, Any]]:
+        """The effects found: name, probability, parameters with 95 % intervals."""
+        if self.best is None:
+            return []
+        amplitudes = iter(self.best.fit.amplitudes.tolist())
+        return [self._effect_json(e, amplitudes) for e in self.best.effects]
+
+    def _effect_json(self, effect: MeasurementEffect, amplitudes: Any) -> dict[str, Any]:
+        kind, units = effect.kind, {}
+        for step in self.steps:
+            for h in step.effects:
+                if h.effects[-1].kind is kind:
+                    units = h.intervals | units
+        parameters = {
+            name: {
+                "value": value,
+                "ci95": list(units[name]) if name in units else None,
+                "unit": self._unit(kind, name),
+            }
+            for name, value in effect.values.items()
+        }
+        for name, unit in kind.amplitudes(self.runs[0].input_unit, self.unit):
+            parameters[name] = {"value": next(amplitudes), "ci95": None, "unit": unit}
+        probability = self.verdict.probability(kind.name)
+        return {"name": kind.name, "probability": probability, "parameters": parameters}
+
+    def _unit(self, kind: MeasurementEffectType, name: str) -> str:
+        searched = kind.parameters(self.records[: self.train]) or ()
+        unit = next((p.unit for p in searched if p.name == name), "MPa" if name == "reference" else "")
+        return self.runs[0].input_unit if unit == "input unit" else unit
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the command line."""
+        gain = self.gain
+        return {
+            "verdict": self.verdict.word,
+            "effects": self.effects(),
+            "set": list(self.verdict.names) if self.extended else [],
+            "depends_on": self.verdict.depends_on,
+            "reason": self.reason or None,
+            "not_identifiable": self.not_testable,
+            "error": {
+                "unit": self.unit,
+                "noise_floor": self.noise,
+                "base": self.rms(),
+                "extended": self.rms(self.best),
+                "given": self.given_rms,
+            },
+            "adequacy": {
+                "times_noise": self.base.rms / self.noise if self.noise else None,
+                "where": error_parts(self.base),
+                "adequate": self.base.rms <= adequate_error(self.base),
+            },
+            "held_out": gain
+            and {
+                "given": gain.original,
+                "base": gain.base,
+                "extended": gain.extended,
+                "noise_floor": gain.floor,
+                "removable_share": gain.removable_share,
+                "ci95": gain.interval(),
+                "blocks": gain.blocks,
+            },
+            "run_offsets": [
+                {
+                    "run": o.run,
+                    "offset": o.offset,
+                    "ci95": list(o.interval),
+                    "error_without": o.without,
+                    "error_with": o.with_offset,
+                }
+                for o in self.offsets
+            ],
+            "separating_run": None,
+            "alpha": None,
+            "nulls": 0,
+            "p_value": self.p_value,
+            "stands_out": self.verdict.word != "silent",
+            "model": self.model.name,
+            "seconds": self.seconds,
+        }
+
+    @property
+    def not_testable(self) -> list[str]:
+        """Effects that these records cannot show."""
+        records = self.records[: self.train]
+        return [k.name for k in measurement_effect_types() if k.parameters(records) is None]
+
+    def __repr__(self) -> str:
+        found = " + ".join(self.verdict.names) if self.extended else self.verdict.depends_on or ""
+        return f"MeasuredDiagnosis({self.verdict.word}{': ' if found else ''}{found})"
+
+
+def diagnose_measured(
+    model: Model,
+    train: Sequence[Run],
+    held_out: Sequence[Run],
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] = lambda _: None,
+) -> MeasuredDiagnosis:
+    """Diagnose a model on runs with a measured input. Raises DataError if they hold no usable reading."""
+    started = time.monotonic()
+    records, count = _records(train, held_out)
+    comparison = compared(records, count)
+    plan = comparison.plan
+    progress(f"{int(comparison.train.sum())} readings, {np.unique(plan.block[comparison.train]).size} blocks")
+    kinds = [k for k in measurement_effect_types() if k.name not in without]
+    steps = search_effects(comparison, kinds, count, progress)
+    base, last = steps[0].start, steps[-1].start
+    noise = reading_noise(base)
+    errors = held_out_error(base, count), held_out_error(last, count)
+    tested = ~comparison.train
+    worse = bool(tested.any() and last.effects and _rms(errors[1][tested]) > WORSE * _rms(errors[0][tested]))
+    decided = decide(steps, worse_on_held_out=worse)
+    best = decided.accepted if decided.accepted.effects else None
+    given = _given_error(model, [*train, *held_out], comparison)
+    offsets = tuple(run_offsets(comparison, best.effects if best else (), count))
+    return MeasuredDiagnosis(
+        verdict=_with_offsets(decided.verdict, offsets),
+        reason=decided.reason,
+        comparison=comparison,
+        train=count,
+        steps=tuple(steps),
+        base=base,
+        best=best,
+        noise=noise,
+        given_error=given,
+        gain=_gain(errors[0], errors[1] if best else errors[0], given, comparison, noise),
+        offsets=offsets,
+        model=_extended(model, decided, train, count) if best else model,
+        p_value=smallest_chance(steps[0]),
+        runs=(*train, *held_out),
+        seconds=time.monotonic() - started,
+    )
+
+
+def _with_offsets(verdict: DiagnosisVerdict, offsets: Sequence[RunOffset]) -> DiagnosisVerdict:
+    """The verdict; if nothing else is known, the errors depend on the run whose input is shifted."""
+    if offsets and verdict.word in ("silent", "unknown") and verdict.depends_on is None:
+        return DiagnosisVerdict("unknown", depends_on="run")
+    return verdict
+
+
+def _records(train: Sequence[Run], held_out: Sequence[Run]) -> tuple[list[InputRecord], int]:
+    """The records of all runs, and the number of training records."""
+    count = len(input_records(train))
+    records = input_records([*train, *held_out])
+    if not count:
+        raise DataError("The training runs contain no reading in which input and output are known.")
+    return records, count
+
+
+def _given_error(model: Model, runs: Sequence[Run], comparison: Comparison) -> Array:
+    """Errors (m,) of the given model at the readings, about their mean in each run."""
+    plan, found = comparison.plan, []
+    predicted = dict(zip((id(r) for r in runs), simulate_runs(model, list(runs))))
+    usable = [run for run in runs if input_records([run])]
+    for run, record, rows in zip(usable, plan.records, plan.rows):
+        finite = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
+        error = record.y[rows] - predicted[id(run)][np.searchsorted(finite, record.row[rows])]
+        found.append(error - np.nanmean(error) if np.isfinite(error).any() else error)
+    return np.concatenate(found)
+
+
+def _gain(
+    base: Array, extended: Array, given: Array, comparison: Comparison, noise: float
+) -> HeldOutGain | None:
+    tested = ~comparison.train
+    if not tested.any():
+        return None
+    known = given[tested]
+    return HeldOutGain(
+        base[tested],
+        extended[tested],
+        comparison.plan.block[tested],
+        noise,
+        None,
+        known if np.isfinite(known).all() else None,
+    )
+
+
+def _extended(model: Model, decided: MeasuredVerdict, train: Sequence[Run], count: int) -> Model:
+    """The given model with the measure of the accepted hypothesis, and with its effects."""
+    found = decided.accepted
+    table, zero = condition_table(found, count), float(found.fit.zeros[0])
+    hysteresis = found.fit.table if table else replace(found.fit.table, values=found.fit.table.values + zero)
+    part = MeasurementPart(found.effects, tuple(found.fit.amplitudes.tolist()), table)
+    return replace(
+        model,
+        name=f"{model.name} + {found.name}",
+        hysteresis=hysteresis,
+        mirrored=False,
+        effects=(),
+        measurement=part.to_json(),
+        parameters=(),
+        covariance=np.empty((0, 0)),
+        intervals={},
+        provenance=tuple(provenance(run) for run in train),
+        warnings=(
+            *model.warnings,
+            f"Effects by diagnosis ({decided.verdict.word}); measure identified jointly.",
+        ),
+    )
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))

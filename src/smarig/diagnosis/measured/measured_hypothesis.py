@@ -1,0 +1,195 @@
+"""A hypothesis about records with a measured input: effects, or a plain variable, and its errors on held-out blocks."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.identification import (
+    MeasuredFit,
+    ReadingPlan,
+    fit_measured,
+    held_out_errors,
+    local_slope,
+    measured_problem,
+)
+from smarig.measurement import (
+    MeasurementEffect,
+    MeasurementEffectType,
+    SearchedParameter,
+    input_noise_sd,
+)
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+REFINEMENTS = 3  # rounds that halve the distance between tried values
+ADEQUATE, ADEQUATE_SHARE = 3.0, 0.015
+DRAWS = 400  # resampled sets of blocks, for intervals
+LEVEL_95 = (0.025, 0.975)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredHypothesis:
+    """Effects (none: the plain model) or a ``variable``, with the errors (m,) of held-out blocks, NaN elsewhere.
+
+    ``intervals`` are 95 % of each searched value, by resampling blocks; ``at_bound`` names values at the end of their
+    search, which determine nothing.
+    """
+
+    effects: tuple[MeasurementEffect, ...]
+    errors: Array
+    fit: MeasuredFit
+    variable: str = ""
+    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
+    at_bound: tuple[str, ...] = ()
+
+    @property
+    def rms(self) -> float:
+        """Weighted rms error of held-out blocks, in output units."""
+        return float(np.sqrt(np.nanmean(self.weighted**2)))
+
+    @property
+    def weighted(self) -> Array:
+        """Errors (m,) of held-out blocks times the roots of their weights."""
+        return self.fit.problem.weight * self.errors
+
+    @property
+    def fitted_rms(self) -> float:
+        """Weighted rms error of the same readings in the fit to all of them, in output units."""
+        known = np.isfinite(self.errors)
+        return float(np.sqrt(np.mean((self.fit.problem.weight * self.fit.error)[known] ** 2)))
+
+    @property
+    def misfit(self) -> float:
+        """Geometric mean of both errors: what the search for a value minimises.
+
+        Held-out blocks on a steep branch are few and predicted badly; the fit to all alone would prefer any value that
+        makes the record easier to fit.
+        """
+        return float(np.sqrt(self.rms * self.fitted_rms))
+
+    @property
+    def name(self) -> str:
+        """Names of the effects, or the variable."""
+        return self.variable or " + ".join(e.kind.name for e in self.effects) or "none"
+
+    def block_squares(self) -> Array:
+        """Mean square error of each held-out block, (blocks,)."""
+        known = np.isfinite(self.errors)
+        block = np.unique(self.fit.problem.plan.block[known], return_inverse=True)[1]
+        return np.bincount(block, self.weighted[known] ** 2) / np.bincount(block)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The settings that all hypotheses share: readings, the mask of those to learn from, and the smoothing."""
+
+    plan: ReadingPlan
+    train: Mask
+    smoothing: float
+    weight: Array
+
+    def evaluated(
+        self, effects: Sequence[MeasurementEffect], terms: Array | None = None, variable: str = ""
+    ) -> MeasuredHypothesis:
+        """A hypothesis with given values."""
+        problem = measured_problem(self.plan, effects, extra_terms=terms, weight=self.weight)
+        by_condition = any(e.kind.by_condition for e in effects)
+        fit = fit_measured(problem, self.smoothing, self.train, free_gains=by_condition)
+        errors = held_out_errors(problem, self.smoothing, self.train, gains=fit.gains)
+        return MeasuredHypothesis(tuple(effects), errors, fit, variable)
+
+    def searched(
+        self,
+        kind: MeasurementEffectType,
+        parameters: Sequence[SearchedParameter],
+        present: Sequence[MeasurementEffect],
+        fixed: dict[str, float],
+    ) -> MeasuredHypothesis:
+        """The hypothesis with the values of an effect that have the least error on held-out blocks.
+
+        Values are searched one parameter after the other: all ``tries``, then between the best and its neighbours.
+        """
+        values = dict(fixed) | {p.name: _neutral(p) for p in parameters}
+
+        def at(changes: dict[str, float]) -> MeasuredHypothesis:
+            return self.evaluated([*present, kind(**(values | changes))])
+
+        best, intervals, bound = at({}), {}, []
+        for parameter in parameters:
+            tried = _search(lambda v, name=parameter.name: at({name: v}), parameter)
+            found = min(tried, key=lambda v: tried[v].misfit)
+            values[parameter.name], best = found, tried[found]
+            intervals[parameter.name] = _interval(tried)
+            if found in (min(parameter.tries), max(parameter.tries)):
+                bound.append(parameter.name)
+        return replace(best, intervals=intervals, at_bound=tuple(bound))
+
+
+def reading_noise(base: MeasuredHypothesis) -> float:
+    """Standard deviation of one reading: that of the output, and that of the input times the local slope."""
+    plan, slope = base.fit.problem.plan, local_slope(base.fit)
+    of_input = plan.of([np.full(len(r), input_noise_sd(r.u)) for r in plan.records])
+    of_output = plan.of([np.full(len(r), input_noise_sd(r.y)) for r in plan.records])
+    weight = base.fit.problem.weight
+    return float(np.sqrt(np.mean(weight**2 * ((slope * of_input) ** 2 + of_output**2))))
+
+
+def adequate_error(base: MeasuredHypothesis) -> float:
+    """The error on held-out blocks up to which a model is adequate: ``ADEQUATE`` times the noise of a reading, or
+    ``ADEQUATE_SHARE`` of the output's range.
+    """
+    known = np.isfinite(base.errors)
+    output_range = float(np.ptp(base.fit.problem.plan.y[known]))
+    return max(ADEQUATE * reading_noise(base), ADEQUATE_SHARE * output_range)
+
+
+def _neutral(parameter: SearchedParameter) -> float:
+    """A value to start from: 0 if it is tried, else the middle of the tries."""
+    return 0.0 if 0.0 in parameter.tries else parameter.tries[len(parameter.tries) // 2]
+
+
+def _search(
+    at: Callable[[float], MeasuredHypothesis], parameter: SearchedParameter
+) -> dict[float, MeasuredHypothesis]:
+    tried = {v: at(v) for v in parameter.tries}
+    for _ in range(REFINEMENTS):
+        values = sorted(tried)
+        k = values.index(min(tried, key=lambda v: tried[v].misfit))
+        for neighbour in {max(k - 1, 0), min(k + 1, len(values) - 1)} - {k}:
+            between = 0.5 * (values[k] + values[neighbour])
+            tried[between] = at(between)
+    return tried
+
+
+def _interval(tried: dict[float, MeasuredHypothesis]) -> tuple[float, float]:
+    """95 % interval of the value with the least misfit when the blocks are drawn again."""
+    values = np.array(sorted(tried))
+    hypotheses = [tried[v] for v in values.tolist()]
+    known = np.isfinite(hypotheses[0].errors)
+    weight, block = hypotheses[0].fit.problem.weight[known], hypotheses[0].fit.problem.plan.block[known]
+    held_out = np.array([h.weighted[known] ** 2 for h in hypotheses])
+    fitted = np.array([(weight * h.fit.error[known]) ** 2 for h in hypotheses])
+    return resampled_interval(values, (held_out, fitted), block)
+
+
+def resampled_interval(
+    values: Array, squares: Sequence[Array], block: NDArray[np.int64]
+) -> tuple[float, float]:
+    """95 % interval of the value (k,) whose sums of ``squares``, (k, m) each, have the least product when blocks (m,)
+    are drawn again, with replacement.
+
+    It reaches half way to the next values, because the values in between were not tried.
+    """
+    place = np.unique(block, return_inverse=True)[1]
+    rng = np.random.default_rng(0)
+    drawn = rng.integers(0, int(place.max()) + 1, (DRAWS, int(place.max()) + 1))
+    product = np.ones((values.size, DRAWS))
+    for part in squares:
+        sums = np.array([np.bincount(place, row) for row in part])
+        product *= sums[:, drawn].sum(axis=2)
+    best = np.sort(np.argmin(product, axis=0))
+    low, high = (int(np.quantile(best, q, method="nearest")) for q in LEVEL_95)
+    middle = np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
+    return float(middle[low]), float(middle[high + 1])

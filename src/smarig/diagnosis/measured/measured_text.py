@@ -1,0 +1,75 @@
+"""The sentences of a diagnosis of runs with a measured input."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
+
+if TYPE_CHECKING:
+    from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
+
+INADEQUATE = 3.0  # times the noise: the model is not adequate
+FAR_OFF_RATIO = 10.0  # times the error of a refitted model: the given model is of another specimen or state
+
+
+def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
+    """The findings, one or two sentences per line; the verdict first."""
+    yield from _verdict(d)
+    yield adequacy_text(d)
+    yield from _limits(d)
+    if d.gain is not None and d.extended:
+        yield gain_text(d.gain, d.unit)
+    for offset in d.offsets:
+        low, high = offset.interval
+        yield (
+            f"The input of held-out run {offset.run} is shifted by {offset.offset:.3g} [{low:.3g}, {high:.3g}] "
+            f"{d.runs[0].input_unit} against the training runs. With this offset its rms error falls from "
+            f"{offset.without:.4g} to {offset.with_offset:.4g} {d.unit}."
+        )
+    lost = sum(r.dropouts for r in d.records)
+    if lost:
+        yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
+    if d.not_testable:
+        yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."
+
+
+def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:
+    word = d.verdict.word
+    if word == "silent":
+        size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
+        yield f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {size:.2%} of the range."
+        if d.reason:
+            yield f"{capitalised(d.reason)}."
+    if word == "unknown":
+        dependence = f" and depends on {d.verdict.depends_on}" if d.verdict.depends_on else ""
+        yield f"Something is wrong{dependence}, but no known effect explains it."
+        if d.reason:
+            yield f"{capitalised(d.reason)}."
+    opening = "Found" if word == "named" else "Ambiguous, best explanation"
+    for effect in d.effects():
+        values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
+        yield f"{opening}: {effect['name']}{f' ({values})' if values else ''}."
+    if word == "ambiguous":
+        yield f"These explain the runs equally well: {', '.join(d.verdict.names)}."
+
+
+def adequacy_text(d: "MeasuredDiagnosis") -> str:
+    """How far the plain and the extended model miss the runs, against the noise of a reading."""
+    ratio = d.base.rms / d.noise if d.noise else float("inf")
+    extended = f", with the effects found by {d.best.rms:.4g} {d.unit}" if d.best else ""
+    size = f" ({ratio:.0f} × the noise)" if ratio > INADEQUATE else ""
+    return (
+        f"On blocks left out of the fit, a Preisach model misses the training runs by {d.base.rms:.4g} {d.unit} rms"
+        f"{size}{extended}; noise of one reading {d.noise:.2g} {d.unit}."
+    )
+
+
+def _limits(d: "MeasuredDiagnosis") -> Iterator[str]:
+    given = d.given_rms
+    if given is not None and given > FAR_OFF_RATIO * max(d.rms(), d.noise):
+        yield "The given model is far from these data, with or without effects. Identify it again from them."
+    assumed = [r.name for r in d.records if r.initial not in ("negative", "positive", "anhysteretic")]
+    if assumed:
+        yield f"The state at the start of {', '.join(assumed)} is not recorded and was assumed from the first input."

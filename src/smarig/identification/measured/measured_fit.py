@@ -1,0 +1,316 @@
+"""A positive measure and output terms, fitted to the readings of records under given measurement effects.
+
+    minimise  ‖g P[v] + Σ b_k φ_k + z − y‖²/m + λ (roughness of the measure)    over masses ≥ 0, b and z free
+
+v, g and φ as in ``smarig.measurement``. Masses, amplitudes and zeros are one convex programme; gains g of runs under
+different conditions follow by alternation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, diags_array, hstack
+
+from smarig.identification.measured.reading_plan import ReadingPlan
+from smarig.identification.positive.adapted_partition import adapted_nodes
+from smarig.identification.positive.observations import Observations, joined_observations
+from smarig.identification.positive.quadratic_programme import MeasureProblem
+from smarig.identification.positive.triangle import Triangle
+from smarig.measurement import (
+    InputRecord,
+    MeasurementEffect,
+    changed,
+    input_noise_sd,
+    monotone_branches,
+    reversals,
+)
+from smarig.preisach import FodTable
+from smarig.replay import memory_states
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+INTERVALS = 30
+SMOOTHINGS = (1e-14, 1e-12, 1e-10)
+MIN_SD_SHARE = 0.006  # of the output's range: no reading counts as more certain
+ACCURACY = 1e-5  # sufficient for comparisons
+MAX_ALTERNATIONS = 15
+GAIN_TOLERANCE = 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredProblem:
+    """The rows of a programme: readings (m, unknowns + zeros + terms) in units of ``scale``, output units.
+
+    ``sign`` is −1 if the output falls while the input rises. ``zero`` (m,) is the index of the zero of each reading;
+    ``term_scale`` (k,) normalises the terms. ``weight`` (m,) is the root of each reading's weight.
+    ``centre`` (zeros,) is the mean output of each zero, which is subtracted: numbers far from 0 would cost digits.
+    """
+
+    plan: ReadingPlan
+    effects: tuple[MeasurementEffect, ...]
+    observations: Observations
+    triangle: Triangle
+    sign: float
+    scale: float
+    terms: Array
+    term_scale: Array
+    weight: Array
+    centre: Array
+
+    @property
+    def centred(self) -> Array:
+        """Outputs (m,) minus the centre of their zero."""
+        return self.plan.y - self.centre[self.observations.zero]
+
+    def programme(self, gains: Array) -> MeasureProblem:
+        """The convex programme for the gain of each record, with weighted rows."""
+        record = self.plan.record
+        of_term = self.sign * gains[record[self.observations.term]]
+        own = replace(self.observations, sign=self.observations.sign * of_term)
+        rows = hstack([own.matrix(self.triangle), csr_matrix(self.terms / self.term_scale)])
+        free = own.offsets + self.terms.shape[1]
+        weighted = csr_matrix(diags_array(self.weight) @ csr_matrix(rows))
+        return MeasureProblem(self.triangle, weighted, self.weight * self.centred / self.scale, free)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredFit:
+    """A solution: ``predicted`` (m,) for all readings, those not fitted included, in output units.
+
+    ``table`` is the hysteresis; ``zeros`` and ``gains`` of each record; ``amplitudes`` (k,) of the terms.
+    """
+
+    problem: MeasuredProblem
+    x: Array
+    gains: Array
+    predicted: Array
+
+    @property
+    def error(self) -> Array:
+        """Measured minus predicted outputs (m,)."""
+        return self.problem.plan.y - self.predicted
+
+    @property
+    def _unknowns(self) -> int:
+        return self.problem.triangle.unknowns
+
+    @property
+    def zeros(self) -> Array:
+        """Zero of each group of records with a common one, output units."""
+        offsets = self.problem.observations.offsets
+        return self.problem.scale * self.x[self._unknowns : self._unknowns + offsets] + self.problem.centre
+
+    @property
+    def amplitudes(self) -> Array:
+        """Amplitude (k,) of each term, in output units per unit of the term."""
+        offsets = self.problem.observations.offsets
+        return self.problem.scale * self.x[self._unknowns + offsets :] / self.problem.term_scale
+
+    @property
+    def table(self) -> FodTable:
+        """The hysteresis, with the sign of the output and gain 1."""
+        values = self.problem.triangle.masses @ self.x[: self._unknowns]
+        masses = self.problem.scale * np.maximum(values, 0.0)
+        rising = self.problem.triangle.table(
+            masses, self.problem.scale * float(self.x[self._unknowns - 1]), ""
+        )
+        return rising if self.problem.sign > 0 else FodTable(rising.nodes, -rising.values, rising.unit)
+
+
+def output_sign(records: Sequence[InputRecord]) -> float:
+    """1 if the outputs rise with their inputs, −1 if they fall: the sign of the summed covariance.
+
+    >>> u = np.linspace(0.0, 1.0, 5)
+    >>> output_sign([InputRecord("a", u, -u, u, True, u, {}, np.arange(5))])
+    -1.0
+    """
+    total = sum(
+        float(np.mean((r.u - r.u.mean()) * (r.y - r.y.mean()))) / (np.ptp(r.u) or 1.0) for r in records
+    )
+    return -1.0 if total < 0 else 1.0
+
+
+def measured_problem(
+    plan: ReadingPlan,
+    effects: Sequence[MeasurementEffect] = (),
+    *,
+    extra_terms: Array | None = None,
+    weight: Array | None = None,
+    one_zero: bool = False,
+    intervals: int = INTERVALS,
+) -> MeasuredProblem:
+    """The rows of all readings of a plan under effects.
+
+    ``extra_terms`` (m, k) are added to the terms of the effects. ``weight`` (m,) multiplies the rows; None: equal
+    weights. ``one_zero``: all runs have a common zero.
+    """
+    changes = [changed(record, effects) for record in plan.records]
+    paths = [(c.input, reversals(c.input, c.noise)) for c in changes]
+    inputs = [monotone_branches(u, turns) for u, turns in paths]
+    ends = min(float(u.min()) for u in inputs), max(float(u.max()) for u in inputs)
+    parts = [
+        _observations(u, turns, rows, record.y, start, ends, 0 if one_zero else k)
+        for k, (u, (_, turns), rows, record, start) in enumerate(
+            zip(inputs, paths, plan.rows, plan.records, plan.starts)
+        )
+        if rows.size
+    ]
+    joined = _joined(parts)
+    terms = plan.of([c.terms for c in changes])
+    terms = terms if extra_terms is None else np.hstack([terms, extra_terms])
+    size = np.sqrt(np.mean(terms**2, axis=0)) if terms.size else np.ones(terms.shape[1])
+    return MeasuredProblem(
+        plan=plan,
+        effects=tuple(effects),
+        observations=joined,
+        triangle=Triangle(adapted_nodes(joined, intervals)),
+        sign=output_sign(plan.records),
+        scale=float(np.ptp(plan.y)) or 1.0,
+        terms=terms,
+        term_scale=np.where(size > 0, size, 1.0),
+        weight=np.ones(len(plan)) if weight is None else weight,
+        centre=np.bincount(joined.zero, plan.y) / np.bincount(joined.zero),
+    )
+
+
+def _observations(
+    u: Array,
+    turns: list[int],
+    rows: NDArray[np.int64],
+    y: Array,
+    start: str,
+    ends: tuple[float, float],
+    zero: int,
+) -> Observations:
+    path = np.unique(np.concatenate([rows, turns]))
+    states = memory_states(np.clip(u[path], *ends), *ends, start)  # pyright: ignore[reportArgumentType]
+    at = np.searchsorted(path, rows)
+    found = Observations.of_states(
+        [state for k in at.tolist() if (state := states[k]) is not None],
+        y[rows],
+        np.zeros(rows.size, dtype=np.int64),
+        ends,
+    )
+    return replace(found, zero=np.full(rows.size, zero))
+
+
+def _joined(parts: Sequence[Observations]) -> Observations:
+    """Observations of several records; their zeros keep their numbers."""
+    zeros = np.unique(np.concatenate([p.zero for p in parts]), return_inverse=True)[1]
+    joined = joined_observations(replace(p, zero=np.zeros(len(p), dtype=np.int64)) for p in parts)
+    return replace(joined, zero=zeros.astype(np.int64))
+
+
+def fit_measured(
+    problem: MeasuredProblem,
+    smoothing: float,
+    mask: Mask | None = None,
+    *,
+    gains: Array | None = None,
+    free_gains: bool = False,
+) -> MeasuredFit:
+    """The fit to the readings of a mask; all are predicted.
+
+    ``free_gains``: each record has a gain of its own; those of records without a fitted reading stay as given.
+    """
+    g = np.ones(len(problem.plan.records)) if gains is None else gains.copy()
+    if free_gains and gains is None:
+        stroke = np.array([float(np.ptp(r.y)) for r in problem.plan.records])
+        g = stroke / stroke.max()
+    programme = problem.programme(g)
+    x = programme.solved(smoothing, mask, accuracy=ACCURACY).x
+    for _ in range(MAX_ALTERNATIONS if free_gains else 0):
+        again = _gains(problem, programme, x, g, mask)
+        change = float(np.abs(again / g - 1).max())
+        g, programme = again, problem.programme(again)
+        x = programme.solved(smoothing, mask, accuracy=ACCURACY).x
+        if change < GAIN_TOLERANCE:
+            break
+    return MeasuredFit(problem, x, g, predicted_outputs(problem, programme, x))
+
+
+def predicted_outputs(problem: MeasuredProblem, programme: MeasureProblem, x: Array) -> Array:
+    """Outputs (m,) at all readings for the unknowns of a programme, in output units."""
+    centre = problem.centre[problem.observations.zero]
+    return problem.scale * np.asarray(programme.rows @ x) / problem.weight + centre
+
+
+def _gains(
+    problem: MeasuredProblem, programme: MeasureProblem, x: Array, g: Array, mask: Mask | None
+) -> Array:
+    """Gains by least squares, given the shape: y = g · shape + zero + rest, for each record with a fitted reading."""
+    n = problem.triangle.unknowns
+    rest = (programme.rows[:, n:] @ x[n:]) / problem.weight
+    shape = np.asarray(programme.rows[:, :n] @ x[:n]) / g[problem.plan.record] / problem.weight
+    found = g.copy()
+    used = np.ones(len(problem.plan), dtype=bool) if mask is None else mask
+    for k in np.unique(problem.plan.record[used]).tolist():
+        own = used & (problem.plan.record == k)
+        s, y = shape[own] - shape[own].mean(), (programme.y / problem.weight - rest)[own]
+        square = float(s @ s)
+        if square > 0:
+            found[k] = max(float(s @ y) / square, 1e-3)
+    return found
+
+
+def chosen_smoothing(problem: MeasuredProblem, mask: Mask | None = None) -> float:
+    """The λ of ``SMOOTHINGS`` with the least error on held-out blocks."""
+    return min(SMOOTHINGS, key=lambda s: held_out_rms(problem, s, mask))
+
+
+def held_out_rms(problem: MeasuredProblem, smoothing: float, mask: Mask | None = None) -> float:
+    """Weighted rms error (output units) at readings of blocks that were left out of the fit in turn."""
+    error = problem.weight * held_out_errors(problem, smoothing, mask)
+    return float(np.sqrt(np.nanmean(error**2)))
+
+
+def reading_weights(fit: MeasuredFit) -> Array:
+    """Roots of weights (m,), root mean square 1: 1/σ with σ² = (slope · scatter of the input)² + σ_y² + (0.6 % of the
+    output's range)².
+
+    The scatter is that of the recorded input about its monotone branches, so readings on a steep branch count less.
+    """
+    plan, slope = fit.problem.plan, local_slope(fit)
+    inputs = [(r.u, monotone_branches(r.u, reversals(r.u))) for r in plan.records]
+    scatter = plan.of([np.full(u.size, float(np.sqrt(np.mean((u - m) ** 2)))) for u, m in inputs])
+    of_output = plan.of([np.full(len(r), input_noise_sd(r.y)) for r in plan.records])
+    sigma = np.sqrt((slope * scatter) ** 2 + of_output**2 + (MIN_SD_SHARE * fit.problem.scale) ** 2)
+    return (1 / sigma) / float(np.sqrt(np.mean(1 / sigma**2)))
+
+
+def local_slope(fit: MeasuredFit) -> Array:
+    """∂y/∂u at each reading (m,), in output per input unit, from its neighbours in the same record."""
+    plan = fit.problem.plan
+    u = plan.of([r.u for r in plan.records])
+    slope = np.zeros(u.size)
+    for k in range(len(plan.records)):
+        own = np.flatnonzero(plan.record == k)
+        if own.size > 2:
+            du, dy = np.gradient(u[own]), np.gradient(fit.predicted[own])
+            least = 1e-3 * float(np.ptp(u[own]) or 1.0)
+            slope[own] = dy * du / (du**2 + least**2)
+    return slope
+
+
+def held_out_errors(
+    problem: MeasuredProblem, smoothing: float, mask: Mask | None = None, *, gains: Array | None = None
+) -> Array:
+    """Errors (m,) at readings of blocks that were left out of the fit in turn; NaN outside the mask.
+
+    A zero shared by no fitted reading is not known, so errors of such a reading are about their mean.
+    """
+    within = np.ones(len(problem.plan), dtype=bool) if mask is None else mask
+    error = np.full(len(problem.plan), np.nan)
+    for fold in problem.plan.folds(within):
+        fitted = within & ~fold
+        if not fitted.any():
+            continue
+        e = fit_measured(problem, smoothing, fitted, gains=gains).error
+        for zero in np.unique(problem.observations.zero[fold]):
+            own = fold & (problem.observations.zero == zero)
+            if not np.any(fitted & (problem.observations.zero == zero)):
+                e[own] -= e[own].mean()
+        error[fold] = e[fold]
+    return error

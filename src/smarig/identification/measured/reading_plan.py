@@ -1,0 +1,115 @@
+"""The readings of records with a measured input that a fit uses, and the blocks that are held out together.
+
+All hypotheses about the same records are compared on the same readings and blocks. A block is an excursion of the
+input, out and back. In a record with fewer than four, branches are cut into segments.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import DataError
+from smarig.measurement import InputRecord, assumed_start, reversals
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+MOST_READINGS = 600
+FEWEST_PER_BRANCH = 6
+FEWEST_BLOCKS = 4
+SEGMENTS = 10  # of a branch, if there are too few excursions
+FOLDS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class ReadingPlan:
+    """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
+
+    ``starts`` is the initial state of each record, ``left_out`` the number of its rows before the memory is known.
+    """
+
+    records: tuple[InputRecord, ...]
+    rows: tuple[Integers, ...]
+    starts: tuple[str, ...]
+    record: Integers
+    block: Integers
+    left_out: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return self.record.size
+
+    def of(self, values: Sequence[Array]) -> Array:
+        """Values (n,) or (n, k) of each record at the readings, (m,) or (m, k)."""
+        return np.concatenate([v[rows] for v, rows in zip(values, self.rows)])
+
+    @property
+    def y(self) -> Array:
+        """Measured outputs (m,)."""
+        return self.of([r.y for r in self.records])
+
+    def folds(self, within: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
+        """Masks (m,) of readings to hold out together: the blocks within a mask, dealt in turn."""
+        names = np.unique(self.block[within])
+        count = min(FOLDS, names.size)
+        return [within & np.isin(self.block, names[k::count]) for k in range(count)]
+
+
+def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> ReadingPlan:
+    """Readings spread over all branches, half by row and half by output. Raises DataError if none remains."""
+    low, high = min(float(r.u.min()) for r in records), max(float(r.u.max()) for r in records)
+    turns = [reversals(r.u) for r in records]
+    branches = sum(len(t) - 1 for t in turns)
+    per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
+    rows, starts, left_out = [], [], []
+    for record, ends in zip(records, turns):
+        start, known = _start(record, ends, low, high)
+        starts.append(start)
+        own = [_spread(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
+        rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
+        left_out.append(known)
+    if not sum(r.size for r in rows):
+        raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
+    number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
+    return ReadingPlan(
+        tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns), tuple(left_out)
+    )
+
+
+def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:
+    """(initial state, first row whose memory is known), as recorded or assumed."""
+    if record.initial in ("negative", "positive", "anhysteretic"):
+        return str(record.initial), 0
+    return assumed_start(record.u, turns, (low, high))
+
+
+def _spread(y: Array, a: int, b: int, count: int) -> Integers:
+    """Up to ``count`` rows of (a, b], including the last."""
+    moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[a : b + 1])))])
+    even = np.linspace(0, 1, b - a + 1)
+    place = 0.5 * even + 0.5 * (moved / moved[-1] if moved[-1] else even)
+    return np.unique(a + np.searchsorted(place, np.arange(1, count + 1) / count - 1e-12)).astype(np.int64)
+
+
+def _blocks(rows: Sequence[Integers], turns: Sequence[list[int]]) -> Integers:
+    """The block of each reading, numbered through all records."""
+    branch = [np.searchsorted(t, r, side="left") - 1 for r, t in zip(rows, turns)]
+    return _numbered([b // 2 if np.unique(b // 2).size >= FEWEST_BLOCKS else _segments(b) for b in branch])
+
+
+def _segments(branch: Integers) -> Integers:
+    """Each branch cut into segments of equally many readings."""
+    found = np.zeros(branch.size, dtype=np.int64)
+    for number in np.unique(branch):
+        at = np.flatnonzero(branch == number)
+        found[at] = number * SEGMENTS + np.arange(at.size) * SEGMENTS // at.size
+    return found
+
+
+def _numbered(parts: Sequence[Integers]) -> Integers:
+    found, before = [], 0
+    for part in parts:
+        found.append(part + before)
+        before += int(part.max(initial=-1)) + 1
+    return np.concatenate(found).astype(np.int64)

@@ -1,0 +1,27 @@
+"""Measurement effects: what lies between a recorded input or output and that of the hysteresis.
+
+A sensor that responds late, an offset between two runs, a stress that shifts the transformation: each changes the
+input of a record, or adds to its output, before and after the hysteresis. Each is a file in ``measurement/effects``.
+"""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from smarig.measurement.condition_table import ConditionTable as ConditionTable
+    from smarig.measurement.input_record import InputRecord as InputRecord
+    from smarig.measurement.input_record import assumed_start as assumed_start
+    from smarig.measurement.input_record import input_noise_sd as input_noise_sd
+    from smarig.measurement.input_record import input_records as input_records
+    from smarig.measurement.input_record import monotone_branches as monotone_branches
+    from smarig.measurement.input_record import reversals as reversals
+    from smarig.measurement.measurement_effect import MeasurementEffect as MeasurementEffect
+    from smarig.measurement.measurement_effect import MeasurementEffectType as MeasurementEffectType
+    from smarig.measurement.measurement_effect import RecordChange as RecordChange
+    from smarig.measurement.measurement_effect import SearchedParameter as SearchedParameter
+    from smarig.measurement.measurement_effect import changed as changed
+    from smarig.measurement.measurement_effect import measurement_effect_types as measurement_effect_types
+    from smarig.measurement.measurement_effect import measurement_effects as measurement_effects
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

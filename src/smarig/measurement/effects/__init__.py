@@ -1,0 +1,1 @@
+"""The measurement effects, one file each."""

@@ -1,0 +1,83 @@
+"""The recorded input lags the one that acts, as of a glued thermocouple.
+
+    v(t) = s(t + d) + τ ds/dt(t + d),    s: the record smoothed over τ/4, which the differentiation needs
+
+τ is the time constant of a first-order lag and d a dead time. Without a clock both count rows.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.measurement.input_record import InputRecord, input_noise_sd
+from smarig.measurement.measurement_effect import (
+    MeasurementEffectType,
+    RecordChange,
+    SearchedParameter,
+    Values,
+)
+
+Array = NDArray[np.float64]
+SMOOTHED_SHARE = 0.25  # of the lag: standard deviation of the smoothing
+MAX_CYCLE_SHARE = 0.25  # of a cycle: a longer lag is no lag
+LAGS_PER_DECADE = 5
+
+
+def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
+    """Lags from two rows to a quarter of the median cycle, if every run has a clock of even rows."""
+    if not all(r.clock and _even(r.t) for r in records):
+        return None
+    period = max(float(np.median(np.diff(r.t))) for r in records)
+    cycle_s = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
+    low, high = np.log10(2 * period), np.log10(MAX_CYCLE_SHARE * cycle_s)
+    if high <= low:
+        return None
+    tries = np.logspace(low, high, max(int(LAGS_PER_DECADE * (high - low)), 4))
+    return (SearchedParameter("lag_s", "s", tuple(tries.tolist())),)
+
+
+def _even(t: Array) -> bool:
+    step = np.diff(t)
+    return bool(np.all(step > 0)) and float(np.quantile(step, 0.95)) < 1.5 * float(np.median(step))
+
+
+def _change(p: Values, record: InputRecord) -> RecordChange:
+    lag_s, none = p["lag_s"], RecordChange.none(record)
+    if not lag_s:
+        return none
+    period = float(np.median(np.diff(record.t)))
+    grid = np.arange(record.t[0], record.t[-1] + period / 2, period)  # rows that are missing are interpolated
+    smooth = _smoothed(np.interp(grid, record.t, record.u), SMOOTHED_SHARE * lag_s / period)
+    u = np.interp(record.t, grid, smooth + lag_s * np.gradient(smooth, period))
+    return RecordChange(u, none.terms, _noise(record.u, lag_s / period))
+
+
+def _noise(u: Array, lag_rows: float) -> float:
+    """Standard deviation of v for white noise of u: that of the Gaussian's and of its derivative's weights."""
+    sd_rows = max(SMOOTHED_SHARE * lag_rows, 0.3)
+    square = 1 / (2 * np.sqrt(np.pi) * sd_rows) + lag_rows**2 / (4 * np.sqrt(np.pi) * sd_rows**3)
+    return input_noise_sd(u) * float(np.sqrt(square))
+
+
+def _smoothed(u: Array, sd_rows: float) -> Array:
+    """Gaussian smoothing of evenly spaced values; the ends are continued by their point reflection."""
+    half = int(np.ceil(4 * sd_rows))
+    if half < 1 or u.size < 3:
+        return u
+    half = min(half, u.size - 1)
+    weight = np.exp(-0.5 * (np.arange(-half, half + 1) / max(sd_rows, 1e-9)) ** 2)
+    padded = np.concatenate([2 * u[0] - u[half:0:-1], u, 2 * u[-1] - u[-2 : -half - 2 : -1]])
+    return np.asarray(np.convolve(padded, weight / weight.sum(), "valid"), dtype=float)
+
+
+input_lag = MeasurementEffectType(
+    name="input_lag",
+    summary="The recorded input lags the one that acts: a sensor with a time constant.",
+    looks_like="loops are too wide or turn the wrong way, the more the faster the input changes",
+    confused_with=("output_lag",),
+    separated_by="a slower run, or a second sensor of the input",
+    depends_on=("rate", "history"),
+    parameters=_parameters,
+    change=_change,
+)

@@ -1,0 +1,47 @@
+"""Each cycle leaves a strain behind, less in every cycle, as in training.
+
+y ← y + b (1 − exp(−N/N₀)),    N: cycles so far
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from smarig.measurement.input_record import InputRecord
+from smarig.measurement.measurement_effect import (
+    MeasurementEffectType,
+    RecordChange,
+    SearchedParameter,
+    Values,
+)
+
+FEWEST_CYCLES = 4.0
+TRIED_SHARES = np.array([0.05, 0.1, 0.2, 0.4, 0.8, 2.0, 5.0])  # of the cycles on record
+TEMPERATURES = ("degC", "K")
+
+
+def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
+    """The number of cycles N₀ within which the ratcheting slows down; tested on thermal cycles only."""
+    if any(r.input_unit not in TEMPERATURES for r in records):
+        return None
+    cycles = max((float(r.cycle[-1]) for r in records), default=0.0)
+    if cycles < FEWEST_CYCLES:
+        return None
+    return (SearchedParameter("cycles", "1", tuple((cycles * TRIED_SHARES).tolist())),)
+
+
+def _change(p: Values, record: InputRecord) -> RecordChange:
+    return RecordChange(record.u, (1 - np.exp(-record.cycle / p["cycles"]))[:, None])
+
+
+ratchet_strain = MeasurementEffectType(
+    name="ratchet_strain",
+    summary="Each cycle leaves an output behind, less in every cycle.",
+    looks_like="loops do not close; each is shifted against the one before, by less and less",
+    confused_with=("output_drift",),
+    separated_by="a rest of an hour: ratcheting stops, drift does not",
+    depends_on=("cycle", "time"),
+    parameters=_parameters,
+    change=_change,
+    amplitudes=lambda _u, y: (("amplitude", y),),
+)

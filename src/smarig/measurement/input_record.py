@@ -1,0 +1,167 @@
+"""Runs with a measured input as plain arrays: input, output, clock, cycles and conditions of each row."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.preisach import turning_points
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
+START_SHARE = 0.1  # of the input's range: a start this close to an end of it counts as saturated there
+DROPOUT_STEPS = 3.0  # times the usual step from row to row
+DROPOUT_SHARE = 0.02  # of the input's range
+REVERSAL_SHARE = 0.01  # of the input's range: a smaller reversal is noise, too
+
+
+@dataclass(frozen=True, eq=False)
+class InputRecord:
+    """The rows (n,) of one run in which input ``u`` and output ``y`` are known, in the run's units.
+
+    ``t`` is the time in s, or the row number without a clock. ``cycle`` is the number of cycles of the input before
+    each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
+    ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0 there, far from
+    the rows around them.
+    """
+
+    name: str
+    u: Array
+    y: Array
+    t: Array
+    clock: bool
+    cycle: Array
+    conditions: Mapping[str, float]
+    row: Integers
+    initial: str | None = None
+    dropouts: int = 0
+    input_unit: str = ""
+
+    def __len__(self) -> int:
+        return self.u.size
+
+
+def input_records(runs: Sequence[Run]) -> list[InputRecord]:
+    """The records of runs in the given order; runs without a row are left out."""
+    found: list[InputRecord] = []
+    cycles = 0.0
+    for run in runs:
+        u, y = run["input"], run["position"]
+        row = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
+        if row.size < 3:
+            continue
+        lost = dropouts(u[row])
+        row = row[~lost]
+        clock = run.has("t_s") and bool(np.all(np.isfinite(run["t_s"][row])))
+        cycle = cycles + cycles_before(u[row])
+        cycles = float(cycle[-1])
+        found.append(
+            InputRecord(
+                name=run.path.name.split(".")[0],
+                u=u[row],
+                y=y[row],
+                t=run["t_s"][row] if clock else row.astype(float),
+                clock=clock,
+                cycle=cycle,
+                conditions=_conditions(run),
+                row=row,
+                initial=run.info.initial,
+                dropouts=int(lost.sum()),
+                input_unit=run.input_unit,
+            )
+        )
+    return found
+
+
+def dropouts(u: Array) -> NDArray[np.bool_]:
+    """The rows (n,) of an input that read exactly 0 while their neighbours do not come near it: an instrument that
+    failed to answer.
+
+    >>> dropouts(np.array([20.0, 21.0, 0.0, 0.0, 23.0, 24.0])).tolist()
+    [False, False, True, True, False, False]
+    """
+    zero = u == 0
+    others = u[~zero]
+    if not zero.any() or others.size < 3:
+        return np.zeros(u.size, dtype=bool)
+    typical = float(np.quantile(np.abs(np.diff(others)), 0.99))
+    expected = np.interp(np.arange(u.size), np.flatnonzero(~zero), others)
+    return zero & (np.abs(expected) > max(DROPOUT_STEPS * typical, DROPOUT_SHARE * float(np.ptp(others))))
+
+
+def _conditions(run: Run) -> dict[str, float]:
+    values = {k: v.get("mean") for k, v in run.info.conditions.items() if isinstance(v, Mapping)}
+    return {k: float(v) for k, v in values.items() if isinstance(v, int | float) and np.isfinite(v)}
+
+
+def input_noise_sd(u: Array) -> float:
+    """Standard deviation of an input's noise from second differences, of the noisiest tenth (noise is intermittent).
+
+    At least 1e-9 of the range.
+
+    >>> float(round(input_noise_sd(np.linspace(0, 1, 50)), 12))
+    1e-09
+    """
+    second_differences = np.abs(u[:-2] - 2 * u[1:-1] + u[2:])
+    return float(np.quantile(second_differences, 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(u))
+
+
+def reversals(u: Array, noise: float | None = None) -> list[int]:
+    """The rows at which the input turns, with both ends; reversals within its noise (a standard deviation) do not
+    count.
+    """
+    if u.size < 3 or np.ptp(u) == 0:
+        return [0, u.size - 1]
+    spread = 2 * float(np.sqrt(2 * np.log(u.size))) * (input_noise_sd(u) if noise is None else noise)
+    threshold = max(REVERSAL_MARGIN * spread, REVERSAL_SHARE * float(np.ptp(u)))
+    turns = turning_points(u, min(threshold, 0.3 * float(np.ptp(u))))
+    return sorted({0, *turns, u.size - 1})
+
+
+def assumed_start(
+    u: Array, turns: Sequence[int], ends: tuple[float, float]
+) -> tuple[Literal["negative", "positive"], int]:
+    """(initial state, first row whose memory is known) of an input whose state at the start was not recorded.
+
+    A start within a tenth of the range from one of its ends (u₋, u₊) counts as saturated there. One half way is assumed
+    to come from the saturation behind it, and is known from its first reversal on.
+
+    >>> assumed_start(np.array([5.0, 9.0, 1.0]), [0, 1, 2], (0.0, 10.0))
+    ('negative', 1)
+    """
+    near = START_SHARE * (ends[1] - ends[0])
+    if u[0] <= ends[0] + near:
+        return "negative", 0
+    if u[0] >= ends[1] - near:
+        return "positive", 0
+    start = "negative" if u[turns[1]] > u[0] else "positive"
+    return start, (turns[1] if len(turns) > 2 else 0)
+
+
+def monotone_branches(u: Array, turns: Sequence[int]) -> Array:
+    """The input, monotone between its reversals by isotonic least squares: a hysteresis takes noise for reversals."""
+    from scipy.optimize import isotonic_regression  # imported here: takes half a second
+
+    found = u.copy()
+    for a, b in pairwise(turns):
+        found[a : b + 1] = isotonic_regression(u[a : b + 1], increasing=bool(u[b] > u[a])).x
+    return found
+
+
+def cycles_before(u: Array) -> Array:
+    """Number of cycles before each row (n,): half of the branches so far, and the share of the present one.
+
+    >>> cycles_before(np.array([0.0, 1.0, 2.0, 1.0, 0.0])).tolist()
+    [0.0, 0.25, 0.5, 0.75, 1.0]
+    """
+    turns = reversals(u)
+    count = np.zeros(u.size)
+    for number, (a, b) in enumerate(pairwise(turns)):
+        moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(u[a : b + 1])))])
+        count[a : b + 1] = (number + moved / (moved[-1] or 1.0)) / 2
+    return count

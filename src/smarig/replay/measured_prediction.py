@@ -1,0 +1,101 @@
+"""Predictions of a model with measurement effects along runs with a measured input.
+
+y = z(c) + g(c) · P[v] + Σ_k b_k φ_k,    c: a condition of the run, if an effect depends on one
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import DataError
+from smarig.measurement import (
+    ConditionTable,
+    InputRecord,
+    MeasurementEffect,
+    assumed_start,
+    changed,
+    input_records,
+    measurement_effects,
+    monotone_branches,
+    reversals,
+)
+from smarig.preisach import Preisach
+from smarig.record import Run
+from smarig.replay.model_file import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MeasurementPart:
+    """The measurement effects of a model: effects, amplitudes (k,) of their terms, and gain and zero by a condition."""
+
+    effects: tuple[MeasurementEffect, ...]
+    amplitudes: tuple[float, ...] = ()
+    table: ConditionTable | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values, as stored in a model file."""
+        stored: dict[str, Any] = {
+            "effects": [e.to_json() for e in self.effects],
+            "amplitudes": list(self.amplitudes),
+        }
+        return stored | ({"table": self.table.to_json()} if self.table else {})
+
+    @classmethod
+    def from_json(cls, stored: Mapping[str, Any]) -> "MeasurementPart":
+        """The measurement effects of a model file. Raises DataError for damaged ones."""
+        try:
+            amplitudes = tuple(float(v) for v in stored.get("amplitudes", ()))
+            effects = measurement_effects(stored["effects"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise DataError(f"the measurement effects of the model are damaged: {error}") from None
+        return cls(
+            effects, amplitudes, ConditionTable.from_json(stored["table"]) if "table" in stored else None
+        )
+
+
+def simulate_measured(model: Model, runs: Sequence[Run]) -> list[Array]:
+    """Outputs at the rows of runs in which input and output are known, (k,) each; NaN where the memory is unknown."""
+    part = MeasurementPart.from_json(model.measurement)
+    by_name = {id(run): _simulated(model, part, run, record) for run, record in _with_records(runs)}
+    return [by_name.get(id(run), np.full(run.points()[0].size, np.nan)) for run in runs]
+
+
+def _with_records(runs: Sequence[Run]) -> list[tuple[Run, InputRecord]]:
+    """Each run with its record; cycles go on from run to run."""
+    usable = [run for run in runs if input_records([run])]
+    return list(zip(usable, input_records(usable)))
+
+
+def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecord) -> Array:
+    change = changed(record, part.effects)
+    turns = reversals(change.input, change.noise)
+    u, h = monotone_branches(change.input, turns), model.hysteresis
+    start, known = assumed_start(u, turns, (h.lower, h.upper))
+    if record.initial in ("negative", "positive", "anhysteretic"):
+        start, known = record.initial, 0
+    gain, zero = 1.0, 0.0
+    if part.table is not None:
+        gain, zero = part.table.at(_condition(record, part.table))
+    operator = Preisach(h, start, samples=u.size)
+    y = gain * operator.simulate(np.clip(u, h.lower, h.upper), start) + zero
+    if change.terms.shape[1]:
+        y = y + change.terms @ np.array(part.amplitudes)
+    y[:known] = np.nan
+    finite = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
+    found = np.full(finite.size, np.nan)
+    found[np.searchsorted(finite, record.row)] = y
+    return found
+
+
+def _condition(record: InputRecord, table: ConditionTable) -> float:
+    if table.condition not in record.conditions:
+        raise DataError(
+            f"The model depends on the {table.condition}, but run {record.name} does not state it. Import it with a "
+            f"mapping that has '{table.condition}' under [conditions]."
+        )
+    return record.conditions[table.condition]

@@ -1,0 +1,187 @@
+"""Effects hidden in runs with a measured input are found; nothing is named where the catalogue has no cause."""
+
+import os
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
+from smarig.core import UsageError
+from smarig.diagnosis import MeasuredDiagnosis, diagnose
+from smarig.identification import identify, verify
+from smarig.replay import load_model
+
+long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+PEAKS = (85.0, 62.0, 80.0, 57.0, 85.0, 66.0)
+T = triangles(PEAKS)
+
+
+@cache
+def any_model():
+    """A model to compare with; the diagnosis refits everything itself."""
+    return identify(as_run("any", T[:300], RelayWire(1).strain(T[:300])), "positive").model
+
+
+def diagnosed(train, held_out=(), **settings) -> MeasuredDiagnosis:
+    found = diagnose(any_model(), train, held_out, **settings)
+    assert isinstance(found, MeasuredDiagnosis)
+    return found
+
+
+def parameter(found, name):
+    (effect,) = found.effects()
+    return effect["parameters"][name]
+
+
+@pytest.fixture(scope="module", params=[1])
+def wire(request):
+    return RelayWire(request.param)
+
+
+def test_it_is_silent_where_nothing_is_hidden(wire):
+    found = diagnosed([as_run("plain", T, wire.strain(T), dt=1.0)])
+    assert found.verdict.word == "silent"
+    assert not found.extended
+    assert found.model.measurement == {}
+    assert "Nothing stands out" in found.text()
+
+
+@pytest.fixture(scope="module")
+def slow_thermometer():
+    """At one rate a lag is a wider loop, which any measure has; so the ramps differ in their rates."""
+    wire, dt, lag_s = RelayWire(3), 0.5, 4.0
+    inputs = triangles(PEAKS, (30, 90, 50, 120, 40, 80)), triangles((85.0, 70.0, 60.0), (60, 30, 90))
+    runs = [
+        as_run(f"lag_{k}", lagged(u, lag_s, dt), wire.strain(u), dt=dt, seed=k) for k, u in enumerate(inputs)
+    ]
+    return diagnosed(runs[:1], runs[1:]), runs
+
+
+def test_a_slow_thermometer_is_named_with_its_time_constant(slow_thermometer):
+    found, _ = slow_thermometer
+    assert found.verdict.names == ("input_lag",)
+    low, high = parameter(found, "lag_s")["ci95"]
+    assert low <= 4.0 <= high
+    assert parameter(found, "lag_s")["value"] == pytest.approx(4.0, rel=0.2)
+    assert found.gain is not None
+    assert found.gain.extended < 0.5 * found.gain.base
+
+
+def test_the_extended_model_is_saved_and_predicts_as_found(slow_thermometer, tmp_path):
+    found, runs = slow_thermometer
+    model = load_model(found.model.save(tmp_path / "lag.model.json"))
+    given = verify(identify(runs[:1], "positive").model, runs[1:]).runs[0].settled.nrmse
+    assert verify(model, runs[1:]).runs[0].settled.nrmse < 0.5 * given
+
+
+@pytest.fixture(scope="module")
+def loads():
+    """Runs of one wire under 50, 100, 150, 200 MPa: 8 MPa/K, and a stroke that grows with the load."""
+    wire = RelayWire(4)
+    u = triangles((110.0, 75.0, 110.0), rows=80)
+    return {
+        s: as_run(f"load_{s}", u, wire.strain(u, stroke=2.0 + s / 100, rise=s / 8.0), stress=float(s), seed=s)
+        for s in (50, 100, 150, 200)
+    }
+
+
+@pytest.mark.parametrize(
+    ("train", "held_out"), [((50, 100, 150), 200), pytest.param((50, 100, 200), 150, marks=long)]
+)
+def test_a_shift_by_stress_predicts_a_load_between_and_beyond(loads, train, held_out):
+    found = diagnosed([loads[s] for s in train], [loads[held_out]])
+    assert found.verdict.names == ("stress_shift",)
+    assert parameter(found, "MPa_per_K")["value"] == pytest.approx(8.0, rel=0.1)
+    nearest = min(train, key=lambda s: abs(s - held_out))
+    own = verify(identify([loads[nearest]], "positive").model, loads[held_out]).runs[0].settled.rms
+    assert found.gain is not None
+    assert found.gain.extended < 0.5 * own
+
+
+def test_runs_under_other_loads_are_never_explained_by_an_offset_of_the_thermometer(loads):
+    found = diagnosed([loads[50], loads[200]], without=("stress_shift",))
+    assert "input_offset" in found.not_testable
+    assert found.verdict.word == "unknown"
+
+
+def test_an_offset_between_training_runs_is_named():
+    wire = RelayWire(5)
+    runs = [as_run("first", T, wire.strain(T)), as_run("second", T - 3.0, wire.strain(T), seed=1)]
+    found = diagnosed(runs)
+    assert found.verdict.names == ("input_offset",)
+    assert parameter(found, "second")["value"] == pytest.approx(3.0, abs=0.5)
+
+
+def test_a_held_out_run_whose_thermometer_is_off_is_reported():
+    wire = RelayWire(5)
+    found = diagnosed(
+        [as_run("first", T, wire.strain(T))], [as_run("second", T - 3.0, wire.strain(T), seed=1)]
+    )
+    (offset,) = found.offsets
+    assert offset.run == "second"
+    assert offset.interval[0] <= 3.0 <= offset.interval[1]
+    assert offset.with_offset < 0.5 * offset.without
+    assert found.verdict.depends_on == "run"
+    assert "is shifted by" in found.text()
+
+
+def test_a_strain_that_each_cycle_leaves_is_named():
+    wire = RelayWire(6)
+    u = triangles((85.0,) * 20, rows=25)
+    cycle = np.arange(u.size) / 48.0
+    y = wire.strain(u) + 0.5 * (1 - np.exp(-cycle / 5.0))
+    found = diagnosed([as_run("training", u, y)])
+    assert found.verdict.names == ("ratchet_strain",)
+    assert parameter(found, "amplitude")["value"] == pytest.approx(0.5, rel=0.2)
+
+
+# --- causes that no effect describes ---------------------------------------------------------------------
+
+
+def test_a_loop_that_widens_with_the_rate_is_unknown_and_depends_on_the_rate():
+    """Thresholds that move apart with the rate: no lag of the input, whose time constant would be one for all rates."""
+    runs = []
+    for k, (dt, wider) in enumerate(((10.0, 0.0), (0.1, 8.0))):
+        wire = RelayWire(7)
+        wire.up, wire.down = wire.up + wider / 2, wire.down - wider / 2
+        runs.append(as_run(f"rate_{k}", T, wire.strain(T), dt=dt, seed=k))
+    found = diagnosed(runs)
+    assert found.verdict.word == "unknown"
+    assert found.verdict.depends_on == "rate"
+    assert not found.extended
+
+
+def test_a_slope_that_comes_and_goes_is_not_named():
+    """A supply that sags: the output is scaled by a slow beat, which is no effect of the catalogue."""
+    wire = RelayWire(8)
+    u = triangles((85.0,) * 12, rows=30)
+    beat = 1 + 0.15 * np.sin(2 * np.pi * np.arange(u.size) / 260.0)
+    found = diagnosed([as_run("sag", u, wire.strain(u) * beat, dt=1.0)])
+    assert found.verdict.word == "unknown"
+    assert not found.effects()
+
+
+def test_rows_of_zeros_are_left_out_and_counted():
+    wire = RelayWire(9)
+    run = as_run("zeros", T, wire.strain(T))
+    run["input"][100:103] = 0.0
+    run["input"][300] = 0.0
+    found = diagnosed([run])
+    assert sum(r.dropouts for r in found.records) == 4
+    assert "4 rows in which the input reads exactly 0" in found.text()
+    assert found.verdict.word == "silent"
+
+
+def test_a_copy_of_a_training_run_is_refused_as_held_out(tmp_path):
+    wire = RelayWire(1)
+    run = as_run("plain", T, wire.strain(T))
+    file = tmp_path / "plain.run.sqlite"
+    file.write_bytes(b"the same bytes")
+    run = replace(run, path=file)
+    model = identify(run, "positive").model
+    with pytest.raises(UsageError, match="copy of a training run"):
+        diagnose(model, run, run)
+    with pytest.raises(UsageError, match="cannot be left out"):
+        diagnose(model, run, without=("nonsense",))

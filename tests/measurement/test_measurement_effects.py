@@ -1,0 +1,77 @@
+"""Measurement effects: each changes a record as its equation says, and is not offered where it cannot be tested."""
+
+import numpy as np
+import pytest
+
+from smarig.core import DataError
+from smarig.measurement import (
+    ConditionTable,
+    InputRecord,
+    changed,
+    measurement_effect_types,
+    measurement_effects,
+)
+
+KINDS = {k.name: k for k in measurement_effect_types()}
+
+
+def record(u, *, dt=0.1, clock=True, conditions=None, name="a", unit="degC"):
+    u = np.asarray(u, dtype=float)
+    t = dt * np.arange(u.size)
+    return InputRecord(
+        name, u, u, t, clock, np.linspace(0, 5, u.size), conditions or {}, np.arange(u.size), input_unit=unit
+    )
+
+
+def test_a_lag_is_undone_exactly_on_a_ramp_and_nearly_on_a_wave():
+    t = 0.1 * np.arange(2000)
+    true = 50 + 20 * np.sin(2 * np.pi * t / 60)
+    w, lag_s = 2 * np.pi / 60, 3.0
+    # the steady answer of a first-order lag to a sine, in closed form
+    read = 50 + 20 / np.hypot(1, w * lag_s) * np.sin(w * t - np.arctan(w * lag_s))
+    undone = changed(record(read), [KINDS["input_lag"](lag_s=lag_s)]).input
+    assert np.abs(undone - true)[100:-100].max() < 0.1
+    ramp = changed(record(2.0 * t), [KINDS["input_lag"](lag_s=lag_s)]).input
+    assert np.allclose(ramp, 2.0 * (t + lag_s))
+
+
+def test_rows_that_are_missing_do_not_make_a_jump():
+    t = 0.1 * np.arange(400)
+    kept = np.delete(np.arange(400), [150, 151])
+    whole = record(30 + t)
+    part = InputRecord("a", whole.u[kept], whole.y[kept], t[kept], True, whole.cycle[kept], {}, kept)
+    assert np.allclose(changed(part, [KINDS["input_lag"](lag_s=2.0)]).input, 30 + t[kept] + 2.0)
+
+
+def test_a_stress_shifts_the_input_by_clausius_and_clapeyron():
+    loaded = record([20.0, 80.0, 20.0], conditions={"stress": 150.0})
+    shift = KINDS["stress_shift"](MPa_per_K=10.0, reference=50.0)
+    assert np.allclose(changed(loaded, [shift]).input, loaded.u - 10.0)
+
+
+def test_effects_are_not_offered_where_they_cannot_be_tested():
+    plain, other = record(np.arange(9.0)), record(np.arange(9.0), name="b")
+    loaded = [record(np.arange(9.0), conditions={"stress": s}, name=str(s)) for s in (50.0, 100.0)]
+    assert KINDS["input_lag"].parameters([record(np.arange(9.0), clock=False)]) is None
+    assert KINDS["input_offset"].parameters([plain]) is None
+    assert KINDS["input_offset"].parameters([plain, other]) is not None
+    assert KINDS["input_offset"].parameters(loaded) is None
+    assert KINDS["stress_shift"].parameters([plain, other]) is None
+    assert KINDS["stress_shift"].parameters(loaded) is not None
+    assert KINDS["ratchet_strain"].parameters([record(np.arange(9.0), unit="A/m")]) is None
+
+
+def test_a_table_continues_linearly_and_survives_its_file():
+    table = ConditionTable.of(
+        "stress", [100.0, 50.0, 50.0], np.array([2.0, 1.0, 1.0]), np.array([0.0, 1.0, 3.0])
+    )
+    assert table.at(75.0) == (1.5, 1.0)
+    assert table.at(150.0) == (3.0, -2.0)
+    assert ConditionTable.from_json(table.to_json()) == table
+    with pytest.raises(DataError, match="damaged"):
+        ConditionTable.from_json({"condition": "stress", "values": [1], "gains": [1, 2], "zeros": [0]})
+
+
+def test_a_damaged_effect_of_a_model_file_is_refused():
+    with pytest.raises(DataError, match="no table of parameters"):
+        measurement_effects([{"name": "input_lag"}])
