@@ -7,6 +7,7 @@ from smarig.core import DataError
 from smarig.measurement import (
     ConditionTable,
     InputRecord,
+    MeasurementPart,
     changed,
     measurement_effect_types,
     measurement_effects,
@@ -75,3 +76,10 @@ def test_a_table_continues_linearly_and_survives_its_file():
 def test_a_damaged_effect_of_a_model_file_is_refused():
     with pytest.raises(DataError, match="no table of parameters"):
         measurement_effects([{"name": "input_lag"}])
+
+
+def test_a_model_file_with_too_few_amplitudes_is_refused():
+    stored = {"effects": [KINDS["ratchet_strain"](cycles=5.0).to_json()], "amplitudes": []}
+    with pytest.raises(DataError, match="need 1 amplitudes, not 0"):
+        MeasurementPart.from_json(stored)
+    assert MeasurementPart.from_json(stored | {"amplitudes": [0.1]}).amplitudes == (0.1,)

@@ -109,15 +109,7 @@ class Diagnosis(NotebookDisplay):
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line."""
         e, gain = self.error, self.gain
-        held_out = gain and {
-            "given": gain.original,
-            "base": gain.base,
-            "extended": gain.extended,
-            "noise_floor": gain.floor,
-            "removable_share": gain.removable_share,
-            "ci95": gain.interval(),
-            "blocks": gain.blocks,
-        }
+        held_out = gain and gain.to_json()
         return {
             "verdict": self.verdict.word,
             "effects": self.effects(),

@@ -9,6 +9,7 @@ variance of the density that the training runs leave; floor² is the mean of σ�
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,18 @@ class HeldOutGain:
     floor: float
     weight: Array | None = None
     original_error: Array | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """The object ``held_out`` of the command line."""
+        return {
+            "given": self.original,
+            "base": self.base,
+            "extended": self.extended,
+            "noise_floor": self.floor,
+            "removable_share": self.removable_share,
+            "ci95": self.interval(),
+            "blocks": self.blocks,
+        }
 
     @property
     def original(self) -> float | None:

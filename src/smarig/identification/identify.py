@@ -47,9 +47,7 @@ from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provena
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
-_LEAST_CORRELATION = (
-    0.3  # of output and input: a smaller one is that of outputs that do not follow their input
-)
+_LEAST_CORRELATION = 0.3  # of output and input: with a smaller one, the output does not follow its input
 
 
 @dataclass(frozen=True, eq=False)

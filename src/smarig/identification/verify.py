@@ -217,9 +217,7 @@ def known_offset(model: Model, run: Run) -> float | None:
     if mine.protocol == FORC_PROTOCOL:
         return 0.0
     start = recorded_start(run)
-    zeroed = (
-        "power-up" if run.info.source != "import" else ""
-    )  # nobody knows where others zeroed their sensor
+    zeroed = "" if run.info.source == "import" else "power-up"  # others zero their sensors anywhere
     if start is not None and run.info.text_of("encoder_zero", zeroed) == "power-up":
         return -model.operator().reset(start)
     return None

@@ -23,5 +23,7 @@ if TYPE_CHECKING:
     from smarig.measurement.measurement_effect import changed as changed
     from smarig.measurement.measurement_effect import measurement_effect_types as measurement_effect_types
     from smarig.measurement.measurement_effect import measurement_effects as measurement_effects
+    from smarig.measurement.measurement_part import MeasurementPart as MeasurementPart
+    from smarig.measurement.reading_rows import spread_rows as spread_rows
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

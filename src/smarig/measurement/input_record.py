@@ -53,10 +53,10 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
     for run in runs:
         u, y = run["input"], run["position"]
         row = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
-        if row.size < 3:
-            continue
         lost = dropouts(u[row])
         row = row[~lost]
+        if row.size < 3:
+            continue
         clock = run.has("t_s") and bool(np.all(np.isfinite(run["t_s"][row])))
         cycle = cycles + cycles_before(u[row])
         cycles = float(cycle[-1])

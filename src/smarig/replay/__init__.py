@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from smarig.replay.hysteresis_json import dump_hysteresis as dump_hysteresis
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
-    from smarig.replay.measured_prediction import MeasurementPart as MeasurementPart
     from smarig.replay.memory_history import SATURATION_TOLERANCE as SATURATION_TOLERANCE
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory
     from smarig.replay.memory_history import Start as Start

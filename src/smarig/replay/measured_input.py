@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.measurement import input_noise_sd
+from smarig.measurement import input_noise_sd, spread_rows
 from smarig.plant import EffectType, is_testable
 from smarig.preisach import Everett, turning_points
 from smarig.record import Run
@@ -144,7 +144,7 @@ class _MeasuredInputRun:
         """Rows used as readings: ``per_branch`` of each branch (None: all), half spaced by time and half by output."""
         first = 0 if self.steady or self.run.info.initial else 1
         rows = [
-            _reading_rows(self.y, a, b, per_branch) if per_branch else np.arange(a + 1, b + 1)
+            spread_rows(self.y, a, b, per_branch) if per_branch else np.arange(a + 1, b + 1)
             for a, b in pairwise(self.turns[first:])
         ]
         return np.unique(np.concatenate(rows)) if rows else np.empty(0, dtype=np.int64)
@@ -183,16 +183,6 @@ class _MeasuredInputRun:
             run=np.full(rows.size, number, dtype=np.int64),
         )
         return begin + float(own[-1]), placed_run
-
-
-def _reading_rows(y: Array, a: int, b: int, per_branch: int) -> Integers:
-    """Up to ``per_branch`` rows of (a, b], including the last."""
-    moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[a : b + 1])))])
-    even = np.linspace(0, 1, b - a + 1)
-    place = 0.5 * even + 0.5 * (moved / moved[-1] if moved[-1] else even)
-    return np.unique(a + np.searchsorted(place, np.arange(1, per_branch + 1) / per_branch - 1e-12)).astype(
-        np.int64
-    )
 
 
 def _assembled_timeline(placed_runs: Sequence[_PlacedRun], runs: Sequence[Run], clock: bool) -> Timeline:

@@ -3,9 +3,7 @@
 y = z(c) + g(c) · P[v] + Σ_k b_k φ_k,    c: a condition of the run, if an effect depends on one
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +12,10 @@ from smarig.core import DataError
 from smarig.measurement import (
     ConditionTable,
     InputRecord,
-    MeasurementEffect,
+    MeasurementPart,
     assumed_start,
     changed,
     input_records,
-    measurement_effects,
     monotone_branches,
     reversals,
 )
@@ -29,40 +26,11 @@ from smarig.replay.model_file import Model
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class MeasurementPart:
-    """The measurement effects of a model: effects, amplitudes (k,) of their terms, and gain and zero by a condition."""
-
-    effects: tuple[MeasurementEffect, ...]
-    amplitudes: tuple[float, ...] = ()
-    table: ConditionTable | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain values, as stored in a model file."""
-        stored: dict[str, Any] = {
-            "effects": [e.to_json() for e in self.effects],
-            "amplitudes": list(self.amplitudes),
-        }
-        return stored | ({"table": self.table.to_json()} if self.table else {})
-
-    @classmethod
-    def from_json(cls, stored: Mapping[str, Any]) -> "MeasurementPart":
-        """The measurement effects of a model file. Raises DataError for damaged ones."""
-        try:
-            amplitudes = tuple(float(v) for v in stored.get("amplitudes", ()))
-            effects = measurement_effects(stored["effects"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise DataError(f"the measurement effects of the model are damaged: {error}") from None
-        return cls(
-            effects, amplitudes, ConditionTable.from_json(stored["table"]) if "table" in stored else None
-        )
-
-
 def simulate_measured(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs at the rows of runs in which input and output are known, (k,) each; NaN where the memory is unknown."""
     part = MeasurementPart.from_json(model.measurement)
-    by_name = {id(run): _simulated(model, part, run, record) for run, record in _with_records(runs)}
-    return [by_name.get(id(run), np.full(run.points()[0].size, np.nan)) for run in runs]
+    by_run = {id(run): _simulated(model, part, run, record) for run, record in _with_records(runs)}
+    return [by_run.get(id(run), np.full(run.points()[0].size, np.nan)) for run in runs]
 
 
 def _with_records(runs: Sequence[Run]) -> list[tuple[Run, InputRecord]]:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file
+from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
 from smarig.preisach import Everett, Initial, Preisach
 from smarig.replay.extended_model import Operator, extended_operator
@@ -237,6 +238,8 @@ def _from_file(file: _ModelFileSchema) -> Model:
         "intervals": {name: (_float(a), _float(b)) for name, (a, b) in file.intervals.items()},
         **{name: tuple(rest[name]) for name in ("parameters", "provenance", "warnings", "effects")},
     }
+    if file.measurement:
+        MeasurementPart.from_json(file.measurement)  # raises if invalid
     if file.extension:
         extended_operator(file.extension, rest["hysteresis"])  # raises if invalid
     return Model(**rest)

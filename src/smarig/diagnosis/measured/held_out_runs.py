@@ -51,9 +51,7 @@ def held_out_error(found: MeasuredHypothesis, train: int) -> Array:
         for k, record in enumerate(plan.records[train:], start=train):
             gains[k], zeros[k] = table.at(record.conditions.get(table.condition, table.values[0]))
         programme = fit.problem.programme(gains)
-        own_zero = fit.zeros[
-            fit.problem.observations.zero
-        ]  # the fit's zero of a held-out record is no estimate
+        own_zero = fit.zeros[fit.problem.observations.zero]  # no estimate for a held-out record
         shape = predicted_outputs(fit.problem, programme, fit.x) - own_zero
         error = plan.y - shape - zeros[plan.record]
         error = np.where(plan.record < train, fit.error, error)

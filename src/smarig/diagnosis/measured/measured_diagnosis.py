@@ -30,11 +30,12 @@ from smarig.measurement import (
     InputRecord,
     MeasurementEffect,
     MeasurementEffectType,
+    MeasurementPart,
     input_records,
     measurement_effect_types,
 )
 from smarig.record import Run
-from smarig.replay import MeasurementPart, Model, provenance, simulate_runs
+from smarig.replay import Model, provenance, simulate_runs
 
 Array = NDArray[np.float64]
 WORSE = 1.0  # times the plain model's error on held-out runs: a larger error is worse
@@ -150,16 +151,7 @@ class MeasuredDiagnosis(NotebookDisplay):
                 "where": error_parts(self.base),
                 "adequate": self.base.rms <= adequate_error(self.base),
             },
-            "held_out": gain
-            and {
-                "given": gain.original,
-                "base": gain.base,
-                "extended": gain.extended,
-                "noise_floor": gain.floor,
-                "removable_share": gain.removable_share,
-                "ci95": gain.interval(),
-                "blocks": gain.blocks,
-            },
+            "held_out": gain and gain.to_json(),
             "run_offsets": [
                 {
                     "run": o.run,

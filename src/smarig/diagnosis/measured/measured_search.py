@@ -21,10 +21,8 @@ from smarig.identification import (
 from smarig.measurement import InputRecord, MeasurementEffect, MeasurementEffectType
 
 MAX_EFFECTS = 3
-MIN_GAIN, MIN_FURTHER_GAIN = (
-    0.1,
-    0.25,
-)  # of the error on held-out blocks: by the first effect, by each further one
+MIN_GAIN = 0.1  # of the error on held-out blocks, by the first effect
+MIN_FURTHER_GAIN = 0.25  # the same, by each further effect
 DRAWS = 1000
 CHANCE = 0.025  # probability that a gain on held-out blocks is due to the choice of blocks
 PREFERRED = 1.05  # an effect of a recorded condition may have this much more error than an offset of runs

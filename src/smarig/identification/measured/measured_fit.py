@@ -138,20 +138,19 @@ def measured_problem(
     *,
     extra_terms: Array | None = None,
     weight: Array | None = None,
-    one_zero: bool = False,
     intervals: int = INTERVALS,
 ) -> MeasuredProblem:
     """The rows of all readings of a plan under effects.
 
     ``extra_terms`` (m, k) are added to the terms of the effects. ``weight`` (m,) multiplies the rows; None: equal
-    weights. ``one_zero``: all runs have a common zero.
+    weights.
     """
     changes = [changed(record, effects) for record in plan.records]
     paths = [(c.input, reversals(c.input, c.noise)) for c in changes]
     inputs = [monotone_branches(u, turns) for u, turns in paths]
     ends = min(float(u.min()) for u in inputs), max(float(u.max()) for u in inputs)
     parts = [
-        _observations(u, turns, rows, record.y, start, ends, 0 if one_zero else k)
+        _observations(u, turns, rows, record.y, start, ends, k)
         for k, (u, (_, turns), rows, record, start) in enumerate(
             zip(inputs, paths, plan.rows, plan.records, plan.starts)
         )

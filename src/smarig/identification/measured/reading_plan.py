@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.measurement import InputRecord, assumed_start, reversals
+from smarig.measurement import InputRecord, assumed_start, reversals, spread_rows
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -27,7 +27,7 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record, ``left_out`` the number of its rows before the memory is known.
+    ``starts`` is the initial state of each record.
     """
 
     records: tuple[InputRecord, ...]
@@ -35,7 +35,6 @@ class ReadingPlan:
     starts: tuple[str, ...]
     record: Integers
     block: Integers
-    left_out: tuple[int, ...]
 
     def __len__(self) -> int:
         return self.record.size
@@ -62,19 +61,16 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     turns = [reversals(r.u) for r in records]
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
-    rows, starts, left_out = [], [], []
+    rows, starts = [], []
     for record, ends in zip(records, turns):
         start, known = _start(record, ends, low, high)
         starts.append(start)
-        own = [_spread(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
+        own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
         rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
-        left_out.append(known)
     if not sum(r.size for r in rows):
         raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
     number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
-    return ReadingPlan(
-        tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns), tuple(left_out)
-    )
+    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns))
 
 
 def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:
@@ -82,14 +78,6 @@ def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -
     if record.initial in ("negative", "positive", "anhysteretic"):
         return str(record.initial), 0
     return assumed_start(record.u, turns, (low, high))
-
-
-def _spread(y: Array, a: int, b: int, count: int) -> Integers:
-    """Up to ``count`` rows of (a, b], including the last."""
-    moved = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[a : b + 1])))])
-    even = np.linspace(0, 1, b - a + 1)
-    place = 0.5 * even + 0.5 * (moved / moved[-1] if moved[-1] else even)
-    return np.unique(a + np.searchsorted(place, np.arange(1, count + 1) / count - 1e-12)).astype(np.int64)
 
 
 def _blocks(rows: Sequence[Integers], turns: Sequence[list[int]]) -> Integers:
