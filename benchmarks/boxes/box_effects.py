@@ -11,6 +11,7 @@ import numpy as np
 
 from smarig.core import UsageError
 
+Hidden = dict[str, dict[str, float]]  # parameters of effects by name
 SESSION = "session"  # a range in shares of the session's length, in hours
 _WEAKEST, _STRONGEST = 0.25, 2.0
 

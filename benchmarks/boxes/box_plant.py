@@ -5,12 +5,14 @@ The position is computed afterwards, because it does not act back on the wire.
 
 import math
 
+from benchmarks.boxes.box_effects import Hidden
 from benchmarks.boxes.heat import WireTemperatures
 from benchmarks.boxes.input_effects import StepState, build_input_effects
-from benchmarks.boxes.relays import RelayHysteresis, Relays, demagnetised
+from benchmarks.boxes.kinetic_hysteresis import KineticHysteresis
+from benchmarks.boxes.relays import RelayHysteresis
+from benchmarks.boxes.unlisted_effects import BenchFaults
 from benchmarks.boxes.wire import BoxWire
 
-Hidden = dict[str, dict[str, float]]
 _FINE = 0.1  # of the time constant, if relays act back on the heat
 
 
@@ -18,14 +20,18 @@ class BoxPlant:
     """The wire(s) with the hidden effects; cold with all relays off, or two wires after a decaying
     oscillation."""
 
-    def __init__(self, wire: BoxWire, hysteresis: RelayHysteresis, hidden: Hidden) -> None:
+    def __init__(
+        self, wire: BoxWire, hysteresis: RelayHysteresis | KineticHysteresis, hidden: Hidden
+    ) -> None:
         self.wire, self.hidden = wire, hidden
-        self.relays = demagnetised(hysteresis) if wire.two_wire else Relays(hysteresis)
+        self.relays = hysteresis.initial(two_wire=wire.two_wire)
         self.heat = WireTemperatures(wire.reference_K, hidden.get("convection", {}).get("exponent", 0.0))
         self.now = StepState(share=self.relays.share)
         self._input_effects, coupled = build_input_effects(
             hidden, hysteresis, self.relays.share, two_wire=wire.two_wire
         )
+        self._bench = BenchFaults(hidden, abs(wire.reference_A))
+        self._input_effects += self._bench.input_effects()
         self._latent = hidden.get("latent_heat")
         self._thermal = self._latent is not None or "resistance_phase" in hidden
         self._coupled = coupled or self._latent is not None
@@ -36,7 +42,7 @@ class BoxPlant:
 
     def step(self, command_A: float, dt_s: float, fluctuation_K: float) -> float:
         """Advance at constant command; returns the share of relays that are on at the end."""
-        self.current_A = self._amplified(command_A)
+        self.current_A = self._bench.current(self._amplified(command_A), self.now.t_s, dt_s)
         parts = max(1, math.ceil(dt_s / (_FINE * self.wire.tau_s))) if self._thermal else 1
         for _ in range(parts):
             self._substep(dt_s / parts, fluctuation_K)
@@ -67,13 +73,14 @@ class BoxPlant:
     def _substep(self, dt_s: float, fluctuation_K: float) -> None:
         now, heat = self.now, self.heat
         now.t_s, now.dt_s = now.t_s + dt_s, dt_s
-        power_K = self.wire.gain_K_per_A2 * self.current_A**2 * self.resistance
+        loss = self._bench.loss(now.t_s)
+        power_K = self.wire.gain_K_per_A2 * self.current_A**2 * self.resistance / loss
         second = self.wire.two_wire and self.current_A < 0
         self._powers_K = (0.0, power_K) if second else (power_K, 0.0)
         steady = heat.steady_K(power_K)
         now.source_K = -steady if second else steady
-        heat.step(self._powers_K, dt_s, self._tau_s())
-        self.ambient_shift_K = self._ambient_shift_K()
+        heat.step(self._powers_K, dt_s, self._tau_s() / loss)
+        self.ambient_shift_K = self._ambient_shift_K() + self._bench.room_K(now.t_s)
         ambient_total_K = fluctuation_K + (0.0 if self.wire.two_wire else self.ambient_shift_K)
         share = (
             self._coupled_move(ambient_total_K) if self._coupled else self._uncoupled_move(ambient_total_K)

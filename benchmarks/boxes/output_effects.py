@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.boxes.box_plant import Hidden
+from benchmarks.boxes.box_effects import Hidden
 from benchmarks.boxes.relays import Array, RelayHysteresis, Relays, demagnetised
 from benchmarks.boxes.wire import BoxWire
 

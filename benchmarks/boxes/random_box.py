@@ -11,10 +11,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from benchmarks.boxes.box_effects import EFFECTS, INVISIBLE_WITHOUT, complete_parameters, possible_effects
-from benchmarks.boxes.box_plant import Hidden
+from benchmarks.boxes.box_effects import (
+    EFFECTS,
+    INVISIBLE_WITHOUT,
+    Hidden,
+    complete_parameters,
+    possible_effects,
+)
 from benchmarks.boxes.box_session import AmbientFluctuation
 from benchmarks.boxes.hold_plan import RunPlan, duration_h, random_plan
+from benchmarks.boxes.kinetic_hysteresis import KineticHysteresis
 from benchmarks.boxes.label import EMPTY, HARD_NULL, ONE, TWO
 from benchmarks.boxes.random_density import random_hysteresis
 from benchmarks.boxes.relays import RelayHysteresis
@@ -46,7 +52,7 @@ class Box:
     left_out: str
     hidden: Hidden
     wire: BoxWire
-    hysteresis: RelayHysteresis
+    hysteresis: RelayHysteresis | KineticHysteresis
     noise: BoxNoise
     channels: tuple[str, ...]
     plan: tuple[RunPlan, ...]
@@ -67,8 +73,8 @@ def draw_box(
     wire = random_wire(generators[0])
     kind, hard = _category_of(generators[5], hidden)
     hysteresis = random_hysteresis(generators[1], wire, odd=hard == "density")
-    noise = _noise(generators[2], strong=hard == "draughts")
-    recorded = _channels(generators[3], channels)
+    noise = random_noise(generators[2], strong=hard == "draughts")
+    recorded = random_channels(generators[3], channels)
     plan = random_plan(generators[4], wire, hysteresis)
     if hidden is None or isinstance(hidden, str):
         found = _hidden(generators[5], kind, hard, wire, recorded, duration_h(plan, wire))
@@ -102,7 +108,8 @@ def _category_of(rng: np.random.Generator, hidden: Any) -> tuple[str, str]:
     return drawn, hard if drawn == HARD_NULL else ""
 
 
-def _noise(rng: np.random.Generator, *, strong: bool) -> BoxNoise:
+def random_noise(rng: np.random.Generator, *, strong: bool) -> BoxNoise:
+    """Noise of room and encoder; ``strong`` with much of the former."""
     sd_K = 0.0 if rng.random() < 0.2 else rng.uniform(0, 0.15)
     sd_K = rng.uniform(0.15, 0.3) if strong else sd_K
     time_s = math.exp(rng.uniform(math.log(20), math.log(200)))
@@ -111,7 +118,8 @@ def _noise(rng: np.random.Generator, *, strong: bool) -> BoxNoise:
     )
 
 
-def _channels(rng: np.random.Generator, forced: Collection[str] | None) -> tuple[str, ...]:
+def random_channels(rng: np.random.Generator, forced: Collection[str] | None) -> tuple[str, ...]:
+    """The channels that are recorded besides the position."""
     drawn = tuple(name for name, share in CHANNELS.items() if rng.random() < share)
     if forced is None:
         return drawn

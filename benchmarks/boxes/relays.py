@@ -35,6 +35,10 @@ class RelayHysteresis:
         """The largest α: positive saturation."""
         return float(self.alpha.max())
 
+    def initial(self, *, two_wire: bool) -> "Relays":
+        """The relays of a cold wire, or of two wires after a decaying oscillation."""
+        return demagnetised(self) if two_wire else Relays(self)
+
 
 class Relays:
     """The state of the relays of a hysteresis; initially all off.

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.boxes.box_plant import BoxPlant, Hidden
+from benchmarks.boxes.box_effects import Hidden
+from benchmarks.boxes.box_plant import BoxPlant
 from benchmarks.boxes.box_session import (
     PERIOD_S,
     WINDOW,
@@ -23,6 +24,7 @@ from benchmarks.boxes.label import Label, RunTruth
 from benchmarks.boxes.output_effects import OUTPUT_EFFECTS, PlantRecord, position, sensor_output
 from benchmarks.boxes.random_box import Box
 from benchmarks.boxes.relays import Array
+from benchmarks.boxes.unlisted_effects import UNLISTED_OUTPUT, unlisted_output
 from benchmarks.boxes.wire import actuator_toml
 from smarig.core import StorageError
 from smarig.record import schema, write_run
@@ -89,7 +91,7 @@ def simulate_session(box: Box) -> SessionData:
         if without_fluctuation
         else simulate_on_grid(BoxPlant(wire, box.hysteresis, box.hidden), wire, holds, grid)
     )
-    acts_back = set(box.hidden) - OUTPUT_EFFECTS
+    acts_back = set(box.hidden) - OUTPUT_EFFECTS - UNLISTED_OUTPUT
     without_effects = (
         simulate_on_grid(BoxPlant(wire, box.hysteresis, {}), wire, holds, grid) if acts_back else noise_free
     )
@@ -105,7 +107,9 @@ def simulate_session(box: Box) -> SessionData:
 
 def _position(box: Box, record: PlantRecord, hidden: Hidden) -> Array:
     """The position at the sensor."""
-    return sensor_output(position(record, box.wire, box.hysteresis, hidden), record.t_s, hidden)
+    y = position(record, box.wire, box.hysteresis, hidden)
+    y = unlisted_output(y, record, box.hysteresis.stroke, hidden)
+    return sensor_output(y, record.t_s, hidden)
 
 
 def _clean_outputs(box: Box, grid: Grid, record: PlantRecord, hidden: Hidden) -> Array:

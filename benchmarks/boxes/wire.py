@@ -61,9 +61,10 @@ class BoxWire:
         return math.copysign(math.sqrt(abs(target_K) / self.gain_K_per_A2), target_K)
 
 
-def random_wire(rng: np.random.Generator) -> BoxWire:
-    """A wire with a time constant between 1 and 15 s; one in five is a pair."""
-    two_wire = rng.random() < 0.2
+def random_wire(rng: np.random.Generator, *, two_wire: bool | None = None) -> BoxWire:
+    """A wire with a time constant between 1 and 15 s; one in five is a pair, unless ``two_wire`` decides."""
+    pair = rng.random() < 0.2
+    two_wire = pair if two_wire is None else two_wire
     while True:
         diameter_mm = rng.uniform(0.15, 0.5)
         length_mm = rng.uniform(100, 250) if two_wire else rng.uniform(200, 450)

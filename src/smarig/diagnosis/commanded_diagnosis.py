@@ -15,11 +15,14 @@ from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, 
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+from smarig.diagnosis.error_parts import error_parts
+from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy
 from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.diagnosis.name_gates import DISCREPANCY_NATS, Evidence, gated, slow_room
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
 from smarig.record import Run, load_run
@@ -34,6 +37,7 @@ from smarig.replay import (
     load_model,
     numerics,
     plant_model_of,
+    predict,
     provenance,
 )
 
@@ -57,12 +61,17 @@ class Diagnosis(NotebookDisplay):
     """The verdict of a diagnosis, with its evidence.
 
     ``base`` is the plant model without effects, with its density identified again; the gain is counted against it.
+    ``reason`` says why an effect is not named. ``discrepancy`` is the flexible dependence that explains most without
+    effects, ``remaining`` the same with the best effects.
     ``model`` is the extended model if effects were found, else the given one. ``gain`` is None without held-out
     runs. ``numerics`` is the error of the diagnosis's own time steps at settled points. ``separating_run`` is the
     proposal of ``smarig.app.proposal``, if it was requested.
     """
 
     verdict: DiagnosisVerdict
+    reason: str
+    discrepancy: Discrepancy
+    remaining: Discrepancy | None
     timeline: Timeline
     first: Critique
     levels: tuple[SearchLevel, ...]
@@ -115,6 +124,7 @@ class Diagnosis(NotebookDisplay):
             "effects": self.effects(),
             "set": list(self.verdict.names),
             "depends_on": self.verdict.depends_on,
+            "reason": self.reason or None,
             "not_identifiable": list(self.visibility.invisible),
             "error": {
                 "unit": e.unit,
@@ -123,6 +133,10 @@ class Diagnosis(NotebookDisplay):
                 "extended": e.extended,
                 "given": e.original,
             },
+            "adequacy": self._adequacy(),
+            "noise": self._noise(),
+            "discrepancy": _discrepancy_json(self.discrepancy),
+            "remaining": self.remaining and _discrepancy_json(self.remaining),
             "held_out": held_out,
             "separating_run": self.separating_run,
             "alpha": self.alpha,
@@ -132,6 +146,33 @@ class Diagnosis(NotebookDisplay):
             "model": self.model.name,
             "numerics": self.numerics,
             "seconds": self.seconds,
+        }
+
+    @property
+    def times_noise(self) -> float:
+        """The base model's error at settled points, in units of all noise that remains with the best discrepancy."""
+        return self.error.base / self.discrepancy.noise
+
+    def _adequacy(self) -> dict[str, Any]:
+        """How far the base model misses the training runs, and where."""
+        timeline = self.timeline
+        error = timeline.settled.value - predict(timeline, self.base).values["settled"]
+        parts = error_parts(error - error.mean(), timeline.run, timeline.block, timeline.settled.value)
+        return {
+            "times_noise": self.times_noise,
+            "where": parts,
+            "adequate": self.verdict.word in ("silent", "not_identifiable"),
+        }
+
+    def _noise(self) -> dict[str, Any]:
+        """What the refit takes for noise: of a settled point, and of the wire's temperature."""
+        own = self.discrepancy
+        return {
+            "settled": own.noise,
+            "reading": self.first.refitted.noise.settled,
+            "room_K": own.room_K,
+            "correlation_s": own.correlation_s,
+            "more_than_a_draught": slow_room(own),
         }
 
     def __repr__(self) -> str:
@@ -155,6 +196,15 @@ def _effect_json(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> 
             }
             for p in kind.parameters
         },
+    }
+
+
+def _discrepancy_json(found: Discrepancy) -> dict[str, Any]:
+    return {
+        "depends_on": found.depends_on or None,
+        "enters": found.place or None,
+        "gain_nats": found.gain,
+        "minor_loops_return": not (found.not_preisach and found.gain >= DISCREPANCY_NATS),
     }
 
 
@@ -204,12 +254,15 @@ def diagnose_commanded(
     criticise = partial(critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed)
     seen = find_explanations(timeline, plant_model, criticise, report_progress)
     base, first, levels = seen.base, seen.first, seen.levels
-    verdict = decide_verdict(first, levels)
-    base = with_posterior_density(timeline, base, seen.plain)
+    decided = decide_verdict(first, levels)
+    before = likeliest_discrepancy(timeline, base, seen.plain)
+    after = None
+    base = with_posterior_density(timeline, base, seen.plain, plant_model)
     extended = base
-    if levels and verdict.explanations:
+    if levels and decided.explanations:
         best_explanation = levels[-1].explanations[0]
         extended = with_posterior_density(timeline, best_explanation.plant_model, best_explanation.refitted)
+        after = likeliest_discrepancy(timeline, best_explanation.plant_model, best_explanation.refitted)
     final_refit = (levels[-1].critique if levels else first).refitted
     noise, open_density = final_refit.noise, final_refit.posterior.variances
     gain = (
@@ -225,8 +278,15 @@ def diagnose_commanded(
         if held_out_runs
         else None
     )
+    effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
+    found = gated(decided, Evidence(tuple(levels), effect_nats, before, after, gain))
+    verdict = found.verdict
+    offered = verdict.word in ("named", "ambiguous")
     return Diagnosis(
         verdict=verdict,
+        reason=found.reason,
+        discrepancy=before,
+        remaining=after,
         timeline=timeline,
         first=first,
         levels=tuple(levels),
@@ -237,12 +297,10 @@ def diagnose_commanded(
             _floor(noise.white[: len(timeline.settled)]),
             settled_rms(timeline, plant_model),
             settled_rms(timeline, base),
-            settled_rms(timeline, extended),
+            settled_rms(timeline, extended if offered else base),
         ),
-        gain=gain,
-        model=_extended(original, extended, train_runs, verdict)
-        if verdict.word in ("named", "ambiguous")
-        else original,
+        gain=gain if offered or gain is None else gain.without_extension(),
+        model=_extended(original, extended, train_runs, verdict) if offered else original,
         numerics=numerics(timeline, base),
         alpha=alpha,
         nulls=nulls,

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
 
 FAR_OFF_RATIO = 10.0  # times the rms error of a refitted density: the model is of another wire or state
+INADEQUATE_RATIO = 3.0  # times the noise: worth a sentence
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
 DOUBT = "something stands out, but no effect and no variable explains enough of it"
 AT_FLOOR = "The base model already reaches the floor of what can be predicted."
@@ -27,6 +28,9 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
             yield f"{capitalised(DOUBT)} ({p})."
     if d.verdict.word == "unknown":
         yield f"{capitalised(unknown_text(d))} ({p})."
+        if d.reason:
+            yield f"Why no effect is named: {d.reason}."
+        yield from _not_preisach(d)
     if best is not None:
         opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(
             d.verdict.word, "Best explanation, but not sufficient"
@@ -42,6 +46,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         + ("" if best is None else f", {e.extended:.4g} {e.unit} (extended model)")
         + f"; noise floor {e.noise_floor:.2g} {e.unit}."
     )
+    if d.times_noise > INADEQUATE_RATIO:
+        yield f"Without effects, the model misses these runs by {d.times_noise:.0f} × their noise."
     unsettled = [step for run in d.timeline.runs for step in run.settled if step.verdict == "timed_out"]
     if unsettled:
         yield f"{len(unsettled)} of {len(d.timeline.settled)} settled points had not settled by their time limit."
@@ -63,6 +69,14 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         yield d.separating_run["why"]
     if d.visibility.invisible:
         yield f"Effects that these data cannot show at any strength: {', '.join(d.visibility.invisible)}."
+
+
+def _not_preisach(d: "Diagnosis") -> Iterator[str]:
+    if d.discrepancy.not_preisach and d.verdict.depends_on == d.discrepancy.depends_on:
+        yield (
+            "The errors grow with the travel since the last saturation and vanish there: minor loops do not return. No "
+            "Preisach operator describes such a wire, with any density."
+        )
 
 
 def parameter_text(name: str, v: dict[str, Any]) -> str:
@@ -90,6 +104,8 @@ def gain_text(gain: HeldOutGain, unit: str) -> str:
 
 def unknown_text(d: "Diagnosis") -> str:
     """The finding of the verdict "unknown", as a clause."""
+    if d.verdict.depends_on is None:
+        return "something is wrong, but no known effect and no single variable explains it"
     return f"something is wrong and depends on {d.verdict.depends_on}, but no known effect explains it"
 
 

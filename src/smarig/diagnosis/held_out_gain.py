@@ -54,6 +54,10 @@ class HeldOutGain:
             "blocks": self.blocks,
         }
 
+    def without_extension(self) -> "HeldOutGain":
+        """The same if no extended model is offered: the errors are those of the base model."""
+        return replace(self, extended_error=self.base_error)
+
     @property
     def original(self) -> float | None:
         """Rms error of the given model, or None if it was not computed."""

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
-from smarig.diagnosis.measured.adequacy import error_parts
 from smarig.diagnosis.measured.measured_search import compared, failure
 from smarig.diagnosis.measured.measured_verdict import decide
 from smarig.measurement import input_records
@@ -82,13 +81,3 @@ def test_a_variable_that_explains_much_more_takes_the_name_away(hypotheses):
     found = decide(steps, worse_on_held_out=False)
     assert found.verdict.word == "unknown"
     assert found.verdict.depends_on == "time"
-
-
-def test_the_parts_of_an_error_are_where_it_was_put(hypotheses):
-    plain, _ = hypotheses
-    n = plain.errors.size
-    alternating = np.where(np.arange(n) % 2, 0.1, -0.1)
-    drifting = np.linspace(-1.0, 1.0, n)
-    assert error_parts(replace(plain, errors=alternating))["fast"] > 0.9
-    assert error_parts(replace(plain, errors=drifting))["slow"] > 0.9
-    assert sum(error_parts(plain).values()) == pytest.approx(1.0)

@@ -55,12 +55,18 @@ def joint_density_from_best_start(
     return _alternated(timeline, max(starts, key=lambda start: start[2].log_evidence))
 
 
-def with_posterior_density(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> PlantModel:
-    """The plant model with the posterior density of its readings, or with its own if that fits them better."""
+def with_posterior_density(
+    timeline: Timeline, plant_model: PlantModel, refitted: Refit, given: PlantModel | None = None
+) -> PlantModel:
+    """The plant model with the posterior density of its readings, with its own, or as ``given``: what fits best.
+
+    A refit that fits worse than the given model has failed, and must not be diagnosed.
+    """
     if drive_statistics(timeline).positive_measure_only:
         return plant_model
-    both = plant_model, replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
-    return min(both, key=lambda s: settled_rms(timeline, s))
+    posterior = replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
+    candidates = (plant_model, posterior, *([given] if given else []))
+    return min(candidates, key=lambda s: settled_rms(timeline, s))
 
 
 def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, NotebookDisplay
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.measured.adequacy import error_parts
 from smarig.diagnosis.measured.held_out_runs import RunOffset, condition_table, held_out_error, run_offsets
 from smarig.diagnosis.measured.measured_hypothesis import (
     Comparison,
@@ -148,7 +148,7 @@ class MeasuredDiagnosis(NotebookDisplay):
             },
             "adequacy": {
                 "times_noise": self.base.rms / self.noise if self.noise else None,
-                "where": error_parts(self.base),
+                "where": _where(self.base),
                 "adequate": self.base.rms <= adequate_error(self.base),
             },
             "held_out": gain and gain.to_json(),
@@ -223,6 +223,12 @@ def diagnose_measured(
         runs=(*train, *held_out),
         seconds=time.monotonic() - started,
     )
+
+
+def _where(base: MeasuredHypothesis) -> dict[str, float]:
+    """The parts of the errors on held-out blocks."""
+    plan, known = base.fit.problem.plan, np.isfinite(base.errors)
+    return error_parts(base.weighted[known], plan.record[known], plan.block[known], plan.y[known])
 
 
 def _with_offsets(verdict: DiagnosisVerdict, offsets: Sequence[RunOffset]) -> DiagnosisVerdict:

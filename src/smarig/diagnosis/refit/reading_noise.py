@@ -30,8 +30,10 @@ def reading_scales(
     for k, r in enumerate(coupled):
         y = r.value - prediction.values[r.kind]
         known_noise = {"settled": 0.0, "moving": raw}.get(r.kind)
-        noise = max(_local_noise(y), _MIN_NOISE["resistance"]) if known_noise is None else known_noise
-        scale.append(np.full(len(r), noise if known_noise is None else span))
+        noise = 0.0 if known_noise is None else known_noise
+        scale.append(
+            _resistance_noise(y, timeline.target_K[r.step]) if known_noise is None else np.full(len(r), span)
+        )
         effect_error = EFFECT_ERROR_SHARE * np.abs(effect_contribution[at : at + len(r)])
         white.append(
             np.full(len(r), 1.0)
@@ -54,12 +56,23 @@ def reading_scales(
     return np.concatenate(white), free + np.outer(unobserved, unobserved), scales, slope
 
 
+def _resistance_noise(y: Array, target_K: Array) -> Array:
+    """Standard deviation (n,) of resistances V/i, from residuals (n,): that of the voltage over the current.
+
+    The steady temperature is proportional to i², so its root is the current in relative units.
+    """
+    current = np.sqrt(np.maximum(np.abs(target_K), 1e-12))
+    current = np.maximum(current / float(np.median(current)), MIN_CURRENT_SHARE)
+    return np.maximum(_local_noise(y * current) / current, _MIN_NOISE["resistance"])
+
+
 def output_rate(prediction: Prediction, path: Array) -> Array:
     """Output per second at each coupled reading, over the preceding tick; ``path`` (m,) is the output at ticks."""
     at, before = prediction.tick_index, np.maximum(prediction.tick_index - 1, 0)
     return np.abs(path[at] - path[before]) / np.maximum(prediction.t_s[at] - prediction.t_s[before], 1e-9)
 
 
+MIN_CURRENT_SHARE = 0.05  # of the median current: smaller currents give no better known resistance
 _MIN_NOISE = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: best instruments
 _FREE_BLOCK_ZERO_SD = 1e3  # sd of a block's own zero, in noise sds: practically free, and safe from rounding
 

@@ -7,30 +7,24 @@ explains ½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.density_posterior import DensityPosterior
-from smarig.diagnosis.refit.density_prior import density_prior
-from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
+from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.nuisance_terms import likeliest_nuisance
-from smarig.diagnosis.refit.reading_noise import (
-    independent_block,
-    output_rate,
-    reading_scales,
-    session_means,
-)
+from smarig.diagnosis.refit.reading_noise import independent_block, session_means
 from smarig.diagnosis.refit.variance_components import (
     LOG_FLUCTUATION_START,
     START,
     ReadingCovariance,
-    bounds_of,
 )
-from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
 
 Array = NDArray[np.float64]
 
@@ -103,31 +97,12 @@ def refit(
     ``all_nuisances``: all sets may be present at once. ``warm_start``: start at the result of another refit.
     ``noise_of``: use the variances of another refit.
     """
-    coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
-    y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
-    span, n, h = plant_model.stroke, y.size, plant_model.hysteresis
-    path = prediction.outputs_along(h, plant_model.initial, prediction.hysteresis_input_K)
-    effect_contribution = _effect_contribution(timeline, prediction, plant_model)
-    white, free, scale, output_slope = reading_scales(
-        timeline, prediction, plant_model, coupled, output_rate(prediction, path), effect_contribution
-    )
-    prior = density_prior(prediction, h, path, prediction.output)
-    full_output = y + prediction.output_slope * (
-        prediction.output - h.y_lower
-    )  # for any hysteresis, not only for changes of this one
-    is_moving = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
-    reading_covariance = ReadingCovariance(
-        y=full_output / scale,
-        shapes=prior.covariances,
-        free=free,
-        white=white,
-        is_moving=is_moving,
-        slope=output_slope,
-        bounds=bounds_of(timeline, plant_model),
-    )
-    J, times = memory_slopes(h, prediction)
+    readings = coupled_readings(timeline, prediction, plant_model)
+    y, scale, reading_covariance = readings.y, readings.scale, readings.covariance
+    free, output_slope, is_moving = readings.free, reading_covariance.slope, reading_covariance.is_moving
+    span, n = plant_model.stroke, y.size
     memories = [
-        (seconds, memory_covariance(J, times, seconds) / span**2)
+        (seconds, memory_covariance(readings.slopes, readings.times, seconds) / span**2)
         for seconds in _correlations_s(timeline, noise_of or warm_start)
     ]
     if noise_of is not None:
@@ -160,7 +135,6 @@ def refit(
     dual_weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * output_slope**2 * np.diag(memory)) * scale
     moving_sd = float(np.median(sd[is_moving > 0])) if is_moving.any() else 0.0
-    zero_scale = scale * ((white < 1.0) & (prediction.session == 0))
     return Refit(
         factor=factor,
         scale=scales,
@@ -171,16 +145,16 @@ def refit(
         coupled=n,
         log_components=found,
         posterior=DensityPosterior(
-            prior=prior,
+            prior=readings.prior,
             variances=np.array(variances),
             covariance=density,
             output_slope=output_slope,
             factor=factor[:n, :n],
             free=free,
             dual_weights=dual_weights,
-            zero_scale=zero_scale,
+            zero_scale=readings.zero_scale,
             stroke=span,
-            y_lower=h.y_lower,
+            y_lower=plant_model.hysteresis.y_lower,
             unit=timeline.unit,
         ),
     )
@@ -231,20 +205,6 @@ def _over_correlation_times(
             best = (cost, found, seconds, memory)
     assert best is not None  # noqa: S101 - at least one correlation time is tried
     return best
-
-
-def _effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
-    """The change of each coupled reading (n,) by the effects of the plant model."""
-    if not plant_model.effects:
-        return np.zeros(prediction.output.size)
-    plain = predict(timeline, replace(plant_model, effects=()))
-    return np.concatenate(
-        [
-            prediction.values[r.kind] - plain.values[r.kind]
-            for r in timeline.all_readings
-            if r.kind in OUTPUT_DEPENDENT_KINDS
-        ]
-    )
 
 
 def _stacked(blocks: list[tuple[Array, Array, Array]]) -> tuple[Array, Array, Array]:

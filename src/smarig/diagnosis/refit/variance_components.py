@@ -3,8 +3,8 @@
 C(x) = Σ w_k S_k + F + N,    x = log₁₀ (w_k, s_m, s₀, s_T),    − log p(y | x) at its least, by its gradient
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,14 +85,7 @@ class ReadingCovariance:
         parts, bounds = self._parts(memory), self.bounds
 
         def minimised(start: Array) -> OptimizeResult:
-            return minimize(
-                lambda x: self._cost(x, parts, fixed),
-                np.clip(start, *bounds),
-                jac=True,
-                method="L-BFGS-B",
-                bounds=list(zip(*bounds)),
-                options={"maxiter": 30, "ftol": 1e-5},
-            )
+            return _minimised(lambda x: self._cost(x, parts, fixed), start, bounds)
 
         found = minimised(start)
         if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < AT_BOUND:
@@ -101,6 +94,17 @@ class ReadingCovariance:
                 np.append(START[:-1], LOG_FLUCTUATION_STILL if fluctuating else LOG_FLUCTUATION_START)
             )
             found = min(found, second, key=lambda f: float(f.fun))
+        return float(found.fun), found.x
+
+    def with_shape(self, shape: Array) -> "ReadingCovariance":
+        """The same with one more part (n, n) of the outputs' covariance, of a variance between 1e-9 and 100."""
+        bounds = tuple(np.insert(b, len(self.shapes), v) for b, v in zip(self.bounds, (-9.0, 2.0)))
+        return replace(self, shapes=(*self.shapes, shape), bounds=(bounds[0], bounds[1]))
+
+    def likeliest_near(self, memory: Array, start: Array) -> tuple[float, Array]:
+        """(−log likelihood, log₁₀ of the variances and sds) at the minimum found from one start."""
+        parts = self._parts(memory)
+        found = _minimised(lambda x: self._cost(x, parts, self.free), start, self.bounds)
         return float(found.fun), found.x
 
     def _parts(self, memory: Array) -> list[Array]:
@@ -132,6 +136,20 @@ class ReadingCovariance:
             2 * s_T**2 * by[-1],
         ]
         return value, 0.5 * np.log(10.0) * np.array(slopes)
+
+
+def _minimised(
+    cost: Callable[[Array], tuple[float, Array]], start: Array, bounds: tuple[Array, Array]
+) -> OptimizeResult:
+    """The minimum of a cost with its gradient, from a start within bounds."""
+    return minimize(
+        cost,
+        np.clip(start, *bounds),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=list(zip(*bounds)),
+        options={"maxiter": 30, "ftol": 1e-5},
+    )
 
 
 def bounds_of(timeline: Timeline, plant_model: PlantModel) -> tuple[Array, Array]:

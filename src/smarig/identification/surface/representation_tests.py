@@ -1,20 +1,29 @@
 """The two tests of §5.3 whether a Preisach model applies, as numbers with a verdict.
 
 Wiping-out and congruency together are necessary and sufficient for a Preisach representation (Mayergoyz; thesis
-§3.3). A difference is compared with the noise of the settled points.
+§3.3).
+
+    χ² = Σ (d_k/σ_k)²        d: differences of the two curves, σ² = σ_a² + σ_b²
+
+A property is violated if p = P(χ²_ν ≥ χ²) < 0.01. Without a violation, the largest rms difference that such data would
+still leave unnoticed in one of 20 cases is stated (noncentral χ²), so that "holds" has a size.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc, chndtrinc
 
 from smarig.core import DataError
 from smarig.identification.settled_points import SettledPoints, settled_points
 from smarig.record import Run
 
 Array = NDArray[np.float64]
-_COVERAGE = 3.0  # times the noise: a smaller difference is no evidence against the property
+ALPHA = 0.01  # probability that a wire with the property fails the test
+UNNOTICED = (
+    0.05  # probability that a difference of the size ``hidden`` gives a χ² as small as the observed one
+)
 
 
 @dataclass(frozen=True)
@@ -23,7 +32,8 @@ class Representation:
 
     ``first``/``second`` (k,) are in ``unit``. For congruency both are relative to their lower corner, and
     ``offset`` is the distance of the corners. ``rms``, ``max_abs`` are of the difference. ``noise`` is the rms
-    difference expected from the uncertainties of the settled points.
+    difference expected from the uncertainties of the settled points. ``p_value`` is the probability of a χ² at least as
+    large by noise alone. ``hidden`` is the rms difference that could be there all the same (95 %).
     """
 
     name: str
@@ -36,8 +46,14 @@ class Representation:
     per_count: float
     unit: str
     offset: float
-    holds: bool
+    p_value: float
+    hidden: float
     span: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether noise explains the difference."""
+        return self.p_value >= ALPHA
 
     @property
     def verdict(self) -> str:
@@ -49,14 +65,17 @@ class Representation:
             "wiping_out": ("Segment B retraces segment A", "Segment B does not retrace segment A"),
             "congruency": ("Both minor loops have the same shape", "The two minor loops differ in shape"),
         }[self.name][0 if self.holds else 1]
-        return f"{what}: they differ by {size}; {against}."
+        return f"{what}: they differ by {size}; {against} (χ² test, p = {self.p_value:.2g})."
 
     @property
     def meaning(self) -> str:
         """The consequence for a Preisach model."""
         share = 100 * self.max_abs / self.span if self.span else float("nan")
         if self.holds:
-            return "At this precision the test gives no evidence against a classical Preisach model."
+            return (
+                "The test gives no evidence against a classical Preisach model. A difference of up to "
+                f"{self.hidden:.2g} {self.unit} rms could have remained unnoticed (95 %)."
+            )
         return (
             f"A classical Preisach model cannot represent this difference. Expect errors of up to "
             f"{share:.1f} % of the travel for such histories."
@@ -64,7 +83,7 @@ class Representation:
 
     def to_json(self) -> dict:
         """The test as JSON for model files, reports and --json."""
-        keys = ("name", "rms", "max_abs", "noise", "unit", "offset", "holds")
+        keys = ("name", "rms", "max_abs", "noise", "unit", "offset", "p_value", "hidden", "holds")
         return {k: getattr(self, k) for k in keys} | {"verdict": self.verdict, "meaning": self.meaning}
 
 
@@ -123,6 +142,9 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
     difference = b.output - a.output
     noise = float(np.hypot(a.noise, b.noise))
     rms = float(np.sqrt(np.mean(difference**2)))
+    p_value, hidden = difference_test(
+        difference, np.hypot(a.uncertainty, b.uncertainty), free_offset=name == "congruency"
+    )
     everything = run.points()[1]
     return Representation(
         name=name,
@@ -135,6 +157,26 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
         per_count=run.info.output.resolution,
         unit=run.unit,
         offset=offset,
-        holds=bool(rms <= _COVERAGE * noise),
+        p_value=p_value,
+        hidden=hidden,
         span=float(np.ptp(everything)),
     )
+
+
+def difference_test(difference: Array, sd: Array, *, free_offset: bool) -> tuple[float, float]:
+    """(p-value, rms difference that could be hidden) of differences (k,) with standard deviations (k,).
+
+    ``free_offset``: only the shape is compared, because the noise of the corner is common to all points.
+    """
+    weight = 1 / sd**2
+    shift = float(np.average(difference, weights=weight)) if free_offset else 0.0
+    chi_square, freedom = (
+        float(np.sum(weight * (difference - shift) ** 2)),
+        difference.size - int(free_offset),
+    )
+    noncentrality = chndtrinc(max(chi_square, freedom), freedom, UNNOTICED)  # no luck claimed
+    by_noise = 1 / float(np.sqrt(np.mean(weight)))
+    hidden = (
+        by_noise * float(np.sqrt(max(noncentrality, 0.0) / freedom)) if np.isfinite(noncentrality) else np.nan
+    )
+    return float(chdtrc(freedom, chi_square)), hidden

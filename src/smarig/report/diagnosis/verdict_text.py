@@ -118,7 +118,9 @@ def next_experiment(d: Diagnosis) -> Iterator[Html]:
 def _advice(d: Diagnosis) -> Iterator[Html]:
     types = {t.name: t for t in effect_types()}
     word, names = d.verdict.word, d.verdict.names
-    if word == "unknown":
+    if word == "unknown" and d.verdict.depends_on is None:
+        yield paragraph("Repeat the same run. A real effect appears again; noise does not.")
+    elif word == "unknown":
         yield paragraph(
             f"Change {d.verdict.depends_on} alone and keep everything else constant. The change of the residuals "
             "then shows the effect alone."

@@ -1,29 +1,26 @@
-"""Where a model misses records: shares of its square error between runs, slow, by branch, by level, and fast."""
+"""Where a model misses its runs: shares of its square error between runs, slow, by branch, by level, and fast."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.measured.measured_hypothesis import MeasuredHypothesis
-
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 PARTS = ("between_runs", "slow", "branch", "level", "fast")
 SLOW_WAVES, LEVEL_WAVES = 6, 4
 
 
-def error_parts(found: MeasuredHypothesis) -> dict[str, float]:
-    """Shares of the weighted square error on held-out blocks, by part; they add up to 1.
+def error_parts(error: Array, run: Integers, block: Integers, output: Array) -> dict[str, float]:
+    """Shares of the square of errors (n,) in time order, by part; they add up to 1.
 
     Each part explains what the parts before it left: means of runs, slow waves over the readings, means of blocks,
-    waves over the measured output. The rest is fast.
+    waves over the measured output (n,). The rest is fast.
     """
-    known = np.isfinite(found.errors)
-    plan, left = found.fit.problem.plan, found.weighted[known]
-    total, shares = float(left @ left), []
+    left, total, shares = error, float(error @ error), []
     for columns in (
-        _means(plan.record[known]),
+        _means(run),
         _waves(np.arange(left.size, dtype=float), SLOW_WAVES),
-        _means(plan.block[known]),
-        _waves(plan.y[known], LEVEL_WAVES),
+        _means(block),
+        _waves(output, LEVEL_WAVES),
     ):
         after = left - columns @ np.linalg.lstsq(columns, left, rcond=None)[0]
         shares.append(float(left @ left - after @ after))
@@ -32,7 +29,7 @@ def error_parts(found: MeasuredHypothesis) -> dict[str, float]:
     return {name: value / total if total else 0.0 for name, value in zip(PARTS, values)}
 
 
-def _means(group: NDArray[np.int64]) -> Array:
+def _means(group: Integers) -> Array:
     """One column for each group of readings (m,)."""
     return (group[:, None] == np.unique(group)[None, :]).astype(float)
 

@@ -1,0 +1,145 @@
+"""The gates that the name of an effect must pass, besides a likelihood beyond noise.
+
+A name needs values inside their bounds with an interval that excludes "no effect", a larger gain than any flexible
+discrepancy, nothing left that a discrepancy explains, and held-out runs that bear it out. Otherwise the finding is the
+variable on which the errors depend.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, VerdictWord
+from smarig.diagnosis.explain.discrepancy import Discrepancy
+from smarig.diagnosis.explain.search import SearchLevel
+from smarig.diagnosis.held_out_gain import HeldOutGain
+
+DISCREPANCY_NATS = 25.0  # gain of a discrepancy that noise alone does not reach
+REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
+ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
+AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
+NORMAL_95 = 1.96
+WORSE = 1.02  # times the base model's error on held-out runs
+REMOVABLE = 1.2  # times the floor: a smaller error on held-out runs leaves nothing to remove
+BORNE_OUT = (
+    0.85,
+    0.7,
+)  # R on held-out runs, and its lower limit: such a name stands although a variable explains more
+
+
+@dataclass(frozen=True)
+class GatedVerdict:
+    """A verdict after the gates, with one clause on why an effect is not named."""
+
+    verdict: DiagnosisVerdict
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What the gates are decided on.
+
+    ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
+    are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs.
+    """
+
+    levels: tuple[SearchLevel, ...]
+    effect_nats: float
+    before: Discrepancy
+    after: Discrepancy | None
+    gain: HeldOutGain | None
+
+
+def gated(verdict: DiagnosisVerdict, evidence: Evidence) -> GatedVerdict:
+    """The verdict with names that passed all gates only."""
+    if verdict.word in ("silent", "not_identifiable"):
+        return _if_adequate(verdict, evidence.before)
+    if not verdict.explanations:
+        return GatedVerdict(verdict)
+    names = " + ".join(verdict.explanations[0][0])
+    reason = next(_failures(names, evidence), "")
+    if reason:
+        return GatedVerdict(_unknown(verdict, _variable(verdict, evidence)), reason)
+    if verdict.word == "unknown" and _borne_out(evidence.gain):
+        return GatedVerdict(replace(verdict, word=_word(verdict), depends_on=None))
+    return GatedVerdict(verdict)
+
+
+def slow_room(found: Discrepancy) -> bool:
+    """Whether what is taken for noise is a slow change of temperature, more than a draught."""
+    return found.room_K >= ROOM_K and found.correlation_s >= ROOM_S
+
+
+def _if_adequate(verdict: DiagnosisVerdict, before: Discrepancy) -> GatedVerdict:
+    """Silence, unless a discrepancy stands out or the room moves too much."""
+    if before.gain >= DISCREPANCY_NATS:
+        return GatedVerdict(_unknown(verdict, before.depends_on))
+    if slow_room(before):
+        reason = (
+            f"what would pass for noise is a fluctuation of the wire's temperature by {before.room_K:.2g} K over "
+            f"{before.correlation_s:.0f} s and longer, more than a draught"
+        )
+        return GatedVerdict(_unknown(verdict, "time"), reason)
+    return GatedVerdict(verdict)
+
+
+def _failures(names: str, evidence: Evidence) -> Iterator[str]:
+    """Why a name is not given, one clause per failed gate."""
+    yield from _parameter_failures(evidence.levels[-1])
+    before, after = evidence.before, evidence.after
+    if before.gain > max(evidence.effect_nats, DISCREPANCY_NATS):
+        yield f"a dependence on {before.depends_on} explains more than {names}"
+    if after is not None and after.gain > max(DISCREPANCY_NATS, REMAINING_SHARE * evidence.effect_nats):
+        yield f"with {names}, the errors still depend on {after.depends_on}"
+    gain = evidence.gain
+    if gain is None:
+        return
+    if gain.extended > WORSE * max(gain.base, gain.floor):
+        yield f"{names} fits the training runs but predicts the held-out runs worse"
+    interval = gain.interval()
+    if gain.base > REMOVABLE * gain.floor and interval is not None and interval[0] <= 0:
+        yield f"the held-out runs do not bear out {names}"
+
+
+def _parameter_failures(level: SearchLevel) -> Iterator[str]:
+    """Strengths at a bound, or with an interval that contains no effect."""
+    for effect in level.best.effects:
+        kind, strength = effect.kind, effect.strength
+        p = kind.primary
+        near = AT_BOUND_SHARE * (p.upper - p.lower)
+        if p.upper - strength < near or (p.lower != 0 and strength - p.lower < near):
+            yield f"the {p.name} of {kind.name} lies at the bound of its search"
+        spread = level.best.spread.get((kind.name, p.name))
+        if spread is not None and abs(strength) <= NORMAL_95 * spread:
+            yield f"the interval of {kind.name} contains no effect"
+
+
+def _borne_out(gain: HeldOutGain | None) -> bool:
+    """Whether held-out runs bear out the effects beyond doubt."""
+    if gain is None:
+        return False
+    share, interval = gain.removable_share, gain.interval()
+    return (
+        share is not None
+        and interval is not None
+        and gain.base > REMOVABLE * gain.floor
+        and share >= BORNE_OUT[0]
+        and interval[0] >= BORNE_OUT[1]
+    )
+
+
+def _variable(verdict: DiagnosisVerdict, evidence: Evidence) -> str | None:
+    """The variable of an unnamed finding: that of the critique, else that of the discrepancy."""
+    own = evidence.before if evidence.before.gain >= DISCREPANCY_NATS else evidence.after
+    if own is not None and own.gain >= DISCREPANCY_NATS:
+        return own.depends_on
+    return verdict.depends_on or (
+        "time" if slow_room(evidence.before) else evidence.before.depends_on or None
+    )
+
+
+def _word(verdict: DiagnosisVerdict) -> VerdictWord:
+    return "named" if set(verdict.names) == set(verdict.explanations[0][0]) else "ambiguous"
+
+
+def _unknown(verdict: DiagnosisVerdict, variable: str | None) -> DiagnosisVerdict:
+    return DiagnosisVerdict("unknown", verdict.explanations, variable)

@@ -1,0 +1,85 @@
+"""The readings that depend on the output, as one Gaussian problem: what a density, zeros and noise can make of them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
+from smarig.diagnosis.refit.memory_noise import memory_slopes
+from smarig.diagnosis.refit.reading_noise import output_rate, reading_scales
+from smarig.diagnosis.refit.variance_components import ReadingCovariance, bounds_of
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledReadings:
+    """Residuals ``y`` (n,) of the readings that depend on the output, and the covariances that may explain them.
+
+    ``scale`` (n,) divides each reading. ``slopes`` (n, p) and ``times`` (p,) belong to the remembered inputs
+    (``memory_slopes``). ``zero_scale`` (n,) is the scale of positions of the first session, else 0.
+    """
+
+    y: Array
+    scale: Array
+    covariance: ReadingCovariance
+    prior: DensityPrior
+    slopes: Array
+    times: Array
+    zero_scale: Array
+
+    @property
+    def free(self) -> Array:
+        """Covariance (n, n) of free constants."""
+        return self.covariance.free
+
+
+def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> CoupledReadings:
+    """The coupled readings of a simulated timeline."""
+    coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
+    y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
+    h = plant_model.hysteresis
+    path = prediction.outputs_along(h, plant_model.initial, prediction.hysteresis_input_K)
+    contribution = _effect_contribution(timeline, prediction, plant_model)
+    white, free, scale, slope = reading_scales(
+        timeline, prediction, plant_model, coupled, output_rate(prediction, path), contribution
+    )
+    prior = density_prior(prediction, h, path, prediction.output)
+    full_output = y + prediction.output_slope * (
+        prediction.output - h.y_lower
+    )  # for any hysteresis, not only for changes of this one
+    is_moving = np.concatenate([np.full(len(r), float(r.kind == "moving")) for r in coupled])
+    slopes, times = memory_slopes(h, prediction)
+    return CoupledReadings(
+        y=y,
+        scale=scale,
+        covariance=ReadingCovariance(
+            y=full_output / scale,
+            shapes=prior.covariances,
+            free=free,
+            white=white,
+            is_moving=is_moving,
+            slope=slope,
+            bounds=bounds_of(timeline, plant_model),
+        ),
+        prior=prior,
+        slopes=slopes,
+        times=times,
+        zero_scale=scale * ((white < 1.0) & (prediction.session == 0)),
+    )
+
+
+def _effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
+    """The change of each coupled reading (n,) by the effects of the plant model."""
+    if not plant_model.effects:
+        return np.zeros(prediction.output.size)
+    plain = predict(timeline, replace(plant_model, effects=()))
+    return np.concatenate(
+        [
+            prediction.values[r.kind] - plain.values[r.kind]
+            for r in timeline.all_readings
+            if r.kind in OUTPUT_DEPENDENT_KINDS
+        ]
+    )

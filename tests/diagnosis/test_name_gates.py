@@ -1,0 +1,102 @@
+"""Each gate before a name, alone: the name falls if, and only if, its gate is not passed."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.explain.discrepancy import Discrepancy
+from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.name_gates import Evidence, gated
+from smarig.plant import effects_from_pairs
+
+QUIET = Discrepancy("", "", 0.0, room_K=0.05, correlation_s=120.0, noise=0.01)
+NAMED = DiagnosisVerdict("named", ((("settling",), 1.0),))
+SILENT = DiagnosisVerdict("silent")
+BLOCKS = np.repeat(np.arange(12), 5)
+
+
+def gain(base, extended, floor=0.1):
+    wave = np.sqrt(2) * np.cos(np.arange(BLOCKS.size) * 2.0)
+    return HeldOutGain(base * wave, extended * wave, BLOCKS, floor)
+
+
+def level(strength=2.0, sd=0.1):
+    (effect,) = effects_from_pairs([f"settling={strength}"])
+    best = SimpleNamespace(effects=(effect,), spread={("settling", "share_percent"): sd})
+    return SimpleNamespace(best=best)
+
+
+GOOD = Evidence((level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2))
+
+
+def test_a_name_that_passes_every_gate_stands():
+    found = gated(NAMED, GOOD)
+    assert found.verdict is NAMED
+    assert not found.reason
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"levels": (level(strength=10.0),)}, "bound of its search"),
+        ({"levels": (level(strength=0.1, sd=0.2),)}, "contains no effect"),
+        ({"before": replace(QUIET, variable="cycle", gain=900.0)}, "dependence on cycle explains more"),
+        ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on level"),
+        ({"gain": gain(1.0, 1.2)}, "predicts the held-out runs worse"),
+        ({"gain": gain(1.0, 0.999)}, ""),
+    ],
+)
+def test_each_gate_alone_takes_the_name_away(change, words):
+    found = gated(NAMED, replace(GOOD, **change))
+    if words:
+        assert found.verdict.word == "unknown"
+        assert words in found.reason
+        assert found.verdict.explanations == NAMED.explanations  # the nearest name stays visible
+    else:
+        assert found.verdict.word == "named"
+
+
+def test_a_gain_that_hangs_on_few_blocks_is_not_borne_out():
+    base = np.ones(BLOCKS.size)
+    extended = np.where(BLOCKS == 0, 0.05, 1.0)
+    extended[BLOCKS > 6] = 1.01
+    found = gated(NAMED, replace(GOOD, gain=HeldOutGain(base, extended, BLOCKS, 0.1)))
+    assert found.verdict.word == "unknown"
+    assert "do not bear out" in found.reason
+
+
+def test_at_the_floor_held_out_runs_decide_nothing():
+    assert gated(NAMED, replace(GOOD, gain=gain(0.1, 0.1))).verdict.word == "named"
+
+
+def test_a_variable_does_not_take_away_a_name_that_held_out_runs_bear_out():
+    doubted = DiagnosisVerdict("unknown", NAMED.explanations, "time")
+    assert gated(doubted, replace(GOOD, gain=gain(1.0, 0.15))).verdict.word == "named"
+    assert gated(doubted, replace(GOOD, gain=gain(1.0, 0.8))).verdict == doubted
+    assert gated(doubted, replace(GOOD, gain=None)).verdict == doubted
+
+
+@pytest.mark.parametrize(
+    ("before", "depends_on"),
+    [
+        (replace(QUIET, variable="walk", gain=60.0), "history"),
+        (replace(QUIET, variable="rate", gain=60.0), "rate"),
+        (replace(QUIET, room_K=0.35, correlation_s=300.0), "time"),
+    ],
+)
+def test_nothing_is_silent_while_a_discrepancy_stands_out(before, depends_on):
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None))
+    assert found.verdict.word == "unknown"
+    assert found.verdict.depends_on == depends_on
+
+
+@pytest.mark.parametrize(
+    "before",
+    [QUIET, replace(QUIET, variable="rate", gain=15.0), replace(QUIET, room_K=0.3, correlation_s=30.0)],
+)
+def test_noise_and_draughts_stay_silent(before):
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None))
+    assert found.verdict is SILENT
