@@ -15,7 +15,8 @@ from typing import Any
 
 from benchmarks.blind.score_table import score_table
 from benchmarks.blind.trial import Record, trial
-from benchmarks.boxes import draw_box
+from benchmarks.blind.world_table import world_table
+from benchmarks.boxes import Part, draw_box
 from smarig.core import UsageError
 
 QUICK = 6
@@ -32,8 +33,11 @@ def run(
     out: Path | None = None,
     nulls: int = 400,
     left_out: bool = False,
+    part: Part | None = None,
 ) -> dict[str, Any]:
     """The table of ``score_table`` over boxes 0 … ``boxes`` − 1 of a seed.
+
+    ``part``, "public" or "sealed": boxes of all worlds from that half, and the table of ``world_table`` as well.
 
     ``workers``: processes, unless ``dask`` gives the address of a scheduler. ``out``: a file of answers, one
     JSON line per box, continued if it exists. ``left_out``: only boxes whose effect is left out of the
@@ -41,15 +45,19 @@ def run(
     """
     if boxes < 1 or workers < 1:
         raise UsageError(f"At least one box and one worker are needed, not {boxes} and {workers}.")
+    if part not in (None, "public", "sealed"):
+        raise UsageError(f"Boxes have a public and a sealed part, but no part '{part}'.")
     numbers = range(min(QUICK, boxes) if quick else boxes)
     wanted = [k for k in numbers if draw_box(seed, k).left_out] if left_out else numbers
-    done = _stored_answers(out, seed, nulls)
+    done = _stored_answers(out, seed, nulls, part)
     missing = [k for k in wanted if k not in done]
-    for record in _answers(seed, missing, workers, dask, nulls):
+    for record in _answers(seed, missing, workers, dask, nulls, part):
         done[record["number"]] = record
         if out is not None:
-            _append(out, {"seed": seed, "nulls": nulls} | record)
-    return {"seed": seed} | score_table([done[k] for k in wanted])
+            _append(out, {"seed": seed, "nulls": nulls, "part": part} | record)
+    answers = [done[k] for k in wanted]
+    worlds = {"part": part, "worlds": world_table(answers)} if part else {}
+    return {"seed": seed} | score_table(answers) | worlds
 
 
 def _append(out: Path, record: Record) -> None:
@@ -59,7 +67,7 @@ def _append(out: Path, record: Record) -> None:
         file.write(("" if whole else "\n") + json.dumps(record) + "\n")
 
 
-def _stored_answers(out: Path | None, seed: int, nulls: int) -> dict[int, Record]:
+def _stored_answers(out: Path | None, seed: int, nulls: int, part: Part | None) -> dict[int, Record]:
     """The answers in a file with this seed and number of null data sets. An incomplete last line is ignored."""
     found: dict[int, Record] = {}
     if out is None or not out.exists():
@@ -71,7 +79,7 @@ def _stored_answers(out: Path | None, seed: int, nulls: int) -> dict[int, Record
     if lines and not answers:
         raise UsageError(f"{out} holds something other than answers. Give another name.")
     for record in answers:
-        if (record["seed"], record["nulls"]) == (seed, nulls):
+        if (record["seed"], record["nulls"], record.get("part")) == (seed, nulls, part):
             found[record["number"]] = record
     return found
 
@@ -87,19 +95,21 @@ def _answer_of(line: bytes) -> Record | None:
 
 
 def _answers(
-    seed: int, numbers: Sequence[int], workers: int, dask: str | None, nulls: int
+    seed: int, numbers: Sequence[int], workers: int, dask: str | None, nulls: int, part: Part | None
 ) -> Iterator[Record]:
     if dask is not None:
-        yield from _by_dask(seed, numbers, dask, nulls)
+        yield from _by_dask(seed, numbers, dask, nulls, part)
     elif workers == 1:
-        yield from (trial(seed, k, nulls) for k in numbers)
+        yield from (trial(seed, k, nulls, part) for k in numbers)
     else:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for answer in as_completed([pool.submit(trial, seed, k, nulls) for k in numbers]):
+            for answer in as_completed([pool.submit(trial, seed, k, nulls, part) for k in numbers]):
                 yield answer.result()
 
 
-def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Iterator[Record]:
+def _by_dask(
+    seed: int, numbers: Sequence[int], address: str, nulls: int, part: Part | None
+) -> Iterator[Record]:
     try:
         from distributed import Client
         from distributed import as_completed as as_done
@@ -119,5 +129,5 @@ def _by_dask(seed: int, numbers: Sequence[int], address: str, nulls: int) -> Ite
         gc.collect()  # close the objects now; during another client's start this would block for ever
         raise UsageError(f"No Dask scheduler responds at '{address}': {reason_text}.")
     with client:
-        for answer in as_done([client.submit(trial, seed, k, nulls, pure=False) for k in numbers]):
+        for answer in as_done([client.submit(trial, seed, k, nulls, part, pure=False) for k in numbers]):
             yield answer.result()

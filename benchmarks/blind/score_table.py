@@ -37,32 +37,32 @@ def score_table(records: Sequence[Record]) -> dict[str, Any]:
     return {
         "boxes": len(records),
         "failed": [[r["number"], r["error"]] for r in records if "error" in r],
-        "false_alarms": _rate(empty, _alarm) | {"upper95": _upper(empty, _alarm)},
-        "false_alarms_hard": _rate([r for r in empty if r["category"] == "hard_null"], _alarm),
+        "false_alarms": rate(empty, _alarm) | {"upper95": _upper(empty, _alarm)},
+        "false_alarms_hard": rate([r for r in empty if r["category"] == "hard_null"], _alarm),
         "detection": {
-            "delta>=0.5": _rate([r for r in single if _delta(r) >= 0.5], _alarm),
-            "delta>=1": _rate([r for r in single if _delta(r) >= 1], _alarm),
+            "delta>=0.5": rate([r for r in single if _delta(r) >= 0.5], _alarm),
+            "delta>=1": rate([r for r in single if _delta(r) >= 1], _alarm),
             "by_delta": _power(single),
         },
         "name": {
-            "strict": _rate(large, _first_right),
-            "group": _rate(large, _first_confusable),
-            "set_covers": _rate(large, lambda r: _hidden(r) in r["set"]),
+            "strict": rate(large, _first_right),
+            "group": rate(large, _first_confusable),
+            "set_covers": rate(large, lambda r: _hidden(r) in r["set"]),
             "mean_set_size": _mean([len(r["set"]) for r in large if r["set"]]),
         },
-        "named_though_unidentifiable": _rate([r for r in single if _invisible(r)], _named),
+        "named_though_unidentifiable": rate([r for r in single if _invisible(r)], _named),
         "left_out": {
-            "unknown_right": _rate([r for r in left_out if _alarm(r)], _unknown_right),
-            "or_group": _rate(
+            "unknown_right": rate([r for r in left_out if _alarm(r)], _unknown_right),
+            "or_group": rate(
                 [r for r in left_out if _alarm(r)], lambda r: _unknown_right(r) or _set_confusable(r)
             ),
-            "alarms": _rate(left_out, _alarm),
+            "alarms": rate(left_out, _alarm),
         },
         "parameter": _parameters(right),
         "removable_share": _median([s for r in right if (s := _share(r)) is not None]),
         "two": {
-            "both": _rate([r for r in two if _both_visible(r)], _both),
-            "both_of_all": _rate(two, _both),
+            "both": rate([r for r in two if _both_visible(r)], _both),
+            "both_of_all": rate(two, _both),
         },
         "seconds": {
             "mean": _mean([r["seconds"] for r in good]),
@@ -131,7 +131,8 @@ def _share(r: Record) -> float | None:
     return r["held_out"]["removable_share"] if r["held_out"] else None
 
 
-def _rate(records: Sequence[Record], condition: Callable[[Record], bool]) -> dict[str, Any]:
+def rate(records: Sequence[Record], condition: Callable[[Record], bool]) -> dict[str, Any]:
+    """Hits of a condition with their 95 % bounds (Clopper–Pearson)."""
     n, k = len(records), sum(map(condition, records))
     low = float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0
     high = float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0
@@ -146,7 +147,7 @@ def _upper(records: Sequence[Record], condition: Callable[[Record], bool]) -> fl
 def _power(records: Sequence[Record]) -> list[dict[str, Any]]:
     return [
         {"from": low, "to": high if np.isfinite(high) else None}
-        | _rate([r for r in records if low <= _delta(r) < high], _alarm)
+        | rate([r for r in records if low <= _delta(r) < high], _alarm)
         for low, high in zip(DELTAS, DELTAS[1:])
     ]
 
@@ -166,7 +167,7 @@ def _parameters(records: Sequence[Record]) -> dict[str, Any]:
         if p["ci95"]:
             half = (p["ci95"][1] - p["ci95"][0]) / 2 * 1.645 / 1.96
             covered.append({"inside": abs(p["value"] - true) <= half})
-    return {"median_error": _median(errors), "coverage90": _rate(covered, lambda c: c["inside"])}
+    return {"median_error": _median(errors), "coverage90": rate(covered, lambda c: c["inside"])}
 
 
 def _of_effect(records: Sequence[Record]) -> dict[str, Any]:

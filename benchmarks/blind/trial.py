@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks.boxes import Label, SealedBox, draw_box, write_box
+from benchmarks.boxes import Box, Label, Part, SealedBox, draw_box, draw_world_box, write_box
+from benchmarks.boxes.label import KINETIC, UNLISTED_CATEGORY
 from benchmarks.boxes.relays import RelayHysteresis
 from smarig.core import SmarigError
 from smarig.diagnosis import Diagnosis, diagnose_commanded, joint_density_from_best_start
@@ -31,10 +32,10 @@ InputRange = tuple[float, float]
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
-def trial(seed: int, number: int, nulls: int = 400) -> Record:
-    """A box's answer and its truth, as plain values."""
+def trial(seed: int, number: int, nulls: int = 400, part: Part | None = None) -> Record:
+    """A box's answer and its truth, as plain values; with ``part``, of a box from all worlds."""
     started = time.process_time()
-    box = draw_box(seed, number)
+    box = draw_box(seed, number) if part is None else draw_world_box(seed, number, part)
     with tempfile.TemporaryDirectory() as folder:
         sealed = write_box(box, Path(folder))
         without = (box.left_out,) if box.left_out else ()
@@ -46,8 +47,21 @@ def trial(seed: int, number: int, nulls: int = 400) -> Record:
     return (
         {"number": number, "seconds": seconds, "commitment": sealed.commitment}
         | _answer_record(found)
-        | _truth_with_delta(sealed.label, box.hysteresis, found)
+        | _truth_of(box, sealed.label, found)
     )
+
+
+def _truth_of(box: Box, label: Label, found: Diagnosis) -> Record:
+    """The truth with the size δ of what is hidden."""
+    if label.category in (KINETIC, UNLISTED_CATEGORY) or not isinstance(box.hysteresis, RelayHysteresis):
+        return _truth(label, label.effects) | {"delta": {label.category: _delta_of_base(label, found)}}
+    return _truth_with_delta(label, box.hysteresis, found)
+
+
+def _delta_of_base(label: Label, found: Diagnosis) -> float:
+    """δ where no effect of the catalogue is the truth: what the base model misses beyond the noise, over the noise."""
+    noise = label.noise_counts * label.per_count
+    return sqrt(max(found.error.base**2 - noise**2, 0.0)) / noise
 
 
 def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int) -> Diagnosis:
@@ -59,7 +73,10 @@ def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int
 
 
 def _answer_record(found: Diagnosis) -> Record:
-    keys = ("verdict", "effects", "set", "depends_on", "not_identifiable", "held_out", "p_value")
+    keys = (
+        *("verdict", "effects", "set", "depends_on", "reason", "not_identifiable", "held_out", "p_value"),
+        *("adequacy", "noise", "discrepancy", "remaining"),
+    )
     whole = found.to_json()
     return {key: whole[key] for key in keys} | {
         "explanations": [[list(names), p] for names, p in found.verdict.explanations],

@@ -10,6 +10,7 @@ import numpy as np
 from benchmarks.boxes.box_effects import Hidden
 from benchmarks.boxes.hold_plan import duration_h, random_plan
 from benchmarks.boxes.kinetic_hysteresis import random_kinetic_hysteresis
+from benchmarks.boxes.label import KINETIC, UNLISTED_CATEGORY
 from benchmarks.boxes.random_box import Box, draw_box, random_channels, random_noise
 from benchmarks.boxes.random_density import random_hysteresis
 from benchmarks.boxes.unlisted_effects import UNLISTED
@@ -17,7 +18,6 @@ from benchmarks.boxes.wire import random_wire
 
 Part = Literal["public", "sealed"]
 World = Literal["relays", "kinetic", "unlisted"]
-KINETIC, UNLISTED_CATEGORY = "kinetic", "unlisted"
 WORLDS: dict[World, float] = {"relays": 0.55, "kinetic": 0.2, "unlisted": 0.25}
 _PART_SEED: dict[Part, int] = {"public": 0, "sealed": 1}
 

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 EMPTY, HARD_NULL, ONE, TWO = "empty", "hard_null", "one", "two"
+KINETIC, UNLISTED_CATEGORY = "kinetic", "unlisted"
 
 
 @dataclass(frozen=True)

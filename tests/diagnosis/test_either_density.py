@@ -4,7 +4,6 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from smarig.diagnosis.explain import signed_density
@@ -17,10 +16,9 @@ from smarig.diagnosis.explain.search import (
 )
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.plant.effects.walking import walking
-from smarig.replay import MeasuredInput, PlantModel
+from smarig.replay import PlantModel
 
 WIRE: Any = None
-EMPTY = np.empty(0)
 ORIGINAL: Any = "the model's"
 PLAIN = 1000.0  # nats of the positive density without effects
 NEVER = float("-inf")
@@ -36,13 +34,12 @@ class World:
         single=NEVER,
         several=None,
         beside=NEVER,
-        measured=False,
         silent=False,
         loud=False,
     ):
         self.signed, self.single, self.several, self.beside = signed, single, several or single, beside
         self.silent, self.loud = silent, loud
-        self.timeline: Any = SimpleNamespace(drive=MeasuredInput(EMPTY, EMPTY) if measured else None)
+        self.timeline: Any = SimpleNamespace(drive=None)
         self.searches, self.densities, self.critiques, self.said = [], [], [], []
         monkeypatch.setattr(
             signed_density, "joint_density_from_best_start", self.joint_density_from_best_start
@@ -186,15 +183,6 @@ def test_a_large_effect_that_passed_for_noise_is_found_and_must_beat_the_signed_
     assert {(gate, tried) for _, gate, tried, _ in world.searches} == {
         (MIN_GAIN_SILENT_NATS, SINGLE_TRIED_IF_SILENT)
     }
-
-
-@pytest.mark.parametrize(("silent", "loud"), [(False, False), (True, False), (True, True)])
-def test_where_the_input_was_measured_no_signed_density_is_tried(monkeypatch, silent, loud):
-    world = World(monkeypatch, 9999.0, single=1100.0, measured=True, silent=silent, loud=loud)
-    seen, searches = world.find_explanations()
-    assert best_evidence(seen) == (None if silent and not loud else 1100.0)
-    assert searches == world.densities == ["positive"]
-    assert world.searches[0][-1] == NEVER
 
 
 def test_a_critique_in_a_search_starts_from_the_first_noise_and_is_reported(monkeypatch):

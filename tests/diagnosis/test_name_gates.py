@@ -46,7 +46,8 @@ def test_a_name_that_passes_every_gate_stands():
         ({"before": replace(QUIET, variable="cycle", gain=900.0)}, "dependence on cycle explains more"),
         ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on level"),
         ({"gain": gain(1.0, 1.2)}, "predicts the held-out runs worse"),
-        ({"gain": gain(1.0, 0.999)}, ""),
+        ({"gain": gain(1.0, 0.95)}, "do not bear out settling (R = 0.10)"),
+        ({"gain": gain(1.0, 0.7)}, ""),
     ],
 )
 def test_each_gate_alone_takes_the_name_away(change, words):
@@ -57,15 +58,6 @@ def test_each_gate_alone_takes_the_name_away(change, words):
         assert found.verdict.explanations == NAMED.explanations  # the nearest name stays visible
     else:
         assert found.verdict.word == "named"
-
-
-def test_a_gain_that_hangs_on_few_blocks_is_not_borne_out():
-    base = np.ones(BLOCKS.size)
-    extended = np.where(BLOCKS == 0, 0.05, 1.0)
-    extended[BLOCKS > 6] = 1.01
-    found = gated(NAMED, replace(GOOD, gain=HeldOutGain(base, extended, BLOCKS, 0.1)))
-    assert found.verdict.word == "unknown"
-    assert "do not bear out" in found.reason
 
 
 def test_at_the_floor_held_out_runs_decide_nothing():

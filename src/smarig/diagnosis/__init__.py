@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_text import unknown_text as unknown_text
     from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS
     from smarig.diagnosis.drive_statistics import MIN_COUNT_SD as MIN_COUNT_SD
-    from smarig.diagnosis.drive_statistics import drive_statistics as drive_statistics
+    from smarig.diagnosis.drive_statistics import DriveStatistics as DriveStatistics
     from smarig.diagnosis.explain.explanation import Explanation as Explanation
     from smarig.diagnosis.explain.joint_density import joint_density as joint_density
     from smarig.diagnosis.explain.joint_density import (

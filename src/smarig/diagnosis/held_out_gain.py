@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.refit.density_prior import density_prior
 from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD
@@ -127,12 +126,11 @@ def held_out_gain(
         timeline.run, [k for k, run in enumerate(timeline.runs) if id(run) in held_out_ids]
     )[step]
     value, session = np.concatenate([r.value for r in timeline.all_readings]), timeline.session[step]
-    positive_only = drive_statistics(timeline).positive_measure_only
-    weighted = positive_only or len(timeline.all_readings) > 1 or variances is not None
+    weighted = len(timeline.all_readings) > 1 or variances is not None
     extended_prediction = predict(timeline, extended)
     covariance = _noise(timeline, extended_prediction, extended, noise)
     square = np.diag(covariance).copy()
-    if variances is not None and not positive_only:
+    if variances is not None:
         square[is_held_out] = _predictive_variance(
             extended_prediction, extended, covariance, variances, is_held_out
         )
@@ -171,8 +169,7 @@ def _noise(
     own_sd = [
         np.full(len(r), noise.settled if r.kind == "settled" else noise.moving) for r in timeline.all_readings
     ]
-    scatter = drive_statistics(timeline).input_scatter(plant_model, extended_prediction)
-    square = np.concatenate(own_sd) ** 2 + scatter**2
+    square = np.concatenate(own_sd) ** 2
     return noise.temperature_K**2 * memory_covariance(J, times, noise.correlation_s) + np.diag(square)
 
 

@@ -18,8 +18,9 @@ REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
 AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
 NORMAL_95 = 1.96
-WORSE = 1.02  # times the base model's error on held-out runs
+WORSE = 1.1  # times the base model's error on held-out runs: worse whatever the choice of blocks
 REMOVABLE = 1.2  # times the floor: a smaller error on held-out runs leaves nothing to remove
+LEAST_SHARE, POSSIBLE_SHARE = 0.3, 0.7  # R on held-out runs and its upper limit: both below, R is too small
 BORNE_OUT = (
     0.85,
     0.7,
@@ -90,14 +91,20 @@ def _failures(names: str, evidence: Evidence) -> Iterator[str]:
         yield f"a dependence on {before.depends_on} explains more than {names}"
     if after is not None and after.gain > max(DISCREPANCY_NATS, REMAINING_SHARE * evidence.effect_nats):
         yield f"with {names}, the errors still depend on {after.depends_on}"
-    gain = evidence.gain
+    yield from _held_out_failures(names, evidence.gain)
+
+
+def _held_out_failures(names: str, gain: HeldOutGain | None) -> Iterator[str]:
+    """Held-out runs that the effects predict worse, or hardly better although there was something to remove."""
     if gain is None:
         return
-    if gain.extended > WORSE * max(gain.base, gain.floor):
+    share, interval = gain.removable_share, gain.interval()
+    beyond_chance = interval is not None and interval[1] < 0
+    if gain.extended > (1 if beyond_chance else WORSE) * max(gain.base, gain.floor):
         yield f"{names} fits the training runs but predicts the held-out runs worse"
-    interval = gain.interval()
-    if gain.base > REMOVABLE * gain.floor and interval is not None and interval[0] <= 0:
-        yield f"the held-out runs do not bear out {names}"
+    may_be_large = interval is None or interval[1] >= POSSIBLE_SHARE
+    if gain.base > REMOVABLE * gain.floor and share is not None and share < LEAST_SHARE and not may_be_large:
+        yield f"the held-out runs do not bear out {names} (R = {share:.2f})"
 
 
 def _parameter_failures(level: SearchLevel) -> Iterator[str]:

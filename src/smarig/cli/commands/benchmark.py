@@ -39,6 +39,9 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
     default=None,
     help="diagnosis: only boxes with an effect that is left out of the catalogue.",
 )
+@click.option(
+    "--part", type=click.Choice(["public", "sealed"]), help="diagnosis: boxes of all worlds from this half."
+)
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
 @click.option(
     "-o", "--out", type=FILE, help="diagnosis: file for the answers; an existing file is continued."

@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect, EffectType, Parameter
 from smarig.replay import PlantModel, Prediction, Timeline, predict
@@ -162,7 +162,7 @@ def generic(
                 traces[at : at + len(r)] = EXPECTED_SHARE * (float(np.ptp(r.value)) or 1.0) * _smooth(z)
                 yield Candidate(f"?{name} of {r.kind}", traces, depends_on=name)
         at += len(r)
-    statistics = drive_statistics(timeline)
+    statistics = DriveStatistics(timeline)
     for name, z in statistics.variables(base).items():
         basis = _smooth(z)
         if not basis.shape[1]:
@@ -170,8 +170,6 @@ def generic(
         both = np.column_stack([output_change * basis, input_change * basis * slope[: z.size, None]])
         traces = np.zeros((total, both.shape[1]))
         traces[: z.size] = both
-        yield Candidate(f"?{name}", traces, depends_on=name)
-    for name, traces in statistics.rate_traces(base, output_change, input_change * slope):
         yield Candidate(f"?{name}", traces, depends_on=name)
 
 

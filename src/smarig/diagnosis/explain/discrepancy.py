@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, eigh, solve_triangular
 
-from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.refit import Refit
@@ -66,7 +66,7 @@ def likeliest_discrepancy(timeline: Timeline, plant_model: PlantModel, refitted:
     span, found = plant_model.stroke, readings.covariance
     cost, start, seconds = np.inf, refitted.log_components, 0.0
     memory = np.empty((0, 0))
-    for trial_s in drive_statistics(timeline).correlations_s():
+    for trial_s in DriveStatistics(timeline).correlations_s():
         trial = memory_covariance(readings.slopes, readings.times, trial_s) / span**2
         trial_cost, components = found.likeliest(trial, refitted.log_components)
         if trial_cost < cost:
@@ -132,7 +132,7 @@ def _kernels(
         yield variable, "output", kernel
         yield variable, "input", slope[:, None] * kernel * slope
 
-    for name, z in drive_statistics(timeline).variables(prediction).items():
+    for name, z in DriveStatistics(timeline).variables(prediction).items():
         if name != "time":
             yield from both(name, _falling(_ranks(z), RANK_LENGTH))
     same_branch = np.equal.outer(timeline.block[step], timeline.block[step])

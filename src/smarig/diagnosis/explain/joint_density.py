@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table
 from smarig.preisach import Everett, FodTable
@@ -27,16 +26,8 @@ def joint_density(
     """The plant model with a new density, and its readings refitted; ``warm_start``: start at the result of another
     refit.
 
-    The density is identified from positions only: what other channels show is left to the effects. Along a measured
-    input it is a positive measure, with the smoothness chosen by held-out excursions.
+    The density is identified from positions only: what other channels show is left to the effects.
     """
-    if drive_statistics(timeline).positive_measure_only:
-        plant_model = replace(
-            plant_model, hysteresis=_positive_fit(timeline, predict(timeline, plant_model), plant_model, None)
-        )
-        return plant_model, _refit_without_nuisances(
-            timeline, predict(timeline, plant_model), plant_model, warm_start
-        )
     return _alternated(timeline, _start(timeline, plant_model, warm_start))
 
 
@@ -48,8 +39,6 @@ def joint_density_from_best_start(
     The likelier start is used. The given model may be negative somewhere (Prop. 4.6); the measure is not affected
     by errors of the model.
     """
-    if drive_statistics(timeline).positive_measure_only:
-        return joint_density(timeline, plant_model, warm_start)
     fitted = _positive_fit(timeline, predict(timeline, plant_model), plant_model, START_SMOOTHING)
     starts = [_start(timeline, replace(plant_model, hysteresis=h), warm_start) for h in (original, fitted)]
     return _alternated(timeline, max(starts, key=lambda start: start[2].log_evidence))
@@ -62,8 +51,6 @@ def with_posterior_density(
 
     A refit that fits worse than the given model has failed, and must not be diagnosed.
     """
-    if drive_statistics(timeline).positive_measure_only:
-        return plant_model
     posterior = replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
     candidates = (plant_model, posterior, *([given] if given else []))
     return min(candidates, key=lambda s: settled_rms(timeline, s))
@@ -123,10 +110,4 @@ def _positive_fit(
     rows = Observations.of_states(prediction.states[:n], y, timeline.block, (h.lower, h.upper), timeline.unit)
     if timeline.zero.size:
         rows = replace(rows, zero=timeline.zero - 1)
-    weight = drive_statistics(timeline).reading_weights(plant_model, prediction)
-    return fit_table(_weighted(rows, weight), smoothing)
-
-
-def _weighted(rows: Observations, weight: np.ndarray) -> Observations:
-    """The observations with each equation times its weight."""
-    return replace(rows, y=rows.y * weight, sign=rows.sign * weight[rows.term])
+    return fit_table(rows, smoothing)

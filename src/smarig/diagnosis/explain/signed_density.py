@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from smarig.diagnosis.critique.critique import Critique
-from smarig.diagnosis.drive_statistics import drive_statistics
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.explain.search import (
     MIN_GAIN_NATS,
@@ -55,10 +54,9 @@ def find_explanations(
     original = plant_model.hysteresis
     base, plain = joint_density_from_best_start(timeline, plant_model, original)
     positive_result = DensitySearchResult(base, plain, criticise(base), [])
-    positive_only = drive_statistics(timeline).positive_measure_only
-    if positive_result.first.silent or positive_only:
+    if positive_result.first.silent:
         positive_result = _with_levels(positive_result, original, criticise, report_progress)
-        if positive_result.first.silent or positive_only:
+        if positive_result.first.silent:
             return positive_result
     signed = joint_density_from_best_start(timeline, replace(plant_model, signed=True), original)
     return _choose_density(positive_result, signed, original, criticise, report_progress)

@@ -6,7 +6,7 @@ Positions of one session share a zero. A resistance has its own zero and scale. 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.drive_statistics import drive_statistics, raw_noise
+from smarig.diagnosis.drive_statistics import DriveStatistics, raw_noise
 from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ def reading_scales(
 ) -> tuple[Array, Array, Array, Array]:
     """Per coupled reading: white noise (scaled), covariance of free zeros, scale, and slope to y (scaled)."""
     raw, span = raw_noise(timeline, plant_model), plant_model.stroke
-    timing_noise = drive_statistics(timeline).timing_noise(plant_model, prediction, output_rate)
+    timing_noise = DriveStatistics(timeline).timing_noise(prediction, output_rate)
     white, scale, zero, at = [], [], [], 0
     for k, r in enumerate(coupled):
         y = r.value - prediction.values[r.kind]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.density_posterior import DensityPosterior
 from smarig.diagnosis.refit.memory_noise import memory_covariance
@@ -164,7 +164,7 @@ def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[flo
     """Correlation times to try for remembered noise."""
     if warm_start is not None:
         return (warm_start.noise.correlation_s,)
-    return drive_statistics(timeline).correlations_s()
+    return DriveStatistics(timeline).correlations_s()
 
 
 def _likeliest_components(

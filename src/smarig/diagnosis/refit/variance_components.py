@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.optimize import OptimizeResult, minimize
 
-from smarig.diagnosis.drive_statistics import drive_statistics
+from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.replay import PlantModel, Timeline
 
 Array = NDArray[np.float64]
@@ -156,7 +156,7 @@ def bounds_of(timeline: Timeline, plant_model: PlantModel) -> tuple[Array, Array
     """Bounds of the search: from the number of samples of a mean, and from the largest plausible ambient
     fluctuation.
     """
-    return _with_density(*drive_statistics(timeline).noise_bounds(plant_model))
+    return _with_density(*DriveStatistics(timeline).noise_bounds(plant_model))
 
 
 def _with_density(position: tuple[float, float], kelvin: tuple[float, float]) -> tuple[Array, Array]:

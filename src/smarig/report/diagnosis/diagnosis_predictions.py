@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.diagnosis import Diagnosis, drive_statistics, memory_covariance, memory_slopes
+from smarig.diagnosis import Diagnosis, memory_covariance, memory_slopes
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.components.numbers import number
@@ -42,8 +42,7 @@ class DiagnosisPredictions:
         error = readings(timeline, kind).value - prediction.values[kind]
         if kind == "current":
             return error
-        zero = drive_statistics(timeline).residual_zeros(readings(timeline, kind))
-        return error - np.array([error[zero == z].mean() for z in zero])
+        return error - error.mean()
 
 
 def readings(timeline: Timeline, kind: str) -> ReadingSeries:

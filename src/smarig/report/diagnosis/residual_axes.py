@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis import Diagnosis, drive_statistics
+from smarig.diagnosis import Diagnosis, DriveStatistics
 from smarig.replay import Timeline
 from smarig.report.components.figure import AXIS_MARGIN, axis
 from smarig.report.components.numbers import number
@@ -41,10 +41,10 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
     if name == "hold":
         return np.maximum(timeline.hold_s, 1.0)[r.step], axis("Length of the hold (s)", type="log")
     if name == "rate":
-        values, label, is_logarithmic = drive_statistics(timeline).rate_axis(r, u)
-        return values, axis(label, type="log") if is_logarithmic else axis(label)
+        values, label = DriveStatistics(timeline).rate_axis(r)
+        return values, axis(label)
     if name == "history":
-        values, label = drive_statistics(timeline).history_axis(r, u)
+        values, label = DriveStatistics(timeline).history_axis(r, u)
         return values, axis(label)
     if name == "reversals":
         turned = np.abs(np.diff(np.sign(np.diff(target)), prepend=1)) > 0
