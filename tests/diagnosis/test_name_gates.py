@@ -29,7 +29,7 @@ def level(strength=2.0, sd=0.1):
     return SimpleNamespace(best=best)
 
 
-GOOD = Evidence((level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2))
+GOOD = Evidence((level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2), 0.3)
 
 
 def test_a_name_that_passes_every_gate_stands():
@@ -48,6 +48,8 @@ def test_a_name_that_passes_every_gate_stands():
         ({"gain": gain(1.0, 1.2)}, "predicts the held-out runs worse"),
         ({"gain": gain(1.0, 0.95)}, "do not bear out settling (R = 0.10)"),
         ({"gain": gain(1.0, 0.7)}, ""),
+        ({"gain": gain(1.0, 0.95), "fitted_ratio": 0.98}, ""),  # another channel shows it
+        ({"before": replace(QUIET, variable="cycle", gain=395.0)}, "dependence on cycle explains more"),
     ],
 )
 def test_each_gate_alone_takes_the_name_away(change, words):

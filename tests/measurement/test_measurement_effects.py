@@ -36,6 +36,20 @@ def test_a_lag_is_undone_exactly_on_a_ramp_and_nearly_on_a_wave():
     assert np.allclose(ramp, 2.0 * (t + lag_s))
 
 
+def test_an_output_that_follows_late_follows_as_a_first_order_lag():
+    t = 0.1 * np.arange(3000)
+    w, lag_s = 2 * np.pi / 60, 3.0
+    late = changed(record(50 + 20 * np.sin(w * t)), [KINDS["output_lag"](lag_s=lag_s)]).input
+    expected = 50 + 20 / np.hypot(1, w * lag_s) * np.sin(w * t - np.arctan(w * lag_s))
+    assert np.abs(late - expected)[300:].max() < 0.01
+    assert late[0] == 50.0
+
+
+def test_a_drift_adds_hours_to_the_output():
+    change = changed(record(np.arange(9.0), dt=1800.0), [KINDS["output_drift"]()])
+    assert np.allclose(change.terms[:, 0], 0.5 * np.arange(9))
+
+
 def test_rows_that_are_missing_do_not_make_a_jump():
     t = 0.1 * np.arange(400)
     kept = np.delete(np.arange(400), [150, 151])
@@ -54,6 +68,8 @@ def test_effects_are_not_offered_where_they_cannot_be_tested():
     plain, other = record(np.arange(9.0)), record(np.arange(9.0), name="b")
     loaded = [record(np.arange(9.0), conditions={"stress": s}, name=str(s)) for s in (50.0, 100.0)]
     assert KINDS["input_lag"].parameters([record(np.arange(9.0), clock=False)]) is None
+    assert KINDS["output_lag"].parameters([record(np.arange(9.0), unit="V")]) is None
+    assert KINDS["output_drift"].parameters([record(np.arange(9.0), clock=False)]) is None
     assert KINDS["input_offset"].parameters([plain]) is None
     assert KINDS["input_offset"].parameters([plain, other]) is not None
     assert KINDS["input_offset"].parameters(loaded) is None

@@ -279,7 +279,8 @@ def diagnose_commanded(
         else None
     )
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
-    found = gated(decided, Evidence(tuple(levels), effect_nats, before, after, gain))
+    ratio = settled_rms(timeline, extended) / settled_rms(timeline, base)
+    found = gated(decided, Evidence(tuple(levels), effect_nats, before, after, gain, ratio))
     verdict = found.verdict
     offered = verdict.word in ("named", "ambiguous")
     return Diagnosis(

@@ -14,6 +14,10 @@ from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.held_out_gain import HeldOutGain
 
 DISCREPANCY_NATS = 25.0  # gain of a discrepancy that noise alone does not reach
+LEAD_NATS = 10.0  # by which effects must be likelier than a discrepancy, which fits anything
+FITTED_RATIO = (
+    0.9  # of the error of settled positions without the effects: less promises a gain on held-out runs
+)
 REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
 AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
@@ -40,7 +44,8 @@ class Evidence:
     """What the gates are decided on.
 
     ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
-    are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs.
+    are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the rms
+    error of the training runs' settled positions with the effects over that without.
     """
 
     levels: tuple[SearchLevel, ...]
@@ -48,6 +53,7 @@ class Evidence:
     before: Discrepancy
     after: Discrepancy | None
     gain: HeldOutGain | None
+    fitted_ratio: float
 
 
 def gated(verdict: DiagnosisVerdict, evidence: Evidence) -> GatedVerdict:
@@ -87,15 +93,19 @@ def _failures(names: str, evidence: Evidence) -> Iterator[str]:
     """Why a name is not given, one clause per failed gate."""
     yield from _parameter_failures(evidence.levels[-1])
     before, after = evidence.before, evidence.after
-    if before.gain > max(evidence.effect_nats, DISCREPANCY_NATS):
+    if before.gain > max(evidence.effect_nats - LEAD_NATS, DISCREPANCY_NATS - LEAD_NATS):
         yield f"a dependence on {before.depends_on} explains more than {names}"
     if after is not None and after.gain > max(DISCREPANCY_NATS, REMAINING_SHARE * evidence.effect_nats):
         yield f"with {names}, the errors still depend on {after.depends_on}"
-    yield from _held_out_failures(names, evidence.gain)
+    yield from _held_out_failures(names, evidence)
 
 
-def _held_out_failures(names: str, gain: HeldOutGain | None) -> Iterator[str]:
-    """Held-out runs that the effects predict worse, or hardly better although there was something to remove."""
+def _held_out_failures(names: str, evidence: Evidence) -> Iterator[str]:
+    """Held-out runs that the effects predict worse, or hardly better although they fit the training runs better.
+
+    Effects that another channel shows need not change the error of positions.
+    """
+    gain = evidence.gain
     if gain is None:
         return
     share, interval = gain.removable_share, gain.interval()
@@ -103,7 +113,8 @@ def _held_out_failures(names: str, gain: HeldOutGain | None) -> Iterator[str]:
     if gain.extended > (1 if beyond_chance else WORSE) * max(gain.base, gain.floor):
         yield f"{names} fits the training runs but predicts the held-out runs worse"
     may_be_large = interval is None or interval[1] >= POSSIBLE_SHARE
-    if gain.base > REMOVABLE * gain.floor and share is not None and share < LEAST_SHARE and not may_be_large:
+    expected = evidence.fitted_ratio < FITTED_RATIO and gain.base > REMOVABLE * gain.floor
+    if expected and share is not None and share < LEAST_SHARE and not may_be_large:
         yield f"the held-out runs do not bear out {names} (R = {share:.2f})"
 
 

@@ -137,6 +137,32 @@ def test_a_strain_that_each_cycle_leaves_is_named():
     assert parameter(found, "amplitude")["value"] == pytest.approx(0.5, rel=0.2)
 
 
+def test_a_wire_slower_than_its_thermometer_is_named_with_its_time_constant():
+    wire, dt, lag_s = RelayWire(11), 0.5, 5.0
+    inputs = triangles(PEAKS, (30, 90, 50, 120, 40, 80)), triangles((85.0, 70.0, 60.0), (60, 30, 90))
+    runs = [
+        as_run(f"slow_{k}", u, wire.strain(lagged(u, lag_s, dt)), dt=dt, seed=k) for k, u in enumerate(inputs)
+    ]
+    found = diagnosed(runs[:1], runs[1:])
+    assert found.verdict.names == ("output_lag",)
+    assert parameter(found, "lag_s")["value"] == pytest.approx(lag_s, rel=0.25)
+    assert found.gain is not None
+    assert found.gain.extended < 0.6 * found.gain.base
+
+
+def test_a_drift_of_the_output_is_named_with_its_rate():
+    """Peaks that differ, so that the count of cycles is not the clock."""
+    wire = RelayWire(12)
+    u = triangles(
+        tuple(60.0 + 30.0 * ((7 * k) % 10) / 10 for k in range(14)),
+        tuple(20 + 11 * (k % 4) for k in range(14)),
+    )
+    hours = 10.0 * np.arange(u.size) / 3600
+    found = diagnosed([as_run("drift", u, wire.strain(u) + 0.4 * hours, dt=10.0)])
+    assert "output_drift" in found.verdict.names
+    assert parameter(found, "rate")["value"] == pytest.approx(0.4, rel=0.2)
+
+
 # --- causes that no effect describes ---------------------------------------------------------------------
 
 
