@@ -44,8 +44,8 @@ class Evidence:
     """What the gates are decided on.
 
     ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
-    are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the rms
-    error of the training runs' settled positions with the effects over that without.
+    are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the
+    rms error of the training runs' settled positions with the effects over that without.
     """
 
     levels: tuple[SearchLevel, ...]
