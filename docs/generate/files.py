@@ -10,8 +10,9 @@ from generate.comments import class_comments, tuple_comments
 from generate.keys import _inner, _named, unit_of
 from generate.markdown import code, plain, table
 from smarig.core import Quality
+from smarig.preisach.hysteresis import hysteresis_json
 from smarig.record import schema
-from smarig.replay import hysteresis_json, model_file
+from smarig.replay import model_file
 
 RUN = """# Run file
 

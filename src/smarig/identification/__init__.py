@@ -27,6 +27,11 @@ if TYPE_CHECKING:
     from smarig.identification.measured.measured_fit import measured_problem as measured_problem
     from smarig.identification.measured.measured_fit import predicted_outputs as predicted_outputs
     from smarig.identification.measured.measured_fit import reading_weights as reading_weights
+    from smarig.identification.measured.measured_hypothesis import Comparison as Comparison
+    from smarig.identification.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
+    from smarig.identification.measured.measured_hypothesis import compared as compared
+    from smarig.identification.measured.measured_hypothesis import condition_table as condition_table
+    from smarig.identification.measured.measured_hypothesis import resampled_interval as resampled_interval
     from smarig.identification.measured.reading_plan import ReadingPlan as ReadingPlan
     from smarig.identification.measured.reading_plan import reading_plan as reading_plan
     from smarig.identification.noise_floor import noise_floor as noise_floor

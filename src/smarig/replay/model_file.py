@@ -13,9 +13,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
-from smarig.preisach import Everett, Initial, Preisach
+from smarig.preisach import Everett, Initial, Preisach, dump_hysteresis, load_hysteresis
 from smarig.replay.extended_model import Operator, extended_operator
-from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 
 VERSION = 1
 FORMAT = "smarig model"

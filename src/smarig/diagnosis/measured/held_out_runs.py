@@ -6,9 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.measured.measured_hypothesis import Comparison, MeasuredHypothesis, resampled_interval
-from smarig.identification import fit_measured, measured_problem, predicted_outputs
-from smarig.measurement import ConditionTable, MeasurementEffect, measurement_effect_types
+from smarig.identification import (
+    Comparison,
+    MeasuredHypothesis,
+    condition_table,
+    fit_measured,
+    measured_problem,
+    predicted_outputs,
+    resampled_interval,
+)
+from smarig.measurement import MeasurementEffect, measurement_effect_types
 
 Array = NDArray[np.float64]
 OFFSET = "input_offset"
@@ -27,15 +34,6 @@ class RunOffset:
     interval: tuple[float, float]
     without: float
     with_offset: float
-
-
-def condition_table(found: MeasuredHypothesis, train: int) -> ConditionTable | None:
-    """Gain and zero by the condition of an effect, from the training records; None if no effect has a condition."""
-    names = [e.kind.by_condition for e in found.effects if e.kind.by_condition]
-    if not names:
-        return None
-    values = [r.conditions[names[0]] for r in found.fit.problem.plan.records[:train]]
-    return ConditionTable.of(names[0], values, found.fit.gains[:train], found.fit.zeros[:train])
 
 
 def held_out_error(found: MeasuredHypothesis, train: int) -> Array:

@@ -15,17 +15,12 @@ from numpy.typing import NDArray
 from smarig.core import DataError, NotebookDisplay
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.measured.adequacy import error_parts
-from smarig.diagnosis.measured.held_out_runs import RunOffset, condition_table, held_out_error, run_offsets
-from smarig.diagnosis.measured.measured_hypothesis import (
-    Comparison,
-    MeasuredHypothesis,
-    adequate_error,
-    reading_noise,
-)
-from smarig.diagnosis.measured.measured_search import SearchStep, compared, search_effects
+from smarig.diagnosis.measured.adequacy import adequate_error, error_parts, reading_noise
+from smarig.diagnosis.measured.held_out_runs import RunOffset, held_out_error, run_offsets
+from smarig.diagnosis.measured.measured_search import SearchStep, search_effects
 from smarig.diagnosis.measured.measured_text import measured_lines
 from smarig.diagnosis.measured.measured_verdict import MeasuredVerdict, decide, smallest_chance
+from smarig.identification import Comparison, MeasuredHypothesis, compared, condition_table
 from smarig.measurement import (
     InputRecord,
     MeasurementEffect,
