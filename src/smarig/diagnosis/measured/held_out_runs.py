@@ -12,7 +12,6 @@ from smarig.identification import (
     condition_table,
     fit_measured,
     measured_problem,
-    predicted_outputs,
     resampled_interval,
 )
 from smarig.measurement import MeasurementEffect, measurement_effect_types
@@ -44,15 +43,11 @@ def held_out_error(found: MeasuredHypothesis, train: int) -> Array:
     error = fit.error
     table = condition_table(found, train)
     if table is not None:
-        gains = fit.gains.copy()
-        zeros = np.zeros(len(plan.records))
+        shape, terms = fit.shape, fit.problem.terms @ fit.amplitudes
         for k, record in enumerate(plan.records[train:], start=train):
-            gains[k], zeros[k] = table.at(record.conditions.get(table.condition, table.values[0]))
-        programme = fit.problem.programme(gains)
-        own_zero = fit.zeros[fit.problem.observations.zero]  # no estimate for a held-out record
-        shape = predicted_outputs(fit.problem, programme, fit.x) - own_zero
-        error = plan.y - shape - zeros[plan.record]
-        error = np.where(plan.record < train, fit.error, error)
+            own = plan.record == k
+            value = record.conditions.get(table.condition, table.values[0])
+            error[own] = plan.y[own] - table.outputs(shape[own], value) - terms[own]
     for k in range(train, len(plan.records)):
         own = plan.record == k
         if own.any() and table is None:

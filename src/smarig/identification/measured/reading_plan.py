@@ -27,7 +27,7 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record.
+    ``starts`` is the initial state of each record, ``known`` its first row with a known memory.
     """
 
     records: tuple[InputRecord, ...]
@@ -35,6 +35,7 @@ class ReadingPlan:
     starts: tuple[str, ...]
     record: Integers
     block: Integers
+    known: tuple[int, ...] = ()
 
     def __len__(self) -> int:
         return self.record.size
@@ -61,16 +62,17 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     turns = [reversals(r.u) for r in records]
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
-    rows, starts = [], []
+    rows, starts, first = [], [], []
     for record, ends in zip(records, turns):
         start, known = _start(record, ends, low, high)
         starts.append(start)
+        first.append(known)
         own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
         rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
     if not sum(r.size for r in rows):
         raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
     number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
-    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns))
+    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns), tuple(first))
 
 
 def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:
