@@ -51,6 +51,7 @@ RUN_KEYS = {
     "along": "simulation: the run whose inputs the model followed",
     "imported": "import: the file, its hash, its mapping",
     "conditions": "import: values that the mapping keeps in addition to the channels",
+    "repairs": "import with --repair: by kind, the rows that were masked or dropped",
     "header": "import: the header of the table that was read, in files of several",
     "t0_s": "import: --t0",
     "warnings": "import: everything that looked wrong",

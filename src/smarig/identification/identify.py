@@ -22,18 +22,11 @@ from smarig.identification.fod_data import FodData, first_order_points, fod_data
 from smarig.identification.fod_data import select as selected
 from smarig.identification.forc.forc_curves import curves_from_run
 from smarig.identification.identification_result import Identification
-from smarig.identification.identify_loads import identify_loads
+from smarig.identification.identify_loads import check_load_settings, identify_loads
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
-from smarig.identification.rows_used import (
-    NOT_ON_CURVES,
-    NOT_SELECTED,
-    THINNED,
-    RowsUsed,
-    rows_used,
-    without_dropouts,
-)
+from smarig.identification.rows_used import rows_of_runs, without_dropouts
 from smarig.identification.surface.choose_surface import (
     MOST_OBSERVATIONS,
     choose_surface,
@@ -104,7 +97,7 @@ def identify(
     given = _loaded(runs)
     loaded = [without_dropouts(run) for run in given]
     if load_from is not None:
-        _check_load_settings(surface, select, anchor, symmetric, extension)
+        check_load_settings(surface, select, anchor, symmetric, extension)
         return identify_loads(given, load_from)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
@@ -144,7 +137,7 @@ def identify(
         curves=curves,
         choice=choice,
         positive=found.positive,
-        rows=_rows(given, data, select, found.points),
+        rows=rows_of_runs(given, data, select, found.points),
     )
     return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
 
@@ -178,32 +171,6 @@ def _check_words(surface: str, weights: str, symmetric: bool) -> None:
         raise UsageError(
             f"Mirror symmetry is available for the {POSITIVE_KIND} surface only, not for '{surface}'."
         )
-
-
-def _check_load_settings(
-    surface: str, select: str | None, anchor: bool, symmetric: bool, extension: str
-) -> None:
-    if surface not in (POSITIVE_KIND, BEST_KIND):
-        raise UsageError(
-            f"Several loads are identified with the {POSITIVE_KIND} surface, not with '{surface}'."
-        )
-    if select is not None or anchor or symmetric or extension != NONE:
-        raise UsageError(
-            "Several loads are identified from all rows by a plain measure. Leave out the selection, the anchor, the "
-            "symmetry and the extension."
-        )
-
-
-def _rows(
-    runs: Sequence[Run], data: FodData, select: str | None, points: tuple[tuple[int, ...], tuple[int, ...]]
-) -> tuple[RowsUsed, ...]:
-    """The rows used of each run: those of a positive measure, or those on first-order curves."""
-    known, used = points
-    if known:
-        return rows_used(runs, known, used, THINNED)
-    every = [without_dropouts(run).points()[0].size for run in runs]
-    on_curves = [int(np.sum(data.run == k)) for k in range(len(runs))]
-    return rows_used(runs, every, on_curves, NOT_ON_CURVES if select is None else NOT_SELECTED)
 
 
 def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:

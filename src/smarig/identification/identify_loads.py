@@ -5,8 +5,9 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from smarig.core import DataError
+from smarig.core import DataError, UsageError
 from smarig.identification.density_report import density_report
+from smarig.identification.extended.fitted_extension import NONE
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
@@ -15,11 +16,26 @@ from smarig.identification.noise_floor import noise_floor
 from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
 from smarig.identification.surface.fit_figures import error_figures
-from smarig.identification.surface.surface_kinds import POSITIVE_KIND
+from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
 from smarig.measurement import InputRecord, input_records
 from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.replay import Model, NoiseRecord, driven_by_input, model_metadata, pooled_conditions, provenance
+
+
+def check_load_settings(
+    surface: str, select: str | None, anchor: bool, symmetric: bool, extension: str
+) -> None:
+    """Raise UsageError for settings that need another identification than that of several loads."""
+    if surface not in (POSITIVE_KIND, BEST_KIND):
+        raise UsageError(
+            f"Several loads are identified with the {POSITIVE_KIND} surface, not with '{surface}'."
+        )
+    if select is not None or anchor or symmetric or extension != NONE:
+        raise UsageError(
+            "Several loads are identified from all rows by a plain measure. Leave out the selection, the anchor, the "
+            "symmetry and the extension."
+        )
 
 
 def identify_loads(runs: Sequence[Run], condition: str) -> Identification:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from smarig.identification.fod_data import FodData
 from smarig.measurement import dropouts
 from smarig.record import Run
 from smarig.replay import driven_by_input
@@ -68,3 +69,15 @@ def rows_used(
         noun = "settled points" if run.settled else "rows"
         found.append(RowsUsed(run.path.name.split(".")[0], given, n, noun, left_out))
     return tuple(found)
+
+
+def rows_of_runs(
+    runs: Sequence[Run], data: FodData, select: str | None, points: tuple[tuple[int, ...], tuple[int, ...]]
+) -> tuple[RowsUsed, ...]:
+    """The rows used of each run: those of a positive measure, or those on first-order curves."""
+    known, used = points
+    if known:
+        return rows_used(runs, known, used, THINNED)
+    every = [without_dropouts(run).points()[0].size for run in runs]
+    on_curves = [int(np.sum(data.run == k)) for k in range(len(runs))]
+    return rows_used(runs, every, on_curves, NOT_ON_CURVES if select is None else NOT_SELECTED)

@@ -118,7 +118,7 @@ def verify(
     several = [without_dropouts(run) for run in ([runs] if isinstance(runs, Run) else runs)]
     for run in several:
         check_output(model, run)
-    selected = _selected_points(several, select)
+    selected = selected_points(several, select)
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
     counted = [
@@ -130,7 +130,7 @@ def verify(
     return Verification(model.name, model.unit, tuple(counted))
 
 
-def _selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
+def selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
     """Masks of the points that count, per run; curves are numbered through all runs, as in ``identify``."""
     if select is None:
         return [np.ones(run.points()[0].size, dtype=bool) for run in runs]

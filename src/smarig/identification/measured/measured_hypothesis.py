@@ -129,9 +129,16 @@ class Comparison:
         return replace(best, intervals=intervals, at_bound=tuple(bound))
 
 
-def compared(records: Sequence[InputRecord], train: int) -> Comparison:
-    """The comparison of all hypotheses on records, of which the first ``train`` are learned from."""
+def compared(
+    records: Sequence[InputRecord], train: int, selected: Sequence[Mask] | None = None
+) -> Comparison:
+    """The comparison of all hypotheses on records, of which the first ``train`` are learned from.
+
+    ``selected`` are the rows (n,) of each record that may serve as readings; None: all. Memory follows every row.
+    """
     plan = reading_plan(records)
+    if selected is not None:
+        plan = plan.where(plan.of(selected))
     mask = plan.record < train
     rough = fit_measured(measured_problem(plan), FIRST_SMOOTHING, mask)
     weight = reading_weights(rough)

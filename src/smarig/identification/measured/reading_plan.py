@@ -5,8 +5,9 @@ input, out and back. In a record with fewer than four, branches are cut into seg
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ class ReadingPlan:
     def __len__(self) -> int:
         return self.record.size
 
-    def of(self, values: Sequence[Array]) -> Array:
+    def of(self, values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Values (n,) or (n, k) of each record at the readings, (m,) or (m, k)."""
         return np.concatenate([v[rows] for v, rows in zip(values, self.rows)])
 
@@ -48,6 +49,14 @@ class ReadingPlan:
     def y(self) -> Array:
         """Measured outputs (m,)."""
         return self.of([r.y for r in self.records])
+
+    def where(self, mask: NDArray[np.bool_]) -> "ReadingPlan":
+        """The readings of a mask (m,). Raises DataError if none remains."""
+        if not mask.any():
+            raise DataError("The selection leaves no reading of the runs. Select more points.")
+        ends = np.cumsum([r.size for r in self.rows])[:-1]
+        rows = tuple(r[own] for r, own in zip(self.rows, np.split(mask, ends)))
+        return replace(self, rows=rows, record=self.record[mask], block=self.block[mask])
 
     def folds(self, within: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
         """Masks (m,) of readings to hold out together: the blocks within a mask, dealt in turn."""
