@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from identification.made_runs import PARTITION, driven_run, fod_inputs
@@ -50,6 +51,12 @@ def test_a_selection_is_a_reason():
     (rows,) = identify(run, "exponential", select="curve%2==0").rows
     assert set(rows.left_out) == {"not selected"}
     assert rows.to_json()["used"] == rows.given - rows.left_out["not selected"]
+
+
+def test_the_error_of_a_falling_output_is_that_of_its_fit():
+    run = as_run("a", T, STRAIN)
+    found = identify(run, "positive")
+    assert found.model.fit["rms"] == pytest.approx(verify(found.model, run).runs[0].settled.rms, rel=0.1)
 
 
 def test_dropouts_change_neither_a_model_nor_its_verification():

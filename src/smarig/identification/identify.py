@@ -255,8 +255,10 @@ def _positive(
     fit, table, warnings = fit_positive(observations, symmetric=symmetric), None, []
     spread = float(np.std(observations.y))
     if fit.rms > _UNEXPLAINED_SHARE * spread:
-        negative = fit_positive(replace(observations, y=-observations.y), symmetric=symmetric)
+        turned = replace(observations, y=-observations.y)
+        negative = fit_positive(turned, symmetric=symmetric)
         if negative.rms < fit.rms:  # as of strain, which falls while a wire gets hot
+            observations = turned
             fit, table = negative, FodTable(negative.table.nodes, -negative.table.values, negative.table.unit)
             warnings = [
                 "The output falls while the input rises. The measure is that of its negative; the model predicts the "
